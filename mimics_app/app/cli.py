@@ -18,6 +18,7 @@ from itertools import takewhile
 from typing import Any, NoReturn
 
 from mimics_app import __version__
+from mimics_app.app.terminal.examples import HelpFormatter, examples_of
 from mimics_app.contracts.errors import Issue, MimicsError, SceneError, UsageError, nearest
 
 __all__ = ["COMMANDS", "main", "parse"]
@@ -36,7 +37,7 @@ COMMANDS: dict[str, str] = {
     "replay": "simulate a recorded run again and compare every output",
     "report": "write the report of a run as one HTML file",
     "physio": "read body signals from a file, a stream or a simulated person: plots, features, events, quality",
-    "record": "say what a recording holds, mend it, or verify it",
+    "record": "show what a recording holds, repair it, or verify it",
     "study": "run a scene for several subjects and join their trials, taps and answers in tidy tables",
     "sweep": "run an experiment over a grid or sample of parameters, scenes and simulated patients",
     "bench": "measure the product against rivals on this machine",
@@ -77,13 +78,6 @@ class _Parser(argparse.ArgumentParser):
         return self.parse_intermixed_args(words)
 
 
-class _Help(argparse.ArgumentDefaultsHelpFormatter):
-    """Tells defaults that say something."""
-
-    def _get_help_string(self, action: argparse.Action) -> str | None:
-        return action.help if action.default in (None, False, "") else super()._get_help_string(action)
-
-
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """Read a command line that is not empty; imports the module of its command alone.
 
@@ -117,10 +111,11 @@ def _parser_of(command: str) -> _Parser:
     parser = _Parser(
         prog=f"{_PROGRAM} {command}",
         description=f"{described[0].upper()}{described[1:]}.",
-        formatter_class=_Help,
+        formatter_class=HelpFormatter,
     )
     module = _command_module(command)
     module.add_arguments(parser)
+    parser.epilog = "\n".join(part for part in (parser.epilog, examples_of(command)) if part)
     parser.add_argument("--json", action="store_true", help="write one JSON object to stdout, all else to stderr")
     parser.set_defaults(command=command, run=module.run, commands=COMMANDS, parser_of=_parser_of)
     return parser
@@ -153,7 +148,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             return _guarded(arguments, as_json)
     except KeyboardInterrupt:  # before or after the command itself
         return 128 + signal.SIGINT
-    except BrokenPipeError:  # the reader was gone when the error was told
+    except BrokenPipeError:  # the reader was gone when the error was written
         return _EXIT_BROKEN_PIPE
 
 
@@ -219,7 +214,7 @@ def _dispatch(arguments: list[str]) -> int:
     except SystemExit as leave:  # --help and --version
         return int(leave.code or 0)
     code = int(args.run(args))
-    sys.stdout.flush()  # while what goes wrong with it is still told, and a signal still unwinds
+    sys.stdout.flush()  # while what goes wrong with it is still reported, and a signal still unwinds
     return code
 
 
@@ -261,7 +256,7 @@ _AGAIN_S = 0.01
 def _terminated_by_exception() -> Iterator[None]:
     """Let SIGTERM, and SIGHUP of a closed terminal, unwind the stack like Ctrl-C, so that recordings are closed.
 
-    The exit code is 143 or 129. What nohup told to be ignored is ignored. An exception cannot leave a callback of a
+    The exit code is 143 or 129. What nohup asked to be ignored is ignored. An exception cannot leave a callback of a
     compiler or a destructor: the interpreter would print it and go on; there it is dropped and raised again.
     """
     _Terminated.came = 0

@@ -56,7 +56,7 @@ class RunSettings:
         physio: Where body signals come from, e.g. "sim" or "lsl:NAME"; "": nowhere.
         learn: Policy that adapts the task; "": the task's own, if any.
         goal: What the policy is rewarded for, see `learning.goals.build_goal`; "": what the task says.
-        estimator: What tells the state of the person, one of `estimation.registry.ESTIMATORS`; "": what the task says.
+        estimator: Of the person's state, one of `estimation.registry.ESTIMATORS`; "": what the task says.
         baseline_s: How long the person's rest is measured at the beginning [s].
         runs: Folder the run folder is made in.
         difficulty: "easier" and "harder" move what the task can adapt half-way to its easiest or hardest value.

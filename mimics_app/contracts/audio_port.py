@@ -189,10 +189,10 @@ class SoundRow:
         cause: "contact", "contact_end", "impact" or "order".
         sound: Name of the sound, with its variant.
         gain: Linear gain it was started with.
-        submitted_ns: When the mixer was told, on the session clock.
+        submitted_ns: When the mixer got it, on the session clock.
         onset_sample: Index of its first sample in the mix, -1 where a live device keeps that to itself.
         heard_ns: Session time by which its first sample leaves the mix (file) or the device's buffers (device).
-        late: True when it was told too late for its place and started at once.
+        late: True when it came too late for its place and started at once.
     """
 
     t_ns: int

@@ -69,11 +69,13 @@ class Board:
         cards: By the name a scene's `hud.show` lists them under.
         message: One line in the middle, "" for none.
         alarm: Whether the line is a warning.
+        count: What is counted down, large in the middle; 0 for nothing.
     """
 
     cards: Mapping[str, Card] = field(default_factory=dict)
     message: str = ""
     alarm: bool = False
+    count: int = 0
 
     def saying(self, message: str) -> Board:
         """The same cards under another line; the same board where there is none."""

@@ -2,7 +2,7 @@
 
 As in `contracts.atomics` every function has a plain Python meaning and a machine meaning by the C library's symbol, so
 that what calls them can be cached on disk. The descriptor must be non-blocking. Whether the other end still exists is
-asked of `poll`: the result of a read alone does not tell a quiet line from a dead one on every system.
+asked of `poll`: the result of a read alone does not distinguish a quiet line from a dead one on every system.
 """
 
 from __future__ import annotations

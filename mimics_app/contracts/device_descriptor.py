@@ -4,12 +4,12 @@ Every kinematics function has one signature, compiled alone with `typed_kernel(K
 
     status = f(geometry, q, given, out)
 
-`geometry` are the numbers the descriptor works out from a scene's robot (lengths, offsets), `q` the joints; points come
+`geometry` are the numbers the descriptor computes from a scene's robot (lengths, offsets), `q` the joints; points come
 one behind the other, x y z each, in the device's own frame ("robot frame") [m]. A Jacobian is row by row: entry
 [3 c + i, j] of point c, axis i and joint j stands at (3 c + i) * joints + j. Rules as of every plug-in of the loop: no
 allocation, no exception, nothing beyond the lengths the descriptor states.
 
-`forward` and `jacobian` must be given. What else is given in closed form is used, what is not is worked out from them.
+`forward` and `jacobian` must be given. What else is given in closed form is used, what is not is computed from them.
 """
 
 from __future__ import annotations

@@ -134,7 +134,7 @@ class DisplayFrame:
     """A finished frame.
 
     Attributes:
-        eyes: As drawn; a headset's runtime is told these poses and angles.
+        eyes: As drawn; a headset's runtime gets these poses and angles.
         size: Of the picture [px].
         texture: OpenGL name of the texture it is in, 0 where it is in none.
         read: Reads it: RGBA display values, uint8 [height, width, 4], row 0 at the top.
@@ -202,7 +202,7 @@ class Display(Protocol):
         ...
 
     def take_faults(self) -> list[str]:
-        """What could not be shown as it should since the last call, a line each; each fault is told once."""
+        """What could not be shown as it should since the last call, a line each; each fault is reported once."""
         ...
 
     def close(self) -> None:

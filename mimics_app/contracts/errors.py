@@ -35,7 +35,7 @@ __all__ = [
 ]
 
 MOST_TOLD = 100
-"""Most issues of one call that are told one by one; of the rest their number is told."""
+"""Most issues of one call that are reported one by one; of the rest their number is."""
 
 MOST_SOUGHT = 1000
 """Faults of one file after which no more of them are looked for."""
@@ -43,7 +43,7 @@ MOST_SOUGHT = 1000
 _LONG_VALUE = re.compile(r"""(?P<mark>["'])(?P<quoted>(?:(?!(?P=mark)).){81,})(?P=mark)|[^\s/"']{81,}""", re.DOTALL)
 """A value of a file, in quotes or without, that is longer than a line should be; a path stays whole."""
 _HEAD, _TAIL = 50, 25
-"""Characters of such a value that are told from its beginning and its end."""
+"""Characters of such a value that are shown of its beginning and its end."""
 _MOST_TEXT = 1000
 """Characters of a text that is long for another reason, such as a list of names."""
 _MOST_NAMES = 1000
@@ -76,7 +76,7 @@ class Issue:
 
 
 def told(issues: Sequence[Issue]) -> tuple[list[Issue], int]:
-    """The issues that are told one by one, each once, and how many more there are."""
+    """The issues that are reported one by one, each once, and how many more there are."""
     once = list(dict.fromkeys(issues))
     return once[:MOST_TOLD], max(len(once) - MOST_TOLD, 0)
 
@@ -87,13 +87,13 @@ def all_sought(issues: Sequence[Issue]) -> bool:
 
 
 def more_told(issues: Sequence[Issue]) -> str:
-    """How many issues there are beside those that are told one by one, in words; "" for none."""
+    """How many issues there are beside those that are reported one by one, in words; "" for none."""
     more = told(issues)[1]
     return f"and {'' if all_sought(issues) else 'at least '}{counted(more, 'more errors')}" if more else ""
 
 
 class MimicsError(Exception):
-    """Root of every error that is told to a person instead of traced."""
+    """Root of every error that is reported to a person instead of traced."""
 
     exit_code = 1
 
@@ -179,7 +179,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 def short_text(text: str) -> str:
-    """A text for people in which values of more than 80 characters are told by their beginning and their end."""
+    """A text for people in which values of more than 80 characters are shortened to their beginning and their end."""
     if len(text) <= _HEAD:
         return text
     text = _LONG_VALUE.sub(_shortened, text)

@@ -1,7 +1,7 @@
 """Records that cross the border of the 1 kHz loop, and their names and units.
 
     SCENE     main -> loop   parameters, through a triple buffer; read in place, valid from one tick boundary on
-    INBOX     main -> loop   what a pointing device or the task tells the device plug-in, through a triple buffer
+    INBOX     main -> loop   what a pointing device or the task passes to the device plug-in, through a triple buffer
     SNAPSHOT  loop -> all    the newest state, through a triple buffer; poses of haptic bodies travel beside it
     SAMPLE    loop -> recorder, one per tick, through a ring: inputs for replay and every output
     EVENT     loop -> main, audio, recorder: 64 bytes, one ring each
@@ -159,7 +159,7 @@ LIMITS: list[tuple[Any, ...]] = [
     ("workspace_margin", "f8"),  # [m, rad] beyond the joint limits before SAFE_STOP
     ("ramp_time", "f8"),  # [s] soft start 0 -> 1
     ("ramp_force", "f8"),  # [N] the force must be below this to start the ramp
-    ("cap", "i8"),  # 1: contacts are no stiffer than they are stable; 0: only told
+    ("cap", "i8"),  # 1: contacts are no stiffer than they are stable; 0: only reported
     ("cap_margin", "f8"),  # [-] stability margin that a capped contact keeps
     ("device_delay", "f8"),  # from command to motion [s]; as the device plug-in states it
     ("device_damping", "f8"),  # [N s/m] of a force driven device itself
@@ -202,7 +202,7 @@ SCENE = np.dtype(
         ("target", "f8", (3 * MAX_CONTACTS,)),  # PD reference: joints for JOINT_PD, points in the robot frame [m] else
         ("kp", "f8", (MAX_JOINTS,)),  # [1/s] per joint
         ("kd", "f8", (MAX_JOINTS,)),  # [-] per joint
-        ("force_driven", "i8"),  # 1: the device is told forces (COMMAND_FORCE, _TORQUE), 0: velocities (COMMAND_DQ)
+        ("force_driven", "i8"),  # 1: the device takes forces (COMMAND_FORCE, _TORQUE), 0: velocities (COMMAND_DQ)
         ("drive_stiffness", "f8"),  # [N/m] of the spring that draws a force driven device to a target
         ("drive_damping", "f8"),  # [N s/m] of the damper beside it
         ("joints", "i1"),  # of the device, 1 to MAX_JOINTS
@@ -216,12 +216,12 @@ SCENE = np.dtype(
         ("origin_world", "f8", (3,)),  # WCS origin in the world [m]
         *FEEL,
         *LIMITS,
-        ("own_tunnel", "i8"),  # row of the tunnel that the task is about: the sample tells of it
+        ("own_tunnel", "i8"),  # row of the tunnel that the task is about: the sample describes it
         ("objects", OBJECT_COUNTS),  # rows in use of the tables beside this record
     ],
     align=True,
 )
-"""Everything the main thread tells the loop. One writer: the main thread."""
+"""Everything the main thread passes to the loop. One writer: the main thread."""
 
 INBOX = np.dtype(
     [
@@ -233,7 +233,7 @@ INBOX = np.dtype(
     ],
     align=True,
 )
-"""What the main thread tells the device plug-in."""
+"""What the main thread passes to the device plug-in."""
 
 SAMPLE = sample_dtype(LOOP_FIELDS)
 """One row per tick; every field float64, so a row is also a float64 vector. Fields and units: `LOOP_FIELDS`."""

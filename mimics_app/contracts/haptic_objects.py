@@ -1,4 +1,4 @@
-"""Records of the haptic objects (D2.1 4.2.8-4.2.10): what the main thread tells the loop of them, and what they do.
+"""Records of the haptic objects (D2.1 4.2.8-4.2.10): what the main thread passes to the loop of them, and what they do.
 
     SHAPE, BODY, EFFECT, POINT, WIRE, TUNNEL
               main -> loop   rows beside SCENE in the same triple buffer, so that all of one sequence number are taken

@@ -99,7 +99,7 @@ class _Callee(CPUDispatcher):
     """A function that is only called by compiled ones."""
 
     def add_overload(self, cres: Any) -> None:
-        """Keep it for callers; Python is never told of it."""
+        """Keep it for callers; Python never sees it."""
         self.overloads[tuple(cres.signature.args)] = cres
 
 

@@ -55,7 +55,7 @@ class Replay(Enum):
     CLOCK = "counts the ticks"
     INPUT = "is fed into the tick again, as the device gave it"
     OUTPUT = "is compared bit for bit and part of the state hash"
-    TIMING = "tells how punctual the live loop was; left alone"
+    TIMING = "says how punctual the live loop was; left alone"
     ABSENT = "is not recorded"
 
 

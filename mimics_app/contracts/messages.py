@@ -91,7 +91,7 @@ class FeatureFrame:
 
     Attributes:
         t_ns: The time up to which they are computed; the same frame comes again until there is a newer one.
-        values: By name, e.g. {"heart_rate": 72.0}; what cannot be told is not there.
+        values: By name, e.g. {"heart_rate": 72.0}; what is not known is not there.
         quality: Of each signal by its name, 0 (says nothing) to 1.
     """
 

@@ -110,7 +110,7 @@ class Table:
         return Table({**self.groups, **newer.groups}, newer.machine, {**self.reference_us, **newer.reference_us})
 
     def with_rows(self, group: str, rows: Sequence[Row]) -> Table:
-        """This table with rows for methods it does not have yet, their costs told by its own reference loop."""
+        """This table with rows for methods it does not have yet, their costs scaled by its own reference loop."""
         known = {row.method for row in self.groups.get(group, ())}
         loop_us = self.reference_us.get(group) or _middle(self.reference_us.values())
         added = [replace(row, cost_us=row.ratio * loop_us) for row in rows if row.method not in known]

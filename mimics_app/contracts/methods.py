@@ -55,7 +55,7 @@ class Method:
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """What the rivals of a group are for, and the yardstick their costs are told against.
+    """What the rivals of a group are for, and the yardstick their costs are compared with.
 
     Attributes:
         name: As in `Method.group`.

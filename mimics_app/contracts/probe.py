@@ -1,4 +1,4 @@
-"""What cost probes share: the shortest of a few runs, and the loop that every cost is told against.
+"""What cost probes share: the shortest of a few runs, and the loop that every cost is compared with.
 
 A virtual machine's clock rate, and what else runs on it, change from minute to minute. The ratio of a cost to a
 reference loop timed in the same run holds where microseconds do not.

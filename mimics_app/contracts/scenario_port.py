@@ -1,4 +1,4 @@
-"""What the application needs of a scenario, and what a scenario tells the task about its scene."""
+"""What the application needs of a scenario, and what a scenario passes to the task about its scene."""
 
 from __future__ import annotations
 
@@ -46,6 +46,7 @@ class TaskContext:
         feel: Controller under which the person leads: ADMITTANCE, or IMPEDANCE on a force driven device.
         simulated: Nobody is there: whoever asks the person something answers itself.
         by_pointer: The person plays with mouse, keys or gamepad; prompts name what to press.
+        introduced: Somebody at a window reads the page of keys before the first trial, which is then counted down.
     """
 
     start_joints: tuple[float, ...]
@@ -56,6 +57,7 @@ class TaskContext:
     feel: Controller = Controller.ADMITTANCE
     simulated: bool = False
     by_pointer: bool = False
+    introduced: bool = False
 
 
 class Scenario(Protocol):
@@ -94,7 +96,7 @@ class Scenario(Protocol):
         """The picture is on screens about the person, who sees the real body before them: none is drawn for it."""
 
     def aim(self, snapshot: HapticSnapshot) -> Aim | None:
-        """What a person does next with the hand, going by what is seen; None where the way alone tells it."""
+        """What a person does next with the hand, going by what is seen; None where the way alone says it."""
         return None
 
     def haptic_orders(self) -> Mapping[str, object]:

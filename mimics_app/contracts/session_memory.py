@@ -35,7 +35,7 @@ class ControlWord(IntEnum):
     STALE = 40  # loop: ticks with device data older than stale_warn_ns
     STOPS = 48  # loop: stops latched since the start
     HOLDS = 72  # loop: times the force was ramped down for late ticks (DEGRADED) since the start
-    CLOSED = 56  # main: 1 tells the children that nothing more will come
+    CLOSED = 56  # main: 1 means that nothing more will come
     START_NS = 64  # loop: monotonic time of tick 0's release [ns]
 
 

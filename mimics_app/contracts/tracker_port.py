@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 __all__ = ["STALE_NS", "TrackedPose", "TrackerSample", "TrackerSink", "TrackerSource"]
 
 STALE_NS = 100_000_000
-"""A sensor that has said nothing for so long [ns] is told as stale."""
+"""A sensor that has reported nothing for so long [ns] is stale."""
 
 
 @dataclass(frozen=True, slots=True)

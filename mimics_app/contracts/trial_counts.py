@@ -54,7 +54,7 @@ class TrialCounts:
 
 
 def count_trials(rows: Iterable[Mapping[str, object]]) -> TrialCounts:
-    """Count the trials that rows of trials.csv, in order, tell of; the last attempt at a trial decides."""
+    """Count the trials that rows of trials.csv, in order, describe; the last attempt at a trial decides."""
     last = {str(row.get("trial")): row for row in rows}  # a damaged table may hold any value
     ended = [row for row in last.values() if row.get("cause") != SESSION_ENDED]
     practice = [row for row in ended if row.get("practice")]

@@ -36,7 +36,8 @@ class TaskView:
         trials: How many there are.
         elapsed_s: Time in the present state [s].
         on_a_way: Whether a kind of task measures the progress; else it is that of the time.
-        paused: The task and its clock stand still until the person goes on.
+        paused: The task and its clock are halted until the person goes on.
+        reading: The first trial waits until somebody at the window has read the page of keys.
     """
 
     state: TrialState = TrialState.APPROACH
@@ -46,6 +47,7 @@ class TaskView:
     elapsed_s: float = 0.0
     on_a_way: bool = True
     paused: bool = False
+    reading: bool = False
 
     @property
     def robot_leads(self) -> bool:

@@ -72,7 +72,7 @@ class TripReader:
         self._state = int(SafetyState.OFF)
 
     def take(self, events: NDArray[Any]) -> list[Trip]:
-        """Trips among EVENT records [n], oldest first; the state a trip leads to is told before it."""
+        """Trips among EVENT records [n], oldest first; the state a trip leads to comes before it."""
         trips: list[Trip] = []
         for event in events:
             if event["kind"] == EventKind.STATE:

@@ -1,4 +1,4 @@
-"""How each person is at rest: the first minutes say what is usual, and later features are told in their spread."""
+"""How each person is at rest: the first minutes say what is usual, and later features are scaled by their spread."""
 
 from __future__ import annotations
 

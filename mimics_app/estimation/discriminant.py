@@ -13,7 +13,7 @@ __all__ = ["DiscriminantEstimation"]
 
 
 class DiscriminantEstimation:
-    """Arousal, valence and effort as the Kalman fusion tells them; the load from a discriminant trained on many people.
+    """Arousal, valence and effort as the Kalman fusion estimates them; the load from a discriminant trained on many.
 
     Args:
         fusion: Calibrates, explains the heart by work, and says when nothing is known.

@@ -32,7 +32,7 @@ _CORRELATED_S = 25.0
 _UNKNOWN = 0.9
 """Standard deviation of arousal above which it is not known."""
 _VALENCE_VARIANCE = 0.3
-"""Body signals hardly tell valence: wide, whatever they say."""
+"""Body signals hardly show valence: wide, whatever they say."""
 _EFFORT_HEART = 2.0
 """Least spread of the heart rate over rest [1/min]."""
 

@@ -2,7 +2,7 @@
 
 Both are trained on the trials of many people. The fixed one sees what people differ by as noise. The adaptive one takes
 it for what it is: the class means of this person are unknown, distributed as they were among those people, and each
-trial tells more of them (a Kalman filter over the class means; after the adaptive classifier of Koenig et al., IEEE
+trial says more of them (a Kalman filter over the class means; after the adaptive classifier of Koenig et al., IEEE
 TNSRE 19(4), 2011).
 """
 
@@ -70,7 +70,7 @@ def _shrunk(covariance: Floats) -> Floats:
 
 
 def _positive(covariance: Floats) -> Floats:
-    """The nearest covariance: directions in which people were told to differ by less than nothing are flat."""
+    """The nearest covariance: directions in which people differ by less than nothing are flat."""
     values, vectors = np.linalg.eigh(covariance)
     nearest: Floats = (vectors * np.maximum(values, 1e-4)) @ vectors.T
     return nearest

@@ -26,7 +26,7 @@ class LoadPeople:
         family: Of each person, a number, shape [p].
         features: See `trial_view.FEATURES`, shape [p, t, f].
         classes: True class of each trial, shape [p, t].
-        fusion: Probabilities of the classes as the Kalman fusion told them, mean of the last half minute, [p, t, 3].
+        fusion: Probabilities of the classes by the Kalman fusion, mean of the last half minute, [p, t, 3].
     """
 
     family: NDArray[np.int64]

@@ -27,11 +27,11 @@ ESTIMATORS: dict[str, Callable[[float], Estimation]] = {
     "lda": _discriminant(Lda),
     "adaptive_lda": _discriminant(AdaptiveLda),
 }
-"""Called with the length of the calibration [s]. All of them tell arousal, valence and effort by the Kalman fusion and
+"""Called with the length of the calibration [s]. All estimate arousal, valence and effort by the Kalman fusion and
 differ in the load."""
 
 DEFAULT = "adaptive_lda"
-"""Tells the load of unseen people best (chart "load of the person")."""
+"""Estimates the load of unseen people best (chart "load of the person")."""
 
 
 def check_estimator(name: str) -> None:

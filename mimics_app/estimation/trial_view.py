@@ -18,7 +18,7 @@ _SECONDS = 30
 """Over which they are averaged: the features themselves look at the minute before."""
 _MOST = 6.0
 _SUCCESS = (3.0, 0.7)
-"""Success is told as three times what it has over 70 %: of the size of the others."""
+"""Success is given as three times what it has over 70 %: of the size of the others."""
 
 
 class TrialView:
@@ -28,7 +28,7 @@ class TrialView:
         self._rows: deque[list[float]] = deque(maxlen=_SECONDS)
 
     def see(self, seen: Mapping[str, float]) -> None:
-        """A second: features by name, as `FusionEstimation.seen` tells them."""
+        """A second: features by name, as `FusionEstimation.seen` gives them."""
         self._rows.append([float(np.clip(seen.get(name, np.nan), -_MOST, _MOST)) for name in FEATURES[:-1]])
 
     def features(self, success: float | None = None) -> Floats:

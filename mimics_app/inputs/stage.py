@@ -24,7 +24,7 @@ class Inputs:
         window: Whatever has a keyboard, a mouse and a gamepad; None headless.
 
     Attributes:
-        frame: What the window told at the last poll: the application reads close, resize and its hot keys here.
+        frame: What the window reported at the last poll: the application reads close, resize and its hot keys here.
     """
 
     def __init__(
@@ -44,12 +44,12 @@ class Inputs:
         return VRInput(tuple(blocks), _one_pointer(states, stop=not _STOP_NAMES.isdisjoint(pressed)), pressed)
 
     def aim(self, aim: Aim | None) -> None:
-        """Tell every pointing device what the scene asks the hand to do next."""
+        """Pass what the scene asks the hand to do next to every pointing device."""
         for source in self._pointers:
             source.aim(aim)
 
     def feel(self, experience: Experience) -> None:
-        """Tell every recorder of signals what the person went through in this frame."""
+        """Pass what the person went through in this frame to every recorder of signals."""
         for source in self._signals:
             source.feel(experience)
 

@@ -120,7 +120,7 @@ def _entries(measured: MeasuredGroup) -> list[tuple[str, str, str]]:
 
 @dataclass(frozen=True, slots=True)
 class _Unit:
-    """What costs are told in: its name, and how many nanoseconds it has."""
+    """The unit of costs: its name, and how many nanoseconds it has."""
 
     name: str
     ns: float

@@ -1,7 +1,7 @@
 """`mimics bench haptic`: what touching shapes, meshes and bodies costs, beside a reference loop and the peers.
 
 Every row is one workload: cull, narrow, force and friction of one tick for shapes and meshes; the whole of collisions
-and motion for bodies. `us` is the cost in the compiled loop, as the product runs it; `ratio` is told against a loop of
+and motion for bodies. `us` is the cost in the compiled loop, as the product runs it; `ratio` is against a loop of
 1000 sphere tests timed in the same run, `tick_p99_us` is the 99th percentile of the whole tick's work in the live loop
 with that scene, simulated robot and person included.
 
@@ -86,7 +86,7 @@ _CREEP = 1e-9
 
 @kernel
 def _test_spheres(centres: Array, p: Array, calls: int) -> float:
-    """Depth of a point in each of many spheres, `calls` times: the loop that costs are told against."""
+    """Depth of a point in each of many spheres, `calls` times: the loop that costs are compared with."""
     total = 0.0
     for _ in range(calls):
         for i in range(centres.shape[0]):
@@ -340,7 +340,7 @@ def measure_haptic(step: Step = lambda _: None, peers: Path | None = None) -> di
     """The object of `mimics bench haptic`.
 
     Args:
-        step: Told what is measured next.
+        step: Called with what is measured next.
         peers: Folder with harnesses of further peers, see `haptic_harness`; None: there are none.
 
     Raises:

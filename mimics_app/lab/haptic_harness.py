@@ -48,7 +48,7 @@ class HarnessRow:
 
 
 def run_harnesses(folder: Path, tell: Callable[[str], None]) -> list[HarnessRow]:
-    """Run every harness of a folder; one that fails (its peer is not installed) is told and left out.
+    """Run every harness of a folder; one that fails (its peer is not installed) is reported and left out.
 
     Raises:
         UsageError: there is none in the folder.

@@ -15,7 +15,7 @@ from mimics_app.contracts.methods import Group, Method, Registry
 __all__ = ["Growth", "Measured", "MeasuredGroup", "as_dict", "count_probes", "fit_exponent", "measure", "to_table"]
 
 Step = Callable[[str], None]
-"""Told what is measured next."""
+"""Called with what is measured next."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ def measure(group: str, registry: Registry, step: Step = lambda _: None, rounds:
         registry: Where it is registered.
         step: Called with a word before each probe.
         rounds: How many times the group is gone through. Of each cost the smallest stands: whatever else runs on the
-            machine only adds, and a rival is not told to be dearer for what ran beside it alone.
+            machine only adds, and a rival is not called dearer for what ran beside it alone.
 
     Raises:
         KeyError: There is no such group, or nobody described it.

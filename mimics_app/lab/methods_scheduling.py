@@ -90,7 +90,7 @@ def _busy_beside(thread: threading.Thread, lower: bool) -> float:
         _burn(clock, SECONDS)
         used.append((_on_processor_ns(thread) - before) * 1e6 / (clock.now_ns() - started))
 
-    _on_processor_ns(thread)  # where the system does not tell, say so here
+    _on_processor_ns(thread)  # where the system does not say, raise here
     busy = threading.Thread(target=burn, name="busy")
     busy.start()
     busy.join()
@@ -111,13 +111,13 @@ def _on_processor_ns(thread: threading.Thread) -> int:
     """Time a thread of this process has spent running [ns].
 
     Raises:
-        DeviceError: The system does not tell.
+        DeviceError: The system does not say.
     """
     told = Path(f"/proc/self/task/{thread.native_id}/schedstat")
     try:
         return int(told.read_text(encoding="ascii").split()[0])
     except OSError as failure:
-        raise DeviceError(f"{sys.platform} does not tell the time of one thread", "measure on Linux") from failure
+        raise DeviceError(f"{sys.platform} does not report the time of one thread", "measure on Linux") from failure
 
 
 registry.describe(

@@ -1,6 +1,6 @@
 """The whole haptic tick, simulated robot and patient included, by the projection that runs in it.
 
-The planner tells a scene's tick cost from these figures. Importing this module registers them.
+The planner predicts a scene's tick cost from these figures. Importing this module registers them.
 """
 
 from __future__ import annotations

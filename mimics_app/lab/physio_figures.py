@@ -54,8 +54,8 @@ def draw_figures(folder: Path, records: Path | None = None) -> list[Path]:
 
 
 def load_accuracy() -> Figure:
-    """Share of trials whose load was told right by how far off a wrong demand is, with 95 % intervals over people."""
-    shares = Axis("trials told right", 0.0, 1.0, at=(0.0, 0.25, 0.5, 0.75, 1.0))
+    """Share of trials whose load was found by how far off a wrong demand is, with 95 % intervals over people."""
+    shares = Axis("trials estimated right", 0.0, 1.0, at=(0.0, 0.25, 0.5, 0.75, 1.0))
     panel = Panel(6.0, 70.0, 860.0, 400.0, Axis("demand off the best in a wrong trial", 0.06, 0.25), shares)
     rows: list[dict[str, Any]] = []
     lines: dict[str, list[tuple[float, float]]] = {name: [] for name in _TOLD}
@@ -72,7 +72,7 @@ def load_accuracy() -> Figure:
         panel.line(lines[name], f"line s{k}", name)
     entries = [("line", f"line s{k}", name) for k, name in enumerate(_TOLD)]
     parts = [legend(20.0, 52.0, entries), panel.svg()]
-    what = f"{5 * _EACH} people (40 at 0.15), told by what was trained on the four other families; bars: 95 %"
+    what = f"{5 * _EACH} people (40 at 0.15), estimated by what was trained on the four other families; bars: 95 %"
     return physio_figure(
         "physio load accuracy", "Load of unseen families by difficulty", (880.0, 530.0), parts, rows, what
     )

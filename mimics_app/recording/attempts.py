@@ -63,7 +63,7 @@ class Attempt:
 
 
 def find_attempts(run: Run) -> list[Attempt]:
-    """Attempts in order; one that is the whole run where no parameter block tells them apart."""
+    """Attempts in order; one that is the whole run where no parameter block separates them."""
     samples = run.haptic
     if len(samples) == 0:
         return []

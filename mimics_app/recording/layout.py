@@ -92,7 +92,7 @@ def current_layout(extent: Extent = HAPTICMASTER) -> SampleLayout:
 
 
 def layout_of(schema: Any | None) -> tuple[SampleLayout, str]:
-    """The layout a schema tells of, and why it tells of none: the stream is then read as this version writes it.
+    """The layout of a schema, and why it has none: the stream is then read as this version writes it.
 
     Args:
         schema: What `read_schema` found at the start of the stream.
@@ -131,7 +131,7 @@ def _places(extent: Extent, known: dict[str, int]) -> NDArray[np.int64]:
 
 
 def _extent_of(told: bytes | None) -> Extent:
-    """The device a stream tells of; recordings that tell of none are of a HapticMaster's kind.
+    """The device of a stream; recordings that name none are of a HapticMaster's kind.
 
     Raises:
         ValueError: It is none that could have been recorded.

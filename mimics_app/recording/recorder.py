@@ -256,7 +256,7 @@ class Recorder:
         ):
             self.supervise()
             if self._clock.now_ns() > deadline or self._restarts > _MOST_RESTARTS:
-                raise PartialDataError(f"the recorder of {self.folder} stands still", "is its disk alive?")
+                raise PartialDataError(f"the recorder of {self.folder} is stuck", "is its disk alive?")
             self._clock.sleep_until_ns(self._clock.now_ns() + _ROOM_STEP_NS)
 
     def close(self, summary: Mapping[str, object] | None = None, timeout_s: float = 60.0) -> Manifest:

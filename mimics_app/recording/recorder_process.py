@@ -190,7 +190,7 @@ class _Session:
             self._close_message = json.loads(payload)
 
     def _write_trials(self, *, all_of_them: bool = False) -> None:
-        """In the order of their numbers: after a restart some are told twice, and one may come after its follower."""
+        """In the order of their numbers: after a restart some come twice, and one may come after its follower."""
         for index in sorted(self._waiting_trials):
             if index < len(self._trials.rows):
                 del self._waiting_trials[index]

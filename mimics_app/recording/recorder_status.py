@@ -1,4 +1,4 @@
-"""What the recorder process tells the app without a message: a few words in shared memory, one writer."""
+"""What the recorder process reports to the app without a message: a few words in shared memory, one writer."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Mend a run: cut what is torn, take out what is damaged, seal what is good, say what is missing. It never fails.
+"""Repair a run: cut what is torn, take out what is damaged, seal what is good, say what is missing. It never fails.
 
-What cannot be mended, because the disk is full or the folder may not be written, is named beside what is lost.
+What cannot be repaired, because the disk is full or the folder may not be written, is named beside what is lost.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Recovery:
     """What `recover` did.
 
     Attributes:
-        mended: Names of the files whose content changed; () where there was nothing to mend.
+        mended: Names of the files whose content changed; () where there was nothing to repair.
         verdict: On the run as it is now: what is lost, damaged or could not be written.
     """
 
@@ -57,7 +57,7 @@ def recover(folder: Path) -> Recovery:
     """Make every file of a run readable to its last good part, and write a manifest marked "recovered".
 
     Damaged blocks and lines are taken out, so that any reader gets through; the bytes as they were found stay beside
-    the file under its name with `.damaged`. A run that was closed and has nothing to mend is left as it is.
+    the file under its name with `.damaged`. A run that was closed and needs no repair is left as it is.
 
     Raises:
         SceneError: It is no run folder.
@@ -84,11 +84,11 @@ def recover(folder: Path) -> Recovery:
 def _attempt(
     name: str, mend: Callable[[Path], list[str]], folder: Path, mended: list[str], unwritten: list[str]
 ) -> None:
-    """Mend one file and note which were written, or why it could not be."""
+    """Repair one file and note which were written, or why it could not be."""
     try:
         mended += mend(folder)
     except OSError as error:
-        unwritten.append(f"{name} cannot be mended: {error.strerror or error}")
+        unwritten.append(f"{name} cannot be repaired: {error.strerror or error}")
 
 
 def _lost_manifest(run: Run) -> list[str]:
@@ -251,4 +251,4 @@ _MENDERS: dict[str, Callable[[Path], list[str]]] = {
     "events": _mend_events,
     "trials": _mend_trials,
 }
-"""Of the files that can be mended; session.json and haptic_statics.npz are one piece each."""
+"""Of the files that can be repaired; session.json and haptic_statics.npz are one piece each."""

@@ -131,7 +131,7 @@ def compare(recorded: NDArray[Any], replayed: NDArray[Any]) -> Difference | None
 def compare_events(recorded: NDArray[Any], replayed: NDArray[Any], end: int) -> Difference | None:
     """First event of the loop that is missing, too many, or not the same, or None.
 
-    Their monotonic time is left out, it tells when a live loop ran. Numbers that are not finite are all the same: JSON
+    Their monotonic time is left out, it says when a live loop ran. Numbers that are not finite are all the same: JSON
     has one word for them.
 
     Args:

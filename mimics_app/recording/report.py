@@ -183,7 +183,7 @@ def write_report(folder: Path, sections: Sequence[ReportSection]) -> Path:
 
     Args:
         folder: Of the run.
-        sections: Of the kinds of task; the first that takes the run tells of its movement.
+        sections: Of the kinds of task; the first that takes the run describes its movement.
 
     Raises:
         SceneError: It is no run folder.

@@ -62,8 +62,8 @@ def _speeds(samples: NDArray[Any]) -> Plot:
     step = np.append(0.0, _size(np.diff(samples["hip_world"], axis=0)) / np.diff(samples["t"]))
     x, y = Axis.of("before the trip [ms]", when, margin=0.0), Axis.of("speed [m/s]", speed, step, zero=True)
     plot = Plot(x, y, "Speed before the trip", height=150.0)
-    plot.line(when, step, "measured", "by the positions told")
-    plot.line(when, speed, "robot", "as told")
+    plot.line(when, step, "measured", "by the reported positions")
+    plot.line(when, speed, "robot", "as reported")
     return plot
 
 

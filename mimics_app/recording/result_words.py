@@ -12,7 +12,7 @@ from mimics_app.recording.report_values import number
 
 __all__ = ["mean_time", "result_sentence", "trial_lines", "trial_names"]
 
-_OUTCOMES = {FINISHED: "finished", "timeout": "time was over", "aborted": "broken off"}
+_OUTCOMES = {FINISHED: "finished", "timeout": "time over", "aborted": "broken off"}
 
 _NOTABLE = 0.02
 """Difference to the last time from which it is worth a word [-]."""
@@ -74,7 +74,7 @@ def _outcome(row: Mapping[str, Any]) -> str:
 
 
 def _has(row: Mapping[str, Any], column: str) -> bool:
-    """Whether a row tells a measure; one in which nobody was let go tells none."""
+    """Whether a row has a measure; one in which nobody was let go has none."""
     return number(row.get(column)) is not None and row.get("time_s") != 0.0
 
 

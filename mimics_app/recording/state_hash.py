@@ -25,7 +25,7 @@ class StateHash:
     """Running SHA-256 of the samples, the events and the trial rows of one session.
 
     Three hashes run side by side and are joined at the end, so neither the order in which the streams were drained
-    nor the size of the blocks shows. Left out is only what tells real time: how late a tick was, how long it took, and
+    nor the size of the blocks shows. Left out is only what depends on real time: how late a tick was, how long it took,
     the monotonic time of an event (its tick is in).
 
     Args:

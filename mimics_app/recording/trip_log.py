@@ -40,7 +40,7 @@ ROWS_BEFORE = 1000
 """Rows before a trip that are kept with its own: 1 s."""
 
 _KEPT = ROWS_BEFORE + Capacities().samples
-"""Newest rows that are remembered: a trip may be told after as many rows as the ring holds."""
+"""Newest rows that are remembered: a trip may be reported after as many rows as the ring holds."""
 
 MOST_TRIPS = 100
 """Later trips of a run stand in its events only."""
@@ -74,7 +74,7 @@ class TripLog:
 
     Args:
         folder: The run folder.
-        earlier: Trips that were told before, to a recorder that died.
+        earlier: Trips that were reported before, to a recorder that died.
         extent: Of the device.
     """
 

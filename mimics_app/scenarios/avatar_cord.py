@@ -1,7 +1,7 @@
 """The subject, an avatar in front of it in the same clothes, and a cord from the one's stomach to the other's back.
 
 What a trial is like comes from the task by name (`tasks.kinds.avatar_cord`); where the subject's head and hands are
-comes from the trackers, else the subject stands still.
+comes from the trackers, else the subject does not move.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _PARTS = ("head", "hand_left", "hand_right")
 """Parts of a person that move a body."""
 _UNTRACKED: Mapping[str, F8 | None] = dict.fromkeys(_PARTS)
 _EYES = np.array([0.0, 1.70, 0.0])
-"""Where the subject's eyes are unless a display's own tracker tells [m]."""
+"""Where the subject's eyes are unless a display's own tracker gives them [m]."""
 
 _HOVER, _FALL_S = 0.09, 0.14
 """The tapping ball waits so far over what it taps [m], and takes so long down and up again [s]."""

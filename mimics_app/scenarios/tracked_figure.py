@@ -23,7 +23,7 @@ F8 = NDArray[np.float64]
 Parts = Mapping[str, F8 | None]
 
 _LEAST_STANDING, _MOST_STANDING = 1.2, 2.1
-"""Eyes of people who stand are between these heights [m]; what is told beyond is a tracker's fault or somebody sits."""
+"""Eyes of people who stand are between these heights [m]; beyond, a tracker is at fault or somebody sits."""
 _FADE_S = 0.5
 """In which a body goes over from idling to what is tracked, and back [s]."""
 _STEP_FREE = 0.15
@@ -152,7 +152,7 @@ class TrackedFigure:
         return stands
 
     def _trackers(self, ground_from_model: F8, eyes: F8, parts: Parts) -> Trackers:
-        """What is told as places and turns of the model's joints, in its frame."""
+        """What is known as places and turns of the model's joints, in its frame."""
         turn = _TURNED.T @ eyes[:3, :3] @ _TURNED
         place = _inside(ground_from_model, self.scale, eyes[:3, 3]) - turn @ self._eyes
         hands: list[F8 | None] = []

@@ -29,7 +29,7 @@ class TunnelLook:
         curve: Its geometry.
         view: How it looks.
         scale: Radius scale at first [-].
-        suffix: Tells its meshes from those of other tunnels of the scene.
+        suffix: Distinguishes its meshes from those of other tunnels of the scene.
     """
 
     def __init__(

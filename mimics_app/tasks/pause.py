@@ -1,4 +1,4 @@
-"""Whether the task stands still because somebody asked it to, and until when."""
+"""Whether the task is halted because somebody asked for it, and until when."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Pause:
     """Watches the keys.
 
     Attributes:
-        on: Whether the task stands still now.
+        on: Whether the task is halted now.
     """
 
     def __init__(self) -> None:

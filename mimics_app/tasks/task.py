@@ -237,6 +237,13 @@ class StartSpec(Component, frozen=True):
     ready_s: Annotated[
         Seconds, Meta(description="Shortest time between arrival and go [s]; the soft start must be over too.")
     ] = 1.0
+    countdown_s: Annotated[
+        Seconds,
+        Meta(
+            description="Counted down in a window to the go of the session's first trial, after the page of keys [s]; "
+            "0: no count, and no time to read."
+        ),
+    ] = 3.0
     limit_s: Annotated[
         PositiveSeconds,
         Meta(description="Longest way to the start, and longest soft start [s]; then the attempt is aborted."),
@@ -345,7 +352,7 @@ class _TaskBase(Component, frozen=True):
     estimator: Annotated[
         str,
         Meta(
-            description="What tells the person's load unless a run names it: fusion, lda, adaptive_lda; '': the best."
+            description="Estimator of the person's load unless a run names it: fusion, lda, adaptive_lda; '': the best."
         ),
     ] = ""
 

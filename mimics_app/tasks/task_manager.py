@@ -32,6 +32,7 @@ from mimics_app.tasks.arrival import Arrival
 from mimics_app.tasks.attempts import ABORTED, TIMEOUT, Attempts, Row
 from mimics_app.tasks.cards import count_card, force_card, progress_card, state_card, time_card, trial_card
 from mimics_app.tasks.control import RobotControl
+from mimics_app.tasks.countdown import Countdown
 from mimics_app.tasks.goals import Goals
 from mimics_app.tasks.hud import Announcement, built_in_messages, cause_words, state_message
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
@@ -86,17 +87,17 @@ class TaskManager:
         self._plays = {kind.name: kind.open(spec, context, seed) for kind in kinds}
         self._captions: TaskKind | type[TaskKind] = kinds[-1] if kinds else TaskKind
         counts = [kind.completes for kind in kinds if kind.completes]
-        plays = tuple(self._plays.values())
         self._has_score = bool(kinds) or spec.score != ScoreSpec()  # the built-in weights judge a way
         score = spec.score if self._has_score else None
+        plays = tuple(self._plays.values())
         self._attempts = Attempts(plan, score, spec.start.attempts, on_trial, plays, counts, first_trial)
         self._bodies, self._by_pointer = context.bodies, context.by_pointer
         self._arrival = Arrival(spec.start, context.start_joints)
         self._control = RobotControl(context.home or Home(context.start_joints), context.feel)
         self._goals = Goals(spec.goals, [self._play_of(goal) for goal in spec.goals])
         self._triggers = Triggers(spec.triggers, [self._play_of(trigger.when) for trigger in spec.triggers])
-        self._announcement = Announcement()
-        self._pause = Pause()
+        self._announcement, self._pause = Announcement(), Pause()
+        self._countdown = Countdown(spec.start.countdown_s, introduced=context.introduced)
         self._seen: Observation | None = None
         self._haptic, self._visual, self._audio = Changes(), Changes(), Changes()
         self._settings = Settings()
@@ -170,7 +171,7 @@ class TaskManager:
         return self._attempts.result(self._last_ns)
 
     def _pauses(self, seen: Observation) -> bool:
-        """Whether the task stands still in this frame; there is nothing to hold before the first one."""
+        """Whether the task is halted in this frame; there is nothing to hold before the first one."""
         if self._seen is not None and self._pause.switched(seen, self._state):
             self._on_event("pause", {"t_ns": seen.now_ns, "on": self._pause.on})
             if self._pause.on:
@@ -217,13 +218,14 @@ class TaskManager:
         if self._state is TrialState.TRAVEL and self._attempts.tally is not None:
             self._attempts.tally.add(seen)
             goal = self._goals.met(seen, elapsed)
+        self._countdown.see(self._state, elapsed, seen.pressed)
         return Conditions(
             elapsed_s=elapsed,
             latched=seen.latched,
             arrived=self._state is TrialState.APPROACH and self._arrival.reached(seen),
-            go=seen.soft_start_over and elapsed >= self._spec.start.ready_s,
+            go=seen.soft_start_over and elapsed >= max(self._spec.start.ready_s, self._countdown.until_s),
             goal=goal,
-            start_limit_s=self._spec.start.limit_s,
+            start_limit_s=self._spec.start.limit_s + self._countdown.until_s,
             time_limit_s=self._time_limit_s(),
             result_s=self._spec.result_s,
             rest_s=self._rest_s(),
@@ -329,13 +331,12 @@ class TaskManager:
         return None
 
     def _view(self, seen: Observation) -> TaskView:
-        attempts = self._attempts
+        attempts, travels = self._attempts, self._state is TrialState.TRAVEL
         elapsed, on_a_way = self._elapsed_s(seen.now_ns), bool(self._plays)
-        travels = self._state is TrialState.TRAVEL
         done = seen.progress if on_a_way else elapsed / self._length_s() if travels else 0.0
         progress = min(max(done, 0.0), 1.0)
-        trial, trials = attempts.number + 1, len(attempts.plan)
-        return TaskView(self._state, progress, trial, trials, elapsed, on_a_way, self._pause.on)
+        which = attempts.number + 1, len(attempts.plan)
+        return TaskView(self._state, progress, *which, elapsed, on_a_way, self._pause.on, self._countdown.reading)
 
     def _lay_out(self, seen: Observation, view: TaskView) -> Board:
         attempts = self._attempts
@@ -366,7 +367,7 @@ class TaskManager:
         for play in self._plays.values():
             cards |= play.cards(seen, attempts.finished)
         line = PAUSED if self._pause.on else self._announcement.line(seen.now_ns, line)
-        return Board(cards, line, alarm=self._state is TrialState.STOPPED)
+        return Board(cards, line, alarm=self._state is TrialState.STOPPED, count=self._countdown.count)
 
     def _left_s(self, view: TaskView) -> float | None:
         """Time left of the travel [s]; None outside of one."""

@@ -28,6 +28,7 @@ class _ContextRecord(msgspec.Struct):
     feel: int
     simulated: bool = False
     by_pointer: bool = False
+    introduced: bool = False
 
 
 class _TaskRecord(msgspec.Struct):
@@ -50,6 +51,7 @@ def task_record(spec: TaskSpec, context: TaskContext) -> dict[str, Any]:
         feel=int(context.feel),
         simulated=context.simulated,
         by_pointer=context.by_pointer,
+        introduced=context.introduced,
     )
     record: dict[str, Any] = msgspec.to_builtins(_TaskRecord(plain, kept))
     return record
@@ -72,6 +74,7 @@ def task_of_record(record: Mapping[str, Any]) -> tuple[TaskSpec, TaskContext]:
         feel=Controller(known.feel),
         simulated=known.simulated,
         by_pointer=known.by_pointer,
+        introduced=known.introduced,
     )
     return msgspec.convert(kept.spec, TaskSpec), context
 

@@ -1,4 +1,4 @@
-"""Cords of a world as they are now: what a renderer is told of each, all of it live."""
+"""Cords of a world as they are now: what a renderer gets of each, all of it live."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Cord:
         visible: False draws nothing.
         swing: How far it is swung out of the vertical [rad].
         waves: How ripples run.
-        ball: Centre [m] and radius [m] of a ball that throws its shadow on the cord, float64 [4]; radius 0: none.
+        ball: Centre [m] and radius [m] of a ball that casts its shadow on the cord, float64 [4]; radius 0: none.
         taps: Ripples: where, and when they began [s].
         faults: What could not be as it was asked for, each once.
     """
@@ -108,7 +108,7 @@ class Cord:
         return curve.point(s)[0] + (self.shown_radius + gap) * out, out
 
     def take_faults(self) -> list[str]:
-        """What could not be as it was asked for since the last call, each told once."""
+        """What could not be as it was asked for since the last call, each reported once."""
         new, self._told = self.faults[self._told :], len(self.faults)
         return new
 

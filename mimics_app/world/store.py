@@ -1,4 +1,4 @@
-"""Identity of entities: an index that is used again, and a generation that tells the old user from the new one."""
+"""Identity of entities: an index that is used again, and a generation that separates the old user from the new one."""
 
 from __future__ import annotations
 

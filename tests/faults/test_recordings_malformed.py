@@ -239,7 +239,7 @@ def test_what_cannot_be_recovered_is_told_alike(
     verified = _lines(capsys, "verify", str(folder))
     recovered = _lines(capsys, "recover", str(folder))
     assert recovered[0] == verified[0] == ["damaged", f"{folder}: 2 findings"]
-    assert recovered[1] == ["mended", "nothing: what is lost or damaged cannot be recovered, it stays as it is"]
+    assert recovered[1] == ["repaired", "nothing: what is lost or damaged cannot be recovered, it stays as it is"]
     assert recovered[2:] == verified[1:] and len(recovered[2:]) == 2
 
 
@@ -251,7 +251,7 @@ def test_recovered_run_is_not_damaged_until_it_is_again(
     path, haptic = folder / "events.jsonl", (folder / "haptic.arrows").stat()
     path.write_bytes(path.read_bytes().replace(b'"tick"', b'"tich"', 1))
     recovered = _lines(capsys, "recover", str(folder))
-    assert recovered[1] == ["mended", "events.jsonl, manifest.json"]
+    assert recovered[1] == ["repaired", "events.jsonl, manifest.json"]
     assert (folder / "haptic.arrows").stat().st_mtime_ns == haptic.st_mtime_ns
     losses = len(recovered) - 2
     verified = _lines(capsys, "verify", str(folder))
@@ -298,7 +298,7 @@ def test_folder_that_cannot_be_written_is_judged_all_the_same(whole: Path, tmp_p
         monkeypatch.setattr(f"mimics_app.recording.{module}.write_atomically", full)
     monkeypatch.setattr("mimics_app.recording.append_file.os.write", full)
     recovery = recover(folder)
-    assert "haptic.arrows cannot be mended: No space left on device" in recovery.verdict.problems
+    assert "haptic.arrows cannot be repaired: No space left on device" in recovery.verdict.problems
 
 
 @pytest.mark.parametrize("seed", range(60))

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.world.scene.file import build_world
 from tests.support.xvfb import display
 
-__all__ = ["SIZE", "AppWindow", "open_window", "pixel_of"]
+__all__ = ["SIZE", "AppWindow", "open_journey", "open_window", "pixel_of"]
 
 SIZE = (1280, 720)
 
@@ -62,6 +63,14 @@ class AppWindow:
 
         return np.asarray(ImageGrab.grab(xdisplay=self.screen).convert("RGB"))
 
+    def keep(self, name: str) -> None:
+        """Put what the screen shows into `pictures` beside the runs."""
+        from PIL import Image
+
+        folder = self.runs.parent / "pictures"
+        folder.mkdir(exist_ok=True)
+        Image.fromarray(self.picture()).save(folder / f"{name}.png")
+
     def wait(self, what: str, condition: Callable[[], bool], seconds: float = 60.0) -> None:
         for _ in range(round(seconds / 0.1)):
             assert self.process.poll() is None, f"the application ended while waiting for {what}"
@@ -80,12 +89,36 @@ class AppWindow:
         return self.process.returncode, json.loads(told)
 
 
+@lru_cache(maxsize=4)
+def _clip_from_world(scene: Path) -> np.ndarray:
+    """Of the scene's first camera, shape [4, 4]; a world takes seconds to build."""
+    return desktop_views(build_world(load_checked_scene(scene)).cameras[0], SIZE)[0].clip_from_world
+
+
 def pixel_of(scene: Path, point_world: np.ndarray) -> tuple[int, int]:
     """Where the scene's camera shows a point of the world [px], origin top left."""
-    world = build_world(load_checked_scene(scene))
-    clip = desktop_views(world.cameras[0], SIZE)[0].clip_from_world @ np.append(point_world, 1.0)
+    clip = _clip_from_world(scene) @ np.append(point_world, 1.0)
     x, y = clip[:2] / clip[3]
     return round((x + 1.0) / 2.0 * SIZE[0]), round((1.0 - y) / 2.0 * SIZE[1])
+
+
+@contextmanager
+def open_journey(scene: Path, runs: Path, *words: str) -> Iterator[AppWindow]:
+    """`mimics run SCENE` as a person opens it: with its page of keys before and its page of results after the play."""
+    if shutil.which("xdotool") is None:
+        pytest.skip("xdotool is not installed: apt-get install xdotool")
+    width, height = SIZE
+    with display(f"{width}x{height}x24") as screen:
+        command = [sys.executable, "-m", "mimics_app", "run", str(scene), "--sound", "off", "--runs", str(runs), *words]
+        process = subprocess.Popen(command, env={**os.environ, "DISPLAY": screen}, text=True)
+        window = AppWindow(process, screen, runs, scene)
+        try:
+            window.wait("run folder", lambda: any(runs.glob("*/haptic.arrows")), seconds=150.0)
+            yield window
+        finally:
+            if process.poll() is None:
+                process.send_signal(signal.SIGTERM)
+            process.wait(timeout=40)
 
 
 @contextmanager

@@ -149,6 +149,27 @@ def test_a_device_that_nobody_has_is_exit_code_4_with_its_place(tmp_path, capsys
     assert 'pointer"' in told
 
 
+def test_a_device_that_nobody_has_keeps_its_place_where_reach_is_checked(tmp_path, capsys):
+    document = json.loads((root() / "scenes" / "wavy_tunnel.json").read_text())
+    robots = [index for index, entity in enumerate(document["entities"]) if "robot" in entity.get("components", {})]
+    document["entities"][robots[0]]["components"]["robot"]["device"] = "pointr"
+    assert main(["check", str(write(tmp_path, document))]) == 4
+    assert f"scene.json#/entities/{robots[0]}/components/robot/device: there is no device" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("field", "words", "said"),
+    [
+        ("learn", "stair", 'there is no policy "stair"; did you mean "staircase"'),
+        ("estimator", "lad", 'there is no estimator "lad"; did you mean "lda"'),
+        ("goal", "succes:0.7", '"succes:0.7" is no goal: task, success:SHARE'),
+    ],
+)
+def test_policy_goal_and_estimator_of_a_task_must_be_there(tmp_path, capsys, field: str, words: str, said: str):
+    assert main(["check", str(write(tmp_path, scene(thing("a"), task={field: words})))]) == 3
+    assert f"scene.json#/task/{field}: {said}" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("part", sorted((root() / "scenes" / "parts").glob("*.json")), ids=lambda file: file.stem)
 def test_shipped_part_is_right_by_itself_and_says_what_it_is_for(capsys, part):
     assert main(["check", str(part)]) == 0

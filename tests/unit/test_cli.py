@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import signal
 import subprocess
 import sys
@@ -15,6 +16,7 @@ import pytest
 
 from mimics_app.app import cli, settings
 from mimics_app.app.terminal import output
+from mimics_app.app.terminal.examples import EXAMPLES
 from mimics_app.app.terminal.first_start import is_cold
 from mimics_app.contracts.errors import (
     DeviceError,
@@ -154,6 +156,16 @@ def test_help_and_version_are_0(capsys: pytest.CaptureFixture[str]) -> None:
     listed = capsys.readouterr().out
     assert all(name in listed for name in cli.COMMANDS)
     assert cli.main(["--version"]) == 0
+
+
+@pytest.mark.parametrize("command", sorted(EXAMPLES))
+def test_examples_of_help_can_be_typed_and_are_shown_whole(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([command, "--help"]) == 0
+    shown = capsys.readouterr().out
+    for typed, what in EXAMPLES[command]:
+        assert any(line.strip().startswith(typed) and line.endswith(what) for line in shown.splitlines()), typed
+        words = shlex.split(typed)
+        assert words[0] == "mimics" and cli.parse(words[1:]).command == words[1]
 
 
 def test_ctrl_c_is_130(command: Callable[[Body], None]) -> None:

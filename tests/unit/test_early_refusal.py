@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 
@@ -26,6 +27,7 @@ SCRIPT = (
         ("explain nowhere", 3, "there is no such scene"),
         ("check nowhere.json", 3, "there is no such scene"),
         ("view nowhere.json --headless", 3, "there is no such scene"),
+        ("view scenes/pick_and_place.json", 4, "no display for a window"),
         ("devices check nowhere", 4, 'there is no device "nowhere"'),
         ("replay nowhere", 3, "is no run folder"),
         ("report nowhere", 3, "is no run folder"),
@@ -34,6 +36,9 @@ SCRIPT = (
     ],
 )
 def test_what_is_not_there_is_refused_before_anything_heavy_is_imported(line: str, code: int, said: str) -> None:
-    done = subprocess.run([sys.executable, "-c", SCRIPT, *line.split()], capture_output=True, text=True, check=True)
+    blind = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, *line.split()], capture_output=True, text=True, check=True, env=blind
+    )
     assert said in done.stderr
     assert json.loads(done.stdout) == [code, []]

@@ -96,13 +96,16 @@ def accepting(scene, **tolerances: float):
     return scene
 
 
-def test_a_stage_that_nobody_built_is_not_blamed_on_the_scene(scene):
-    """There is no component by which a scene could have a recorder of body signals."""
+def test_body_signals_and_learning_are_asked_for_by_the_run(scene):
+    """No component of a scene is a recorder of body signals; a task may name its policy."""
     left = {
         one["part"]: one["why"] for one in explain_plan(scene, plan_scene(scene, "training", planted()))["left_out"]
     }
-    (why,) = [why for part, why in left.items() if "body signals" in part]
-    assert why.startswith("not built yet") and "is in the scene" not in why
+    assert "--physio" in left["body signals and the person's state"]
+    assert "--learn" in left["learned adaptation"]
+    walk = load_checked_scene(root() / "scenes" / "guided_walk.json")
+    parts = [one["part"] for one in explain_plan(walk, plan_scene(walk, "training", planted()))["left_out"]]
+    assert "body signals and the person's state" in parts and "learned adaptation" not in parts
 
 
 def test_a_rival_at_half_the_cost_and_equal_error_is_taken_and_at_ten_times_the_error_dropped():

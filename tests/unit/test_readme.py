@@ -82,6 +82,5 @@ def _not_built() -> set[str]:
 
 def test_the_figure_says_which_stages_are_not_built() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    told = text[text.index("Dotted: not built yet.") : text.index("and there is no console")]
-    assert {name for name in STAGES if name in told} == _not_built()
+    assert "Every stage has its sources; there is no operator's console yet." in text and _not_built() == set()
     assert not (ROOT / "mimics_app" / "console").exists()

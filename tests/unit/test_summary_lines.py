@@ -19,7 +19,7 @@ def test_trials_are_counted_as_in_json_and_practice_apart():
     said = lines({**task, "path_error_m": 0.0031, "contacts": 12})
     assert said["task"] == "2 of 3 trials finished; mean score 90 of 100; mean time 3.8 s"
     assert said["practice"] == "0 of 1 trial finished"
-    assert said["path"] == "3.1 mm from the way, 12 contacts"
+    assert said["path"] == "3.1 mm from the path, 12 contacts"
     assert said["touch"] == "simulated 34.0 s; robot at rest"
     assert "carried" not in said
 
@@ -39,7 +39,7 @@ def test_figures_of_practice_are_told_as_those_of_practice():
     said = lines({**task, "score": 71.0, "time_s": 8.8, "path_error_m": 0.0092, "contacts": 5})
     assert said["task"] == "no trial ended"
     assert said["practice"] == "1 of 1 trial finished; score 71 of 100; time 8.8 s"
-    assert said["path"] == "9.2 mm from the way, 5 contacts (in practice)"
+    assert said["path"] == "9.2 mm from the path, 5 contacts (in practice)"
     under_way = lines({"completed": 0, "trials": 0, "counted": "under way", "time_s": 2.0, "contacts": 1})
     assert under_way["task"] == "no trial ended; 2.0 s under way"
 

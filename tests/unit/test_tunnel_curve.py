@@ -115,7 +115,7 @@ def test_radius_scale_counts_for_the_bend():
         ([(0.0, 0.0, 0.0), (0.1, np.nan, 0.0), (0.1, 0.0, 0.0)], "control_points/1", "not finite"),
         ([(0.0, 0.0, 0.0), (np.inf, 0.0, 0.0)], "control_points/1", "not finite"),
         ([(0.0, 0.0, 0.0), (1e200, 0.0, 0.0)], "control_points/1", "1 km"),
-        ([(0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.0, 0.0)], "control_points", "stands still at s = 0.500"),
+        ([(0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.0, 0.0)], "control_points", "is zero at s = 0.500"),
         ([(0.01 * i, 0.0, 0.0) for i in range(MAX_PIECES + 4)], "control_points", f"at most {MAX_PIECES + 3}"),
     ],
 )

@@ -59,7 +59,7 @@ def _measure_product(session: Session, seconds: float) -> Row:
 
 
 def _measure_thread(session: Session, seconds: float) -> Row:
-    """The same session, whose compiled tick a Python thread calls; the loop is told that it is in time."""
+    """The same session, whose compiled tick a Python thread calls; the loop takes itself to be in time."""
     with PythonLoop(lambda: session.haptics.advance(1)) as loop:
         frames = _draw_frames(session, seconds)
     counted = loop.late_us[_UNCOUNTED:]

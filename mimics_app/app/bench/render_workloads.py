@@ -66,7 +66,7 @@ class Workload(ABC):
         return self._settings
 
     def prepare(self, frames: int) -> None:  # noqa: B027  not everything needs to
-        """Work out beforehand what an application would have: poses of every frame."""
+        """Compute beforehand what an application would have: poses of every frame."""
 
     def update(self, frame: int) -> None:
         """Hand a frame's poses to the world and bring it up to date: what is timed as the application's part."""

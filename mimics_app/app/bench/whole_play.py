@@ -102,7 +102,7 @@ class WholePlay:
 
         The cost is of every stage of the main thread, to the last pixel.
 
-        Time stands still meanwhile, so every plan draws the same moment.
+        Time is frozen meanwhile, so every plan draws the same moment.
 
         Raises:
             DeviceError: there is no way to draw without a display.

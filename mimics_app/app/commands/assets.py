@@ -82,7 +82,8 @@ def _levels(args: argparse.Namespace) -> int:
         steps = zip(each.triangles, each.errors, each.coverages, strict=True)
         told = ", ".join(f"{n} triangles ({error:.2g} m, from {100.0 * c:.2g} %)" for n, error, c in steps)
         print(f"{each.name}: {told}")
-    print(f"{out}: levels made for {counted(len(levels), 'meshes')}")
+    none = "" if levels else ": each has levels already, or gets no smaller without a visible error"
+    print(f"{out}: levels made for {counted(len(levels), 'meshes')}{none}")
     return 0
 
 

@@ -13,7 +13,7 @@ __all__ = ["add_arguments", "run"]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics avatar`."""
     parser.epilog = "Names as VRM, Mixamo, Blender and Unreal have them are known; others are guessed from their place."
-    parser.add_argument("action", choices=("import",), help="what to do: say how the joints are understood")
+    parser.add_argument("action", choices=("import",), help="import: print which joint of the model is which")
     parser.add_argument("file", type=Path, help=".glb or .gltf model of a person")
 
 

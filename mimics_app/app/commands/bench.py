@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scene", type=Path, default=Path("scenes/wavy_tunnel.json"), help="scene of the load")
     parser.add_argument("--seconds", type=positive_time, default=60.0, help="length of each real-time measurement [s]")
     parser.add_argument(
-        "--rounds", type=_rounds, default=1, help="real-time measurements of each loop; medians are told"
+        "--rounds", type=_rounds, default=1, help="real-time measurements of each loop; medians are shown"
     )
 
 

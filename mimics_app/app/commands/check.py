@@ -1,4 +1,4 @@
-"""`mimics check`: read scene and model files as `run` would, and tell every error of all of them."""
+"""`mimics check`: read scene and model files as `run` would, and report every error of all of them."""
 
 from __future__ import annotations
 

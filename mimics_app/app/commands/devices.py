@@ -26,20 +26,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("action", nargs="?", choices=actions, default="list", help="what to do")
     parser.add_argument("device", nargs="?", default="", help="NAME[:ADDRESS] to check, or what to emulate")
     parser.add_argument("--recording", type=Path, metavar="RUN", help="run folder for checking the replay device")
-    parser.add_argument("--scene", type=Path, help="whose way and robot the emulated person has")
-    parser.add_argument("--patient", choices=("healthy", "moderate", "severe"), default="", help="who is emulated")
-    parser.add_argument("--seed", type=random_seed, default=1, help="of the emulated person and sensors")
+    parser.add_argument("--scene", type=Path, help="scene whose path and robot the emulated person has")
     parser.add_argument(
-        "--port", type=whole_number("port", range(65536)), default=0, help="a hapticmaster listens on; 0: any"
+        "--patient", choices=("healthy", "moderate", "severe"), default="", help="how impaired the emulated person is"
+    )
+    parser.add_argument("--seed", type=random_seed, default=1, help="seed of the emulated person and sensors")
+    parser.add_argument(
+        "--port",
+        type=whole_number("port", range(65536)),
+        default=0,
+        help="port on which an emulated hapticmaster listens; 0: any free one",
     )
     parser.add_argument(
         "--delay",
         type=whole_number("number of milliseconds", range(201)),
         default=0,
         metavar="MS",
-        help="of a hapticmaster's answers",
+        help="delay of an emulated hapticmaster's answers [ms]",
     )
-    parser.add_argument("--seconds", type=positive_time, help="how long to emulate [s]")
+    parser.add_argument("--seconds", type=positive_time, help="time after which the emulation ends [s]")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -72,7 +77,7 @@ def _check(args: argparse.Namespace) -> int:
 
 
 def _emulate(args: argparse.Namespace) -> int:
-    """A robot that is not there, until it is told to end."""
+    """A robot that is not there, until it is stopped."""
     from mimics_app.app.devices.emulator import EmulatorSettings, open_emulator, serve
 
     settings = EmulatorSettings(args.scene, args.patient, args.seed, args.port, args.delay)

@@ -40,7 +40,7 @@ _FIFO_ADVICE = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="folder that runs are kept in")
+    parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="folder of the run folders")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -18,15 +18,17 @@ __all__ = ["add_arguments", "run"]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics explain`."""
     parser.add_argument("scene", type=Path, help="scene file")
-    parser.add_argument("--profile", choices=PROFILES, default="training", help="whose tolerances hold")
+    parser.add_argument("--profile", choices=PROFILES, default="training", help="profile whose tolerances apply")
     parser.add_argument(
         "--size",
         type=picture_size,
         default="1280x720",
         metavar="WxH",
-        help="of the live picture, drawn on the processor [px]",
+        help="size of the live picture, drawn on the processor [px]",
     )
-    parser.add_argument("--still", action="store_true", help="pictures may take their time, as those of render do")
+    parser.add_argument(
+        "--still", action="store_true", help="plan pictures without a time limit, as `mimics render` does"
+    )
 
 
 def run(args: argparse.Namespace) -> int:

@@ -18,7 +18,7 @@ _CHECK_S = 60.0
 _PAGE_EVERY = 100
 """Polls of a live source between two pages: two seconds."""
 _BAD_SHARE = 0.1
-"""Share of bad seconds above which a set-up is to be mended."""
+"""Share of bad seconds above which a set-up is to be corrected."""
 _LIVE = ("lsl", "serial", "board")
 
 
@@ -27,12 +27,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "source", metavar="SOURCE", help="file (.csv, .edf, .hea), sim:PRESET, lsl:NAME, serial:PORT or board:NAME"
     )
-    parser.add_argument("--seconds", type=positive_time, help="how long [s]; a file: its length, else 60")
-    parser.add_argument("--events", type=Path, metavar="CSV", help="write t_s,known_s,kind,value,quality of all found")
-    parser.add_argument("--features", type=Path, metavar="CSV", help="write the features of every second")
-    parser.add_argument("--page", type=Path, metavar="HTML", help="page of plots; of a live source it follows")
-    parser.add_argument("--check", action="store_true", help="judge the set-up: 6 where a signal is bad or missing")
-    parser.add_argument("--seed", type=random_seed, default=1, help="of a simulated person")
+    parser.add_argument("--seconds", type=positive_time, help="length to read [s]; else the length of a file, or 60")
+    parser.add_argument(
+        "--events", type=Path, metavar="CSV", help="write all events found: t_s,known_s,kind,value,quality"
+    )
+    parser.add_argument("--features", type=Path, metavar="CSV", help="write the features, one row a second")
+    parser.add_argument(
+        "--page", type=Path, metavar="HTML", help="write a page of plots; it is renewed while a live source runs"
+    )
+    parser.add_argument(
+        "--check", action="store_true", help="check the set-up: exit code 6 where a signal is bad or missing"
+    )
+    parser.add_argument("--seed", type=random_seed, default=1, help="seed of a simulated person")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -92,7 +98,7 @@ def _write_page(watch: Watch, args: argparse.Namespace, *, live: bool) -> None:
 
 
 def _advice(answer: dict[str, Any]) -> list[str]:
-    """What to mend, one sentence each."""
+    """What to correct, one sentence each."""
     if not answer["signals"]:
         return ["no signal came: check that the amplifier sends"]
     found = []
@@ -120,6 +126,6 @@ def _say(answer: dict[str, Any], *, as_json: bool) -> None:
     shown = {name: value for name, value in answer["features"].items() if name != "t_s"}
     print("last   " + ", ".join(f"{name} {value:.4g}" for name, value in shown.items()))
     for line in answer.get("advice", []):
-        print(f"mend   {line}")
+        print(f"advice {line}")
     if answer.get("advice") == []:
-        print("mend   nothing: all signals are good")
+        print("advice none: all signals are good")

@@ -1,4 +1,4 @@
-"""`mimics record info|recover|verify RUN`: say what a run folder holds, mend a cut one, check a whole one."""
+"""`mimics record info|recover|verify RUN`: show what a run folder holds, repair a cut one, check a whole one."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["add_arguments", "run"]
 
-_HELP = "info: say what is in it; recover: mend and seal a run that was never closed; verify: compare with its seals"
+_HELP = "info: show what is in it; recover: repair and close a run that was never closed; verify: check its checksums"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -75,10 +75,10 @@ def _describe(opened: Run) -> dict[str, Any]:
 
 
 def _told(opened: Run, verdict: Verdict, mended: list[str] | None) -> list[tuple[str, str]]:
-    """The verdict in one line, alike for `verify` and `recover`; what was mended; each thing that is not whole."""
+    """The verdict in one line, alike for `verify` and `recover`; what was repaired; each thing that is not whole."""
     lines = [(verdict.word, f"{opened.folder}: {_verdict(opened, verdict)}")]
     if mended is not None:
-        lines.append(("mended", ", ".join(mended) or _nothing(verdict)))
+        lines.append(("repaired", ", ".join(mended) or _nothing(verdict)))
     return lines + [("problem", sentence) for sentence in verdict.losses]
 
 
@@ -95,7 +95,7 @@ def _verdict(opened: Run, verdict: Verdict) -> str:
 
 
 def _nothing(verdict: Verdict) -> str:
-    """Why nothing was mended."""
+    """Why nothing was repaired."""
     if not verdict.losses:
         return "nothing: there is nothing to recover"
     return "nothing: what is lost or damaged cannot be recovered, it stays as it is"

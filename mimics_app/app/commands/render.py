@@ -21,26 +21,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics render`."""
     parser.add_argument("scene", type=Path, help="scene file; with --sheet: a folder of them")
     parser.add_argument("--backend", choices=("auto", "egl", "osmesa", "window"), default="auto", help="GL context")
-    parser.add_argument("--camera", default="", metavar="ENTITY", help="whose camera is looked through; else the first")
+    parser.add_argument("--camera", default="", metavar="ENTITY", help="entity whose camera is used; else the first")
     parser.add_argument(
-        "--frames", type=frame_count, default=1, help="how many, spread over --seconds of simulated play"
+        "--frames", type=frame_count, default=1, help="number of frames, spread over --seconds of simulated play"
     )
     parser.add_argument(
-        "--seconds", type=_seconds, default=2.0, help="time played by the simulated patient from the first trial on [s]"
+        "--seconds",
+        type=_seconds,
+        default=2.0,
+        help="length of the play by the simulated patient, from the first trial on [s]",
     )
-    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
+    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="size of the picture [px]")
     add_display_argument(parser)
-    parser.add_argument("--seed", type=random_seed, default=1, help="of the simulated patient")
+    parser.add_argument("--seed", type=random_seed, default=1, help="seed of the simulated patient")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="quality of the picture")
-    parser.add_argument("--video", type=Path, metavar="FILE", help="film of --seconds instead, e.g. out.mp4 (ffmpeg)")
     parser.add_argument(
-        "--audio", type=Path, metavar="FILE", help="sound of --seconds of play instead of pictures, as FILE.wav"
+        "--video", type=Path, metavar="FILE", help="write a film of --seconds instead, e.g. out.mp4 (needs ffmpeg)"
+    )
+    parser.add_argument(
+        "--audio",
+        type=Path,
+        metavar="FILE",
+        help="write the sound of --seconds of play instead of pictures, e.g. play.wav",
     )
     parser.add_argument(
         "--sheet",
         type=Path,
         metavar="FILE",
-        help="every scene of a folder on one picture, e.g. scenes.jpg, and its light",
+        help="draw every scene of a folder on one picture, e.g. scenes.jpg, and print its light",
     )
     parser.add_argument("--output", type=Path, default=Path("."), metavar="DIR", help="folder of the PNG files")
 

@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--headless", action="store_true", help="no window: virtual clock and simulated patient")
     parser.add_argument("--seconds", type=positive_time, help="end after this much simulated time [s]")
-    parser.add_argument("--seed", type=random_seed, default=1, help="of trial order, patient and sensor noise")
+    parser.add_argument("--seed", type=random_seed, default=1, help="seed of trial order, patient and sensor noise")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="quality profile")
     parser.add_argument(
         "--quality",
@@ -43,66 +43,93 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="auto",
         help="auto holds the frame time; full draws all the scene asks for",
     )
-    parser.add_argument("--device", default="", help="driven by, instead of the scene's robot (see mimics devices)")
+    parser.add_argument(
+        "--device", default="", help="device to play with, instead of the scene's robot (see mimics devices)"
+    )
     parser.add_argument("--recording", type=Path, metavar="RUN", help="run folder that --device replay plays")
     parser.add_argument(
-        "--patient", choices=("healthy", "moderate", "severe"), default="", help="instead of the scene's"
+        "--patient",
+        choices=("healthy", "moderate", "severe"),
+        default="",
+        help="how impaired the simulated patient is, instead of the scene's",
     )
-    parser.add_argument("--sound", choices=SOUNDS, default="auto", help="auto plays it, file keeps it")
-    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
+    parser.add_argument(
+        "--sound",
+        choices=SOUNDS,
+        default="auto",
+        help="auto: played on this computer; file: kept in the run folder; off: none",
+    )
+    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="size of the picture [px]")
     add_display_argument(parser)
     parser.add_argument(
         "--pictures",
         type=whole_number("number of pictures", range(100_001)),
         default=4,
         metavar="N",
-        help="frames a headless run draws and keeps",
+        help="number of pictures that a headless run draws and keeps",
     )
     parser.add_argument(
-        "--video", type=Path, metavar="FILE", help="film of the run, e.g. out.mp4 (ffmpeg); a folder: PNG frames"
+        "--video",
+        type=Path,
+        metavar="FILE",
+        help="write a film of the run, e.g. out.mp4 (needs ffmpeg); a folder: PNG frames",
     )
     parser.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
     parser.add_argument(
-        "--physio", default="", metavar="SOURCE", help="body signals: sim, sim:PRESET, file:PATH, lsl:NAME, serial:PORT"
+        "--physio",
+        default="",
+        metavar="SOURCE",
+        help="source of body signals: sim, sim:PRESET, file:PATH, lsl:NAME, serial:PORT",
     )
-    parser.add_argument("--learn", default="", metavar="POLICY", help="what adapts the task, e.g. kalman, staircase")
+    parser.add_argument(
+        "--learn", default="", metavar="POLICY", help="policy that adapts the task, e.g. kalman, staircase"
+    )
     parser.add_argument(
         "--goal",
         default="",
-        help="of the policy, instead of the task's: task, success:SHARE, arousal:LOW:HIGH, effort:LOW:HIGH",
+        help="goal of the policy, instead of the task's: task, success:SHARE, arousal:LOW:HIGH, effort:LOW:HIGH",
     )
     parser.add_argument(
         "--estimator",
         default="",
         metavar="NAME",
-        help="what tells the person's load, instead of the task's: fusion, lda, adaptive_lda",
+        help="estimator of the person's load, instead of the task's: fusion, lda, adaptive_lda",
     )
     parser.add_argument(
-        "--baseline-s", type=positive_time, default=60.0, metavar="S", help="length of the person's rest measured first"
+        "--baseline-s",
+        type=positive_time,
+        default=60.0,
+        metavar="S",
+        help="length of the rest that is measured first [s]",
     )
-    parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="where the run folder is made")
+    parser.add_argument(
+        "--runs", type=Path, default=Path("runs"), metavar="DIR", help="folder in which the run folder is made"
+    )
     parser.add_argument(
         "--from-trial",
         type=whole_number("number of a trial", range(1, 1_000_001)),
         default=1,
         metavar="N",
-        help="begin with this trial of the session, as after one that was broken off; same --seed, same order",
+        help="first trial of the session, to go on after one that was broken off; same --seed, same order",
     )
     parser.add_argument(
         "--difficulty",
         choices=DIFFICULTIES,
         default="usual",
-        help="moves what the task can adapt half-way to its easiest or hardest value",
+        help="easier, harder: adaptable parameters half-way to their easiest or hardest value",
     )
     parser.add_argument(
         "--trials",
         type=whole_number("number of trials", range(1, 10_001)),
         default=0,
         metavar="N",
-        help="how many trials count, instead of the scene's; practice comes before them as ever",
+        help="number of trials that count, instead of the scene's; practice is not among them",
     )
     parser.add_argument(
-        "--participant", default="", metavar="CODE", help="of the person, never a name: results over time go by it"
+        "--participant",
+        default="",
+        metavar="CODE",
+        help="code of the person, never a name; results are compared under it",
     )
     parser.add_argument("--journey", type=Path, metavar="FILE", help=argparse.SUPPRESS)
     parser.add_argument("--recipe", choices=RECIPES, default="auto", help="scheduler of the live haptic loop")

@@ -11,7 +11,6 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.epilog = "Each name is found from any folder: mimics run free_objects, mimics view city_walk."
 
 
 def run(args: argparse.Namespace) -> int:

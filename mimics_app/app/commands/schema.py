@@ -14,7 +14,7 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--out", type=Path, metavar="FILE", help="write it there instead of to stdout")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="write the schema to a file instead of stdout")
 
 
 def run(args: argparse.Namespace) -> int:

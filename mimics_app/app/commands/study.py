@@ -16,9 +16,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics study`."""
     parser.add_argument("scene", type=Path, help="scene file")
     parser.add_argument(
-        "--subjects", type=whole_number("number of subjects", range(1, 1001)), default=2, metavar="N", help="how many"
+        "--subjects",
+        type=whole_number("number of subjects", range(1, 1001)),
+        default=2,
+        metavar="N",
+        help="number of subjects",
     )
-    parser.add_argument("--seed", type=random_seed, default=1, help="of the first subject; the next ones count on")
+    parser.add_argument("--seed", type=random_seed, default=1, help="seed of the first subject; the next ones count on")
     parser.add_argument("--seconds", type=positive_time, help="end each run after this much simulated time [s]")
     parser.add_argument(
         "--of", type=Path, nargs="+", default=[], metavar="RUN", help="join these run folders instead of running"

@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "spec", type=Path, nargs="?", help="sweep file, such as docs/sweeps/wall_stability.json (not with --list)"
     )
-    parser.add_argument("--list", action="store_true", help="tell the experiments, their parameters and results")
+    parser.add_argument("--list", action="store_true", help="list the experiments, their parameters and results")
     parser.add_argument("--out", type=Path, help="Parquet file to write; without it runs/sweeps/NAME.parquet")
     parser.add_argument(
         "--workers",
@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Compute what is missing, and join all of it; or tell what can be swept."""
+    """Compute what is missing, and join all of it; or list what can be swept."""
     from mimics_app.contracts.errors import UsageError
 
     if (args.spec is None) != args.list:

@@ -30,15 +30,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--output", type=Path, metavar="PNG", help="draw into this file, without a window (default: view.png)"
     )
-    parser.add_argument("--frames", type=frame_count, default=1, help="of --headless: pictures of one turn round it")
     parser.add_argument(
-        "--video", type=Path, metavar="FILE", help="of --headless: a film of the turn, e.g. out.mp4 (ffmpeg)"
+        "--frames", type=frame_count, default=1, help="with --headless: number of pictures of one turn round it"
     )
-    parser.add_argument("--caption", action="store_true", help="of --headless: name and notes over the picture")
-    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
-    parser.add_argument("--clip", default="", metavar="NAME", help="of a model that moves: the clip that plays")
     parser.add_argument(
-        "--motion", type=Path, metavar="FILE", help="of a person's model: recorded motion (.bvh, .c3d) as one more clip"
+        "--video", type=Path, metavar="FILE", help="with --headless: a film of the turn, e.g. out.mp4 (needs ffmpeg)"
+    )
+    parser.add_argument("--caption", action="store_true", help="with --headless: name and notes over the picture")
+    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="size of the picture [px]")
+    parser.add_argument("--clip", default="", metavar="NAME", help="name of the clip that a model plays")
+    parser.add_argument(
+        "--motion", type=Path, metavar="FILE", help="recorded motion (.bvh, .c3d) that a person's model plays as a clip"
     )
     parser.add_argument("--at", type=float, metavar="S", help="hold the clip at this time [s]")
     parser.add_argument(
@@ -46,14 +48,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--up", choices=("y", "z"), default="y", help="which axis of a mesh file is up")
     parser.add_argument(
-        "--camera", default="", metavar="ENTITY", help="where to begin; else the scene's first, or all seen"
+        "--camera",
+        default="",
+        metavar="ENTITY",
+        help="entity whose camera is used first; else the scene's first, or one that shows all",
     )
     parser.add_argument("--profile", choices=PROFILES, default="training", help="quality of a scene's picture")
-    parser.add_argument("--backend", choices=("auto", "egl", "osmesa"), default="auto", help="GL context of --headless")
+    parser.add_argument(
+        "--backend", choices=("auto", "egl", "osmesa"), default="auto", help="GL context for --headless"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Show it, or draw it; 3 when models of a folder are not on its sheet, each told with its reason.
+    """Show it, or draw it; 3 when models of a folder are not on its sheet, each reported with its reason.
 
     Raises:
         UsageError: neither a file nor a folder is given, or both.
@@ -73,10 +80,11 @@ def run(args: argparse.Namespace) -> int:
 
         find_scene(args.file)
     from mimics_app.app.terminal.display import has_display
-    from mimics_app.app.viewer.shown import open_shown
 
     if not (headless or args.vertices is not None or has_display()):
         raise DeviceError("no display for a window", "add --output picture.png")
+    from mimics_app.app.viewer.shown import open_shown
+
     shown = open_shown(args.file, args.up)
     if args.motion is not None:
         from mimics_app.app.viewer.playing import add_motion

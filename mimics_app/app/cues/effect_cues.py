@@ -15,7 +15,7 @@ __all__ = ["EffectCues"]
 
 
 class EffectCues:
-    """Tells a world's effects what happens."""
+    """Passes what happens to a world's effects."""
 
     def __init__(self, world: World) -> None:
         self._world = world

@@ -29,7 +29,7 @@ _CAUSES: Mapping[TrialState, MotionCause] = {
 
 
 class MotionCues:
-    """Tells a world's models the time and what happens."""
+    """Passes the time and what happens to a world's models."""
 
     def __init__(self, world: World) -> None:
         self._world = world

@@ -26,7 +26,7 @@ _JUMP = 50.0
 
 
 class SoundStage:
-    """The audio output of a session and what it is told once a frame.
+    """The audio output of a session and what is passed to it once a frame.
 
     Args:
         output: Opened already.

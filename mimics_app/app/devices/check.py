@@ -31,7 +31,7 @@ class _WallTime:
 
     def spoil(self, what: str) -> None:
         """Refuse: see `can_fail`."""
-        raise DeviceError(f'a real device cannot be told to "{what}"')
+        raise DeviceError(f'a real device cannot be made to "{what}"')
 
 
 def check_by_name(device: str, recording: Path | None) -> list[Finding]:

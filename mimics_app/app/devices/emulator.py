@@ -1,4 +1,4 @@
-"""Runs an emulated robot in this process until it is told to end: `mimics devices emulate NAME`."""
+"""Runs an emulated robot in this process until it is stopped: `mimics devices emulate NAME`."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def serve(emulator: Emulator, seconds: float | None) -> None:
 
     Args:
         emulator: The robot.
-        seconds: How long [s]; None: until it is told to end.
+        seconds: How long [s]; None: until it is stopped.
     """
     if threading.current_thread() is threading.main_thread():
         _hurry()

@@ -96,7 +96,7 @@ class Watch:
 
         Args:
             path: Of the table.
-            start_s: Time of the first sample, as its file tells time [s].
+            start_s: Time of the first sample, as its file gives the time [s].
         """
         rows = [
             (event.t_s + self._offset[name] + start_s, event.known_s + self._offset[name] + start_s, event)
@@ -110,7 +110,7 @@ class Watch:
                 table.writerow(numbers)
 
     def write_features(self, path: Path) -> None:
-        """Features and qualities, a row a second; what could not be told is empty."""
+        """Features and qualities, a row a second; what is not known is empty."""
         names = sorted({name for row in self.features for name in row} - {"t_s"})
         with path.open("w", newline="", encoding="utf-8") as file:
             table = csv.DictWriter(file, ["t_s", *names], lineterminator="\n", restval="")

@@ -15,7 +15,7 @@ from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 __all__ = ["OPERATORS_CARDS", "BoardLayout"]
 
 OPERATORS_CARDS = frozenset({"margin"})
-"""Figures that tell the person at the task nothing: they come with the forces of F5."""
+"""Figures that say nothing to the person at the task: they come with the forces of F5."""
 
 Place = tuple[float, float, float]
 """Left, lower edge and width of what is inside a card, in units of the canvas."""
@@ -37,6 +37,8 @@ _WARN_LOAD, _ALARM_LOAD = 0.4, 0.8
 _MARGIN = 22.0
 _HEIGHT = 62.0
 _GAP = 12.0
+_COUNT, _COUNT_SIZE = 180.0, 120.0
+"""Width of the disc of a count, and height of its figure [hud px]."""
 
 
 class BoardLayout:
@@ -57,7 +59,8 @@ class BoardLayout:
             keys: The page, () for none.
         """
         cards = tuple((name, board.cards[name]) for name in show if name in board.cards)
-        wanted = (id(hud), cards, board.message, board.alarm, force_full, hud.width, hud.height, tuple(keys))
+        said = (board.message, board.alarm, board.count)
+        wanted = (id(hud), cards, said, force_full, hud.width, hud.height, tuple(keys))
         if self._laid == (wanted, hud.revision):
             return
         hud.clear()
@@ -68,6 +71,8 @@ class BoardLayout:
             hud.extend(self._rows(name, hud, card, (x, y), force_full))
             x += card.width + _GAP
         _draw_message(hud, board.message, alarm=board.alarm)
+        if board.count:
+            _draw_count(hud, board.count)
         if keys:
             draw_keys(hud, keys)
         self._laid = wanted, hud.revision
@@ -115,6 +120,12 @@ def _bar_colour(tone: Tone, share: float) -> Colour:
     if share < _WARN_LOAD:
         return _COLOURS[Tone.CALM]
     return _COLOURS[Tone.WARN if share < _ALARM_LOAD else Tone.ALARM]
+
+
+def _draw_count(hud: Hud, count: int) -> None:
+    x, y = 0.5 * hud.width, 0.5 * hud.height
+    hud.box(x - 0.5 * _COUNT, y - 0.5 * _COUNT, _COUNT, _COUNT, _PANEL, radius=0.5 * _COUNT)
+    hud.text(x, y - 0.36 * _COUNT_SIZE, str(count), _COUNT_SIZE, INK, bold=True, align="centre")
 
 
 def _draw_message(hud: Hud, message: str, *, alarm: bool) -> None:

@@ -184,7 +184,7 @@ class Picture:
         return self.renderer.times or UNTIMED
 
     def show_frame(self, board: Board, clock: Clock) -> int:
-        """Draw one frame, bring it to the glass, and tell when its work was done [ns].
+        """Draw one frame, show it, and return when its work was done [ns].
 
         A driver that draws on the processor has done it all when the frame is on the glass. Any other is waited for
         before that, because the glass makes a frame wait for the display. A headset that shows nothing is drawn

@@ -31,13 +31,13 @@ _NS = 1_000_000_000
 _ROOM = 16
 """Pictures that may wait for the thread."""
 _LONGEST_GAP = 600
-"""Frames a picture is repeated at most, where a run stood still."""
+"""Frames a picture is repeated at most, where a run was halted."""
 
 
 def film_place(wanted: Path) -> tuple[Path, str]:
     """Where a film goes, and the ffmpeg that makes it ("" where PNG files are made).
 
-    A name without an ending is a folder for PNG files; so is FILE of FILE.mp4 where there is no ffmpeg, which is told.
+    A name without an ending is a folder for PNG files; so is FILE of FILE.mp4 without ffmpeg, which is reported.
     """
     if not wanted.suffix:
         return wanted, ""

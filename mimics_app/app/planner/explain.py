@@ -22,6 +22,7 @@ from mimics_app.app.planner.uses import (
 )
 from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.methods import Settings
+from mimics_app.tasks.scene_section import task_of
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.components.objects import ForceField, HapticEffect, HapticObject, HapticPath, HapticWalls
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
@@ -215,7 +216,9 @@ def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -
     left += _filters_left_out(scene, plan)
     if not _has_objects(scene):
         left += [LeftOut(part, _NO_OBJECT, _cheapest(table, group)) for group, part in OF_OBJECTS.items()]
-    left.append(LeftOut("body signals, their processing and estimation, learned adaptation", _NOT_BUILT, None))
+    left.append(LeftOut("body signals and the person's state", "mimics run --physio SOURCE asks for them", None))
+    if not task_of(scene).learn:
+        left.append(LeftOut("learned adaptation", "neither task.learn nor mimics run --learn POLICY", None))
     return left
 
 
@@ -235,7 +238,7 @@ def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
         if not used
     ]
     if not plan.settings.get("anti aliasing", {"fxaa": True})["fxaa"]:
-        left.append(LeftOut("filter of edges, per frame", "see anti-aliasing above: another way runs, or none", None))
+        left.append(LeftOut("filter of edges, per frame", "see anti-aliasing above: another method, or none", None))
     return left
 
 
@@ -249,8 +252,6 @@ _NOBODY = "none"
 """Scenario of a scene that is only looked at."""
 
 _NO_OBJECT = "no entity has a haptic_object or haptic_walls"
-
-_NOT_BUILT = "not built yet: nothing in a scene can ask for it"
 
 OF_OBJECTS: Mapping[str, str] = {
     "integrator": "rigid bodies, per body and tick",

@@ -59,7 +59,7 @@ draft       what a hand does not notice while a scene is made: 0.5 N, 1 mm, one 
             of the speed, which no stricter profile can better by much at 1 kHz; sounds need no direction
             (700 us is the whole width of a head); every second refresh of a 60 Hz screen; edges fall as they fall,
             surfaces are lit by their corners, and bloom and ambient occlusion may be missing altogether
-training    a tenth of what a hand or the robot's encoder (10 um) tells apart; sounds come from where they are; edges
+training    a tenth of what a hand or the robot's encoder (10 um) distinguishes; sounds come from where they are; edges
             of bodies to a tenth of a pixel, those of shadows to a fifth of a millimetre
 study       what cannot be seen in the analysis of a recording: a thousandth of the training's, or rounding; far bodies
             keep their forms for longer

@@ -75,7 +75,7 @@ def _named_projection(scene: Scene) -> Settings | None:
 
 
 def _uses_admittance(scene: Scene) -> bool:
-    """Whether there is a robot; one that is told forces instead has no virtual mass, which its driver tells later."""
+    """Whether there is a robot; one that takes forces instead has no virtual mass, which its driver reports later."""
     return scene.has(Admittance) or scene.has(Robot)
 
 
@@ -108,7 +108,7 @@ def grips(scene: Scene) -> bool:
 
 
 def touched_shape(scene: Scene) -> str:
-    """The scene's word for the first shape that can be touched: what touching is told by."""
+    """The scene's word for the first shape that can be touched: what touching is recognised by."""
     for thing in _all(scene, HapticObject):
         if thing.shapes:
             return str(thing.shapes[0].__struct_config__.tag)

@@ -1,4 +1,4 @@
-"""Tells what is wrong with the device while a run goes on: to the recording, to the terminal, and over the picture."""
+"""Reports what is wrong with the device during a run: to the recording, to the terminal, and over the picture."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["DeviceWatch"]
 
 
 class DeviceWatch:
-    """Remembers what was told last, so that each change is told once."""
+    """Remembers what was reported last, so that each change is reported once."""
 
     def __init__(self, session: Session) -> None:
         self._session = session

@@ -48,7 +48,7 @@ class JourneyEnd:
 
 _AGAIN, _OTHER = "again", "other"
 _LONGEST_END_S = 20.0
-"""How long a session that is told to end may take to close its recording [s]."""
+"""How long a session that is asked to end may take to close its recording [s]."""
 
 
 def run_words(settings: RunSettings) -> list[str]:

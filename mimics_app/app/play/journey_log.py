@@ -1,4 +1,4 @@
-"""What a session tells the process that opened it: how far its start has come, and what the person chose at its end.
+"""What a session reports to the process that opened it: how far its start has come, what the person chose at its end.
 
 Lines of JSON in a file, because a window, a terminal and a launcher on any platform can read that.
 """

@@ -85,7 +85,7 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
 
 
 def _report(session: Session, manifest: Manifest) -> tuple[Path | None, bool]:
-    """The report, and whether everything that happened is on disk; what is not is told."""
+    """The report, and whether everything that happened is on disk; what is not is reported."""
     lost = manifest.dropped.get("samples", 0)
     if lost:
         sys.stderr.write(f"mimics: {session.folder}: {lost} ticks were not recorded; {manifest.problem}\n")
@@ -112,7 +112,7 @@ def _told_where(session: Session) -> Iterator[None]:
     try:
         yield
     except (KeyboardInterrupt, SystemExit):
-        sys.stderr.write(f"mimics: broken off; mimics report {session.folder} tells what was recorded\n")
+        sys.stderr.write(f"mimics: broken off; mimics report {session.folder} shows what was recorded\n")
         raise
 
 

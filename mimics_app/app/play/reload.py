@@ -54,7 +54,7 @@ class SceneReload:
             self._take(now_ns)
 
     def _take_shaders(self, picture: Picture, now_ns: int) -> None:
-        """Take over changed shaders; one with a fault keeps its old form, and the fault's line is told."""
+        """Take over changed shaders; one with a fault keeps its old form, and the fault's line is reported."""
         issues = picture.renderer.reload_shaders()
         if issues:
             self._say(now_ns, str(issues[0]))

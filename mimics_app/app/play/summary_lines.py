@@ -1,4 +1,4 @@
-"""What a run came to, for a person at the terminal: a figure that the object of `--json` has not is not told either."""
+"""What a run came to, for a person at the terminal: a figure that the object of `--json` lacks is left out here too."""
 
 from __future__ import annotations
 
@@ -75,11 +75,11 @@ def _practice(task: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def _path(task: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """The way and the contacts on it; a task without a way has contacts alone."""
+    """Distance from the task's path, and the contacts; a task without a path has contacts alone."""
     contacts = str(task.get("contacts", ""))
     if "path_error_m" not in task:
         return [("contacts", _of_practice(task, contacts))]
-    error = f"{1e3 * task['path_error_m']:.1f} mm from the way"
+    error = f"{1e3 * task['path_error_m']:.1f} mm from the path"
     text = f"{error}, {counted(task['contacts'], 'contacts')}" if contacts else error
     return [("path", _of_practice(task, text))]
 

@@ -29,7 +29,7 @@ _CAMERAS = {"city_walk": "church_square"}
 
 
 def draw_thumbnails(folder: Path, names: Sequence[str] = ()) -> Iterator[Path]:
-    """Write NAME.jpg of scenes into a folder, and tell each file when it is there.
+    """Write NAME.jpg of scenes into a folder, and report each file when it is there.
 
     Args:
         folder: Made when missing.

@@ -11,7 +11,8 @@ from mimics_app.app.play.session_keys import session_keys
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.errors import MimicsError
-from mimics_app.contracts.trial_state import TaskView, TrialState
+from mimics_app.contracts.messages import TaskOrders
+from mimics_app.contracts.trial_state import TrialState
 
 if TYPE_CHECKING:
     from mimics_app.app.picture.picture import Picture
@@ -21,6 +22,8 @@ __all__ = ["ViewKeys"]
 _KEEP, _KEYS = "f12", "h"
 _FIRST = (TrialState.APPROACH, TrialState.READY)
 """States of the first trial in which somebody who opened the window reads which keys there are."""
+
+_BEGIN = ("Enter or click", "begin")
 
 
 class ViewKeys:
@@ -42,16 +45,17 @@ class ViewKeys:
         pressed = {event.name for event in events if event.kind == "key" and event.pressed and not event.repeat}
         if _KEEP in pressed:
             self._keep()
-        self._show_keys(picture, frames.orders.view, asked=_KEYS in pressed)
+        self._show_keys(picture, frames.orders, asked=_KEYS in pressed)
         if picture.renderer.shows("forces") and frames.snapshot is not None:
             now_ns = self._session.clock.now_ns()
             picture.renderer.overlay.arrows = self._arrows.of(frames.snapshot, frames.events, now_ns)
 
-    def _show_keys(self, picture: Picture, view: TaskView, *, asked: bool) -> None:
+    def _show_keys(self, picture: Picture, orders: TaskOrders, *, asked: bool) -> None:
         """The page of keys: before the first trial by itself, later when it is asked for."""
         if self._introduces:
-            picture.keys = self._page
-            self._introduces = view.trial <= 1 and view.state in _FIRST and not asked
+            view = orders.view
+            picture.keys = (*self._page, _BEGIN) if view.reading else self._page
+            self._introduces = view.state in _FIRST and not orders.board.count and not asked
             if not self._introduces:
                 picture.keys = ()
         elif asked:

@@ -75,4 +75,4 @@ def _find_builder(scene: Scene) -> _Builder:
         if scene.has(component):
             return builder
     hint = nearest(scene.scenario, [*BUILT_IN, *installed])
-    raise SceneError(scene.issue("/scenario", f'no scenario "{scene.scenario}", and no component tells another', hint))
+    raise SceneError(scene.issue("/scenario", f'no scenario "{scene.scenario}"and no component implies one', hint))

@@ -9,7 +9,10 @@ from numpy.typing import NDArray
 
 import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
 from mimics_app.app.scenes.finding import find_scene
-from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.contracts.errors import DeviceError, Issue, SceneError, UsageError
+from mimics_app.estimation.registry import check_estimator
+from mimics_app.learning.goals import build_goal
+from mimics_app.learning.registry import check_policy
 from mimics_app.rendering.haptic import force_fields, scene_effects  # noqa: F401  their checks
 from mimics_app.rendering.haptic.devices import robot_checks  # noqa: F401  its checks
 from mimics_app.rendering.haptic.devices.reach import Reach
@@ -38,13 +41,47 @@ def load_checked_scene(path: Path, before: Scene | None = None) -> Scene:
 
     Raises:
         SceneError: every fault found, each with file and JSON pointer.
+        DeviceError: the scene's robot has a device that nobody has.
     """
     scene = load_scene(find_scene(path), before=before)
-    issues = _check_widest_tunnel(scene) + _check_reach(scene) + _check_carry_reach(scene) + check_objects(scene)
+    issues = _check_learning(scene) + _check_widest_tunnel(scene) + _check_reach(scene) + _check_carry_reach(scene)
+    issues += check_objects(scene)
     if issues:
         raise SceneError(issues)
     scene.read.clear()  # what is checked is not yet made use of
     return scene
+
+
+def _check_learning(scene: Scene) -> list[Issue]:
+    """A policy, a goal and an estimator that the task names must be there."""
+    task = scene.section(TaskSpec)
+    if task is None:
+        return []
+    issues = []
+    for name, check in (("learn", check_policy), ("goal", build_goal), ("estimator", check_estimator)):
+        words = str(getattr(task, name))
+        try:
+            if words:
+                check(words)
+        except UsageError as error:
+            issues.append(scene.issue(f"/task/{name}", error.what, error.fix))
+        except ValueError as error:
+            issues.append(scene.issue(f"/task/{name}", str(error)))
+    return issues
+
+
+def _reach_of(scene: Scene) -> Reach:
+    """What the scene's robot reaches.
+
+    Raises:
+        DeviceError: with the place of a device that nobody has.
+    """
+    _, robot, pointer = scene.one(Robot)
+    try:
+        return Reach(robot)
+    except DeviceError as error:
+        issue = scene.issue(f"{pointer}/device", error.what, error.fix)
+        raise DeviceError(issue.what, issue.fix, issue.file, issue.pointer) from error
 
 
 def _check_widest_tunnel(scene: Scene) -> list[Issue]:
@@ -72,9 +109,9 @@ def _check_reach(scene: Scene) -> list[Issue]:
     """The robot must reach the bisector of the task's own tunnel, or the person would push against its end stops."""
     if not scene.components(Tunnel) or not scene.components(Robot):
         return []
-    _, robot, pointer = scene.one(Robot)
+    pointer = scene.one(Robot)[2]
     curve, _ = tunnel_of_scene(scene, own_tunnel(scene))
-    reach = Reach(robot)
+    reach = _reach_of(scene)
     for arc in np.linspace(0.0, curve.length, _REACH_CHECKS):
         point = curve.point(curve.parameter_at(arc))[0]
         if not reach.reaches(point):
@@ -91,7 +128,7 @@ def _check_carry_reach(scene: Scene) -> list[Issue]:
         return []
     robot = scene.one(Robot)[1]
     mark = pose_of(scene, carry.to)[0]
-    reach = Reach(robot)
+    reach = _reach_of(scene)
     if not reach.reaches(mark):
         what = f'the robot does not reach "{carry.to}" at {_place(mark)}'
         return [scene.issue("/task/carry/to", what, "move the robot or the mark")]

@@ -74,7 +74,12 @@ class Preparation:
     def context(self) -> TaskContext:
         """What the task must know of its scene, of this device, and of who plays."""
         context = fit_context(self.scenario.task_context, self.plugin)
-        return replace(context, simulated=not self.live, by_pointer=self.robot.device == POINTER)
+        return replace(
+            context,
+            simulated=not self.live,
+            by_pointer=self.robot.device == POINTER,
+            introduced=self.live and self.settings.journey is not None,
+        )
 
 
 def prepare(settings: RunSettings, *, live: bool) -> Preparation:

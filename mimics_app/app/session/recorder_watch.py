@@ -1,4 +1,4 @@
-"""Tells on the terminal what becomes of the recorder while a run goes on."""
+"""Reports on the terminal what becomes of the recorder while a run goes on."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["RecorderWatch"]
 
 
 class RecorderWatch:
-    """Remembers what was told last, so that each change is told once.
+    """Remembers what was reported last, so that each change is reported once.
 
     Args:
         recorder: Of the session.
@@ -26,7 +26,7 @@ class RecorderWatch:
         self._problem = ""
 
     def look(self) -> None:
-        """Tell a recorder that died, that is back, or that cannot record."""
+        """Report a recorder that died, that is back, or that cannot record."""
         recorder = self._recorder
         if recorder.restarts != self._restarts:
             self._restarts, self._away = recorder.restarts, True

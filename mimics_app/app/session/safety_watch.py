@@ -1,4 +1,4 @@
-"""Tells each stop and each hold of the haptic loop while a run goes on: what happened, when, and what to do."""
+"""Reports each stop and each hold of the haptic loop while a run goes on: what happened, when, and what to do."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class SafetyWatch:
         self.hold: Trip | None = None
 
     def see(self, events: NDArray[Any]) -> None:
-        """Take the EVENT records of a frame, oldest first, and tell the trips among them on the terminal."""
+        """Take the EVENT records of a frame, oldest first, and report the trips among them on the terminal."""
         for trip in self._reader.take(events):
             if trip.latched:
                 self.stop = trip

@@ -1,4 +1,4 @@
-"""Tells when a recorder of body signals falls silent and when it is back; the session goes on either way."""
+"""Reports when a recorder of body signals falls silent and when it is back; the session goes on either way."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["SignalWatch"]
 
 
 class SignalWatch:
-    """Remembers what was told last of each source, so that each change is told once.
+    """Remembers what was reported last of each source, so that each change is reported once.
 
     Args:
         sources: Of the session; one that can be lost says why in its `lost`, "" while it is there.
@@ -24,7 +24,7 @@ class SignalWatch:
         self._recorder, self._tell = recorder, tell
 
     def look(self, now_ns: int) -> None:
-        """Tell what changed since the last frame."""
+        """Report what changed since the last frame."""
         for i, (source, told) in enumerate(self._told):
             lost: str = getattr(source, "lost", "")
             if lost != told:

@@ -65,7 +65,7 @@ class RecorderPort(Protocol):
 
 
 class SoundPort(Protocol):
-    """What a frame tells the sound; see `cues.sound_stage.SoundStage`."""
+    """What a frame passes to the sound; see `cues.sound_stage.SoundStage`."""
 
     def step(self, orders: TaskOrders, world: World, now_ns: int) -> None:
         """One frame at session time `now_ns`."""

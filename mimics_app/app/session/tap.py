@@ -53,7 +53,7 @@ class Tap:
             self._recorder.journal("person", person_line(frame, state))
 
     def choice(self, frame: int, result: TrialResult | None, reward: float | None, action: TaskAction | None) -> None:
-        """What the learning system was told and what it chose, where there was something of either."""
+        """What the learning system was given and what it chose, where there was something of either."""
         if result is not None:
             self._recorder.journal("result", result_line(frame, result))
         if action is not None:

@@ -8,5 +8,5 @@ __all__ = ["has_display"]
 
 
 def has_display() -> bool:
-    """Whether this process is told of a display."""
+    """Whether this process has a display."""
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

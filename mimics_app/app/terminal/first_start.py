@@ -1,4 +1,4 @@
-"""The first start after a change of version compiles the kernels, which takes a minute or two: people are told."""
+"""The first start after a change of version compiles the kernels, which takes a minute or two: people are informed."""
 
 from __future__ import annotations
 

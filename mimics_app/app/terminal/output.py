@@ -46,7 +46,7 @@ def reserved_stdout() -> Iterator[None]:
     finally:
         stream, _target.stream = _target.stream, None
         if saved is not None and stream is not None:
-            with suppress(OSError):  # its reader is gone or its disk full, which `write_object` told
+            with suppress(OSError):  # its reader is gone or its disk full, which `write_object` reported
                 sys.stderr.flush()
                 stream.flush()
             os.dup2(saved, 1)
@@ -120,7 +120,7 @@ def issue_lines(issues: Sequence[Issue]) -> list[str]:
 
 
 def _place(issue: Issue) -> dict[str, int]:
-    """Line and column of an issue where they can be told."""
+    """Line and column of an issue where they are known."""
     found = line_and_column(issue)
     return {} if found is None else {"line": found[0], "column": found[1]}
 

@@ -52,7 +52,7 @@ class HapticSide:
         return self._objects.shape_entities
 
     def for_robot(self, robot: Robot) -> tuple[DeviceObject, ...]:
-        """What a robot that renders objects by itself should make; what it cannot is told on stderr."""
+        """What a robot that renders objects itself should make; what it cannot is reported on stderr."""
         if robot.settings.get("mode") != "objects":
             return ()
         shapes = self._objects.rows.shapes[: int(self._objects.counts[0]["shapes"])]

@@ -1,4 +1,4 @@
-"""Tells what of a scene's objects the loop does not simulate: once on the terminal, and in the run's answer."""
+"""Reports what of a scene's objects the loop does not simulate: once on the terminal, and in the run's answer."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ __all__ = ["ParameterStore"]
 _PREFIX = "haptic."
 
 _DERIVED = frozenset(Rows._fields) - {"tunnels"}
-"""Tables of which the loop keeps something worked out, until their revision changes."""
+"""Tables of which the loop keeps something computed, until their revision changes."""
 
 Receiver = Callable[[NDArray[Any], Rows | None], object]
 

@@ -37,7 +37,7 @@ _WALL = (0.035, 0.035, 0.042)
 """Sky behind a reason, linear RGB."""
 _MOST_TILES = 1000
 _MOST_NOTES = 3
-"""Notes of a model that are told as the reason why there is nothing to see."""
+"""Notes of a model that are reported as the reason why there is nothing to see."""
 _SCALE = 1.8
 """Of the letters on a tile."""
 _RAISED, _BACK = 0.11, -1.9

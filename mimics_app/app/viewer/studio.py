@@ -104,7 +104,7 @@ class Studio:
         key = self._lamps.create_child("", middle + radius * _turned(_KEY, yaw))
         key.create_light("directional", colour=_KEY_COLOUR, intensity=_KEY_LIGHT, casts_shadow=True)
         key.look_at(middle)
-        far = min(max(_AWAY * radius, 1.0), 1e15)  # no nearer and no farther than a shader can tell
+        far = min(max(_AWAY * radius, 1.0), 1e15)  # no nearer and no farther than a shader can distinguish
         for towards, colour, strength in ((_FILL, _FILL_COLOUR, _FILL_LIGHT), (_RIM, _RIM_COLOUR, _RIM_LIGHT)):
             lamp = self._lamps.create_child("", middle + far * _turned(towards, yaw))
             lamp.create_light("point", colour=colour, intensity=strength * far * far)

@@ -14,7 +14,7 @@ __all__ = ["AmplifierEmulator"]
 
 
 class AmplifierEmulator:
-    """Sends what it is told to.
+    """Sends what it is given.
 
     Args:
         channels: Names.

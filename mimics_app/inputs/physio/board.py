@@ -84,7 +84,7 @@ class BoardSource:
         return {name: grid.faults for name, grid in self._grids.items()}
 
     def feel(self, experience: Experience) -> None:
-        """A real person needs not be told."""
+        """A real person needs no such message."""
 
     def close(self) -> None:
         """End the stream."""

@@ -38,7 +38,7 @@ class Recorded:
     Attributes:
         name: "ecg", "gsr", "emg" or "resp".
         rate: [Hz]
-        start_s: Time of the first sample, as the file tells time [s].
+        start_s: Time of the first sample, as the file gives the time [s].
         values: In the unit of the signal, shape [n]; NaN where there is none.
     """
 
@@ -84,7 +84,7 @@ def _reader_of(path: Path) -> Callable[[Path], list[Recorded]]:
 
 
 def _read_csv(path: Path) -> list[Recorded]:
-    """Columns with names; `t_s` tells the time of each row [s]."""
+    """Columns with names; `t_s` is the time of each row [s]."""
     import pyarrow as pa
     from pyarrow import csv
 
@@ -102,17 +102,17 @@ def _read_csv(path: Path) -> list[Recorded]:
                 raise SceneError(Issue(str(path), f"/{label}", "a column of numbers is no numbers")) from error
     times = next((columns[name] for name in _TIMES if name in columns), None)
     if times is None:
-        raise SceneError(Issue(str(path), "", "no column tells the time", "add a column t_s in seconds"))
+        raise SceneError(Issue(str(path), "", "no column holds the time", "add a column t_s in seconds"))
     signals = [(name_of_channel(label), values) for label, values in columns.items()]
     return [_on_grid(path, name, times, values) for name, values in signals if name]
 
 
 def _on_grid(path: Path, name: str, times: NDArray[np.float64], values: NDArray[np.float64]) -> Recorded:
-    """Rows on the regular grid their times tell of; places without a row are NaN, of two rows of one the first."""
+    """Rows on the regular grid of their times; places without a row are NaN, of two rows of one the first."""
     keep = np.isfinite(times)
     times, values = times[keep], values[keep]
     if len(times) < 2:
-        raise SceneError(Issue(str(path), "", "less than two rows tell their time"))
+        raise SceneError(Issue(str(path), "", "fewer than two rows have a time"))
     steps = np.diff(times)
     if not (steps >= 0.0).all():
         row = int(np.argmax(steps < 0.0)) + 1

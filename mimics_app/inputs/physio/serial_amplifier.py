@@ -23,7 +23,7 @@ _SILENT_NS = 2 * _SECOND
 
 
 class SerialAmplifier:
-    """An amplifier that counts its samples: its count tells when each was, and what was lost.
+    """An amplifier that counts its samples: its count says when each was, and what was lost.
 
     Args:
         address: PORT or PORT@BAUD.
@@ -80,7 +80,7 @@ class SerialAmplifier:
         return self._reader.damaged
 
     def feel(self, experience: Experience) -> None:
-        """A real person needs not be told."""
+        """A real person needs no such message."""
 
     def close(self) -> None:
         """Let the port go."""

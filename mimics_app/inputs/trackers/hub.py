@@ -47,7 +47,7 @@ class TrackerHub:
     """Where head and hands are; asked by displays and avatars, each for the time it needs.
 
     Args:
-        trackers: In order of precedence: the first that knows a role tells it.
+        trackers: In order of precedence: the first that knows a role gives it.
         tape: Keeps every report in the order of arrival, None for no tape.
     """
 
@@ -63,7 +63,7 @@ class TrackerHub:
         return tuple(dict.fromkeys(role for each in self._trackers for role in each.roles.values()))
 
     def take_problems(self) -> list[str]:
-        """What has gone wrong with trackers since the last call, a line each; each is told once."""
+        """What has gone wrong with trackers since the last call, a line each; each is reported once."""
         for each in self._trackers:
             self._note(each, each.source.problem or each.calibration.fault)
         new = [what for what, told in self._problems.items() if not told]

@@ -91,7 +91,7 @@ class OscSender:
     """Sends poses: stands in for a motion-capture system.
 
     Args:
-        port: Where to, on this machine unless told otherwise.
+        port: Where to, on this machine unless set otherwise.
         host: Which.
     """
 

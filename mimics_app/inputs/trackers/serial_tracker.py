@@ -86,7 +86,7 @@ class SerialTracker(TrackerSource):
             self._line.write(self._end)
             self._line.close()
         except OSError:
-            self.problem = self.problem or "the line was gone before it could be told to stop"
+            self.problem = self.problem or "the line was gone before the stop command could be sent"
 
     def _read(self, sink: TrackerSink) -> None:
         while not self._stopping.is_set():
@@ -107,10 +107,10 @@ class SerialTracker(TrackerSource):
 
 
 def fastrak(name: str, port: str, baud: int = 115200, clock: Clock | None = None) -> SerialTracker:
-    """A Polhemus Fastrak, told to report in centimetres and text, continuously."""
+    """A Polhemus Fastrak, set to report in centimetres and text, continuously."""
     return SerialTracker(name, port, baud, FastrakParser(UNITS["cm"]), b"F\ru\rC\r", b"c\r", clock)
 
 
 def flock_of_birds(name: str, port: str, baud: int = 115200, clock: Clock | None = None) -> SerialTracker:
-    """An Ascension Flock of Birds of one bird, told to stream position and angles."""
+    """An Ascension Flock of Birds of one bird, set to stream position and angles."""
     return SerialTracker(name, port, baud, FlockParser(), b"Y@", b"B", clock)

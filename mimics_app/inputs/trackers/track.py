@@ -15,7 +15,7 @@ KEPT = 1024
 """Reports kept: four seconds at 240 Hz."""
 
 _LEAST_STEP_NS = 1_000_000
-"""Two reports nearer to each other [ns] tell no velocity: a burst of a late bus."""
+"""Two reports nearer to each other [ns] give no velocity: a burst of a late bus."""
 
 
 class Track:

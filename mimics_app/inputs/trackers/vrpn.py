@@ -127,7 +127,7 @@ class VrpnServer:
     Args:
         tracker: Its name.
         port: To listen on; 0: any.
-        host: To listen at; this machine alone unless told otherwise.
+        host: To listen at; this machine alone unless set otherwise.
 
     Attributes:
         port: That it listens on.

@@ -1,6 +1,6 @@
 """VRPN's messages over TCP: 24 bytes of header, big-endian, bodies padded to eight; types and senders are announced.
 
-The protocol has no authentication, so our own server listens to this machine alone unless it is told otherwise.
+The protocol has no authentication, so our own server listens to this machine alone unless set otherwise.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def pack(sender: int, kind: int, body: bytes, t_ns: int) -> bytes:
 
 
 def announcement(what: int, number: int, name: str) -> bytes:
-    """Tell the name of a sender or a type."""
+    """Announce the name of a sender or a type."""
     text = name.encode() + b"\0"
     return pack(number, what, struct.pack(">i", len(text)) + text, 0)
 

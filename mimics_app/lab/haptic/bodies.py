@@ -5,7 +5,7 @@ and friction each. Error: a ball of 0.2 kg dropped on 2 kN/m at zeta = 0.3 and 1
 of a contact that only pushes, the worst of the phases at which a tick may meet the floor.
 
 Two or four steps to a tick halve and quarter the error for two and four times the cost. They are drawn as yardsticks:
-the error of 1 ms is below what a hand can tell of a bounce, and a stiffer contact is bound by the device's own tick.
+the error of 1 ms is below what a hand can feel of a bounce, and a stiffer contact is bound by the device's own tick.
 """
 
 from __future__ import annotations

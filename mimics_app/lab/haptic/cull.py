@@ -114,7 +114,7 @@ register_numbered(
         NumberedRival("one by one", "bounds tested one after the other", "any scene", None, _COUNTS),
         NumberedRival(
             "grid",
-            "the cell of the point tells its shapes",
+            "the cell of the point lists its shapes",
             "shapes at rest: filled again at each change",
             None,
             _COUNTS,

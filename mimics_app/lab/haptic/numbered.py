@@ -1,4 +1,4 @@
-"""Rivals that one compiled probe tells apart by their number: a probe's loop cannot be handed a function to run."""
+"""Rivals that one compiled probe distinguishes by their number: a probe's loop cannot be handed a function to run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the probes of the haptic methods share: a loop to tell costs against, and how many there may be of a thing.
+"""What the probes of the haptic methods share: a loop to compare costs with, and how many there may be of a thing.
 
 A probe times a loop compiled around the very kernel the tick runs, so that a call costs what it costs there: no
 interpreter, and inlined.

@@ -84,7 +84,7 @@ def _head(record: Annotated) -> Annotated:
 
 
 def _load(gap: float) -> dict[str, dict[str, float]]:
-    """Shares of trials whose load was told right, with 95 % intervals over people and calibration."""
+    """Shares of trials whose load was estimated right, with 95 % intervals over people and calibration."""
     scores = state_study(draw_load_people(2, gap)).items()
     return {
         name: {"share": score.share, "half_width": score.half_width, "calibration": score.calibration}

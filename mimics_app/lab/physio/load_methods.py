@@ -1,4 +1,4 @@
-"""Rival ways to tell the load of a person, with their cost an update and how often they are wrong on unseen families.
+"""Rival ways to estimate the load of a person, with their cost an update and how often they err on unseen families.
 
 Importing this module registers them. The people are the simulated ones that come with the product: no clinical
 evidence.
@@ -50,13 +50,13 @@ def _cost_us(estimator: str) -> float:
 
 
 def _study_us(rival: str) -> float:
-    """Of one trial told in the study, training and learning in it."""
+    """Of one trial judged in the study, training and learning in it."""
     people = shipped_people()
     return shortest_us(lambda: RIVALS[rival](people), people.classes.size, 2)
 
 
 def _add(name: str, rival: str, source: str, valid_range: str, estimator: str = "") -> None:
-    """Register a way; one without an estimator is a yardstick: told, and nothing a session can take."""
+    """Register a way; one without an estimator is a yardstick: measured, and nothing a session can take."""
     registry.register(
         Method(
             group=GROUP,
@@ -75,7 +75,7 @@ def _add(name: str, rival: str, source: str, valid_range: str, estimator: str = 
 registry.describe(
     Group(
         name=GROUP,
-        what="three classes of load, simulated people of unseen families (no clinical evidence); error: told wrong",
+        what="three classes of load, simulated people of unseen families (no clinical evidence); error: wrong",
         unit=_UNIT,
         work="",
         reference=reference_us,

@@ -1,7 +1,7 @@
 """Three classes of load: trained on people of four families, tested on people of the fifth, each family in turn.
 
 After each trial the person is asked, which is what the adaptive discriminant learns from; without asking it goes by how
-likely each class is. Every trial is told before anything is learnt from it. No clinical evidence.
+likely each class is. Every trial is judged before anything is learnt from it. No clinical evidence.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ Classes = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class StateScore:
-    """What one estimator told.
+    """What one estimator gave.
 
     Attributes:
-        hits: Share of each person's trials that were told right, shape [p].
+        hits: Share of each person's trials that were estimated right, shape [p].
         calibration: Expected calibration error; NaN where no probability is stated.
     """
 

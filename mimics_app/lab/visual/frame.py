@@ -1,6 +1,6 @@
 """How the cost of a whole frame grows with what is in it: nodes that all move, and triangles.
 
-Importing this module registers the rivals. Probe: a small picture, so that what is told is the cost of finding,
+Importing this module registers the rivals. Probe: a small picture, so that what is measured is the cost of finding,
 submitting and shaping what is drawn. Error: share of the pixels that differ from the first rival's picture.
 """
 
@@ -79,7 +79,7 @@ def node_world(count: int) -> Scene:
 
 
 def ball_world(count: int) -> Scene:
-    """So many triangles in balls that stand still, with levels of detail, seen from one side."""
+    """So many triangles in balls that do not move, with levels of detail, seen from one side."""
     world = World()
     for level in range(3):
         world.meshes[f"ball{level}"] = icosphere(0.5, 3 - level)

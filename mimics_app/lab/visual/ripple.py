@@ -1,6 +1,6 @@
 """How far a ripple's crest is from where it ought to be on a bent cord, against how sharply it is bent.
 
-Importing this module registers the ways to tell the distance from a tap. Error: a crest after a way of two radii, in
+Importing this module registers the ways to compute the distance from a tap. Error: a crest after a way of two radii, in
 any direction from a tap inside, beside or outside of the bend, against geodesics followed on the tube [m]; cost: of the
 distances of a drawn cord's vertices.
 """

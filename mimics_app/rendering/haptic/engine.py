@@ -101,7 +101,7 @@ class HapticEngine:
 
     @property
     def ticks(self) -> int:
-        """Ticks done so far; a supervisor that sees it stand still knows that the loop is dead."""
+        """Ticks done so far; a supervisor that sees it stop knows that the loop is dead."""
         return int(self._memory.control[ControlWord.TICKS])
 
     @property
@@ -250,12 +250,12 @@ class HapticEngine:
         try:
             self._granted = scheduler.arrange_thread(self._recipe)
             spin_us = scheduler.spin_for(self._granted) if self._spin_us is None else self._spin_us
-        except BaseException as failure:  # noqa: BLE001  told by start()
+        except BaseException as failure:  # noqa: BLE001  raised by start()
             self._failure = failure
             return
         finally:
             self._arranged.set()
         try:
             run_live(*self._loop_args, self._period_ns, spin_us * 1000)
-        except BaseException as failure:  # noqa: BLE001  told by stop()
+        except BaseException as failure:  # noqa: BLE001  raised by stop()
             self._failure = failure

@@ -75,12 +75,12 @@ class ObjectWork(NamedTuple):
         paths: TUNNEL records by EFFECT.path, shape [paths]; filled before the loop starts.
         field_parameters: What a force field is given, shape [FIELD_PARAMETERS].
         field_vectors: Likewise place and velocity, and the force it gives, shape [3, 3].
-        contact_scratch: CONTACT_SCRATCH, shape [1]: the point and the shape at hand.
+        contact_scratch: CONTACT_SCRATCH, shape [1]: the present point and shape.
         memories: MEMORY of each point at each shape, shape [MAX_POINTS, shapes].
         births: BIRTH, shape [shapes].
         befores: BEFORE, shape [bodies].
-        near: Rows of the shapes near the point at hand, shape [shapes].
-        walls: WALL_TOUCH, shape [MOST_WALLS]: walls that the point at hand touches.
+        near: Rows of the shapes near the present point, shape [shapes].
+        walls: WALL_TOUCH, shape [MOST_WALLS]: walls that the present point touches.
         touched: TOUCHED, shape [MAX_CONTACTS, MOST_TOUCHED]: what each point of contact touches, TOTALS.listed of them.
         margins: Least stability margin of each shape while it was felt, inf: never, shape [shapes].
         order: Shapes in the order of the sweep, walls from the back, shape [shapes].

@@ -1,4 +1,4 @@
-"""What the loop tells the others after each tick: the newest snapshot with all poses, and the events."""
+"""What the loop publishes after each tick: the newest snapshot with all poses, and the events."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def _begin(event: EventRecord, state: StateRecord, t_ns: int, body_a: int, body_
 
 @kernel
 def _publish_monitor(outlets: _Outlets, state: StateRecord) -> None:
-    """What the monitors of stability and of the device's data have to tell."""
+    """What the monitors of stability and of the device's data report."""
     if state.margin_lost == 1:
         _tell(outlets, _MARGIN, state.told_margin)
     if state.cap_began == 1:

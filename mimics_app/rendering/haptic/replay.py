@@ -31,7 +31,7 @@ Records = NDArray[Any]
 
 _TICKS_AT_ONCE = 500
 _EVENTS = 1 << 16
-"""Room for the events of so many ticks: a power of two, and more than any scene tells."""
+"""Room for the events of so many ticks: a power of two, and more than any scene has."""
 
 
 @dataclass(frozen=True, slots=True)

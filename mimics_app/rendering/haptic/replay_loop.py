@@ -62,10 +62,10 @@ def replay_recorded(
     period_ns: int,
     outputs: Table[SampleRecord],
 ) -> int:
-    """Run the tick over recorded inputs and tell its events and its newest state.
+    """Run the tick over recorded inputs and publish its events and its newest state.
 
     Args:
-        channels: Arrays of a session of its own; what is told goes there.
+        channels: Arrays of a session of its own; what is published goes there.
         work: Arrays of the loop, advanced.
         scenes: SCENE blocks, shape [m].
         stack: Tables of objects beside each of them, shape [m, capacity].

@@ -122,7 +122,7 @@ def apply_admittance(block: Block, admittance: Admittance) -> None:
 
 
 def impedance_values(impedance: Impedance) -> dict[str, object]:
-    """SCENE fields of a device that is told forces, under impedance control."""
+    """SCENE fields of a device that takes forces, under impedance control."""
     return {
         "controller": int(Controller.IMPEDANCE),
         "force_driven": 1,

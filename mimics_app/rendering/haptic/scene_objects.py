@@ -96,7 +96,7 @@ class SceneObjects:
         """Triangles by SHAPE.mesh, and the hulls of those that bodies carry.
 
         Raises:
-            ValueError: a mesh cannot be touched; `check_objects` tells.
+            ValueError: a mesh cannot be touched; `check_objects` says why.
         """
         return self.make_table()
 
@@ -117,20 +117,20 @@ def _table_of_meshes(scene: Scene, meshes: Mapping[MeshKey, SolidMesh], shapes: 
 def objects_of_scene(scene: Scene) -> SceneObjects:
     """The rows of a checked scene; a scene without anything to touch gives empty tables.
 
-    They are worked out once for a scene and the methods that were planned: whoever changes rows takes copies of them.
+    They are computed once for a scene and the methods that were planned: whoever changes rows takes copies of them.
 
     An object that may neither shift nor turn, and that no effect or wire names, belongs to the static scene: its
     shapes have no body.
 
     Raises:
-        SceneError: something cannot be made; `check` would have told.
+        SceneError: something cannot be made; `check` would have reported it.
     """
     planned = _planned_integrator(scene), planned_projection(scene)
     return scene.derive(("haptic objects", *planned), lambda: _gather(scene))
 
 
 def _contacts_of(scene: Scene) -> tuple[str, ...]:
-    """Points of contact of the scene's device; a hand of one that nobody has, which is told where it is asked for."""
+    """Points of contact of the scene's device; a hand of one that nobody has: reported where it is asked for."""
     try:
         return descriptor_of((scene.first(Robot) or Robot()).device).contacts
     except DeviceError:

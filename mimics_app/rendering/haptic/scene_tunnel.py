@@ -91,7 +91,7 @@ def built_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> tuple[TunnelCurv
 
 
 def _content(file: Path) -> bytes:
-    """What a recorded path says; nothing where it cannot be read, which is told where it is fitted."""
+    """What a recorded path says; nothing where it cannot be read, which is reported where it is fitted."""
     try:
         return read_regular(file)
     except OSError:
@@ -101,7 +101,7 @@ def _content(file: Path) -> bytes:
 def check_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> list[Issue]:
     """Faults of a tunnel: build it and see (hairpins, coincident points, a path file that cannot be fitted).
 
-    One whose component is wrong already is not built: its faults were told.
+    One whose component is wrong already is not built: its faults were reported.
     """
     if check_tunnel_component(tunnel, pointer, scene):
         return []

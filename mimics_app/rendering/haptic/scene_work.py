@@ -17,7 +17,7 @@ def statics_of(objects: SceneObjects) -> ObjectStatics:
     """Meshes, paths and force fields of the scene.
 
     Raises:
-        ValueError: a mesh cannot be touched; `check` would have told.
+        ValueError: a mesh cannot be touched; `check` would have reported it.
     """
     return ObjectStatics(objects.mesh_table, objects.paths, objects.fields)
 

@@ -45,7 +45,7 @@ class StabilityReport:
         return least
 
     def as_dict(self) -> dict[str, float]:
-        """Under the keys of `mimics run --json`; what tells of contacts is left out where there was none."""
+        """Under the keys of `mimics run --json`; what is about contacts is left out where there was none."""
         of_contacts = {}
         if self.margin is not None:
             of_contacts = {

@@ -159,7 +159,7 @@ def build_tunnel(control_points: ArrayLike, radius: ArrayLike, *, radius_scale: 
 
     Raises:
         TunnelError: every fault found: shape, numbers that are not finite, neighbours that coincide, a point where the
-            bisector stands still, more than MAX_PIECES pieces, negative radius, walls that fold over in a bend
+            bisector does not advance, more than MAX_PIECES pieces, negative radius, walls that fold over in a bend
             (radius x curvature >= 1, with the place).
     """
     points, faults = _checked_points(control_points)
@@ -227,7 +227,7 @@ def _refuse_standstill(pieces: Array, arc_length: Array) -> None:
     speed = np.linalg.norm(bspline.evaluate(pieces, s, 1), axis=1)
     slowest = int(np.argmin(speed))
     if speed[slowest] <= _SLOWEST_SPEED * arc_length[-1] / len(pieces):
-        what = f"the bisector stands still {_place(pieces, arc_length, float(s[slowest]))}: it has no direction there"
+        what = f"the bisector's tangent is zero {_place(pieces, arc_length, float(s[slowest]))}: no direction there"
         raise TunnelError([TunnelFault("control_points", what, "do not let it double back along itself")])
 
 

@@ -40,7 +40,7 @@ class NoVibrators(Vibrators):
 
 
 class SerialVibrators(Vibrators):
-    """A box on a serial line; it is told ahead and keeps the time itself.
+    """A box on a serial line; it gets taps ahead and keeps the time itself.
 
     Args:
         port: Of the line.

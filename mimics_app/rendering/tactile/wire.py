@@ -1,4 +1,4 @@
-"""What is said to a box of vibrators on a serial line: one frame a tap, told ahead, so that the box keeps the time.
+"""What is said to a box of vibrators on a serial line: one frame a tap, sent ahead, so that the box keeps the time.
 
     A5  channel  strength  duration LE16 [ms]  delay LE32 [us]  number LE16  crc8
 
@@ -31,7 +31,7 @@ _LONGEST_DELAY_US = 1_000_000
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A tap as the box is told.
+    """A tap as it is sent to the box.
 
     Attributes:
         channel: Vibrator, 0 to 255.

@@ -137,7 +137,7 @@ class GuidedWalkPlay(KindPlay):
         self._shown = (walker + share * (self._walker.x - walker), guide + share * (self._guide.x - guide))
 
     def _end_step(self) -> None:
-        """The step is over: what it came to is told, and the next one begins with what is wanted now."""
+        """The step is over: what it came to is reported, and the next one begins with what is wanted now."""
         deed = Deed(int(self._rng.integers(6))) if self._spec.condition == "random" else self._wanted
         self._guide.do(deed, self._walker.x)
         if self._spec.walker == "simulated":

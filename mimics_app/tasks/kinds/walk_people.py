@@ -93,7 +93,7 @@ class Walker:
 
 
 class Guide:
-    """The avatar: it does what it is told, no nearer than it may.
+    """The avatar: it does what it is ordered to, no nearer than it may.
 
     Args:
         alley: Where it is.

@@ -128,7 +128,7 @@ class Avatar(Component, frozen=True):
 
 
 def model_of(pointer: str, scene: Scene) -> GltfDocument | None:
-    """The model that the same entity shows; None where it is wrong or missing, which is told elsewhere."""
+    """The model that the same entity shows; None where it is wrong or missing, which is reported elsewhere."""
     entity = next((each for each in scene.entities if pointer.startswith(f"{each.pointer}/")), None)
     mesh = None if entity is None else entity.components.get("mesh")
     if not isinstance(mesh, MeshComponent) or mesh.source is None:

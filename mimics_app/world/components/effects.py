@@ -1,4 +1,4 @@
-"""Component types of what is seen but is no body: billboards, particles, pictures thrown onto surfaces.
+"""Component types of what is seen but is no body: billboards, particles, pictures projected onto surfaces.
 
 Units are SI, colours linear RGB, angles radians.
 """
@@ -114,7 +114,7 @@ class Particles(Component, frozen=True):
 
 @component("projector")
 class Projector(Component, frozen=True):
-    """A picture thrown onto the surfaces in its volume along the entity's own -z, +y up."""
+    """A picture projected onto the surfaces in its volume along the entity's own -z, +y up."""
 
     texture: Annotated[str | None, Meta(description="Of the scene's `assets`, a picture; absent: `shape`")] = None
     shape: Annotated[SpriteShape, Meta(description="Picture made by the application")] = "ring"

@@ -81,7 +81,7 @@ def _check_object(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue
 
 
 def _check_place(pointer: str, scene: Scene) -> list[Issue]:
-    """Faults of the place of an entity that has one; that it has none is told with its transform or parent."""
+    """Faults of the place of an entity that has one; that it has none is reported with its transform or parent."""
     name = scene.owner(pointer).id
     if not stands_somewhere(scene, name):
         return []
@@ -134,7 +134,7 @@ def _thinnest(shape: Solid) -> float:
 
 
 def _check_surfaces(surfaces: Sequence[Sequence[Layer]], scene: Scene) -> list[Issue]:
-    """Faults of surfaces, each in layers with their pointers, the most special first; what is alike is told once."""
+    """Faults of surfaces, each in layers with their pointers, the most special first; the same one is reported once."""
     issues: list[Issue] = []
     for layers in surfaces:
         issues += [issue for issue in _check_surface(layers, scene) if issue not in issues]

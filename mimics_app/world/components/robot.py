@@ -56,7 +56,7 @@ Row = tuple[_Cosine, _Cosine, _Cosine]
 TunnelRadius = Annotated[float, Meta(ge=0, le=10)]
 Radii = Annotated[tuple[TunnelRadius, ...], Meta(max_length=1000)]
 ControlPoints = Annotated[tuple[Point, ...], Meta(max_length=1000)]
-"""More than a curve can have, which is told with the number of its pieces."""
+"""More than a curve can have, which is reported with the number of its pieces."""
 Visits = Annotated[tuple[str, ...], Meta(max_length=1000)]
 
 
@@ -195,7 +195,7 @@ class Admittance(Component, frozen=True):
 
 @component("impedance")
 class Impedance(Component, frozen=True):
-    """Impedance control: a device that is told forces renders the virtual force; inertia and gravity are its own."""
+    """Impedance control: a device that takes forces renders the virtual force; inertia and gravity are its own."""
 
     damping: Annotated[Damping, Meta(description="Viscosity rendered with every force [N s/m]")] = 1.0
     device_damping: Annotated[
@@ -276,7 +276,7 @@ class Safety(Component, frozen=True):
     energy_limit: Annotated[float, Meta(gt=0, le=100, description="One contact may give before SAFE_STOP [J]")] = 1.0
     stiffness_cap: Annotated[
         Literal["cap", "warn"],
-        Meta(description="A contact stiffer than stable at the measured period and delay is softened, or only told"),
+        Meta(description="A contact stiffer than stable at the measured period and delay is softened or just reported"),
     ] = "cap"
     cap_margin: Annotated[
         float, Meta(ge=0, le=10, description="Stability margin that a softened contact keeps [-]")

@@ -15,9 +15,9 @@ _Name = Annotated[str, Meta(min_length=1, max_length=64)]
 
 
 class RoomPoints(Component, frozen=True):
-    """Points touched with a sensor: as the tracker told them, and where they are in the room."""
+    """Points touched with a sensor: as the tracker reported them, and where they are in the room."""
 
-    seen: Annotated[list[Point], Meta(min_length=4, max_length=1000, description="As told [m], axes and unit mapped")]
+    seen: Annotated[list[Point], Meta(min_length=4, max_length=1000, description="As reported, in our axes [m]")]
     room: Annotated[list[Point], Meta(min_length=4, max_length=1000, description="The same points in the room [m]")]
 
 
@@ -40,7 +40,7 @@ class TrackerSpec(Component, frozen=True):
     ] = ""
     baud: Annotated[int, Meta(ge=1200, le=1_000_000, description="Of a serial line [bit/s]")] = 115200
     axes: Annotated[str, Meta(max_length=16, description="Room x, y, z as axes of the device: 'x,-z,y'")] = "x,y,z"
-    unit: Annotated[Literal["m", "cm", "mm", "inch"], Meta(description="Of what vrpn, osc and lsl tell")] = "m"
+    unit: Annotated[Literal["m", "cm", "mm", "inch"], Meta(description="Of what vrpn, osc and lsl report")] = "m"
     roles: Annotated[
         dict[str, _Name],
         Meta(max_length=64, description="Part of the body by sensor: head, chest, hand_left, hand_right"),

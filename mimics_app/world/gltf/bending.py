@@ -135,7 +135,7 @@ def _morph_weights(model: GltfDocument, nodes: list[GltfNode]) -> F8:
 def _turned_over(inverse_bind: F8, joints: tuple[int, ...], made: Made, body: SceneNode) -> bool:
     """Whether joints mirror the mesh and its node does not, or the other way round.
 
-    Which side of a triangle is outside is told by the node, which has no say where the vertices of a skin are.
+    Which side of a triangle is outside is given by the node, which has no say where the vertices of a skin are.
     """
     turned = np.linalg.det(made[joints[0]].world_matrix()[:3, :3] @ inverse_bind[0, :3, :3])
     return bool(turned * np.linalg.det(body.world_matrix()[:3, :3]) < 0.0)

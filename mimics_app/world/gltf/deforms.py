@@ -24,7 +24,7 @@ MAX_MORPHS = 256
 """Most morph targets of a mesh."""
 
 _UNNORMALISED = 1e-3
-"""How far a vertex's weights may add up beside 1 before it is told; bytes are as far as 2e-3 by rounding alone."""
+"""How far a vertex's weights may add up beside 1 before it is reported; bytes are as far as 2e-3 by rounding alone."""
 
 _SET = 4
 """Influences of one pair of attributes."""

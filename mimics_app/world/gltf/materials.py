@@ -36,7 +36,7 @@ class GltfMaterial:
     """A material and how its textures lie on a mesh.
 
     Attributes:
-        material: Its textures are keys of the file's textures; where they lie is told from the mesh's coordinates as
+        material: Its textures are keys of the file's textures; where they are follows from the mesh's coordinates as
             placed by `uv_transform`.
         uv_set: Which TEXCOORD_n the first texture uses.
         uv_transform: Rows of the 2 x 3 matrix applied to those coordinates (KHR_texture_transform), [2, 3].

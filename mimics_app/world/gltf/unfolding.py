@@ -46,7 +46,7 @@ def _part(draft: EntityDraft, assets: dict[str, SceneAsset]) -> ModelPart | None
     try:
         return find_in_model(assets, source) if isinstance(source, str) else None
     except KeyError:
-        return None  # told by the check of the reference
+        return None  # reported by the check of the reference
 
 
 def _layers(part: ModelPart) -> dict[str, Layer]:

@@ -1,4 +1,4 @@
-"""A mesh whose numbers are changed while it is drawn: numpy arrays that are its buffers, told range by range."""
+"""A mesh whose numbers are changed while it is drawn: numpy arrays that are its buffers, updated range by range."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ MeshChange = tuple[int, Literal["vertices", "indices"], int, int]
 class MeshBuffer:
     """The vertex and index buffers of one mesh; its numbers of vertices and indices stay.
 
-    Write into the arrays, then tell which range was written: `buffer.positions[4:8] += up; buffer.update(4, 4)`.
+    Write into the arrays, then name the range that was written: `buffer.positions[4:8] += up; buffer.update(4, 4)`.
 
     Args:
         mesh: What it begins with; copied.
@@ -61,7 +61,7 @@ class MeshBuffer:
         return (VERTEX_DECLARATION,) if self.colours is None else (VERTEX_DECLARATION, COLOUR_DECLARATION)
 
     def update(self, first: int = 0, count: int | None = None) -> None:
-        """Tell that vertices were written; the mesh's bounds are worked out anew.
+        """Announce that vertices were written; the mesh's bounds are computed anew.
 
         Args:
             first: The first of them.
@@ -77,7 +77,7 @@ class MeshBuffer:
         self._tell("vertices", first, end - first)
 
     def update_indices(self, first: int = 0, count: int | None = None) -> None:
-        """Tell that indices were written.
+        """Announce that indices were written.
 
         Args:
             first: The first of them.
@@ -98,7 +98,7 @@ class MeshBuffer:
         return [change for change in self._changes if change[0] > revision] if revision >= known else None
 
     def _tell(self, what: Literal["vertices", "indices"], first: int, count: int) -> None:
-        # The same arrays in a new mesh: bounds and whatever else was worked out for the old one are gone with it.
+        # The same arrays in a new mesh: bounds and whatever else was computed for the old one are gone with it.
         self.mesh = replace(self.mesh)
         self._changes.append((self._publish(self), what, first, count))
 

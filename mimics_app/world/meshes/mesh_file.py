@@ -51,7 +51,7 @@ def _bodies(path: Path) -> list[tuple[str, trimesh.Trimesh]]:
     import trimesh
 
     data = read_bytes(path, str(path), _MOST_BYTES)
-    logging.getLogger("trimesh").setLevel(logging.CRITICAL + 1)  # what it cannot read is told here, in one line
+    logging.getLogger("trimesh").setLevel(logging.CRITICAL + 1)  # what it cannot read is reported here, in one line
     try:
         try:
             loaded = _load(path, data)

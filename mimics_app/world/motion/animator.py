@@ -177,7 +177,7 @@ class Animator:
             layer.fade(0.0, fade)
 
     def step(self, seconds: float) -> None:
-        """Let time go by and work out the pose."""
+        """Let time go by and compute the pose."""
         for direct in self.directors:
             direct(seconds)
         self.events = [event for layer in self.layers for event in layer.step(seconds)]

@@ -1,7 +1,7 @@
 """Motion capture in BVH files: a skeleton and its angles frame by frame, carried over to the bones of a model.
 
 The format has no specification but its makers' description (Biovision, 1996): offsets and channels of each joint, then
-one line of numbers a frame. Files of a metre and of a centimetre look alike: the height of the hips tells.
+one line of numbers a frame. Files of a metre and of a centimetre look alike: the height of the hips decides.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The bones of a person by the names of VRM 1.0, found in the skeletons of others by how these call theirs.
 
 A name is taken apart into words: side, part, number. What Mixamo, Blender, Unreal, 3ds Max Biped and VRM 0 say is
-known; bones that no name tells are guessed from where they hang, and every guess is told.
+known; bones without a known name are guessed from where they hang, and every guess is reported.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class HumanoidMap:
     Attributes:
         slots: Slot of each bone that was found.
         names: What the model calls them.
-        guesses: What was not told by a name, for people: one line each.
+        guesses: What did not follow from a name, for people: one line each.
         missing: Bones of `NEEDED` that are not there.
     """
 

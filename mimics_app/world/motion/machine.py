@@ -84,7 +84,7 @@ class StateMachine:
         animator.directors.append(self.step)
 
     def trigger(self, cause: str) -> bool:
-        """Tell what happened; returns whether another state begins."""
+        """Pass on what happened; returns whether another state begins."""
         for transition in self._transitions:
             if transition.on == cause and transition.source in (None, self.state):
                 self.enter(transition.target, transition.fade)

@@ -58,7 +58,7 @@ class Motion:
         self.animators[index] = animator
 
     def trigger(self, cause: str) -> None:
-        """Tell all models that something happened, in the words of their transitions."""
+        """Pass to all models that something happened, in the words of their transitions."""
         for machine in self.machines.values():
             machine.trigger(cause)
 

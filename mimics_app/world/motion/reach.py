@@ -30,14 +30,14 @@ class ReachCase(IntFlag):
     AT_SHOULDER = 1  # no direction: the last one is kept
     TOO_FAR = 2
     TOO_NEAR = 4  # bones of unequal lengths
-    ON_POLE = 8  # the pole tells no side: the last one is kept
+    ON_POLE = 8  # the pole gives no side: the last one is kept
     NO_LENGTH = 16
     NOT_FINITE = 32  # elbow and hand stay where they were
     TURNING = 64  # the elbow follows the pole as fast as it may
 
 
 class Chain:
-    """Where the joints of a model are in its own frame, worked out anew for each pose.
+    """Where the joints of a model are in its own frame, computed anew for each pose.
 
     Attributes:
         places: [m], [slots, 3].

@@ -5,7 +5,7 @@ Sources:
 - Natural speed: mean of healthy adults, one value per 2 % of the cycle from heel contact to heel contact [degrees]. The
   numbers are those that SCONE Studio ships for its gait analysis (resources/gaitanalysis/default.zml). Who uses them
   credits G. Bovi et al., A multiple-task gait analysis approach, Gait & Posture 33 (2011) 6-13; that credit is theirs
-  and not checked here. The ankle is told with the offset of 20 degrees that the file names. The hip is against the
+  and not checked here. The ankle is given with the offset of 20 degrees that the file names. The hip is against the
   pelvis, which is tilted ahead by `TILT`.
 - Knee from 0.5 to 5 km/h: B. Koopman, E. H. F. van Asseldonk, H. van der Kooij, Speed-dependent reference joint
   trajectory generation for robotic gait support, J. Biomechanics 47 (2014) 1447-1458: regression of six events on
@@ -13,7 +13,7 @@ Sources:
   coefficients were read from a public table of that regression, not from the paper itself.
 
 The two differ by 8 degrees (root mean square) in the knee at 1.2 m/s: by where the joint's zero is, and by later
-toe-off in the second. Of hip and ankle at other speeds no numbers are at hand: they are the natural ones, scaled
+toe-off in the second. Of hip and ankle at other speeds no numbers are available: they are the natural ones, scaled
 with the step.
 """
 
@@ -77,7 +77,7 @@ _BEND = (
 """When the six events of the knee are [%], its angle there [degrees], and the angle's first and second derivative."""
 
 _HEIGHT = 1.75
-"""Of the body for which the knee is worked out [m]."""
+"""Of the body for which the knee is computed [m]."""
 _SLOW, _NATURAL = 1.0, 1.3
 """Up to which speed the knee is that of the regression, and from which it is the natural one [m/s]."""
 _LEAST_KNEE = 4.5

@@ -1,4 +1,4 @@
-"""What the joints of one skeleton do, done by another: turns told from rest, in the axes of the model."""
+"""What the joints of one skeleton do, done by another: turns relative to rest, in the axes of the model."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ F8 = NDArray[np.float64]
 class Retarget:
     """Carries poses over from one rig to another, bone by bone.
 
-    A bone is turned from its rest as the other's is from its own, told in the axes of the model (+y up, +z ahead). The
+    A bone is turned from its rest as the other's is from its own, given in the axes of the model (+y up, +z ahead). The
     hips also shift, scaled by the heights of both pairs of hips. Bones that one of the two does not have are left.
 
     Args:

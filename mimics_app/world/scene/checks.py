@@ -120,7 +120,9 @@ def _check_parents(scene: Scene, by_id: dict[str, SceneEntity]) -> list[Issue]:
         if name in path:
             loop = list(path)
             chain = " -> ".join((*loop[loop.index(name) :], name))
-            issues.append(scene.issue(f"{by_id[name].pointer}/parent", f"hangs on itself: {chain}"))
+            issues.append(
+                scene.issue(f"{by_id[name].pointer}/parent", f"hangs on itself: {chain}", "choose another parent")
+            )
         above = depth.get(name, 0) if name is not None else 0
         depth |= {each: above + number for number, each in enumerate(reversed(path), start=1)}
     deepest = next((name for name, number in depth.items() if number > MAX_DEPTH), None)

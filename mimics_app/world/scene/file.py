@@ -67,7 +67,7 @@ def load_scene(path: Path, root: Path | None = None, before: Scene | None = None
     Args:
         path: The scene file.
         root: Folder that every file it names must stay inside; default: see `paths.find_root`.
-        before: The scene it replaces; what was worked out of that and would come out the same is taken over.
+        before: The scene it replaces; what was computed from that and would come out the same is taken over.
 
     Raises:
         SceneError: every fault found, each with file, JSON pointer, what is wrong, and the nearest right name.
@@ -107,7 +107,7 @@ def _stop_after_many(issues: list[Issue], path: Path) -> None:
 
 
 def _with_all_above(unusable: list[Issue]) -> set[tuple[str, str]]:
-    """File and pointer of all that holds a value that cannot be held: what follows from it is not told again."""
+    """File and pointer of all that holds a value that cannot be held: what follows from it is not reported again."""
     places = set()
     for issue in unusable:
         pointer = issue.pointer

@@ -1,4 +1,4 @@
-"""JSON read strictly: every fault of the text is told with its place, nothing is dropped or turned to NaN."""
+"""JSON read strictly: every fault of the text is reported with its place, nothing is dropped or turned to NaN."""
 
 from __future__ import annotations
 

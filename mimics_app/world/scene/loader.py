@@ -78,7 +78,7 @@ class SceneLoader:
                 self._report(place, f'unknown component "{name}"', fault_of_plugin(name) or nearest(name, types))
                 continue
             if not isinstance(value, dict):
-                continue  # told with the file's shape
+                continue  # reported with the file's shape
             struct: Any = read_struct(types[name], value, self._report, place)
             if struct is not FAILED:
                 components[name] = struct

@@ -14,7 +14,7 @@ class Layer:
     """One place that contributes to a value.
 
     Attributes:
-        file: As told to people.
+        file: As shown to people.
         folder: Folder relative file names in it are relative to.
         pointer: JSON pointer in that file.
         value: What stands there.

@@ -48,7 +48,7 @@ class SceneEntity:
 
 @dataclass(frozen=True, slots=True)
 class _Derived:
-    """What was worked out, what all of it came from (None: of the scene as a whole), and what `make` read."""
+    """What was computed, what all of it came from (None: of the scene as a whole), and what `make` read."""
 
     made: Any
     source: object
@@ -148,7 +148,7 @@ class Scene:
         return sorted({name for entity in self.entities for name in entity.components} - self.read)
 
     def derive(self, key: Hashable, make: Callable[[], D], source: object = None) -> D:
-        """What is worked out of the scene once and then handed on: tables of objects, curves, meshes.
+        """What is computed from the scene once and then handed on: tables of objects, curves, meshes.
 
         Nobody may change what this returns; who needs a copy makes one. What `make` read counts as read by every
         caller. A reloaded file is another scene, which takes over what was made from an equal source.
@@ -178,7 +178,7 @@ class Scene:
         return _Derived(made, source, used)
 
     def take_over(self, before: Scene) -> None:
-        """Let what was worked out of the scene that this one replaces serve again, where it comes from the same."""
+        """Let what was computed from the scene that this one replaces serve again, where it comes from the same."""
         self._before = dict(before._derived)
 
     def first(self, wanted: type[S]) -> S | None:
@@ -232,7 +232,7 @@ class Scene:
         return self.entities[int(pointer.split("/", 3)[2])]
 
     def issue(self, pointer: str, what: str, fix: str = "") -> Issue:
-        """A fault at a pointer of the resolved document, told with the file and pointer where it was written."""
+        """A fault at a pointer of the resolved document, reported with the file and pointer where it was written."""
         layer = self.origins.locate(pointer)
         return Issue(layer.file, layer.pointer, what, fix)
 
@@ -289,7 +289,7 @@ class Scene:
         """The fault of a reference into a model written at `pointer`, if it has one."""
         name = reference.partition("#")[0]
         if name not in self.assets and name in self.document.get("assets", {}):
-            return []  # the model itself is wrong, and that was told
+            return []  # the model itself is wrong, and that was reported
         faults = self.check_asset(pointer, name, "model")
         if faults:
             return faults

@@ -97,7 +97,7 @@ class _Reader:
         newest = migrate(document)
         if newest is None:
             what = f"version {document.get('version')!r:.40} cannot be read; this application reads up to {VERSION}"
-            raise SceneError([*issues, Issue(file, "/version", what)])
+            raise SceneError([*issues, Issue(file, "/version", what, "install a newer mimics_app")])
         entities = newest.get("entities")
         if isinstance(entities, list) and len(entities) > MAX_ENTITIES:
             what = f"{len(entities)} entities are more than {MAX_ENTITIES}"

@@ -32,7 +32,7 @@ _known: WeakKeyDictionary[Scene, float] = WeakKeyDictionary()
 def spread_of_casters(scene: Scene) -> float:
     """Half the diagonal of the box about what casts shadows [m], floors left out; no more than `ENOUGH` is counted.
 
-    Bodies of a model count with their boxes, shapes with their places. 0 where nothing casts. Worked out once a scene.
+    Bodies of a model count with their boxes, shapes with their places. 0 where nothing casts. Computed once a scene.
     """
     if scene not in _known:
         _known[scene] = _measure(scene)
@@ -65,7 +65,7 @@ def _points(scene: Scene) -> Iterator[Array]:
 
 
 def _world_matrix(entity: SceneEntity, by_id: dict[str, SceneEntity], matrices: dict[str, Array]) -> Array:
-    """T_world_from_entity, [4, 4]; those found on the way are kept, so that every one is worked out once."""
+    """T_world_from_entity, [4, 4]; those found on the way are kept, so that every one is computed once."""
     chain = []
     step: SceneEntity | None = entity
     while step is not None and step.id not in matrices:

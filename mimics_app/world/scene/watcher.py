@@ -1,4 +1,4 @@
-"""Tells when one of some files was saved."""
+"""Reports when one of some files was saved."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["SceneWatcher"]
 
 
 class SceneWatcher:
-    """Tells when one of some files was saved. Costs one `stat` per file; ask a few times a second."""
+    """Reports when one of some files was saved. Costs one `stat` per file; ask a few times a second."""
 
     def __init__(self, paths: Iterable[Path]) -> None:
         self._paths = list(paths)

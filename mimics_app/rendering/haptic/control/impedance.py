@@ -1,4 +1,4 @@
-"""Impedance control: motion in, force out, for devices that are told forces and whose own inertia is small.
+"""Impedance control: motion in, force out, for devices that take forces and whose own inertia is small.
 
     F = F_virtual - b v
 

@@ -75,7 +75,7 @@ def run_ticks(
         read: Of the device.
         write: Of the device.
         memory: Of the device.
-        inbox: What the device is told, shape [INBOX_LENGTH].
+        inbox: What the device is given, shape [INBOX_LENGTH].
         data: The loop's data vector, shape [DATA_LENGTH].
         commands: Shape [n, COMMAND_LENGTH].
         rows: Out: data, status, what write returned, and the time both took [ns]; shape [n, DATA_LENGTH + 3].

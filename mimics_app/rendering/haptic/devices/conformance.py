@@ -4,7 +4,7 @@
     findings = check_device(plugin)                  # or: mimics devices check NAME[:ADDRESS]
     assert not [finding for finding in findings if finding.verdict == "failed"]
 
-The device moves: 15 mm or mrad of its last joint (of the HapticMaster up). A device with another side that can be told
+The device moves: 15 mm or mrad of its last joint (of the HapticMaster up). A device with another side that can be set
 to fail (an emulator) is also tried with silence, garbage, lost bytes and a pulled plug.
 """
 
@@ -45,7 +45,7 @@ _FAULT_TICKS = 5
 _PLUG_TICKS = 4000
 _PATIENCE_NS = 20_000_000_000
 _PUSH = 5.0
-"""Force [N], or torque at the last joint [N or N m], that must move a device told such."""
+"""Force [N], or torque at the last joint [N or N m], that must move a device given such."""
 
 
 def _needs_other_side(bench: DeviceBench) -> None:
@@ -191,7 +191,7 @@ def _tells_the_speed_it_moves_with(bench: DeviceBench, robot: Robot) -> None:
 def _comes_to_rest(bench: DeviceBench, robot: Robot) -> None:
     _needs_motion(bench)
     _lift(bench, 100)
-    # What is told torques swings on until its drives brake.
+    # What takes torques swings on until its drives brake.
     at_rest = bench.command(enabled=bench.plugin.follows != "torque")
     bench.run(_REST_TICKS, at_rest)
     must(float(np.abs(bench.run(20, at_rest).dq[-1]).max()) < _AT_REST, "it goes on moving without a command")

@@ -23,7 +23,7 @@ __all__ = [
 Point = tuple[float, float, float]
 
 DEFAULT_INERTIA = 3.0
-"""Virtual mass of a robot that is told none [kg]."""
+"""Virtual mass of a robot that is given none [kg]."""
 
 
 @dataclass(frozen=True, slots=True)

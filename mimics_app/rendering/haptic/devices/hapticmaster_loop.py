@@ -5,9 +5,9 @@ and by a bias force that comes from here each tick.
 
     force stream   while ACTIVE the bias force is the virtual force of this program
     objects        the machine renders the scene's objects itself; the bias force is zero while ACTIVE
-    otherwise      (driving to a start) a velocity servo: bias force = gain (velocity wanted - velocity told), limited
+    otherwise      (driving to a start) a velocity servo: bias force = gain (wanted - reported velocity), limited
 
-Questions and answers come in order, so that the n-th answer tells when the n-th command was taken: the round trip. At
+Questions and answers come in order, so that the n-th answer says when the n-th command was taken: the round trip. At
 most LARGEST_AHEAD questions are under way; a machine that answers more slowly is asked less often.
 """
 
@@ -99,11 +99,11 @@ AXIS_OFFSET = TICK + 1  # d1 [m]
 GAIN = TICK + 2  # of the velocity servo [N s/m]
 OBJECTS = TICK + 3  # 1: the machine renders the objects itself
 OWN_DELAY = TICK + 4  # of the machine [s]
-EMULATED = TICK + 5  # 1: a simulated person is on it, who can be shown the screen and told of their grasp
+EMULATED = TICK + 5  # 1: a simulated person is on it, who gets the screen and the wanted grasp
 ANSWERED = TICK + 6  # frames that came
 ERRORS = TICK + 7  # answers that said so
 SKIPPED = TICK + 8  # commands that were not sent because too many were under way
-_ENABLED = TICK + 9  # what the machine was told last
+_ENABLED = TICK + 9  # what was sent to the machine last
 _FILL = TICK + 10  # bytes in the buffer
 _GRASP = TICK + 11  # [N]
 _SHOWN = TICK + 12  # tick of the last look at the screen
@@ -125,7 +125,7 @@ _FRESH, _NO_DATA, _FAULT = 0, 1, 2
 _ACTIVE = int(SafetyState.ACTIVE)
 
 _DEAF = 50
-"""Ticks without an answer after which the conversation is given up and begun anew: nothing tells what was missed."""
+"""Ticks without an answer after which the conversation is given up and begun anew: nothing says what was missed."""
 
 _SCREEN_EVERY = 16
 _LARGEST_DRIVE = 40.0

@@ -35,7 +35,7 @@ Vec = NDArray[np.float64]
 
 HEADER = 8
 LARGEST_TEXT = 255
-"""Longest text sent: byte 3 alone can tell it."""
+"""Longest text sent: byte 3 alone gives it."""
 
 _LONGEST_ANSWER = 1900
 
@@ -52,7 +52,7 @@ _LOW_BYTE = 0xFF
 """Bits of the lowest byte."""
 
 _LENGTH_END = 4
-"""Behind the two bytes of a header that tell the length of its text."""
+"""Behind the two bytes of a header that give the length of its text."""
 
 
 @kernel

@@ -104,7 +104,7 @@ def _finds_back_where_its_points_are(bench: DeviceBench, robot: Robot) -> None:
         found = q.copy()
         status = int(poses.kin.inverse(poses.geometry, q, x, found))
         if status == KinematicsStatus.NOT_GIVEN:
-            raise NotApplicable("its inverse is worked out from its Jacobian")
+            raise NotApplicable("its inverse is computed from its Jacobian")
         off = float(np.abs(poses.points(found) - x[: poses.rows]).max())
         must(status == KinematicsStatus.DONE and off < _BACK, f"its inverse misses a place it can reach by {off:.2g} m")
 

@@ -95,7 +95,7 @@ class LinkKeeper:
         return self._trouble
 
     def look(self) -> None:
-        """Open the line again if the loop has let go of it; what fails is told by `trouble` and tried again."""
+        """Open the line again if the loop has let go of it; what fails is reported by `trouble` and tried again."""
         if self._close_line is None or (self._words[_UP] == 0 and self._words[_OFFER] == 0):
             self._release()
             self._trouble = f"{self._name} is gone: no force. Connect it again"

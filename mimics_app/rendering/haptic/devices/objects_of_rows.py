@@ -40,7 +40,7 @@ def device_objects_of(
         shapes: SHAPE rows in use.
         entities: Entity of each row.
         robot: Where the robot stands.
-        inertia: Virtual mass [kg], which its damping is told as a share of the critical one of.
+        inertia: Virtual mass [kg], whose critical damping its own is a share of.
 
     Returns:
         (objects in the robot frame, reason by entity of what is left out).

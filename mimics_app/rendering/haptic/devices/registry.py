@@ -31,7 +31,7 @@ def _build_simulated_hapticmaster(request: DeviceRequest) -> DevicePlugin:
 
 
 def _build_simulated_impedance(request: DeviceRequest) -> DevicePlugin:
-    """A light simulated robot that is told forces, with a simulated person."""
+    """A light simulated robot that takes forces, with a simulated person."""
     from mimics_app.rendering.haptic.devices.simulated_impedance import build_simulated_impedance
 
     return build_simulated_impedance(request)

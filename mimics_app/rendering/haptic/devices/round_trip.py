@@ -30,7 +30,7 @@ __all__ = [
 Vec = NDArray[np.float64]
 
 _SENT = 0  # number of the newest command, counted up without end
-_SEEN = 1  # newest command an answer has told of; -1: none yet
+_SEEN = 1  # newest command that an answer has confirmed; -1: none yet
 _WORST = 2  # recent round trip [ticks]
 _HELD = 3  # ticks from command to command, smoothed
 _LAST_SENT = 4  # tick
@@ -68,7 +68,7 @@ def note_sent(trips: Vec, tick: int) -> int:
 
 @kernel
 def ended_trip(trips: Vec, low_bits: int) -> int:
-    """The full number of the command whose lowest 16 bits an answer tells; 0 for one that was never sent."""
+    """The full number of the command whose lowest 16 bits an answer gives; 0 for one that was never sent."""
     back = (int(trips[_SENT]) - low_bits) & _LOW_BITS
     return max(0, int(trips[_SENT]) - back)
 

@@ -58,7 +58,7 @@ Bytes = NDArray[np.uint8]
 Vec = NDArray[np.float64]
 
 PROTOCOL = 1
-"""Version of the protocol, told by INFO."""
+"""Version of the protocol, sent in INFO."""
 
 HEADER = 8
 OVERHEAD = HEADER + 2

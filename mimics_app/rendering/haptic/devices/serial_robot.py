@@ -1,7 +1,7 @@
 """A robot on a serial line (serial:PORT[@BAUD]): the loop's side, reading and writing the descriptor itself.
 
 The loop sends a command as often as the speed of the line allows and never more: what does not fit would wait in the
-system's buffer and grow old there. Frames either way tell which one of the other way they have seen, which gives the
+system's buffer and grow old there. Frames either way name the newest one of the other way, which gives the
 delay. Protocol: docs/devices/serial_protocol.md.
 """
 
@@ -78,7 +78,7 @@ TRIPS = LINE + LINE_LENGTH
 TICK = TRIPS + TRIP_LENGTH  # [s]
 BYTES_PER_TICK = TICK + 1  # that the line carries
 CREDIT = TICK + 2  # bytes that may be sent now
-OWN_DELAY = TICK + 3  # of the robot, as INFO tells it [s]
+OWN_DELAY = TICK + 3  # of the robot, as INFO gives it [s]
 SCREEN_WANTED = TICK + 4  # 1: a simulated person wants to see what to do
 SKIPPED = TICK + 5  # commands the line had no time for
 BLOCKED = TICK + 6  # commands the system had no room for
@@ -121,7 +121,7 @@ def _fill_buffer(memory: Vec, fd: int) -> bool:
 
 @kernel
 def _take_frames(memory: Vec, data: Vec, tick: int) -> int:
-    """The newest STATE frame into data; FRESH, NO_DATA, or the FAULT that the robot tells."""
+    """The newest STATE frame into data; FRESH, NO_DATA, or the FAULT that the robot reports."""
     line = memory[LINE : LINE + LINE_LENGTH]
     trips = memory[TRIPS : TRIPS + TRIP_LENGTH]
     buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
@@ -194,7 +194,7 @@ def _screen_changed(memory: Vec) -> bool:
 
 @kernel
 def _show_screen(memory: Vec, fd: int, tick: int) -> None:
-    """Tell a simulated person what changed on the screen, at most once a frame of the picture."""
+    """Show a simulated person what changed on the screen, at most once a frame of the picture."""
     length = SCREEN_PAYLOAD + OVERHEAD
     due = memory[SCREEN_WANTED] == 1.0 and float(tick) - memory[SHOWN] >= _SCREEN_EVERY
     if not due or memory[PENDING] > 0.0 or memory[CREDIT] < length or not _screen_changed(memory):

@@ -1,4 +1,4 @@
-"""A simulated light robot that is told forces, with a simulated person on it, or with nobody."""
+"""A simulated light robot that takes forces, with a simulated person on it, or with nobody."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def move_person(person: Vec, handle: Vec, inbox: Vec, data: Vec, dt: float) -> N
     Args:
         person: Arm memory, shape [arm.ARM_LENGTH].
         handle: Position [m] and velocity [m/s] of the handle, robot frame, shape [6].
-        inbox: What the person is told, as the device sees it.
+        inbox: What the person is shown, as the device sees it.
         data: Of the device.
         dt: Tick [s].
     """

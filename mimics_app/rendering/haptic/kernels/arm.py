@@ -6,7 +6,7 @@ starts where the last one meant to end, aims at the point of the way that lies o
 now, and misses it by a random error that shrinks with the length of the movement (Fitts 1954, Schmidt et al. 1979).
 Between its ends a movement follows the way, but cuts its corners by a share of what the straight line would.
 
-Without a way the person goes after a target that is told (where the scene's task asks the hand to be), as far as it is
+Without a way the person goes after a target that is given (where the scene's task asks the hand to be), as far as it is
 seen: a movement towards it no longer than a reach, a pause, a look at what is still missing, the next movement. What
 the weight of a held thing pulls the hand down by is thus corrected as it is seen. The hand closes when asked to.
 

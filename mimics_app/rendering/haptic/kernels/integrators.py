@@ -31,7 +31,7 @@ __all__ = [
 ]
 
 _NEARLY_CRITICAL = 0.1
-"""Square of the hyperbolic angle per step above which two decays are far enough apart to be told apart."""
+"""Square of the hyperbolic angle per step above which two decays are far enough apart to be distinguished."""
 
 _TERMS = 22
 """Terms of the Taylor series of a step: the last one is below rounding for arguments below 1."""

@@ -187,7 +187,7 @@ def _missing(kin: Kin, scene: SceneRecord, x: Vec, q: Vec, work: JointWorkRecord
 def joints_of(kin: Kin, scene: SceneRecord, x: Vec, work: JointWorkRecord, q: Vec) -> int:
     """Joints q that bring the points to x [m], from the joints q on entry; UNREACHABLE: the nearest that was found.
 
-    Joint limits are not asked: what lies beyond them the caller clamps and tells.
+    Joint limits are not asked: what is beyond them the caller clamps and reports.
     """
     status = kin[INVERSE](scene.geometry[:], q[:], x[:], q[:])
     if status != _NOT_GIVEN:

@@ -21,9 +21,9 @@ _FRESH = int(DeviceStatus.FRESH)
 
 @kernel
 def note_jump(scene: SceneRecord, state: StateRecord, status: int, last_age: float, dt: float) -> None:
-    """state.jumped: the position moved further than `velocity_limit` allows, whatever the told velocity says.
+    """state.jumped: the position moved further than `velocity_limit` allows, whatever the reported velocity says.
 
-    |x_k - x_j| > velocity_limit (t_k - t_j + late_hold) + position_jump, where x_j is the last position told, as old as
+    |x_k - x_j| > velocity_limit (t_k - t_j + late_hold) + position_jump, where x_j is the position before, as old as
     its age said; a tick may come late by `late_hold` before anything else notices.
 
     Args:

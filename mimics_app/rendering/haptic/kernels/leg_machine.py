@@ -3,7 +3,7 @@
     M(q) q'' + c(q, q') + g(q) = tau_drive + tau_person - b q'
 
 Hip and knee angles as in `leg_kinematics`; M and c follow from the two links' absolute angles t1 and psi = t1 - t2. The
-drives hold a share of the weight by themselves. Told torques, they add them; told velocities, they add what a servo of
+drives hold a share of the weight themselves. Given torques, they add them; given velocities, they add what a servo of
 finite bandwidth needs, both within the drives' strength and after a delay. The torque sensors show what the person does
 at the joints: the machine takes weight and inertia of leg and drives off what it measures.
 """

@@ -1,4 +1,4 @@
-"""A light robot that is told forces: one mass at the handle, friction, encoders, a delay line; no force sensor.
+"""A light robot that takes forces: one mass at the handle, friction, encoders, a delay line; no force sensor.
 
 It can be pushed about by a hand and is felt only as its own small mass. As on real ones of its kind the motors are
 weak, and what they cannot do is cut off.

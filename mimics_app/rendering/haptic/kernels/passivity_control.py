@@ -2,8 +2,8 @@
 
 A contact may give back what it took and no more. Its credit counts the exact work of held forces on what they act on:
 
-    impedance    a device that is told forces: the device itself, E -= F_{k-1}.(x_k - x_{k-1})
-    admittance   a device that is told velocities: the virtual mass, which the force moves before the device follows
+    impedance    a device that takes forces: the device itself, E -= F_{k-1}.(x_k - x_{k-1})
+    admittance   a device that takes velocities: the virtual mass, which the force moves before the device follows
 
 When the coming tick would overdraw the credit, a damper -E / (T v^2) along the contact's force takes what is missing,
 in parallel with the contact, which it never makes pull: the factor on the force is 0 at least. A debt could only be

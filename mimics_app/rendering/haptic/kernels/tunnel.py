@@ -11,7 +11,7 @@ the room the ball of radius r_k has in the tunnel of radius r_t:
 
 The t-part of the wall force makes it -grad(k d^2 / 2) where the radius varies; the radial force drawn in figure 46
 alone would let a person gain energy on a loop. A ball larger than the tunnel has no room (c = 0): it is held to the
-bisector and dragged, instead of being thrown across it.
+bisector and dragged, instead of jumping across it.
 
 Each end is closed by a flat wall, square to the tangent, that leaves the same room c beyond the last point: a ball that
 leaves through it is pushed back along the tangent only, and a ball at rest at the end touches nothing.

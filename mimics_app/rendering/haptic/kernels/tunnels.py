@@ -1,11 +1,11 @@
-"""All tunnels of a scene for one tick: which of them holds the ball, what it does, and what the sample tells.
+"""All tunnels of a scene for one tick: which of them holds the ball, what it does, and what the sample holds.
 
 A ball is in one tunnel at a time, as in a tube: that one alone pushes, drags and assists. It is the nearest when the
 ball is put anywhere (the one whose wall is pressed least, the first of equals). From then on the ball stays in it
 until its wall is pressed where another tunnel has room for the ball: then it is in that one, as where two tubes cross.
 The force falls there and never rises, so handing over gives nobody energy.
 
-Margin, cap and contact are those of the tunnel that holds the ball. Progress, distance and the like are told of the
+Margin, cap and contact are those of the tunnel that holds the ball. Progress, distance and the like are of the
 tunnel that the task is about (SCENE.own_tunnel), wherever the ball is; force and depth too, 0 while another holds it.
 """
 
@@ -70,7 +70,7 @@ TOLD = np.dtype(
     ],
     align=True,
 )
-"""What the sample tells of the task's own tunnel."""
+"""What the sample holds of the task's own tunnel."""
 
 
 _FOLLOWING = int(TunnelStatus.FOLLOWING)
@@ -178,7 +178,7 @@ def _hold_nothing(holding: HoldingRecord) -> None:
 
 @kernel
 def _tell(memory: TunnelStateRecord, told: ToldRecord, holds: bool) -> None:
-    """What the sample tells of the task's own tunnel."""
+    """What the sample holds of the task's own tunnel."""
     told.s = memory.s
     told.progress = memory.progress
     told.distance = memory.distance

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["felt_share", "watch_contact", "watch_margin"]
 
 _CALM_MARGIN = 0.05
-"""A margin that fell below 0 must rise above this before it is told again."""
+"""A margin that fell below 0 must rise above this before it is reported again."""
 
 _ACTIVE = int(SafetyState.ACTIVE)
 _DEGRADED = int(SafetyState.DEGRADED)
@@ -41,7 +41,7 @@ def felt_share(state: StateRecord, totals: TotalsRecord) -> float:
 
 @kernel
 def watch_margin(scene: SceneRecord, state: StateRecord, objects: ObjectWork, period: float) -> None:
-    """Stability limit and margin of what is rendered, for the measured period; tells when margin or stiffness is lost.
+    """Stability limit and margin of what is rendered, for the measured period; an event when one is lost.
 
     The wall of the tunnel counts before it is touched, shapes only while they are; of several contacts at once the
     worst direction counts.

@@ -1,4 +1,4 @@
-"""Walking worked out foot by foot: the foot that stands moves at exactly the pace backwards, the other one swings."""
+"""Walking computed foot by foot: the foot that stands moves at exactly the pace backwards, the other one swings."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Two bones that reach for a point, in closed form: shoulder, elbow, hand, or hip, knee, foot.
 
 The triangle of the bones lies in the plane through the pole; near full stretch the reach gives way, so that the elbow
-never moves much faster than the hand; where the plane is not told it is kept from the time before.
+never moves much faster than the hand; where the plane is not given it is kept from the time before.
 """
 
 from __future__ import annotations

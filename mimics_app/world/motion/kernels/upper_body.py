@@ -38,7 +38,7 @@ STATE = 16
 
 _HIPS, _SPINE, _CHEST, _UPPER, _NECK, _HEAD, _LEFT, _RIGHT = 0, 1, 2, 3, 4, 5, 6, 10
 _HEAD_SHARE = 0.6
-"""Of the chest's direction that the head tells; the hands tell the rest."""
+"""Of the chest's direction that the head gives; the hands give the rest."""
 _DEAD = math.radians(12.0)
 """The head turns this far before the chest follows."""
 _YAW_RATE = math.radians(240.0)
@@ -54,7 +54,7 @@ _ROLL_SHARE = 0.5
 _ARM_SOFT = 0.03
 
 _BEFORE = 0.15
-"""Hands less far from the body than this, over the ground [m], tell no direction."""
+"""Hands less far from the body than this, over the ground [m], give no direction."""
 
 _BEHIND = 0.6 * math.pi
 """Nor do hands that are farther from where the head looks than this [rad]."""
@@ -93,7 +93,7 @@ def _about_y(angle: float, out: F8) -> None:
 
 @kernel
 def _chest_yaw(head: F8, hands: F8, tracked: I4, middle: F8, seconds: float, state: F8) -> float:
-    """Where the chest is turned, as head and hands tell, no faster than a chest turns."""
+    """Where the chest is turned, as head and hands show, no faster than a chest turns."""
     ahead = np.array((0.0, 0.0, 1.0))
     rotate(head[3:], ahead, ahead)
     wanted = _azimuth(ahead[0], ahead[2])
@@ -101,7 +101,7 @@ def _chest_yaw(head: F8, hands: F8, tracked: I4, middle: F8, seconds: float, sta
     for side in range(2):
         if tracked[side]:
             x, z, count = x + hands[side, 0] - middle[0], z + hands[side, 2] - middle[2], count + 1
-    # Hands before the body tell its direction, hands beside or behind it do not.
+    # Hands before the body show its direction, hands beside or behind it do not.
     if count and math.hypot(x, z) > _BEFORE * count:
         off = _wrap(_azimuth(x, z) - wanted)
         if abs(off) < _BEHIND:
@@ -281,7 +281,7 @@ def solve_upper_body(
 ) -> None:
     """Pose hips, spine, neck, head and both arms after the trackers.
 
-    Rotations of trackers are told from how the bone rests: none as the calibrated person stands.
+    Rotations of trackers are relative to how the bone rests: none as the calibrated person stands.
 
     Args:
         bones: Slots, see `BONES`; int32 [14].

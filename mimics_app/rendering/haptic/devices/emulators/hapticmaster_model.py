@@ -69,7 +69,7 @@ class HapticMasterModel:
     """Commands in, answers out, and motion in steps of a millisecond.
 
     Attributes:
-        state: As `get state` tells it.
+        state: As `get state` reports it.
         inertia: Virtual mass [kg].
 
     Args:

@@ -89,7 +89,7 @@ class SerialRobotEmulator:
         link: Symbolic link that always leads to the terminal of the moment; a robot that is plugged in again has
             another one.
         seed: Of lost and random bytes.
-        wants_screen: Tell the program that a simulated person is on it.
+        wants_screen: Announce to the program that a simulated person is on it.
     """
 
     def __init__(self, plugin: DevicePlugin, link: Path, seed: int = 0, *, wants_screen: bool = True) -> None:
@@ -123,7 +123,7 @@ class SerialRobotEmulator:
         return self._data
 
     def step(self) -> None:
-        """One millisecond: hear, move, tell."""
+        """One millisecond: receive, move, report."""
         if self.faults.plugged != (self._master >= 0):
             self._plug() if self.faults.plugged else self._unplug()
         rate = self._bytes_per_step()

@@ -3,7 +3,7 @@
     p'' = m^-1 (F_aux + F - b_trans p' + m g)          L' = T_aux + T - b_rot omega,   omega = R I^-1 R^T L
 
 State is the angular momentum L in world axes, so that a free body keeps it to the last digit; see `rotation` for what
-(12) prints instead. A body whose translation or rotation is not enabled stands still in it, whatever pulls.
+(12) prints instead. A body whose translation or rotation is not enabled does not move in it, whatever pulls.
 
 A body that may sleep is left out while nothing moves it: it has been still, unloaded and untouched for `_DOZE`, and is
 woken by a touch, any change of what pulls at it, a neighbour that moves, or a change of the scene's rows. Sleep changes
@@ -106,7 +106,7 @@ def _place(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord) -> 
 
 @kernel
 def _orient(body: BodyRecord, motion: MotionRecord) -> None:
-    """The rotation matrix of the orientation; what may not move stands still."""
+    """The rotation matrix of the orientation; what may not move does not."""
     quat.to_matrix(motion.orientation, motion.rotation)
     if body.flags & _TRANSLATION == 0:
         fill(motion.velocity, 0.0)
@@ -257,7 +257,7 @@ def _is_sound(motion: MotionRecord) -> bool:
 
 @kernel
 def _advance_soundly(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, dt: float) -> bool:
-    """`_advance`; a motion beyond all numbers leaves the body where it was, at rest, and is told by False."""
+    """`_advance`; a motion beyond all numbers leaves the body where it was, at rest, and returns False."""
     x, c, q = motion.position, motion.centre, motion.orientation
     place, centre, turn = (x[0], x[1], x[2]), (c[0], c[1], c[2]), (q[0], q[1], q[2], q[3])
     _advance(body, motion, dynamics, dt)
@@ -339,7 +339,7 @@ def _end_all(
 def step_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt: float) -> None:
     """End a tick: every body that is awake moves by (11) and (12).
 
-    A body whose forces, or where they lead, are not finite is not moved, and the tick is told by `totals.status`.
+    A body whose forces, or where they lead, are not finite is not moved, and `totals.status` says so.
 
     Args:
         rows: `Rows` of this tick.

@@ -153,7 +153,7 @@ def _touch_mesh(
 
 @kernel
 def _tell_left_out(sweep: SweepRecord, totals: TotalsRecord) -> None:
-    """Pairs without room are told when there are more of them than ever before."""
+    """Pairs without room are reported when there are more of them than ever before."""
     if sweep.left_out > sweep.most_left_out:
         sweep.most_left_out = sweep.left_out
         totals.left_out = sweep.left_out
@@ -181,7 +181,7 @@ def _collide_pair(pair: PairRecord, rows: Rows, work: ObjectWork, doze: int, dt:
 
 @kernel
 def collide_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt: float) -> None:
-    """Add F_aux, T_aux, weight and the forces of all contacts to the bodies; `totals.impact*` tells the hardest.
+    """Add F_aux, T_aux, weight and the forces of all contacts to the bodies; `totals.impact*` is the hardest.
 
     Deep overlaps (bodies spawned in one another) push out along the way that is shortest, with the force of (17): at
     most the stiffness times half of the smaller body.

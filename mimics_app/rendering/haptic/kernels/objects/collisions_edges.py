@@ -160,7 +160,7 @@ def _entry(solid: SolidRecord, a: Three, b: Three, table: MeshTable, room: Scrat
 
 @kernel
 def _chord_in_mesh(solid: SolidRecord, p: Three, q: Three, table: MeshTable, room: ScratchRecord) -> Chord:
-    """From where the way first goes in to where it last comes out; what lies between in a hollow is not told."""
+    """From where the way first goes in to where it last comes out; what is between in a hollow is not reported."""
     a, b = into(solid, minus(p, middle(solid))), into(solid, minus(q, middle(solid)))
     enters, t0, n0 = _entry(solid, a, b, table, room)
     leaves, back, n1 = _entry(solid, b, a, table, room)

@@ -26,13 +26,13 @@ CONTACT_SCRATCH = np.dtype(
         ("revision", "i8"),  # of the rows last seen
         ("known", "i8", MAX_POINTS),  # TRACED, PLACED or DISABLED; 0 at first: PLACED
         ("last_points", "f8", (MAX_POINTS, 3)),  # at the last tick, world [m]
-        ("last", "f8", 3),  # the point at hand at the last tick, world [m]
-        ("point", "f8", 3),  # the point at hand, world [m]
+        ("last", "f8", 3),  # the present point at the last tick, world [m]
+        ("point", "f8", 3),  # the present point, world [m]
         ("point_velocity", "f8", 3),  # [m/s]
         ("felt", "f8", 3),  # force on it so far in this tick, world [N]
         ("radius", "f8"),  # of its ball [m]
         ("contact", "i8"),  # number of the point of contact that carries it
-        ("rotation", "f8", (3, 3)),  # world from the shape at hand
+        ("rotation", "f8", (3, 3)),  # world from the present shape
         ("position", "f8", 3),  # of that shape, world [m]
         ("drift", "f8", 3),  # velocity of that shape's origin, world [m/s]
         ("spin", "f8", 3),  # angular velocity of that shape, world [rad/s]

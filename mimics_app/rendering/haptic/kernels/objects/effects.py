@@ -247,7 +247,7 @@ def _is_finite(memory: EffectMemoryRecord) -> bool:
 def apply_effects(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec, fields: Fields) -> None:
     """Add the forces of all effects to totals.effect_force and to the bodies they act on.
 
-    A force that is not finite counts as zero: one of a force field puts the field into quarantine and is told in
+    A force that is not finite counts as zero: one of a force field puts the field into quarantine and is reported in
     totals.quarantined, any other sets totals.status.
 
     Args:
@@ -274,7 +274,7 @@ def apply_effects(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand
         if _is_finite(memory):
             _deliver(effect, rows, work, counts, memory)
         elif effect.kind == _FIELD:
-            if work.totals[0].quarantined < 0:  # one a tick, so that each is told; another one has its turn next
+            if work.totals[0].quarantined < 0:  # one a tick, so that each is reported; another one has its turn next
                 memory.quarantined = 1
                 work.totals[0].quarantined = k
         else:

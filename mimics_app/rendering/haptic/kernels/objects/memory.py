@@ -92,7 +92,7 @@ def notice_changes(
 
 @kernel
 def follow_point(scratch: ContactScratchRecord, point: int, enabled: bool, dt: float) -> None:
-    """Whether the last place of the point at hand (scratch.point) is where it came from."""
+    """Whether the last place of the present point (scratch.point) is where it came from."""
     jump = 0.0
     for i in range(3):
         scratch.last[i] = scratch.last_points[point, i]
@@ -136,12 +136,12 @@ def recall(
     befores: Table[BeforeRecord],
     memory: MemoryRecord,
 ) -> None:
-    """Make the memory of the point and shape at hand hold the last tick, or nothing where nothing is known of it.
+    """Make the memory of the present point and shape hold the last tick, or nothing where nothing is known of it.
 
     Args:
-        scratch: CONTACT_SCRATCH record with the point and the pose of the shape at hand.
+        scratch: CONTACT_SCRATCH record with the present point and the pose of the present shape.
         point: Row of the point.
-        shape: SHAPE row at hand.
+        shape: SHAPE row of the present shape.
         born: Tick in which it became what it is.
         befores: Bodies at the last tick.
         memory: MEMORY of the two, updated.

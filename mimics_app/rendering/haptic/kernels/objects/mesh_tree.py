@@ -259,7 +259,7 @@ def _looks(vertices: Array, corners: Indices, t: int, toward: Three, out: Vec) -
 
 @kernel
 def _facing(vertices: Array, corners: Indices, t: int, p: Vec, out: Vec) -> float:
-    """Distance of p from the plane of a triangle [m]: tells on which side of an edge shared by two it lies."""
+    """Distance of p from the plane of a triangle [m]: says on which side of an edge shared by two it is."""
     size = triangle_normal(vertices, corners, t, out)
     first = corners[t, 0]
     total = 0.0

@@ -154,7 +154,7 @@ def _rest(meshes: MeshTable, scratch: ContactScratchRecord, t: int, region: int,
 
 @kernel
 def probe_mesh(meshes: MeshTable, row: int, scratch: ContactScratchRecord, contact: ContactRecord) -> None:
-    """Depth and normal of the point at hand at a mesh.
+    """Depth and normal of the present point at a mesh.
 
     Args:
         meshes: MeshTable.

@@ -186,8 +186,8 @@ def push_apart(
         points: Contact points, see `manifold`; depths become forces.
         count: How many.
         first: MOTION of body a; its force, torque and `collided` are updated.
-        second: MOTION of body b, likewise; of the static scene one that stands still.
-        totals: TOTALS; told of a new contact.
+        second: MOTION of body b, likewise; of the static scene one at rest.
+        totals: TOTALS; a new contact is counted there.
         dt: Tick [s].
     """
     n = _vector(pair.normal)

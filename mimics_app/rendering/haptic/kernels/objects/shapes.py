@@ -24,10 +24,10 @@ _CAPSULE = int(ShapeKind.CAPSULE)
 
 @kernel
 def probe_shape(shape: ShapeRecord, scratch: ContactScratchRecord, contact: ContactRecord) -> None:
-    """Find depth and normal of the point at hand in any analytic shape.
+    """Find depth and normal of the present point in any analytic shape.
 
     Args:
-        shape: SHAPE row at hand.
+        shape: SHAPE row of the present shape.
         scratch: CONTACT_SCRATCH record: p, v, radius; scratch is used.
         contact: Record of `CONTACT`, updated; depth 0 outside.
     """

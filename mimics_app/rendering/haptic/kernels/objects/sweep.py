@@ -1,7 +1,7 @@
 """Which shapes are near each other: sweep and prune along one axis, made anew only when something has moved far enough.
 
 Each shape has a room in which it may move freely; while all stay in theirs the list of pairs holds. When one leaves,
-rooms are drawn anew (larger for fast bodies), the order along the axis is mended by insertion (bodies move little: few
+rooms are drawn anew (larger for fast bodies), the order along the axis is kept by insertion (bodies move little: few
 exchanges), and the sweep finds what overlaps. Pairs of the static scene are never looked at; walls are tested against
 each moving shape by its room. Cost: O(n) a tick, and now and then O(n + pairs).
 """

@@ -117,7 +117,7 @@ def _feel(scratch: ContactScratchRecord, shape: ShapeRecord, memory: MemoryRecor
 
 @kernel
 def _press(scratch: ContactScratchRecord, shape: ShapeRecord, memory: MemoryRecord, depth: float) -> bool:
-    """Force of the contact at hand on the user, its normal, stiffness and damping; False when it is not finite."""
+    """Force of the present contact on the user, its normal, stiffness and damping; False when it is not finite."""
     n = memory.contact.normal
     push, scratch.stiffness, scratch.damping = normal_force(shape, depth, scratch.rate)
     touched, force = scratch.a, scratch.b
@@ -144,7 +144,7 @@ def _count(
     depth: float,
     is_static: bool,
 ) -> None:
-    """Add the contact at hand to the results of the point and of the tick, and to the list of contacts."""
+    """Add the present contact to the results of the point and of the tick, and to the list of contacts."""
     totals.touching += 1
     totals.static_touching += 1 if is_static else 0
     totals.stiffness += scratch.stiffness
@@ -165,7 +165,7 @@ def _count(
 
 @kernel
 def _react(scratch: ContactScratchRecord, motion: MotionRecord, flags: int) -> None:
-    """The opposite of the force at hand on the shape's body, at the touched point, as its flags allow."""
+    """The opposite of the present force on the shape's body, at the touched point, as its flags allow."""
     force = scratch.force
     motion.touched = 1
     for i in range(3):
@@ -204,7 +204,7 @@ def _settle(
     rows: Rows,
     work: ObjectWork,
 ) -> None:
-    """Press the shape at hand, add its force to all sums it belongs to; it is stiff along `direction`."""
+    """Press the present shape, add its force to all sums it belongs to; it is stiff along `direction`."""
     totals = work.totals[scratch.contact]
     if not _press(scratch, shape, memory, depth):
         forget(memory.contact)
@@ -218,7 +218,7 @@ def _settle(
 
 @kernel
 def _settle_walls(scratch: ContactScratchRecord, point: int, met: int, rows: Rows, work: ObjectWork) -> None:
-    """Press the walls that the point at hand met, their corner shared out."""
+    """Press the walls that the present point met, their corner shared out."""
     walls = work.walls
     if share_corner(walls, met, scratch.a, scratch.b, scratch.c):
         part_walls(walls, met)
@@ -237,7 +237,7 @@ def _settle_walls(scratch: ContactScratchRecord, point: int, met: int, rows: Row
 
 @kernel
 def _touch_near(scratch: ContactScratchRecord, point: int, found: int, rows: Rows, work: ObjectWork) -> None:
-    """Press every shape that the point at hand is in, of those found near it."""
+    """Press every shape that the present point is in, of those found near it."""
     met = 0
     for k in range(found):
         row = work.near[k]
