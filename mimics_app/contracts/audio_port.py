@@ -141,6 +141,15 @@ class Mixer(Protocol):
         """Set the linear gain of everything."""
         ...
 
+    @property
+    def lead(self) -> int | None:
+        """Frames of silence that a sound which is filled while it plays begins with; None: none can be filled."""
+        ...
+
+    def fill(self, handle: int, begin: int, samples: NDArray[np.float32]) -> None:
+        """Set samples of a live sound that plays, from its sample `begin` on; nothing happens when it has ended."""
+        ...
+
     def render(self, frames: int) -> NDArray[np.float32]:
         """Mix the next frames, shape [frames, channels]; shape [0, channels] when a live device draws its own."""
         ...

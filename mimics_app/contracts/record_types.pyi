@@ -377,6 +377,21 @@ class EventRecord:
     force: float
     value: float
 
+class ContactForceRecord:
+    """`mimics_app.contracts.contact_force.CONTACT_FORCE`."""
+
+    t_ns: int
+    body_a: int
+    body_b: int
+    force: float
+
+class StruckRecord:
+    """`mimics_app.contracts.contact_force.STRUCK`."""
+
+    body_a: int
+    body_b: int
+    left: int
+
 class ContactRecord:
     """`mimics_app.rendering.haptic.kernels.contact_records.CONTACT`."""
 

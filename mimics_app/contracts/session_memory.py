@@ -14,6 +14,7 @@ from typing import Annotated, Any, get_type_hints
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from mimics_app.contracts.contact_force import CONTACT_FORCE
 from mimics_app.contracts.haptic import EVENT, INBOX, POSE, SAMPLE, SCENE, SNAPSHOT
 from mimics_app.contracts.loop_fields import Extent
 from mimics_app.contracts.object_rows import ROW_DTYPES, ObjectCapacities, Rows
@@ -46,6 +47,7 @@ class Capacities:
     objects: ObjectCapacities = field(default_factory=ObjectCapacities)
     samples: int = 16384  # 16 s at 1 kHz, twice what a recorder on a busy machine takes to be replaced; a power of two
     events: int = 2048  # for as long; a power of two
+    forces: int = 4096  # of contacts for the sound: half a second of as many as are followed; a power of two
     lateness_bins: int = 2048
     extent: Extent = field(default_factory=Extent)  # which of the loop's numbers the device has
 
@@ -114,6 +116,10 @@ class SessionMemory:
     audio_events: _Events
     recorder_event_words: _Ends
     recorder_events: _Events
+
+    # ring loop -> audio: the force of contacts, tick by tick
+    audio_force_words: _Ends
+    audio_forces: Annotated[Records, Shared(CONTACT_FORCE, ("forces",))]
 
     # histograms of the loop, see rendering.haptic.histogram
     lateness: Annotated[Words, Shared(np.int64, ("lateness_bins",))]

@@ -21,6 +21,7 @@ _HAPTIC = "mimics_app.rendering.haptic.kernels"
 MODULES = (
     "mimics_app.contracts.haptic_objects",
     "mimics_app.contracts.haptic",
+    "mimics_app.contracts.contact_force",
     f"{_HAPTIC}.contact_records",
     f"{_HAPTIC}.objects.records",
     f"{_HAPTIC}.objects.contact_scratch",

@@ -70,6 +70,10 @@ DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
     "rendering/audio/spectral/bins.py": ((_LANES,), "writes the instructions itself"),
     "rendering/audio/spectral/fourier.py": ((_LANES,), "writes the instructions itself"),
     "rendering/haptic/publish.py": (("mimics_app.rendering.haptic.channels",), "the type of its channels"),
+    "rendering/haptic/struck.py": (
+        ("mimics_app.rendering.haptic.channels", "mimics_app.contracts.contact_force"),
+        "the types of its channels and of what it tells",
+    ),
     "rendering/haptic/devices/bench.py": ((_ERRORS,), "refuses a device in words"),
     "rendering/haptic/devices/emulators/hapticmaster_machine.py": ((_DEVICES,), "built from a robot's request"),
     "rendering/haptic/devices/hapticmaster_loop.py": ((_DESCRIPTORS, _DEVICES), "reads and writes a socket"),

@@ -13,7 +13,7 @@ from tests.architecture.sources import imports, modules
 WRITER = "rendering/haptic/"
 """The loop, its engine and its recorder-free play."""
 
-RINGS = ("sample", "main_event", "audio_event", "recorder_event")
+RINGS = ("sample", "main_event", "audio_event", "audio_force", "recorder_event")
 LOOP_WRITES = {"poses", "snapshots", "snapshot_words", "audio_snapshots", "audio_words", "lateness", "duration"}
 LOOP_WRITES |= {f"{ring}s" for ring in RINGS} | {f"{ring}_words" for ring in RINGS}
 """Fields of `SessionMemory` that are written in a tick."""

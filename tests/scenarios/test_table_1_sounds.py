@@ -64,7 +64,7 @@ def play(folder, scenario: str, triggers=(), events=(), seconds: float = 1.5):
     settings = settings_from_components(
         scene.components(Sound),
         scene.components(SoundEmitter),
-        lambda name: scene.assets[name].path,
+        scene.assets,
         str(file),
         sink="file",
         file=folder / "heard.wav",

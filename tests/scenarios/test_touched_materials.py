@@ -33,6 +33,8 @@ def test_each_surface_of_a_scene_sounds_as_its_material(tmp_path):
     assert set(touched.values()) == {"glass", "steel"}
     assert played and set(played.values()) == {"glass", "steel"}
     assert all(touched[tick] == material for tick, material in played.items())
+    names = [line["sound"] for line in run.lines_of("app", "sound") if line["tick"] > 0]
+    assert all(":live:" in name for name in names), "what is struck sounds by the force of its contact"
 
 
 def heard(events, **settings) -> list[str]:

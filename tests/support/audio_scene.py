@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts import ring, triple_buffer
+from mimics_app.contracts.contact_force import CONTACT_FORCE
 from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.sound_scene import SOUND_SCENE, fill_defaults
@@ -26,6 +27,14 @@ def contact(
 def push(memory: SessionMemory, event: np.ndarray) -> bool:
     """Do what the haptic loop does with an event."""
     return bool(ring.push(memory.audio_event_words, memory.audio_events, event))
+
+
+def push_forces(memory: SessionMemory, t_ns: int, forces: np.ndarray, body: int = 0) -> None:
+    """Forces [N] of the contact of `contact(t_ns, body=body)` in the ticks after its event, as the loop tells them."""
+    row = np.zeros(1, CONTACT_FORCE)
+    for k, force in enumerate(forces, 1):
+        row["t_ns"], row["body_a"], row["body_b"], row["force"] = t_ns + k * 1_000_000, body, -1, force
+        assert ring.push(memory.audio_force_words, memory.audio_forces, row)
 
 
 def first_sounding(mix: np.ndarray, begin: int) -> int:

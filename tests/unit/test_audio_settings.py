@@ -13,10 +13,12 @@ from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.scene_sounds import settings_from_components
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.world.components.visible import Sound, SoundEmitter
+from mimics_app.world.scene.assets import SceneAsset
 
 
 def from_scene(sounds, emitters=(), **changes):
-    return settings_from_components(sounds, emitters, Path, "scene.json", **changes)
+    assets = {"rain": SceneAsset("rain", "sound", Path("rain.wav"))}
+    return settings_from_components(sounds, emitters, assets, "scene.json", **changes)
 
 
 def test_scene_without_sound_has_no_audio():
@@ -29,7 +31,7 @@ def test_scene_sounds_become_settings():
             ("wall_touch", Sound(synth="contact", trigger="contact", gain=0.8, full_level=20.0), "/entities/0"),
             ("chime", Sound(synth="goal", trigger="goal", parameters={"pitch": 0.5}), "/entities/1"),
             ("rub", Sound(synth="scrape", gain=0.5), "/entities/2"),
-            ("rain", Sound(asset="rain.wav"), "/entities/3"),
+            ("rain", Sound(asset="rain"), "/entities/3"),
         ],
         [("cloud", SoundEmitter(sound="rain", gain=0.5, max_distance=9.0), "/entities/4")],
         sink="null",

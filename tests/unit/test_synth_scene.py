@@ -72,25 +72,6 @@ def test_a_roused_crowd_is_brighter_and_a_kick_has_slap_and_body():
     assert kick[frequency > 700].sum() > 0.1 * kick.sum() and kick[frequency < 400].sum() > 0.2 * kick.sum()
 
 
-def force_of(newton: float, ms: int) -> np.ndarray:
-    """A push of a half sine at 1 kHz, a tenth of a second."""
-    force = np.zeros(100)
-    force[20 : 20 + ms] = newton * np.sin(np.pi * (np.arange(ms) + 0.5) / ms)
-    return force
-
-
-def test_a_contact_s_own_force_makes_its_sound():
-    """Linear in the force; a shorter push is brighter; a force that rests makes none."""
-    soft, hard = (synth_scene.strike_by_force("table", force_of(newton, 4)) for newton in (1.0, 10.0))
-    np.testing.assert_allclose(hard, 10.0 * soft, atol=1e-4 * np.abs(hard).max())
-    short, long = (synth_scene.strike_by_force("cup", force_of(5.0, ms)) for ms in (2, 12))
-    assert centroid(short) > centroid(long)
-    assert centroid(short) > 2.0 * centroid(synth_scene.strike_by_force("box", force_of(5.0, 2)))
-    resting = synth_scene.strike_by_force("table", np.full(100, 5.0))
-    assert np.abs(resting).max() < 1e-6 * np.abs(hard).max()
-    assert int(np.argmax(np.abs(hard) > 0.05 * np.abs(hard).max())) >= 19 * RATE // 1000, "not before the contact"
-
-
 def test_the_names_a_scene_may_use_are_those_of_the_bank():
     assert set(scene_sounds._RECIPES) == {*RECIPES, *FAMILIES, *TAKES}
 

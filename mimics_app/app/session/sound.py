@@ -50,7 +50,7 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
     chosen = settings_from_components(
         sounds,
         scene.components(SoundEmitter),
-        lambda name: scene.assets[name].path,
+        scene.assets,
         str(scene.path),
         sink=_sink(written, live=parts.live),
         file=written,

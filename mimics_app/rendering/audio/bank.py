@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.rendering.audio import synth, synth_scene
+from mimics_app.rendering.audio.modal import Modes
 from mimics_app.rendering.audio.settings import SoundSpec
 from mimics_app.rendering.audio.sound_file import read_sound
 from mimics_app.rendering.audio.wav_file import WavWriter
 
-__all__ = ["FAMILIES", "RECIPES", "TAKES", "Sound", "SoundBank", "write_sounds"]
+__all__ = ["DRIVEN", "FAMILIES", "LIVE_VOICES", "RECIPES", "TAKES", "Sound", "SoundBank", "write_sounds"]
 
 CONTACT_TAKES = 3
 """Strike points a contact is synthesised for, taken in turn so that no two neighbours are the same recording."""
@@ -61,11 +62,22 @@ def _struck(material: str) -> Callable[[float, int, int], NDArray[np.float32]]:
     return partial(synth.synthesise_struck, synth_scene.MATERIALS[material])
 
 
+DRIVEN: Mapping[str, str] = {
+    **{name: name for name in ("cup", "apple", "table", "tap")},
+    **{f"stub_{name}": name for name in ("wall", "kerb", "box")},
+}
+"""Recipes of what a contact's own force plays, and their material; where no voice is free a recording is taken."""
+
+LIVE_VOICES = 4
+"""Of one such sound at once."""
+
+_LIVE_S = 0.55
+"""How long one sounds [s]: as long as a contact is followed, and what rings on."""
+
 FAMILIES: Mapping[str, Callable[[float, int, int], NDArray[np.float32]]] = {
     "contact": synth.synthesise_contact,
     "knock": synth.synthesise_knock,
-    **{name: _struck(name) for name in ("cup", "apple", "table", "tap")},
-    **{f"stub_{name}": _struck(name) for name in ("wall", "kerb", "box")},
+    **{name: _struck(material) for name, material in DRIVEN.items()},
 }
 """Recipes with a sound for every speed step and take."""
 
@@ -97,11 +109,20 @@ RECIPES: Mapping[str, Callable[[int], NDArray[np.float32]]] = {
 
 
 class SoundBank:
-    """Sounds by name. A contact `hit` is the family `hit:SPEED STEP:TAKE`, and `hit` alone its middle."""
+    """Sounds by name. A contact `hit` is the family `hit:SPEED STEP:TAKE`, and `hit` alone its middle.
+
+    Attributes:
+        rate: Samples per second.
+        sounds: By name.
+        live: Sounds that are silent until they are filled while they play, `hit:live:NUMBER`; see `modal`.
+        modes: Of those, by the name of the sound, one for each number.
+    """
 
     def __init__(self, specs: Mapping[str, SoundSpec], rate: int) -> None:
         self.rate = rate
         self.sounds: dict[str, Sound] = {}
+        self.live: dict[str, Sound] = {}
+        self.modes: dict[str, list[Modes]] = {}
         self._families: set[str] = set()
         self._takes: set[str] = set()
         issues: list[Issue] = []
@@ -114,7 +135,7 @@ class SoundBank:
             raise SceneError(issues)
 
     def __getitem__(self, name: str) -> Sound:
-        return self.sounds[name]
+        return self.sounds[name] if name in self.sounds else self.live[name]
 
     def __contains__(self, name: str) -> bool:
         return name in self.sounds
@@ -136,6 +157,8 @@ class SoundBank:
                     self._put(f"{name}:{step}:{take}", strike(speed, take, rate), spec)
             self.sounds[name] = self.sounds[f"{name}:{len(synth.CONTACT_SPEEDS) // 2}:0"]
             self._families.add(name)
+            if spec.recipe in DRIVEN:
+                self._add_live(name, spec)
         elif spec.recipe in TAKES:
             for take in range(synth_scene.STEP_TAKES):
                 self._put(f"{name}:{take}", TAKES[spec.recipe](take, rate), spec)
@@ -150,9 +173,18 @@ class SoundBank:
             known = nearest(spec.recipe, [*RECIPES, *FAMILIES, *TAKES])
             raise SceneError(Issue("", f"/sounds/{name}/recipe", f'no recipe "{spec.recipe}"', known))
 
+    def _add_live(self, name: str, spec: SoundSpec) -> None:
+        """Voices of what a force plays, each struck in another place."""
+        material = DRIVEN[spec.recipe]
+        self.modes[name] = [
+            Modes(material, spec.full_force, self.rate, spec.pitch, take) for take in range(LIVE_VOICES)
+        ]
+        silence = np.zeros(round(_LIVE_S * self.rate), np.float32)
+        self.live |= {f"{name}:live:{k}": Sound(silence, spec) for k in range(LIVE_VOICES)}
+
     def _put_file(self, name: str, file: Path, spec: SoundSpec) -> None:
         """A file; the channels of one that is not spatial stay apart: left and right."""
-        channels = read_sound(file, self.rate)
+        channels = read_sound(file, self.rate, spec.inside)
         if spec.spatial or channels.shape[1] == 1:
             self._put(name, np.ascontiguousarray(channels.mean(axis=1)), spec)
             return

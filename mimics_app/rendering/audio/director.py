@@ -10,14 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import ring, triple_buffer
-from mimics_app.contracts.audio_port import Heard, Mixer, SoundRow
+from mimics_app.contracts.audio_port import Heard, Mixer, SoundRow, Start
 from mimics_app.contracts.clock import Clock
+from mimics_app.contracts.contact_force import CONTACT_FORCE
 from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.messages import SoundEvent
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.sound_scene import BANDS, SOUND_SCENE, fill_defaults
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.contact_law import ContactGate, contact_gain, scrape_gain
+from mimics_app.rendering.audio.driven import DrivenSounds
 from mimics_app.rendering.audio.settings import AudioSettings
 
 __all__ = ["TOUCHES", "SoundDirector"]
@@ -63,14 +65,29 @@ class SoundDirector:
         fill_defaults(self._scene)
         self._rub = np.zeros(7)  # place, velocity, level
         self._drained = np.zeros(256, EVENT)
+        self._forces = np.zeros(1024, CONTACT_FORCE)
+        self._driven = DrivenSounds(mixer, bank)
+
+    @property
+    def driving(self) -> bool:
+        """Whether a contact sounds by its force: then the ring of forces wants to be looked into every tick."""
+        return self._driven.playing
 
     def take_contacts(self) -> None:
-        """Drain the ring and start a sound for every contact that deserves one."""
-        while True:
+        """Drain the rings: start a sound for every contact that deserves one, and let forces play theirs."""
+        count = len(self._drained)
+        while count == len(self._drained):
             count = ring.drain(self._memory.audio_event_words, self._memory.audio_events, self._drained)
             self.play_contacts(self._drained[:count])
-            if count < len(self._drained):
-                return
+        count = len(self._forces)
+        while count == len(self._forces):
+            count = ring.drain(self._memory.audio_force_words, self._memory.audio_forces, self._forces)
+            self._driven.feel(self._forces[:count])
+        self._driven.pass_time(self._clock.now_ns())
+
+    def ring_out(self) -> None:
+        """Let what contacts play ring out: no force will come any more."""
+        self._driven.ring_out()
 
     def play_contacts(self, events: NDArray[Any]) -> None:
         """Start the sounds of EVENT records, shape [n]; only contacts that begin or end and impacts have one."""
@@ -104,8 +121,13 @@ class SoundDirector:
         elif not gate.passes(int(event["body_a"]), int(event["body_b"]), t_ns, level):
             self.merged += 1
         else:
-            sound = self._bank.variant(name, speed, len(self.rows))
-            self._start(cause, sound, t_ns, int(event["tick"]), _finite_place(event["position_world"]), level)
+            place, tick = _finite_place(event["position_world"]), int(event["tick"])
+            pair, force = (int(event["body_a"]), int(event["body_b"])), float(event["force"])
+            driven = self._driven.start(name, t_ns, place, force if math.isfinite(force) else 0.0, pair)
+            if driven is None:
+                self._start(cause, self._bank.variant(name, speed, len(self.rows)), t_ns, tick, place, level)
+            else:
+                self._note(driven[1], cause, driven[0], t_ns, tick, level)
 
     def listen(self) -> None:
         """Hand the newest snapshot to the mixer, if there is one: the frame's head and emitters, the loop's rub."""
@@ -158,7 +180,10 @@ class SoundDirector:
         )
 
     def _start(self, cause: str, sound: str, t_ns: int, tick: int, place: Vec3 | None, gain: float) -> None:
-        start = self._mixer.start(sound, t_ns, place, gain)
+        self._note(self._mixer.start(sound, t_ns, place, gain), cause, sound, t_ns, tick, gain)
+
+    def _note(self, start: Start, cause: str, sound: str, t_ns: int, tick: int, gain: float) -> None:
+        """Keep a row of what was started."""
         if start.handle == 0:
             return
         submitted = self._clock.now_ns()

@@ -114,6 +114,7 @@ class OfflineAudio:
         if engine is None or director is None or mixer is None:
             return AudioReport(self._status or silent)
         director.take_contacts()
+        director.ring_out()
         self._render(engine, mixer.position + round(_TAIL_S * mixer.rate))
         engine.close()
         return AudioReport(

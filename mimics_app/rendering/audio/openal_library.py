@@ -71,6 +71,8 @@ class AL:
     MAX_DISTANCE = 0x1023
     FORMAT_MONO_FLOAT32 = 0x10010
     FORMAT_STEREO_FLOAT32 = 0x10011
+    MAP_WRITE = 0x2
+    MAP_PERSISTENT = 0x4
     VERSION = 0xB002
     INVERSE_DISTANCE_CLAMPED = 0xD002
 
@@ -119,6 +121,12 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     "alDistanceModel": (None, [_int]),
 }
 
+_OPTIONAL: dict[str, tuple[Any, list[Any]]] = {
+    "alBufferStorageSOFT": (None, [_uint, _int, _pointer, _int, _int, _uint]),
+    "alMapBufferSOFT": (_pointer, [_uint, _int, _int, _uint]),
+}
+"""Of AL_SOFT_map_buffer: memory of a sound that is written while it plays; a library without it plays recordings."""
+
 _ERRORS = {
     0xA001: "invalid name or device",
     0xA002: "invalid enum or context",
@@ -134,6 +142,7 @@ class OpenALLibrary:
     Attributes:
         path: What the loader was given.
         call: The functions by their C names.
+        maps: Whether it has those of AL_SOFT_map_buffer.
     """
 
     def __init__(self, path: str) -> None:
@@ -145,6 +154,11 @@ class OpenALLibrary:
                 function = getattr(handle, name)
             except AttributeError as error:
                 raise DeviceError(f"{path} has no {name}: it is not OpenAL Soft", INSTALL_LINE) from error
+            function.restype, function.argtypes = result, arguments
+            setattr(self.call, name, function)
+        self.maps = all(hasattr(handle, name) for name in _OPTIONAL)
+        for name, (result, arguments) in _OPTIONAL.items() if self.maps else ():
+            function = getattr(handle, name)
             function.restype, function.argtypes = result, arguments
             setattr(self.call, name, function)
 

@@ -37,6 +37,10 @@ _SHORTEST_RAMP = 64
 _AUDIBLE_CHANGE = 0.02
 _AHEAD: Vec3 = (0.0, 0.0, -1.0)
 
+_LEAD_S = 0.005
+"""How far a sound that is filled while it plays is behind its start on a live device [s]: the library takes a period at
+once, and a tick's force is read up to a millisecond after it was felt."""
+
 
 class _State(IntEnum):
     FREE = 0
@@ -50,6 +54,7 @@ class _Voice:
     source: int
     state: _State = _State.FREE
     handle: int = 0
+    sound: str = ""
     authored: float = 1.0
     gain: float = 0.0
     end: int | None = None
@@ -84,6 +89,7 @@ class OpenALMixer:
         try:
             context.activate()
             self._buffers = self._upload()
+            self._filled = self._map_live()
             self._voices = [_Voice(source) for source in self._generate_sources(settings.sources)]
         except DeviceError:
             context.close()
@@ -97,6 +103,7 @@ class OpenALMixer:
             self.refused += 1
             return Start(0, -1, late=False)
         self._handles += 1
+        voice.sound = sound
         voice.handle, voice.authored, voice.gain = self._handles, content.spec.gain, content.spec.gain * gain
         self._by_handle[voice.handle] = voice
         self._prepare(voice, sound, content, position_world)
@@ -154,6 +161,20 @@ class OpenALMixer:
         """Set the linear gain of everything."""
         self._change(self._call.alListenerf, AL.GAIN, value)
 
+    @property
+    def lead(self) -> int | None:
+        """Frames before what is filled: on a live device the library reads ahead of what the loop has computed."""
+        if self._bank.live and not self._filled:
+            return None
+        return 0 if self.context.loopback else round(_LEAD_S * self.rate)
+
+    def fill(self, handle: int, begin: int, samples: NDArray[np.float32]) -> None:
+        """Set samples of a sound that plays, from its sample `begin` on; what is beyond its end is left out."""
+        voice = self._by_handle.get(handle)
+        if voice is not None:
+            memory = self._filled[voice.sound]
+            memory[begin : begin + len(samples)] = samples[: max(0, len(memory) - begin)]
+
     def render(self, frames: int) -> NDArray[np.float32]:
         """Mix the next frames, shape [frames, 2], not limited to full scale; shape [0, 2] for a live device."""
         if not self.context.loopback:
@@ -192,6 +213,20 @@ class OpenALMixer:
             self._library.check(f'take the sound "{name}"')
             buffers[name] = buffer.value
         return buffers
+
+    def _map_live(self) -> dict[str, NDArray[np.float32]]:
+        """Memory of the sounds that are filled while they play; none where the library cannot share it."""
+        filled: dict[str, NDArray[np.float32]] = {}
+        for name, sound in self._bank.live.items() if self._library.maps else ():
+            buffer, size, access = ctypes.c_uint(), sound.samples.nbytes, AL.MAP_WRITE | AL.MAP_PERSISTENT
+            self._call.alGenBuffers(1, ctypes.byref(buffer))
+            silence = sound.samples.ctypes.data
+            self._call.alBufferStorageSOFT(buffer.value, AL.FORMAT_MONO_FLOAT32, silence, size, self._bank.rate, access)
+            place = self._call.alMapBufferSOFT(buffer.value, 0, size, access)
+            self._library.check(f'share the memory of "{name}"')
+            memory = (ctypes.c_float * len(sound.samples)).from_address(place)
+            filled[name], self._buffers[name] = np.ctypeslib.as_array(memory), buffer.value
+        return filled
 
     def _generate_sources(self, count: int) -> list[int]:
         sources = (ctypes.c_uint * count)()

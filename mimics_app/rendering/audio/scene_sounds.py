@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.world.components.visible import Sound, SoundEmitter
+from mimics_app.world.scene.assets import SceneAsset
 
 __all__ = ["settings_from_components"]
 
@@ -25,7 +25,7 @@ _PARAMETERS = {"pitch": (0.25, 4.0)}
 def settings_from_components(
     sounds: Sequence[tuple[str, Sound, str]],
     emitters: Sequence[tuple[str, SoundEmitter, str]],
-    asset_path: Callable[[str], Path],
+    assets: Mapping[str, SceneAsset],
     scene_file: str,
     **changes: Any,
 ) -> AudioSettings | None:
@@ -34,7 +34,7 @@ def settings_from_components(
     Args:
         sounds: (entity id, component, JSON pointer) of every `sound`; the id is the sound's name.
         emitters: The same of every `sound_emitter`; each becomes a sound of its own under its entity's id.
-        asset_path: From a name among the scene's assets to its file.
+        assets: Of the scene, by id.
         scene_file: Path of the scene, for messages.
         changes: Fields of AudioSettings that do not come from the scene (sink, file, ...).
 
@@ -49,7 +49,7 @@ def settings_from_components(
     issues = [issue for _, sound, pointer in sounds for issue in _faults(sound, pointer, scene_file)]
     if issues:
         raise SceneError(issues)
-    specs = {name: _spec(sound, asset_path) for name, sound, _ in sounds}
+    specs = {name: _spec(sound, assets) for name, sound, _ in sounds}
     for name, emitter, _ in emitters:
         specs[name] = _emitter_spec(specs[emitter.sound], emitter)
     triggers = {_trigger(sound): name for name, sound, _ in sounds if sound.trigger is not None}
@@ -83,10 +83,12 @@ def _faults(sound: Sound, pointer: str, scene_file: str) -> list[Issue]:
     return issues
 
 
-def _spec(sound: Sound, asset_path: Callable[[str], Path]) -> SoundSpec:
+def _spec(sound: Sound, assets: Mapping[str, SceneAsset]) -> SoundSpec:
+    asset = None if sound.asset is None else assets[sound.asset]
     return SoundSpec(
         recipe=sound.synth or "",
-        file=None if sound.asset is None else asset_path(sound.asset),
+        file=None if asset is None else asset.path,
+        inside=None if asset is None else asset.inside,
         gain=sound.gain,
         pitch=sound.parameters.get("pitch", 1.0),
         full_force=sound.full_level,

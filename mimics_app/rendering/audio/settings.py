@@ -41,7 +41,8 @@ class SoundSpec:
     Attributes:
         recipe: Name of a recipe ("contact", "goal", "start", "trial_end", "tick", "scrape", "knock", "grip",
             "slip"); "" when a file is given.
-        file: Wave file (PCM or float, any rate, mixed to one channel); None when a recipe is given.
+        file: Sound file (any rate, mixed to one channel), or the model that holds it; None when a recipe is given.
+        inside: Number of the sound in that model, None for a file of its own.
         gain: Linear gain it is authored with.
         pitch: Ratio that raises or lowers a recipe.
         loop: True to repeat it until it is stopped.
@@ -62,6 +63,7 @@ class SoundSpec:
 
     recipe: str = ""
     file: Path | None = None
+    inside: int | None = None
     gain: float = 1.0
     pitch: float = 1.0
     loop: bool = False

@@ -20,8 +20,8 @@ _LONGEST_S = 1800.0
 _LARGEST_BYTES = 1 << 30
 
 
-def read_sound(path: Path, rate: int) -> NDArray[np.float32]:
-    """The samples of a file at `rate` [Hz], shape [n, channels].
+def read_sound(path: Path, rate: int, inside: int | None = None) -> NDArray[np.float32]:
+    """The samples of a file at `rate` [Hz], shape [n, channels]; of a model the sound of that number `inside`.
 
     Raises:
         SceneError: It is missing, damaged, too long, or of a kind that is not known.
@@ -35,7 +35,7 @@ def read_sound(path: Path, rate: int) -> NDArray[np.float32]:
     if path.suffix.lower() == ".wav":
         return read_wav(path, rate)
     try:
-        samples, own = _decode(read_regular(path))
+        samples, own = _decode(read_regular(path) if inside is None else _taken_out(path, inside))
     except (OSError, RuntimeError, ValueError) as error:
         raise _refused(path, f"cannot be read as a sound ({str(error)[:80]})", "save it as WAV, FLAC or OGG") from error
     if len(samples) == 0 or not np.isfinite(samples).all():
@@ -51,6 +51,12 @@ def _decode(raw: bytes) -> tuple[NDArray[np.float64], int]:
 
     samples, rate = soundfile.read(io.BytesIO(raw), dtype="float64", always_2d=True)
     return samples, int(rate)
+
+
+def _taken_out(model: Path, number: int) -> bytes:
+    from mimics_app.world.gltf.sounds import read_embedded_sound
+
+    return read_embedded_sound(model, number)
 
 
 def _refused(path: Path, what: str, fix: str = "") -> SceneError:

@@ -104,6 +104,15 @@ class StreamedMixer:
         """Set the linear gain of everything."""
         self._mixer.master(value)
 
+    @property
+    def lead(self) -> int | None:
+        """Frames before what is filled."""
+        return self._mixer.lead
+
+    def fill(self, handle: int, begin: int, samples: NDArray[np.float32]) -> None:
+        """Set samples of a sound that plays."""
+        self._mixer.fill(handle, begin, samples)
+
     def render(self, frames: int) -> NDArray[np.float32]:
         """Fill the queue with blocks of `frames`; shape [0, 2], as the device takes them itself."""
         self._context.activate()

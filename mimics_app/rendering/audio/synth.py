@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 __all__ = [
     "CONTACT_RMS",
     "CONTACT_SPEEDS",
+    "TAKE_SPREAD",
     "synthesise_chord",
     "synthesise_contact",
     "synthesise_grip",
@@ -31,6 +32,9 @@ CONTACT_SPEEDS = (0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.0, 1.5)
 
 CONTACT_RMS = 0.1
 """Root mean square of every contact over its first 50 ms; the peakiest variant then stays below -1 dBFS."""
+
+TAKE_SPREAD = 0.15
+"""Share by which the weights of modes differ from one strike point to another."""
 
 # Frequency [Hz], time to fall by 60 dB [s] and weight of the modes of a padded tube: inharmonic, short, no bell in it.
 _TUBE_MODES = (
@@ -118,7 +122,7 @@ def _strike(modes: tuple[tuple[float, float, float], ...], speed: float, take: i
     pulse = _force_pulse(speed, rate)
     length = int(0.25 * rate)
     time = np.arange(length) / rate
-    strike = np.random.default_rng(1000 + take).uniform(0.85, 1.15, len(modes))
+    strike = np.random.default_rng(1000 + take).uniform(1.0 - TAKE_SPREAD, 1.0 + TAKE_SPREAD, len(modes))
     response = np.zeros(length)
     for (frequency, fall, weight), shape in zip(modes, strike, strict=True):
         response += weight * shape * _mode_acceleration(time, frequency, fall)

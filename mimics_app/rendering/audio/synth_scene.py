@@ -16,7 +16,6 @@ __all__ = [
     "MATERIALS",
     "STEP_TAKES",
     "SURFACES",
-    "strike_by_force",
     "synthesise_crowd",
     "synthesise_kick",
     "synthesise_score",
@@ -172,30 +171,6 @@ def synthesise_tone(notes_hz: tuple[float, ...], rate: int = 48_000) -> Samples:
         time = np.arange(int(0.09 * rate)) / rate
         parts.append(np.sin(2.0 * np.pi * note * time) * np.sin(np.pi * time / 0.09) ** 2)
     return _finish(np.concatenate(parts))
-
-
-def strike_by_force(material: str, force: Floats, force_rate: float = 1000.0, rate: int = 48_000) -> Samples:
-    """What a thing answers to the force of a contact as the haptic loop computed it.
-
-    Args:
-        material: Of `MATERIALS`.
-        force: [N], shape [n], from before the contact on.
-        force_rate: Of it [1/s].
-        rate: Samples per second.
-
-    Returns:
-        In proportion to the force, not scaled to a level. What is heard is acceleration, so each mode counts with the
-        square of its frequency, and nothing is left of a force that only rests.
-    """
-    count = int(len(force) * rate / force_rate)
-    at = np.arange(count) * force_rate / rate
-    fine = np.interp(at, np.arange(len(force)), np.asarray(force, np.float64))
-    change = np.diff(fine, prepend=fine[0])
-    tail = int(0.25 * rate)
-    time = np.arange(tail) / rate
-    modes = MATERIALS[material]
-    response = sum(w * (f / 1000.0) ** 2 * np.sin(2.0 * np.pi * f * time) * _fall(time, fall) for f, fall, w in modes)
-    return np.ascontiguousarray(_convolve(np.concatenate((change, np.zeros(tail))), np.asarray(response)), np.float32)
 
 
 def _periodic_noise(shape: Floats | NDArray[np.bool_], random: np.random.Generator, count: int) -> Floats:

@@ -20,6 +20,7 @@ from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.atomics import scratch
 from mimics_app.contracts.audio_port import AudioReport, AudioStatus, frame_at
 from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.contact_force import CONTACT_FORCE
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import EVENT
 from mimics_app.contracts.session_memory import ControlWord, SessionMemory
@@ -101,6 +102,8 @@ class _LiveSession:
     def finish(self) -> AudioReport:
         """Let a file ring out, or a device fade, and return the report."""
         mixer = self.engine.mixer
+        if self._director is not None:
+            self._director.ring_out()
         if mixer is not None and self.engine.live:
             mixer.master(0.0)
             self._clock.sleep_until_ns(self._clock.now_ns() + _FADE_NS)
@@ -149,6 +152,8 @@ class _LiveSession:
         else:
             words = self._memory.audio_event_words
             ring.release(words, ring.waiting(words))
+            words = self._memory.audio_force_words
+            ring.release(words, ring.waiting(words))
 
     def _direct(self) -> SoundDirector | None:
         engine = self.engine
@@ -163,7 +168,9 @@ class _LiveSession:
             self._clock.sleep_until_ns(now + _IDLE_WAIT_NS)
             return
         if self.engine.live:
-            allowed = _LIVE_WAIT_NS if self._settings.mixer == "openal" else _STREAM_WAIT_NS
+            driving = self._director is not None and self._director.driving
+            openal_ns = _LIVE_STEP_NS if driving else _LIVE_WAIT_NS
+            allowed = openal_ns if self._settings.mixer == "openal" else _STREAM_WAIT_NS
             due = now + allowed
             wait_for_records(self._memory.audio_event_words, self._timespec, due, min(allowed, _LIVE_STEP_NS))
         else:
@@ -286,6 +293,7 @@ def _warm_up(memory: SessionMemory, clock: Clock) -> None:
     """Compile, or load, what every turn of the loop calls, on copies: before precedence, and before the app is told."""
     wait_for_records(memory.audio_event_words, scratch(), clock.now_ns(), _LIVE_STEP_NS)
     ring.drain(memory.audio_event_words.copy(), memory.audio_events.copy(), np.zeros(1, EVENT))
+    ring.drain(memory.audio_force_words.copy(), memory.audio_forces.copy(), np.zeros(1, CONTACT_FORCE))
     for words in (memory.sound_scene_words, memory.audio_words):
         triple_buffer.acquire(words.copy())
 

@@ -10,6 +10,7 @@ from numba import from_dtype, typeof, types
 from numpy.typing import NDArray
 
 from mimics_app.contracts import triple_buffer
+from mimics_app.contracts.contact_force import CONTACT_FORCE, FOLLOWED_AT_ONCE, STRUCK
 from mimics_app.contracts.haptic import EVENT, SAMPLE
 from mimics_app.contracts.loop_fields import HapticSnapshot
 from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH
@@ -42,6 +43,8 @@ class Work(NamedTuple):
         objects: What the loop makes of the haptic objects.
         sample: SAMPLE record being filled, shape [1].
         event: EVENT record being filled, shape [1].
+        struck: Contacts that are followed for the sound, shape [FOLLOWED_AT_ONCE].
+        force: CONTACT_FORCE record being filled, shape [1].
         data: From the device, shape [DATA_LENGTH].
         command: To the device, shape [COMMAND_LENGTH].
         inbox: To the device, shape [INBOX_LENGTH].
@@ -52,6 +55,8 @@ class Work(NamedTuple):
     objects: ObjectWork
     sample: Records
     event: Records
+    struck: Records
+    force: Records
     data: NDArray[np.float64]
     command: NDArray[np.float64]
     inbox: NDArray[np.float64]
@@ -70,6 +75,8 @@ def new_work(objects: ObjectWork) -> Work:
         objects=objects,
         sample=np.zeros(1, SAMPLE),
         event=np.zeros(1, EVENT),
+        struck=np.zeros(FOLLOWED_AT_ONCE, STRUCK),
+        force=np.zeros(1, CONTACT_FORCE),
         data=np.zeros(DATA_LENGTH),
         command=np.zeros(COMMAND_LENGTH),
         inbox=np.zeros(INBOX_LENGTH),

@@ -43,6 +43,7 @@ from mimics_app.rendering.haptic.kernels.state import STATE
 from mimics_app.rendering.haptic.kernels.vectors import rotate_back
 from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, SIMULATE
 from mimics_app.rendering.haptic.publish import publish_events, publish_state
+from mimics_app.rendering.haptic.struck import publish_forces
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Fields, Read, SceneRecord, Simulate, Tick, Write
@@ -212,4 +213,5 @@ def loop_tick(
     control[_STOPS if is_stopped(state) else _HOLDS] += state.tripped
     publish_state(channels, work, scene.objects, t_ns)
     publish_events(channels, work, rows, scene.objects, t_ns)
+    publish_forces(channels, work, scene.objects, t_ns)
     return scene.late_stop_ns

@@ -137,7 +137,7 @@ class Environment(Component, frozen=True):
 class Sound(Component, frozen=True):
     """A sound that can be started; its name is the entity's id. Either an `asset` or a `synth` recipe."""
 
-    asset: Annotated[str | None, Meta(description="Of the scene's `assets`, a .wav file")] = None
+    asset: Annotated[str | None, Meta(description="Of the scene's `assets`: .wav, .ogg or .flac")] = None
     synth: Annotated[str | None, Meta(description="Recipe of the built-in synthesiser")] = None
     parameters: Annotated[Figures, Meta(description="Numbers of the recipe, SI units")] = msgspec.field(
         default_factory=dict

@@ -1,7 +1,7 @@
 """glTF 2.0 files: read by our own reader, which believes nothing in them.
 
 GLB and .gltf, data URIs and files beside it, sparse and strided accessors, normalised integers, metallic-roughness
-materials, cameras, lights, skins, clips, morph targets, and components in `extras.mimics`.
+materials, cameras, lights, sounds, skins, clips, morph targets, and components in `extras.mimics`.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from mimics_app.world.gltf.materials import GltfMaterials
 from mimics_app.world.gltf.meshes import GltfMesh, GltfMeshes
 from mimics_app.world.gltf.nodes import GltfCamera, GltfLight, GltfNode, GltfNodes
 from mimics_app.world.gltf.references import check_references
+from mimics_app.world.gltf.sounds import GltfSounds, read_sounds
 from mimics_app.world.gltf.source import GltfError, GltfSource, open_gltf
 from mimics_app.world.materials.material import Material, TextureData
 
@@ -32,6 +33,7 @@ __all__ = ["SUPPORTED_EXTENSIONS", "GltfDocument", "GltfError", "load_gltf"]
 
 SUPPORTED_EXTENSIONS = frozenset(
     {
+        "KHR_audio_emitter",
         "KHR_lights_punctual",
         "KHR_materials_emissive_strength",
         "KHR_materials_unlit",
@@ -59,6 +61,7 @@ class GltfDocument:
         lights: In file order.
         skins: In file order; a node's `skin` is an index.
         clips: Its animations, in file order; their targets are nodes.
+        sounds: Of KHR_audio_emitter; None where the file has none.
         raw: The whole JSON, extensions included.
         notes: What was left out or repaired, for people.
         files: Every file read, its own first.
@@ -74,6 +77,7 @@ class GltfDocument:
     lights: list[GltfLight | None]
     skins: list[GltfSkin]
     clips: list[Clip]
+    sounds: GltfSounds | None
     raw: dict[str, Any]
     notes: list[str]
     files: list[Path]
@@ -163,6 +167,7 @@ def _read(source: GltfSource) -> GltfDocument:
         _read_skins(source, accessors, tree.nodes, meshes),
         _read_clips(source, accessors, tree.nodes, meshes),
     )
+    sounds = read_sounds(source, buffers)
     if source.issues:
         raise GltfError(source.issues)
     _note_names(source, tree.nodes)
@@ -177,6 +182,7 @@ def _read(source: GltfSource) -> GltfDocument:
         tree.lights,
         skins,
         clips,
+        sounds,
         source.json,
         source.notes,
         list(dict.fromkeys(source.files)),

@@ -1,19 +1,26 @@
-"""Entities out of the nodes of a model: components authored in a modeller, under `extras.mimics` of a glTF node."""
+"""Entities out of the nodes of a model: components authored in a modeller (`extras.mimics`), and emitters of sounds."""
 
 from __future__ import annotations
 
+from collections import Counter
+from typing import Any
+
 from mimics_app.contracts.errors import Issue, nearest
-from mimics_app.world.scene.assets import ModelPart, SceneAsset, find_in_model
+from mimics_app.maths.decompose import decompose_trs
+from mimics_app.world.gltf.sounds import EXTENSION
+from mimics_app.world.scene.assets import ModelPart, SceneAsset, find_in_model, sound_of_model
 from mimics_app.world.scene.document import EntityDraft, SceneDocument
 from mimics_app.world.scene.provenance import Layer
 
 __all__ = ["unfold_model"]
 
+_TRANSFORM = ("translation", "rotation", "scale")
+
 
 def unfold_model(
     draft: EntityDraft, document: SceneDocument, assets: dict[str, SceneAsset], issues: list[Issue]
 ) -> None:
-    """Add the nodes of an entity's model that carry components, as entities "entity/Node".
+    """Add the nodes of an entity's model that carry components, as entities "entity/Node", and what sounds of it.
 
     Those of the node that is shown itself belong to the entity; the scene file wins over the model. The entity's
     `overrides` are laid over the nodes they name.
@@ -25,14 +32,16 @@ def unfold_model(
         issues: Receives overrides that name nothing.
     """
     nodes: dict[str, Layer] = {}
+    emitters: set[str] = set()
     part = _part(draft, assets)
     if part is not None:
         nodes = _layers(part)
+        emitters = _add_emitters(draft, part, document)
         if part.node is not None:
             draft.layers.append(_layer(part, part.node))
     for name, layer in nodes.items():
         over = draft.overrides.pop(name, None)
-        if over is not None or layer.value["components"]:
+        if over is not None or layer.value["components"] or name in emitters:
             layers = [layer] if over is None else [over, layer]
             document.add(EntityDraft(f"{draft.id}/{name}", draft.id, layers, in_model=True))
     for path, layer in draft.overrides.items():
@@ -60,3 +69,58 @@ def _layers(part: ModelPart) -> dict[str, Layer]:
 def _layer(part: ModelPart, index: int) -> Layer:
     value = {"components": part.model.nodes[index].components}
     return Layer(part.model.file, part.asset.path.parent, f"/nodes/{index}/extras/mimics", value)
+
+
+def _add_emitters(draft: EntityDraft, part: ModelPart, document: SceneDocument) -> set[str]:
+    """Add what the emitters of a model play as entities of their own; names of the nodes they move with.
+
+    One on a node without a name of its own stands where that node is at first; those of the scene are heard everywhere.
+    """
+    model, sounds = part.model, part.model.sounds
+    if sounds is None or part.mesh is not None:
+        return set()
+    names = Counter(node.name for node in model.nodes)
+    tops, moving = part.nodes if part.node is None else (part.node,), set()
+    for index in (index for top in tops for index in model.subtree(top) if index in sounds.of_nodes):
+        name = model.nodes[index].name
+        owner, transform = draft.id, {}
+        if index != part.node and names[name] == 1 and name:
+            moving.add(name)
+            owner = f"{draft.id}/{name}"
+        elif index != part.node:
+            transform = _placed(part, index)
+        place = f"/nodes/{index}/extensions/{EXTENSION}"
+        _add_played(document, part, f"{owner}/sound_{index}", owner, sounds.of_nodes[index], place, transform)
+    for number in sounds.of_scene if part.node is None else ():
+        place = f"/extensions/{EXTENSION}/emitters/{number}"
+        _add_played(document, part, f"{draft.id}/everywhere_{number}", draft.id, number, place, {})
+    return moving
+
+
+def _add_played(
+    document: SceneDocument,
+    part: ModelPart,
+    name: str,
+    owner: str,
+    emitter: int,
+    place: str,
+    transform: dict[str, Any],
+) -> None:
+    """Add an entity with sound and emitter for each source of an emitter of the file."""
+    for number, played in enumerate(part.model.sounds.emitters[emitter] if part.model.sounds else ()):
+        entity = name if number == 0 else f"{name}_{number}"
+        components = {
+            "sound": {**played.sound, "asset": sound_of_model(part.asset.id, played.audio)},
+            "sound_emitter": {**played.emitter, "sound": entity},
+        }
+        value = {"transform": transform, "components": components}
+        layer = Layer(part.model.file, part.asset.path.parent, place, value)
+        document.add(EntityDraft(entity, owner, [layer]))
+
+
+def _placed(part: ModelPart, index: int) -> dict[str, Any]:
+    """Transform of a node in the entity that shows its model, as a scene states it."""
+    from mimics_app.world.scene.placing import model_matrix
+
+    translation, rotation, scale, _ = decompose_trs(model_matrix(part, index))
+    return {name: each.tolist() for name, each in zip(_TRANSFORM, (translation, rotation, scale), strict=True)}

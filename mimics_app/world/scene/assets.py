@@ -19,7 +19,15 @@ from mimics_app.world.scene.paths import PathFault, find_file
 from mimics_app.world.scene.provenance import Layer
 from mimics_app.world.scene.spec import AssetSpec
 
-__all__ = ["AssetKind", "ModelPart", "SceneAsset", "find_in_model", "read_asset"]
+__all__ = [
+    "AssetKind",
+    "ModelPart",
+    "SceneAsset",
+    "find_in_model",
+    "read_asset",
+    "sound_of_model",
+    "sounds_of_model",
+]
 
 AssetKind = Literal["model", "picture", "sound", "head", "path"]
 
@@ -47,6 +55,7 @@ class SceneAsset:
         kind: By the file name's ending.
         path: Where it is.
         model: The decoded file of a model.
+        inside: Of a sound that a model holds: its number there; then `path` is the model.
         picture: The decoded file of a picture.
         files: It and every file it names in turn.
         digest: SHA-256 over the bytes of `files`.
@@ -56,6 +65,7 @@ class SceneAsset:
     kind: AssetKind
     path: Path
     model: GltfDocument | None = None
+    inside: int | None = None
     picture: TextureData | None = None
     files: tuple[Path, ...] = ()
     digest: str = ""
@@ -111,9 +121,24 @@ def read_asset(name: str, layer: Layer, root: Path) -> SceneAsset | None:
         return SceneAsset(
             name, kind, path, picture=_picture(path, spec, layer.file, place), files=(path,), digest=_digest([path])
         )
-    if kind == "sound" and not _is_wave(path):
-        raise SceneError(Issue(layer.file, place, f'"{spec.uri}" is no WAV file'))
+    if kind == "sound" and not _begins_as_named(path):
+        raise SceneError(Issue(layer.file, place, f'"{spec.uri}" is no {path.suffix[1:].upper()} file'))
     return SceneAsset(name, kind, path, files=(path,), digest=_digest([path]))
+
+
+def sounds_of_model(asset: SceneAsset) -> list[SceneAsset]:
+    """The sounds of a model as assets of their own, "model#/audio/0" and so on."""
+    sounds = None if asset.model is None else asset.model.sounds
+    return [
+        SceneAsset(sound_of_model(asset.id, number), "sound", audio.path or asset.path, inside=inside)
+        for number, audio in enumerate([] if sounds is None else sounds.audio)
+        for inside in [number if audio.path is None else None]
+    ]
+
+
+def sound_of_model(name: str, number: int) -> str:
+    """Id of the asset that a sound of a model is."""
+    return f"{name}#/audio/{number}"
 
 
 def find_in_model(assets: dict[str, SceneAsset], reference: str) -> ModelPart:
@@ -155,10 +180,12 @@ def _digest(files: Sequence[Path]) -> str:
     return digest.hexdigest()
 
 
-def _is_wave(path: Path) -> bool:
+def _begins_as_named(path: Path) -> bool:
+    """Whether a sound file begins as its name's ending promises."""
     try:
         with open_regular(path) as stream:
             head = stream.read(12)
     except OSError:
         return False
-    return head[:4] == b"RIFF" and head[8:] == b"WAVE"
+    heads = {".wav": head[:4] == b"RIFF" and head[8:] == b"WAVE", ".ogg": head[:4] == b"OggS"}
+    return heads.get(path.suffix.lower(), head[:4] == b"fLaC")

@@ -12,7 +12,7 @@ from mimics_app.world.components.plugins import fault_of_plugin
 from mimics_app.world.components.registry import component_types, section_of, system_types
 from mimics_app.world.components.struct_reader import FAILED, read_struct
 from mimics_app.world.gltf.unfolding import unfold_model
-from mimics_app.world.scene.assets import read_asset
+from mimics_app.world.scene.assets import read_asset, sounds_of_model
 from mimics_app.world.scene.document import EntityDraft, SceneDocument, resolve
 from mimics_app.world.scene.json_text import escape
 from mimics_app.world.scene.materials import load_materials, load_techniques
@@ -64,6 +64,7 @@ class SceneLoader:
                 continue
             if asset is not None:
                 self._scene.assets[name] = asset
+                self._scene.assets |= {each.id: each for each in sounds_of_model(asset)}
                 self._scene.files += [file for file in asset.files if file not in self._scene.files]
                 if asset.model is not None:
                     self._scene.notes += [f"{asset.model.file}: {note}" for note in asset.model.notes]

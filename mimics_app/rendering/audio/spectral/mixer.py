@@ -121,6 +121,19 @@ class SpectralMixer:
         """Set the linear gain of everything; ramped over the next block."""
         self._master = float(value)
 
+    @property
+    def lead(self) -> int | None:
+        """Frames before what is filled: none, as a sound begins a constant time after its event."""
+        return 0
+
+    def fill(self, handle: int, begin: int, samples: Floats) -> None:
+        """Set samples of a sound that plays, from its sample `begin` on; what is beyond its end is left out."""
+        voice = self._store.row_of(handle)
+        if voice is not None:
+            sound = self._store.voices.sound[voice]
+            first, end = self._bank.begin[sound] + begin, self._bank.begin[sound] + self._bank.length[sound]
+            self._bank.samples[first : min(first + len(samples), end)] = samples[: max(0, end - first)]
+
     def render(self, frames: int) -> Floats:
         """Mix the next frames, shape [frames, channels], not limited to full scale."""
         out = np.zeros((frames, self.channels), np.float32)

@@ -22,8 +22,8 @@ _MODELS = {"inverse": INVERSE, "linear": LINEAR, "exponential": EXPONENTIAL}
 
 def pack_bank(bank: SoundBank) -> tuple[Bank, dict[str, int]]:
     """All sounds as one array, and the row of each by name."""
-    names = list(bank.sounds)
-    sounds = [bank.sounds[name] for name in names]
+    names = [*bank.sounds, *bank.live]
+    sounds = [bank[name] for name in names]
     length = np.array([len(sound.samples) for sound in sounds], np.int64)
     begin = np.concatenate(([0], np.cumsum(length)[:-1])).astype(np.int64)
     loops = np.array([int(sound.spec.loop) for sound in sounds], np.int64)

@@ -1,0 +1,150 @@
+"""Sounds that the force of a contact plays: started at its event, filled while they play as the loop computes it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.audio_port import Mixer, Start, frame_at
+from mimics_app.contracts.contact_force import CONTACT_FORCE, FOLLOWED
+from mimics_app.rendering.audio.bank import LIVE_VOICES, SoundBank
+from mimics_app.rendering.audio.modal import FORCE_RATE, ModalVoice
+from mimics_app.rendering.audio.wav_file import soften_peaks
+
+__all__ = ["DrivenSounds"]
+
+Vec3 = tuple[float, float, float]
+Pair = tuple[int, int]
+
+_FOLLOWED_NS = FOLLOWED * 1_000_000_000 // FORCE_RATE
+_FORESEEN_S = 0.01
+"""How far a voice rings on beyond the newest force [s], so that a tick that is late is no gap in the sound."""
+
+
+@dataclass(slots=True, eq=False)
+class _Voice:
+    """One contact that sounds.
+
+    Attributes:
+        handle: Of its sound.
+        modes: What is struck.
+        begin_ns: When the contact began.
+        last_ns: Time of the newest force.
+        cursor: Sample of the sound up to which it is filled for good.
+        length: Samples of the sound.
+        free_ns: When its sound is over.
+        open: True while forces are expected.
+    """
+
+    handle: int
+    modes: ModalVoice
+    begin_ns: int
+    last_ns: int
+    cursor: int
+    length: int
+    free_ns: int
+    open: bool = True
+
+
+class DrivenSounds:
+    """Voices of a mixer that contacts play.
+
+    Args:
+        mixer: Plays them.
+        bank: Has the sounds that are filled, and what is struck.
+    """
+
+    def __init__(self, mixer: Mixer, bank: SoundBank) -> None:
+        self._mixer = mixer
+        self._bank = bank
+        self._lead = mixer.lead
+        self._voices: dict[str, _Voice] = {}
+        self._by_pair: dict[Pair, _Voice] = {}
+        self._foreseen = round(_FORESEEN_S * mixer.rate)
+
+    @property
+    def playing(self) -> bool:
+        """Whether forces of a contact are expected."""
+        return bool(self._by_pair)
+
+    def start(self, name: str, t_ns: int, place: Vec3 | None, force: float, pair: Pair) -> tuple[str, Start] | None:
+        """Start what is struck by a contact.
+
+        Args:
+            name: Of a sound.
+            t_ns: When the contact began.
+            place: Of it in the world [m].
+            force: In its first tick [N].
+            pair: The two bodies, as the forces that follow name them.
+
+        Returns:
+            Name of the sound and where it was put; None where a recording is to be played: the sound has none that is
+            filled, no voice of it is free, or the mixer cannot fill one.
+        """
+        number = self._free(name, t_ns)
+        if number is None or self._lead is None:
+            return None
+        sound = f"{name}:live:{number}"
+        start = self._mixer.start(sound, t_ns, place, 1.0)
+        if start.handle == 0:
+            return sound, start
+        length = len(self._bank[sound].samples)
+        self._mixer.fill(start.handle, 0, np.zeros(length, np.float32))
+        modes = ModalVoice(self._bank.modes[name][number])
+        over = t_ns + (length + self._mixer.rate // 10) * 1_000_000_000 // self._mixer.rate
+        voice = _Voice(start.handle, modes, t_ns, t_ns, self._lead, length, over)
+        self._end(self._by_pair.get(pair))
+        self._voices[sound] = self._by_pair[pair] = voice
+        self._press(voice, t_ns, force)
+        return sound, start
+
+    def feel(self, forces: NDArray[np.void]) -> None:
+        """Take CONTACT_FORCE records, shape [n], in order of time; those of contacts without a sound say nothing."""
+        assert forces.dtype == CONTACT_FORCE
+        for row in forces:
+            voice = self._by_pair.get((int(row["body_a"]), int(row["body_b"])))
+            t_ns, force = int(row["t_ns"]), float(row["force"])
+            if voice is not None and t_ns > voice.last_ns and np.isfinite(force):
+                self._press(voice, t_ns, force)
+
+    def pass_time(self, now_ns: int) -> None:
+        """Let what is not followed any more ring out."""
+        for voice in list(self._by_pair.values()):
+            if now_ns - voice.begin_ns > 2 * _FOLLOWED_NS or voice.last_ns - voice.begin_ns >= _FOLLOWED_NS - 1:
+                self._end(voice)
+
+    def ring_out(self) -> None:
+        """Let everything ring out: no force will come any more."""
+        for voice in list(self._by_pair.values()):
+            self._end(voice)
+
+    def _free(self, name: str, t_ns: int) -> int | None:
+        """Number of a voice of a sound that is over, None where all sound or there is none."""
+        if name not in self._bank.modes:
+            return None
+        voices = (self._voices.get(f"{name}:live:{number}") for number in range(LIVE_VOICES))
+        return next((k for k, voice in enumerate(voices) if voice is None or voice.free_ns <= t_ns), None)
+
+    def _press(self, voice: _Voice, t_ns: int, force: float) -> None:
+        """Fill what a tick's force makes, after what has rung since the last one, and what would follow."""
+        rate = self._mixer.rate
+        begin = (self._lead or 0) + frame_at(t_ns, 0, rate) - frame_at(voice.begin_ns, 0, rate)
+        since = voice.modes.ring(max(0, begin - voice.cursor))
+        pressed, after = voice.modes.press(abs(force)), voice.modes.foresee(self._foreseen)
+        self._fill(voice, np.concatenate([since, pressed, after]))
+        voice.cursor += len(since) + len(pressed)
+        voice.last_ns = t_ns
+
+    def _end(self, voice: _Voice | None) -> None:
+        """Fill the rest of a voice with what rings on."""
+        if voice is None or not voice.open:
+            return
+        voice.open = False
+        self._fill(voice, voice.modes.ring(max(0, voice.length - voice.cursor)))
+        for pair in [pair for pair, each in self._by_pair.items() if each is voice]:
+            del self._by_pair[pair]
+
+    def _fill(self, voice: _Voice, samples: NDArray[np.float64]) -> None:
+        self._mixer.fill(voice.handle, voice.cursor, soften_peaks(samples.astype(np.float32))[0])

@@ -1,0 +1,104 @@
+"""What the loop tells the sound of contacts that have begun: their force in every tick, for a quarter of a second."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mimics_app.contracts.contact_force import FOLLOWED
+from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.ring import push
+from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN
+from mimics_app.rendering.haptic.kernels.vectors import norm
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import (
+        ObjectCountsRecord,
+        ObjectWork,
+        PairRecord,
+        StateRecord,
+        StruckRecord,
+        Table,
+    )
+    from mimics_app.rendering.haptic.channels import Channels, Work
+
+__all__ = ["publish_forces"]
+
+
+@kernel
+def _follow(struck: Table[StruckRecord], body_a: int, body_b: int) -> None:
+    """Follow a contact from the next tick on, in the row of the same two bodies or in that nearest its end."""
+    row = 0
+    for k in range(struck.shape[0]):
+        if struck[k].body_a == body_a and struck[k].body_b == body_b:
+            row = k
+            break
+        if struck[k].left < struck[row].left:
+            row = k
+    struck[row].body_a, struck[row].body_b, struck[row].left = body_a, body_b, FOLLOWED
+
+
+@kernel
+def _between(pairs: Table[PairRecord], count: int, body_a: int, body_b: int) -> float:
+    """Normal force between two bodies, all pairs of their shapes together [N]."""
+    total = 0.0
+    for k in range(count):
+        pair = pairs[k]
+        if pair.touching == 0:
+            continue
+        if (pair.body_a == body_a and pair.body_b == body_b) or (pair.body_a == body_b and pair.body_b == body_a):
+            total += pair.force
+    return total
+
+
+@kernel
+def _force_of(struck: StruckRecord, state: StateRecord, objects: ObjectWork) -> float:
+    """Force of a contact in this tick [N]."""
+    if struck.body_a > 0:
+        b = struck.body_b - 1 if struck.body_b > 0 else -1
+        return _between(objects.pairs, objects.sweep[0].pairs, struck.body_a - 1, b)
+    if struck.body_b > 0:
+        return norm(objects.motions[struck.body_b - 1].force_user)
+    totals = objects.totals[0]
+    walls = norm(totals.shape_force) if totals.static_touching > 0 else 0.0
+    return walls + norm(state.told.force_tnb)
+
+
+@kernel
+def _begin(work: Work, counts: ObjectCountsRecord) -> None:
+    """Follow what the events of this tick say has begun."""
+    struck, objects = work.struck, work.objects
+    if work.state[0].contact_change == CONTACT_BEGAN:
+        _follow(struck, 0, -1)
+    if counts.shapes == 0:
+        return
+    for k in range(counts.bodies + 1):
+        if objects.touches[k].change == CONTACT_BEGAN:
+            _follow(struck, 0, k if k > 0 else -1)
+    totals = objects.totals[0]
+    if totals.impact > 0.0:
+        _follow(
+            struck,
+            totals.impact_a + 1 if totals.impact_a >= 0 else -1,
+            totals.impact_b + 1 if totals.impact_b >= 0 else -1,
+        )
+
+
+@kernel
+def publish_forces(channels: Channels, work: Work, counts: ObjectCountsRecord, t_ns: int) -> None:
+    """Tell the force of every contact that is followed, then follow those that have begun in this tick.
+
+    Args:
+        channels: Arrays of the session.
+        work: Arrays of the loop; `struck` is updated.
+        counts: SCENE.objects of this tick.
+        t_ns: When the tick was released.
+    """
+    for k in range(work.struck.shape[0]):
+        struck = work.struck[k]
+        if struck.left > 0:
+            struck.left -= 1
+            row = work.force[0]
+            row.t_ns, row.body_a, row.body_b = t_ns, struck.body_a, struck.body_b
+            row.force = _force_of(struck, work.state[0], work.objects)
+            push(channels.audio_force_words, channels.audio_forces, work.force)
+    _begin(work, counts)

@@ -1,0 +1,251 @@
+"""Sounds of a glTF file (KHR_audio_emitter, draft of 2024): data, sources and emitters, each looked at before use.
+
+What an emitter says is handed on as the scene's own components `sound` and `sound_emitter`. Of the draft's formats WAV
+and MP3 are read, and OGG and FLAC beside them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from mimics_app.world.gltf.buffers import GltfBuffers, data_uri
+from mimics_app.world.gltf.source import GltfSource, open_gltf
+
+__all__ = ["EXTENSION", "GltfAudio", "GltfEmitter", "GltfSounds", "read_embedded_sound", "read_sounds"]
+
+EXTENSION = "KHR_audio_emitter"
+
+_PLACE = f"/extensions/{EXTENSION}"
+_TYPES = ("audio/wav", "audio/mpeg", "audio/ogg", "audio/flac")
+_MODELS = ("inverse", "linear", "exponential")
+_LOUDEST = 4.0
+"""Most that a gain of the scene's components may be."""
+
+_FARTHEST = 1e6
+"""No largest distance [m]: the largest a component takes."""
+
+_WHOLE = 6.2832
+"""Full angle all around [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class GltfAudio:
+    """Data of a sound: a file beside the model, or None where the model itself holds it."""
+
+    path: Path | None
+
+
+@dataclass(frozen=True, slots=True)
+class GltfEmitter:
+    """One source of one emitter, ready to be put into a scene.
+
+    Attributes:
+        source: Number of the source in the file.
+        audio: Number of its data.
+        sound: Values of the component `sound`, but for its asset.
+        emitter: Values of the component `sound_emitter`, but for its sound.
+    """
+
+    source: int
+    audio: int
+    sound: dict[str, Any]
+    emitter: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class GltfSounds:
+    """All sounds of a file.
+
+    Attributes:
+        audio: Data, in file order.
+        emitters: What each emitter plays, in file order.
+        of_nodes: Emitter of a node, by the node's index.
+        of_scene: Emitters of the default scene, heard everywhere.
+    """
+
+    audio: list[GltfAudio]
+    emitters: list[list[GltfEmitter]]
+    of_nodes: dict[int, int]
+    of_scene: list[int]
+
+
+def read_sounds(source: GltfSource, buffers: GltfBuffers) -> GltfSounds | None:
+    """The sounds of a file, None where it has none; faults are collected."""
+    holder = source.object(source.object(source.json, "extensions", ""), EXTENSION, "/extensions")
+    if not holder:
+        return None
+    reader = _Reader(source, buffers, holder)
+    audio = [reader.audio(item, f"{_PLACE}/audio/{i}") for i, item in enumerate(reader.table("audio"))]
+    played = [reader.source(i, item, len(audio)) for i, item in enumerate(reader.table("sources"))]
+    emitters = [
+        reader.emitter(item, f"{_PLACE}/emitters/{i}", played) for i, item in enumerate(reader.table("emitters"))
+    ]
+    return GltfSounds(audio, emitters, reader.of_nodes(len(emitters)), reader.of_scene(len(emitters)))
+
+
+def read_embedded_sound(path: Path, number: int) -> bytes:
+    """Data of a sound that a model holds itself, as in a file of its own.
+
+    Raises:
+        GltfError: The model cannot be read any more.
+    """
+    source = open_gltf(path, path.parent, str(path))
+    holder = source.object(source.object(source.json, "extensions", ""), EXTENSION, "/extensions")
+    place = f"{_PLACE}/audio/{number}"
+    table = source.list(holder, "audio", _PLACE)
+    item = table[source.index(number, len(table), "audio", place)]
+    return _embedded(source, GltfBuffers(source), item, place)
+
+
+def _embedded(source: GltfSource, buffers: GltfBuffers, item: dict[str, Any], place: str) -> bytes:
+    if "bufferView" in item:
+        return bytes(buffers.view(item["bufferView"], f"{place}/bufferView")[0])
+    return data_uri(source, source.text(item, "uri", place), f"{place}/uri")
+
+
+def _is_sound(head: bytes) -> bool:
+    """Whether data begins as WAV, OGG, FLAC or MP3 do."""
+    known = (b"OggS", b"fLaC", b"ID3", b"\xff\xfb", b"\xff\xf3", b"\xff\xf2", b"\xff\xfa")
+    return (head[:4] == b"RIFF" and head[8:12] == b"WAVE") or head.startswith(known)
+
+
+class _Reader:
+    """Reads the lists of the extension."""
+
+    def __init__(self, source: GltfSource, buffers: GltfBuffers, holder: dict[str, Any]) -> None:
+        self._source = source
+        self._buffers = buffers
+        self._holder = holder
+
+    def table(self, name: str) -> list[dict[str, Any]]:
+        """A list of objects of the extension; one with anything else in it is told and taken as empty."""
+        with self._source.collecting():
+            table = self._source.list(self._holder, name, _PLACE)
+            for i, item in enumerate(table):
+                if not isinstance(item, dict):
+                    self._source.fail(f"{_PLACE}/{name}/{i}", "must be an object")
+            return table
+        return []
+
+    def audio(self, item: dict[str, Any], place: str) -> GltfAudio:
+        """Where the data of a sound is; nothing is decoded, but data inside must begin as one of the known formats."""
+        source = self._source
+        with source.collecting():
+            if "bufferView" in item and item.get("mimeType") not in _TYPES:
+                source.fail(f"{place}/mimeType", f"{item.get('mimeType')!r:.40} is none of {', '.join(_TYPES)}")
+            if "bufferView" not in item and "uri" not in item:
+                source.fail(place, "has neither a uri nor a bufferView")
+            uri = source.text(item, "uri", place)
+            if "bufferView" not in item and uri[:5].lower() != "data:":
+                return GltfAudio(source.external(uri, f"{place}/uri"))
+            if not _is_sound(_embedded(source, self._buffers, item, place)[:12]):
+                source.fail(place, "holds no sound: neither WAV, MP3, OGG nor FLAC")
+        return GltfAudio(None)
+
+    def source(self, number: int, item: dict[str, Any], count: int) -> GltfEmitter | None:
+        """A source as it plays by itself, of so many sounds; None for one that is wrong."""
+        source, place = self._source, f"{_PLACE}/sources/{number}"
+        with source.collecting():
+            audio = source.index(item.get("audio"), count, "audio", f"{place}/audio")
+            loop, autoplay = self._flag(item, "loop", place), self._flag(item, "autoPlay", place)
+            return GltfEmitter(number, audio, {"gain": self._gain(item, place)}, {"loop": loop, "autoplay": autoplay})
+        return None
+
+    def emitter(self, item: dict[str, Any], place: str, played: list[GltfEmitter | None]) -> list[GltfEmitter]:
+        """What an emitter plays, one for each of its sources."""
+        source = self._source
+        with source.collecting():
+            kind = source.text(item, "type", place)
+            if kind not in ("global", "positional"):
+                source.fail(f"{place}/type", f'"{kind[:40]}" is neither global nor positional')
+            if kind == "global" and "positional" in item:
+                source.fail(f"{place}/positional", "an emitter that is heard everywhere has no place")
+            shape = self._shape(item, f"{place}/positional") if kind == "positional" else {}
+            heard = shape | {"gain": self._gain(item, place)}
+            numbers = [
+                source.index(value, len(played), "sources", f"{place}/sources/{k}")
+                for k, value in enumerate(source.list(item, "sources", place))
+            ]
+            each = [found for found in map(played.__getitem__, numbers) if found is not None]
+            spatial = {"spatial": kind == "positional"}
+            return [replace(found, sound=found.sound | spatial, emitter=found.emitter | heard) for found in each]
+        return []
+
+    def _shape(self, item: dict[str, Any], place: str) -> dict[str, Any]:
+        """Values of `sound_emitter` that say how a sound spreads."""
+        source = self._source
+        said = source.object(item, "positional", place.rpartition("/")[0])
+        shape, model = source.text(said, "shapeType", place, "omnidirectional"), _model(source, said, place)
+        if shape not in ("omnidirectional", "cone"):
+            source.fail(f"{place}/shapeType", f'"{shape[:40]}" is neither omnidirectional nor cone')
+        nearest = source.number(said, "refDistance", place, 1.0, 0.0)
+        if not 0.0 < nearest <= _FARTHEST:
+            source.fail(f"{place}/refDistance", f"{nearest:g} m is not between 0 and {_FARTHEST:g}")
+        farthest = source.number(said, "maxDistance", place, 0.0, 0.0) or _FARTHEST
+        if model == "linear" and not nearest < farthest:
+            source.fail(f"{place}/maxDistance", f"{farthest:g} m is not beyond the refDistance of {nearest:g} m")
+        rolloff = min(source.number(said, "rolloffFactor", place, 1.0, 0.0), 1.0 if model == "linear" else _FARTHEST)
+        spread = {"reference_distance": nearest, "max_distance": min(farthest, _FARTHEST), "rolloff": rolloff}
+        cone = self._cone(said, place) if shape == "cone" else {}
+        return {**spread, "distance_model": model, **cone}
+
+    def _cone(self, said: dict[str, Any], place: str) -> dict[str, Any]:
+        source = self._source
+        inner = source.number(said, "coneInnerAngle", place, math.tau, 0.0)
+        outer = source.number(said, "coneOuterAngle", place, math.tau, 0.0)
+        behind = source.number(said, "coneOuterGain", place, 0.0, 0.0)
+        if not inner <= outer <= _WHOLE:
+            source.fail(f"{place}/coneInnerAngle", f"cones of {inner:g} and {outer:g} rad do not lie in each other")
+        if behind > 1.0:
+            source.fail(f"{place}/coneOuterGain", f"{behind:g} is not between 0 and 1")
+        return {"cone_inner": inner, "cone_outer": outer, "cone_gain": behind}
+
+    def _gain(self, item: dict[str, Any], place: str) -> float:
+        gain = self._source.number(item, "gain", place, 1.0, 0.0)
+        if gain > _LOUDEST:
+            self._source.note(f"{place}: a gain of {gain:g} was taken as {_LOUDEST:g}")
+        return min(gain, _LOUDEST)
+
+    def _flag(self, item: dict[str, Any], key: str, place: str) -> bool:
+        value = item.get(key, False)
+        if not isinstance(value, bool):
+            self._source.fail(f"{place}/{key}", "must be true or false")
+        return value
+
+    def of_nodes(self, count: int) -> dict[int, int]:
+        """Emitter of each node that has one."""
+        found = {}
+        for i, node in enumerate(self._source.table("nodes")):
+            place = f"/nodes/{i}/extensions"
+            with self._source.collecting():
+                said = self._source.object(self._source.object(node, "extensions", f"/nodes/{i}"), EXTENSION, place)
+                if "emitter" in said:
+                    where = f"{place}/{EXTENSION}/emitter"
+                    found[i] = self._source.index(said["emitter"], count, "emitters", where)
+        return found
+
+    def of_scene(self, count: int) -> list[int]:
+        """Emitters of the default scene, which must be heard everywhere; those of other scenes are looked at, too."""
+        found: dict[int, list[int]] = {}
+        for i, scene in enumerate(self._source.table("scenes")):
+            place = f"/scenes/{i}/extensions"
+            with self._source.collecting():
+                said = self._source.object(self._source.object(scene, "extensions", f"/scenes/{i}"), EXTENSION, place)
+                for k, value in enumerate(self._source.list(said, "emitters", f"{place}/{EXTENSION}")):
+                    where = f"{place}/{EXTENSION}/emitters/{k}"
+                    index = self._source.index(value, count, "emitters", where)
+                    if self.table("emitters")[index].get("type") != "global":
+                        self._source.fail(where, f"emitter {index} is positional: it belongs to a node")
+                    found.setdefault(i, []).append(index)
+        chosen = self._source.json.get("scene", 0)
+        return found.get(chosen, []) if isinstance(chosen, int) else []
+
+
+def _model(source: GltfSource, said: dict[str, Any], place: str) -> str:
+    model = source.text(said, "distanceModel", place, "inverse")
+    if model not in _MODELS:
+        source.fail(f"{place}/distanceModel", f'"{model[:40]}" is none of {", ".join(_MODELS)}')
+    return model
