@@ -48,6 +48,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--patient", choices=("healthy", "moderate", "severe"), default="", help="instead of the scene's"
     )
+    _add_outputs(parser)
+    _add_adaptation(parser)
+    _add_session(parser)
+    parser.add_argument("--recipe", choices=RECIPES, default="auto", help="scheduler of the live haptic loop")
+
+
+def _add_outputs(parser: argparse.ArgumentParser) -> None:
+    """What is heard and seen of the run, and what is kept of that."""
     parser.add_argument("--sound", choices=SOUNDS, default="auto", help="auto plays it, file keeps it")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="of the picture [px]")
     add_display_argument(parser)
@@ -61,6 +69,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--video", type=Path, metavar="FILE", help="film of the run, e.g. out.mp4 (ffmpeg); a folder: PNG frames"
     )
+
+
+def _add_adaptation(parser: argparse.ArgumentParser) -> None:
+    """What changes the task while it runs, and what that is told of the person."""
     parser.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
     parser.add_argument(
         "--physio", default="", metavar="SOURCE", help="body signals: sim, sim:PRESET, file:PATH, lsl:NAME, serial:PORT"
@@ -80,6 +92,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--baseline-s", type=positive_time, default=60.0, metavar="S", help="length of the person's rest measured first"
     )
+
+
+def _add_session(parser: argparse.ArgumentParser) -> None:
+    """Whose session it is, how many trials it has and how hard they are, and where it is recorded."""
     parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="where the run folder is made")
     parser.add_argument(
         "--from-trial",
@@ -105,7 +121,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--participant", default="", metavar="CODE", help="of the person, never a name: results over time go by it"
     )
     parser.add_argument("--journey", type=Path, metavar="FILE", help=argparse.SUPPRESS)
-    parser.add_argument("--recipe", choices=RECIPES, default="auto", help="scheduler of the live haptic loop")
 
 
 def run(args: argparse.Namespace) -> int:
