@@ -8,11 +8,7 @@ from dataclasses import dataclass
 
 from mimics_app.contracts.messages import TaskAction
 
-__all__ = ["ACTION_KINDS", "ActionSpace", "Parameter"]
-
-ACTION_KINDS = ("avatar", "complexity", "appearance", "flow", "sound", "difficulty", "duration")
-"""What an action may change (D2.1 3.1): where avatars are, how complex the task is, how things look, what comes next in
-the scenario, what is heard, how hard it is, how long it lasts."""
+__all__ = ["ActionSpace", "Parameter"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +23,7 @@ class Parameter:
         step: Grid on which values lie, counted from low; 0: any value.
         rate: Largest change per second inside a trial; 0: changes only between trials.
         unit: Of all the values above; "-" for none.
-        kind: One of ACTION_KINDS.
+        kind: What it changes, as `tasks.task.ActionKind` names it.
         harder: 1 where larger values make the task harder, -1 where smaller ones do, 0 where neither.
         cost: What a change over the whole range costs a learning system, in units of its reward.
         dwell_s: Shortest time between two changes by a learning system [s].

@@ -69,29 +69,29 @@ def new_rows(capacities: ObjectCapacities, *slots: int) -> Rows:
     )
 
 
-def count_rows(counts: Any) -> dict[str, int]:
+def count_rows(counts: np.void) -> dict[str, int]:
     """Rows in use of each table by its name, from a record of OBJECT_COUNTS; an older version's may lack a table."""
     known = counts.dtype.names or ()
     return {name: int(counts[name]) if name in known else 0 for name in Rows._fields}
 
 
-def has_objects(counts: Any) -> bool:
+def has_objects(counts: np.void) -> bool:
     """Whether a record of OBJECT_COUNTS counts what touches, moves or pulls; tunnels are felt without their code."""
     return any(int(counts[name]) > 0 for name in ("shapes", "bodies", "effects"))
 
 
-def slot_of(tables: Rows, slot: int, source: Rows, counts: Any) -> None:
+def slot_of(tables: Rows, slot: int, source: Rows, counts: np.void) -> None:
     """Copy the rows in use of `source` into slot `slot` of tables of shape [slots, capacity]."""
     for name, count in count_rows(counts).items():
         getattr(tables, name)[slot, :count] = getattr(source, name)[:count]
 
 
-def pack_rows(rows: Rows, counts: Any) -> bytes:
+def pack_rows(rows: Rows, counts: np.void) -> bytes:
     """The rows in use as bytes, table after table."""
     return b"".join(getattr(rows, name)[:count].tobytes() for name, count in count_rows(counts).items())
 
 
-def unpack_rows(data: bytes | memoryview, counts: Any, dtypes: Mapping[str, np.dtype[Any]] = ROW_DTYPES) -> Rows:
+def unpack_rows(data: bytes | memoryview, counts: np.void, dtypes: Mapping[str, np.dtype[Any]] = ROW_DTYPES) -> Rows:
     """What `pack_rows` made, as tables that hold just the rows in use.
 
     Args:

@@ -83,7 +83,7 @@ class TripReader:
         return trips
 
 
-def _whole(number: Any) -> int:
+def _whole(number: float) -> int:
     """A number of an event as an integer; -1 where a damaged recording has none."""
     return int(number) if abs(float(number)) < 1e9 else -1
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -40,7 +41,7 @@ class Found:
     quality: float = 0.0
 
 
-class Channel:
+class Channel(ABC):
     """One signal, fed in blocks of any size, NaN where the sensor gave nothing.
 
     Args:
@@ -101,13 +102,13 @@ class Channel:
         """Go back to what `save` gave."""
         self.__dict__.update(copy.deepcopy(saved))
 
+    @abstractmethod
     def _take(self, piece: Floats) -> list[Event]:
         """New samples within one second; `samples` still counts those before."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _look_back(self, raw: Floats) -> Found:
         """A second is over; its samples as they came."""
-        raise NotImplementedError
 
     def _contact(self, raw: Floats, *, steps: float = np.inf) -> float:
         """Share of a second in which the sensor was on, not at a rail, not flat; 0 after a jump larger than `steps`."""

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Floats", "band_pass", "delay_of", "high_pass", "low_pass"]
+__all__ = ["Floats", "band_pass", "delay_of", "low_pass"]
 
 Floats = NDArray[np.float64]
 
@@ -37,11 +37,6 @@ def band_pass(order: int, low: float, high: float, rate: float) -> Floats:
 def low_pass(order: int, corner: float, rate: float) -> Floats:
     """Butterworth low-pass, shape [ceil(order / 2), 6]."""
     return _sections(order, "lowpass", (corner,), rate)
-
-
-def high_pass(order: int, corner: float, rate: float) -> Floats:
-    """Butterworth high-pass, shape [ceil(order / 2), 6]."""
-    return _sections(order, "highpass", (corner,), rate)
 
 
 def delay_of(sos: Floats, frequency: float, rate: float) -> float:

@@ -17,6 +17,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.probe import reference_us
 from mimics_app.lab.audio.hearing import compare
@@ -85,10 +88,10 @@ def _accuracy_rows(tell: Tell) -> list[dict[str, Any]]:
     tell(f"accuracy against {path.stem}")
     head = read_sofa(path)
 
-    def ours(directions: Any) -> Any:
+    def ours(directions: NDArray[np.float64]) -> NDArray[np.float64]:
         return render_clicks(directions, sofa=path)
 
-    def openal(directions: Any) -> Any:
+    def openal(directions: NDArray[np.float64]) -> NDArray[np.float64]:
         return render_clicks(directions, "openal")
 
     for method, render in (("spectral", ours), ("openal, its own head", openal)):

@@ -10,13 +10,12 @@ from statistics import median
 
 from mimics_app.contracts.machine import describe_machine
 from mimics_app.lab.figure import Figure, no_boundary
-from mimics_app.lab.front import pareto_front
 from mimics_app.lab.measure import Measured, MeasuredGroup
 from mimics_app.plotting.axis import Axis, format_number
 from mimics_app.plotting.drawing import SERIES, document, legend
 from mimics_app.plotting.panel import Label, Panel
 
-__all__ = ["draw_chart"]
+__all__ = ["draw_chart", "pareto_front"]
 
 _WIDTH = 1000.0
 _PANELS = 370.0
@@ -223,3 +222,18 @@ def _growth_panel(measured: MeasuredGroup, left: float, top: float, width: float
             panel.dot(n, unit.of(cost), f"dot {colour}", f"{method.name}, n = {n:g}: {unit.tell(cost)}", 3.5)
         panel.entry(f"line {colour}", grows, "name strong" if method.default else "name")
     return panel
+
+
+def pareto_front(points: Sequence[tuple[float, float]]) -> list[int]:
+    """Indices of the (cost, error) points that none other beats, cheapest first.
+
+    A point that is not finite is never on it; of equal points the first one is.
+    """
+    finite = [i for i, point in enumerate(points) if all(math.isfinite(value) for value in point)]
+    front: list[int] = []
+    lowest = math.inf
+    for i in sorted(finite, key=lambda i: (points[i], i)):
+        if points[i][1] < lowest:
+            front.append(i)
+            lowest = points[i][1]
+    return front

@@ -83,7 +83,7 @@ def write_figure(figure: Figure, folder: Path) -> tuple[Path, Path]:
     return numbers, drawing
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     """The value in the types JSON has, floats to ten digits; not-a-number and infinities become null."""
     if hasattr(value, "tolist"):
         value = value.tolist()

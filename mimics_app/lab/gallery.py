@@ -120,7 +120,7 @@ def _number(value: float | None) -> str:
     return "" if value is None else format_number(float(value))
 
 
-def _cell(value: Any) -> str:
+def _cell(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return _number(value) if isinstance(value, (int, float)) else str("" if value is None else value)

@@ -16,7 +16,6 @@ from mimics_app.lab.figure import Figure, write_figure
 from mimics_app.lab.physio.cohort import play_cohort
 from mimics_app.lab.physio.detection import Annotated, annotated_records, matched, mixed_noise
 from mimics_app.lab.physio.load_sessions import draw_load_people
-from mimics_app.lab.physio.peers import neurokit_detectors
 from mimics_app.lab.physio.state_study import state_study
 from mimics_app.lab.physio_drawing import physio_figure, row_of
 from mimics_app.lab.physio_maps import failure_map, loop_stability
@@ -81,7 +80,7 @@ def load_accuracy() -> Figure:
 def detectors(folder: Path | None) -> Figure:
     """Cost against F1 of R peaks on clean, ectopic and noisy records: the product's detector and installed rivals."""
     kinds = _records(folder)
-    rivals: dict[str, Detector] = {"mimics, causal": _ours, **neurokit_detectors()}
+    rivals: dict[str, Detector] = {"mimics, causal": _ours, **_neurokit_detectors()}
     rows, parts = [], []
     for k, (kind, records) in enumerate(kinds.items()):
         found = {name: _cost_and_f1(find, records) for name, find in rivals.items()}
@@ -161,3 +160,25 @@ def learning_curves(people: int = 400, trials: int = 40) -> Figure:
 
 def _line(x: Floats, y: Floats) -> str:
     return "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x.tolist(), y.tolist(), strict=True))
+
+
+_METHODS = ("neurokit", "pantompkins1985", "hamilton2002", "elgendi2010", "engzeemod2012")
+
+
+def _neurokit_detectors() -> dict[str, Callable[[Floats, float], Floats]]:
+    """Times of the R peaks [s] from an ECG [mV] at a rate [Hz], by method; none where NeuroKit2 is not installed."""
+    try:
+        import neurokit2
+    except ImportError:
+        return {}
+
+    def detector(method: str) -> Callable[[Floats, float], Floats]:
+        def find(values: Floats, rate: float) -> Floats:
+            whole = round(rate)
+            cleaned = neurokit2.ecg_clean(values, sampling_rate=whole, method=method)
+            _, found = neurokit2.ecg_peaks(cleaned, sampling_rate=whole, method=method)
+            return np.asarray(found["ECG_R_Peaks"], float) / rate
+
+        return find
+
+    return {f"NeuroKit2 {method}": detector(method) for method in _METHODS}

@@ -8,12 +8,9 @@ from mimics_app.contracts.messages import TrialResult, UserState
 from mimics_app.contracts.stages import Goal
 from mimics_app.learning.stage import TaskGoal
 
-__all__ = ["GOALS", "StateBand", "SuccessShare", "build_goal"]
+__all__ = ["StateBand", "SuccessShare", "build_goal"]
 
 Quantity = Literal["arousal", "valence", "effort"]
-
-GOALS = ("task", "success", "arousal", "valence", "effort")
-"""Words that name a goal; see `build_goal`."""
 
 _EVERY_NS = 30_000_000_000
 """A state is judged so often: bodies are slow."""

@@ -20,10 +20,6 @@ __all__ = [
     "compose",
     "compose_trs",
     "look_at",
-    "multiply_affine",
-    "rigid_inverse",
-    "transform_direction",
-    "transform_point",
 ]
 
 Mat4 = NDArray[np.float64]
@@ -46,28 +42,6 @@ def compose_trs(translation: Vec, rotation: Quat, scale: Vec, out: Mat4) -> None
 
 
 @kernel
-def multiply_affine(a: Mat4, b: Mat4, out: Mat4) -> None:
-    """Set out = a b for matrices whose last row is 0 0 0 1; three quarters of the work of the general product."""
-    for row in range(3):
-        for column in range(_COLUMNS):
-            out[row, column] = a[row, 0] * b[0, column] + a[row, 1] * b[1, column] + a[row, 2] * b[2, column]
-        out[row, 3] += a[row, 3]
-        out[3, row] = 0.0
-    out[3, 3] = 1.0
-
-
-@kernel
-def rigid_inverse(m: Mat4, out: Mat4) -> None:
-    """Set out = the inverse of a rotation and a translation: R^T, -R^T t."""
-    for row in range(3):
-        for column in range(3):
-            out[row, column] = m[column, row]
-        out[row, 3] = -(m[0, row] * m[0, 3] + m[1, row] * m[1, 3] + m[2, row] * m[2, 3])
-        out[3, row] = 0.0
-    out[3, 3] = 1.0
-
-
-@kernel
 def affine_inverse(m: Mat4, out: Mat4) -> float:
     """Set out = the inverse of a matrix whose last row is 0 0 0 1; returns the determinant (0: out is not finite)."""
     for i in range(3):
@@ -83,24 +57,6 @@ def affine_inverse(m: Mat4, out: Mat4) -> float:
         out[3, row] = 0.0
     out[3, 3] = 1.0
     return determinant
-
-
-@kernel
-def transform_point(m: Mat4, p: Vec, out: Vec) -> None:
-    """Set out = m p for a point (w = 1) and a matrix whose last row is 0 0 0 1. out may be p."""
-    x = m[0, 0] * p[0] + m[0, 1] * p[1] + m[0, 2] * p[2] + m[0, 3]
-    y = m[1, 0] * p[0] + m[1, 1] * p[1] + m[1, 2] * p[2] + m[1, 3]
-    z = m[2, 0] * p[0] + m[2, 1] * p[1] + m[2, 2] * p[2] + m[2, 3]
-    out[0], out[1], out[2] = x, y, z
-
-
-@kernel
-def transform_direction(m: Mat4, d: Vec, out: Vec) -> None:
-    """Set out = m d for a direction (w = 0): forces, velocities; not for normals under unequal scale. out may be d."""
-    x = m[0, 0] * d[0] + m[0, 1] * d[1] + m[0, 2] * d[2]
-    y = m[1, 0] * d[0] + m[1, 1] * d[1] + m[1, 2] * d[2]
-    z = m[2, 0] * d[0] + m[2, 1] * d[1] + m[2, 2] * d[2]
-    out[0], out[1], out[2] = x, y, z
 
 
 def compose(translation: object, rotation: object = quat.IDENTITY, scale: object = (1.0, 1.0, 1.0)) -> Mat4:

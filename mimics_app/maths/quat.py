@@ -21,8 +21,6 @@ __all__ = [
     "conjugate",
     "exp_map",
     "from_matrix",
-    "integrate",
-    "log_map",
     "multiply",
     "normalise",
     "normalise_rows",
@@ -113,33 +111,6 @@ def exp_map(rotation: Vec, out: Quat) -> None:
     scale = 0.5 - angle * angle / 48.0 if angle < _SERIES_ANGLE else math.sin(0.5 * angle) / angle
     x, y, z = scale * rotation[0], scale * rotation[1], scale * rotation[2]
     out[0], out[1], out[2], out[3] = x, y, z, math.cos(0.5 * angle)
-
-
-@kernel
-def log_map(q: Quat, out: Vec) -> None:
-    """Set out = the rotation vector [rad] of a unit quaternion, the shorter way round: undoes `exp_map` up to pi."""
-    sign = 1.0 if q[3] >= 0.0 else -1.0
-    s = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2])
-    scale = 2.0 * sign if s < _ROUND else 2.0 * sign * math.atan2(s, sign * q[3]) / s
-    x, y, z = scale * q[0], scale * q[1], scale * q[2]
-    out[0], out[1], out[2] = x, y, z
-
-
-@kernel
-def integrate(q: Quat, angular_velocity: Vec, dt: float, out: Quat) -> None:
-    """Set out = q turned by angular_velocity [rad/s, world frame] for dt [s]; exact while the velocity is constant."""
-    x = 0.5 * dt * angular_velocity[0]
-    y = 0.5 * dt * angular_velocity[1]
-    z = 0.5 * dt * angular_velocity[2]
-    half = math.sqrt(x * x + y * y + z * z)
-    scale = 1.0 - half * half / 6.0 if half < _SERIES_ANGLE else math.sin(half) / half
-    x, y, z, w = x * scale, y * scale, z * scale, math.cos(half)
-    rx = w * q[0] + x * q[3] + y * q[2] - z * q[1]
-    ry = w * q[1] - x * q[2] + y * q[3] + z * q[0]
-    rz = w * q[2] + x * q[1] - y * q[0] + z * q[3]
-    rw = w * q[3] - x * q[0] - y * q[1] - z * q[2]
-    out[0], out[1], out[2], out[3] = rx, ry, rz, rw
-    normalise(out, out)
 
 
 @kernel

@@ -87,7 +87,7 @@ def parameters_schema() -> Any:
     return pa.schema(fields, metadata=metadata)
 
 
-def schema_bytes(schema: Any) -> bytes:
+def schema_bytes(schema: pa.Schema) -> bytes:
     """What a stream of this schema begins with."""
     return bytes(schema.serialize())
 
@@ -140,7 +140,7 @@ def encode_parameters(block: bytes, seq: int) -> bytes:
     return encode_batch(batch, seq, seq, crc, compressed())
 
 
-def decode_parameters(data: bytes | memoryview, schema: Any | None = None) -> Block:
+def decode_parameters(data: bytes | memoryview, schema: pa.Schema | None = None) -> Block:
     """Read one block of parameters.arrows back, with the dtypes it was written with: record of shape [1], rows.
 
     Raises:
@@ -162,7 +162,7 @@ def decode_parameters(data: bytes | memoryview, schema: Any | None = None) -> Bl
     return Block(seq, first, record, rows_with_tunnel(record, rows))
 
 
-def parameters_dtype(schema: Any) -> np.dtype[Any]:
+def parameters_dtype(schema: pa.Schema) -> np.dtype[Any]:
     """Dtype of the SCENE records in a stream, which may be of an older version of the application.
 
     Raises:
@@ -188,7 +188,7 @@ def _row_dtypes(descriptions: bytes) -> dict[str, np.dtype[Any]]:
     return {name: np.lib.format.descr_to_dtype(_tuples(each)) for name, each in json.loads(descriptions).items()}
 
 
-def _tuples(description: Any) -> Any:
+def _tuples(description: str | list[Any]) -> Any:
     """JSON has lists where a dtype description has tuples."""
     if isinstance(description, str):
         return description
@@ -209,7 +209,9 @@ def rows_crc(seq: int, first: int, *arrays: NDArray[Any]) -> int:
     return crc
 
 
-def encode_batch(batch: Any, seq: int, first: int, crc: int, options: Any | None = None) -> bytes:
+def encode_batch(
+    batch: pa.RecordBatch, seq: int, first: int, crc: int, options: pa.ipc.IpcWriteOptions | None = None
+) -> bytes:
     """A record batch as one block of a stream, with its numbers and its checksum."""
     sink = io.BytesIO()
     writer = pa.ipc.new_stream(sink, batch.schema, options=options)
@@ -218,7 +220,7 @@ def encode_batch(batch: Any, seq: int, first: int, crc: int, options: Any | None
     return sink.getvalue()[len(schema_bytes(batch.schema)) :]  # without the end mark, for the writer is not closed
 
 
-def decode_batch(data: bytes | memoryview, schema: Any) -> tuple[Any, int, int, int]:
+def decode_batch(data: bytes | memoryview, schema: pa.Schema) -> tuple[Any, int, int, int]:
     """The record batch of a block, its number, that of its first row, and its checksum, which is not compared here.
 
     Raises:

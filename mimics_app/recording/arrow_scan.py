@@ -73,7 +73,7 @@ def read_schema(path: Path) -> Any | None:
 
 
 def scan_stream(
-    path: Path, decode: Callable[[memoryview], Block], schema: Any, index: NDArray[Any] | None = None
+    path: Path, decode: Callable[[memoryview], Block], schema: pa.Schema, index: NDArray[Any] | None = None
 ) -> Iterator[Found | Damage]:
     """Yield every good block in the order of the file, and what lies between them; nothing where there is no such file.
 
@@ -105,7 +105,7 @@ def _scan(
 
 
 def last_block(
-    path: Path, decode: Callable[[memoryview], Block], schema: Any, index: NDArray[Any] | None = None
+    path: Path, decode: Callable[[memoryview], Block], schema: pa.Schema, index: NDArray[Any] | None = None
 ) -> Found | None:
     """The last good block of a stream, None where it has none. No block before it is read.
 

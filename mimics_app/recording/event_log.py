@@ -50,7 +50,7 @@ _TOLD = {
 stand in one field, and in the lines of older recordings too, which are read as ever."""
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     """What JSON can hold for numpy arrays and scalars, and anything else that is not plain."""
     if hasattr(value, "tolist"):
         return value.tolist()
@@ -70,7 +70,7 @@ def to_json(value: object) -> bytes:
         return _encoder.encode(_printable(value))
 
 
-def _printable(value: Any) -> Any:
+def _printable(value: object) -> object:
     if isinstance(value, str):
         return value.encode("utf-8", "backslashreplace").decode()
     if isinstance(value, Mapping):

@@ -29,8 +29,8 @@ def parse_object(text: bytes) -> dict[str, Any]:
     return content
 
 
-def _check_depth(content: Any) -> None:
-    waiting = [(content, 1)]
+def _check_depth(content: dict[str, Any]) -> None:
+    waiting: list[tuple[dict[str, Any] | list[Any], int]] = [(content, 1)]
     while waiting:
         item, depth = waiting.pop()
         if depth > DEEPEST:

@@ -38,7 +38,7 @@ class SampleLayout:
         extent: What of a sample the device has; the rest reads as 0.
     """
 
-    schema: Any
+    schema: pa.Schema
     width: int
     places: NDArray[np.int64]
     absent: tuple[str, ...]
@@ -91,7 +91,7 @@ def current_layout(extent: Extent = HAPTICMASTER) -> SampleLayout:
     return SampleLayout(schema, len(names), _places(extent, {name: i for i, name in enumerate(names)}), (), extent)
 
 
-def layout_of(schema: Any | None) -> tuple[SampleLayout, str]:
+def layout_of(schema: pa.Schema | None) -> tuple[SampleLayout, str]:
     """The layout of a schema, and why it has none: the stream is then read as this version writes it.
 
     Args:
@@ -103,7 +103,7 @@ def layout_of(schema: Any | None) -> tuple[SampleLayout, str]:
         return current_layout(), f"what its columns are cannot be read ({error})"
 
 
-def _parse(schema: Any | None) -> SampleLayout:
+def _parse(schema: pa.Schema | None) -> SampleLayout:
     if schema is None:
         raise ValueError("no Arrow schema")
     kind = schema.field("sample").type

@@ -22,7 +22,6 @@ from mimics_app.plotting.plot import Plot
 from mimics_app.recording.attempts import Attempt, find_attempts
 from mimics_app.recording.report_figures import draw_lateness, draw_path, draw_states, draw_traces
 from mimics_app.recording.report_front import Front, front_of
-from mimics_app.recording.report_governor import governor_tables
 from mimics_app.recording.report_page import render_page
 from mimics_app.recording.report_stability import smallest_margin, stability_tables
 from mimics_app.recording.report_tables import (
@@ -30,6 +29,7 @@ from mimics_app.recording.report_tables import (
     Table,
     Trials,
     contacts_of,
+    governor_tables,
     key_table,
     lines_table,
     loss_table,
@@ -247,7 +247,7 @@ def _head_line(run: Run) -> list[str]:
     return [word for word in words if word]
 
 
-def _local_time(utc: Any) -> str:
+def _local_time(utc: object) -> str:
     """A moment in the time zone of this computer, with its name; "" for none."""
     try:
         return datetime.fromisoformat(str(utc)).astimezone().strftime("%Y-%m-%d %H:%M %Z")
@@ -308,7 +308,7 @@ def _stops_and_holds(run: Run) -> dict[str, int]:
     return {"safety stops": sum(latched), "short holds": len(latched) - sum(latched)}
 
 
-def _card(figure: Any, unit: str) -> str:
+def _card(figure: object, unit: str) -> str:
     return one(figure, unit) if unit else shown(figure)
 
 

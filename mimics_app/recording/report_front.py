@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -60,7 +61,7 @@ def front_of(run: Run) -> Front:
     )
 
 
-def _trend(task: Any, earlier: list[EarlierRun], participant: str) -> Plot | None:
+def _trend(task: Mapping[str, Any], earlier: list[EarlierRun], participant: str) -> Plot | None:
     """The mean score of each session, or its mean time where the task has no score."""
     whose = f" of {participant}" if participant else ""
     scores = [run.score for run in earlier]

@@ -21,6 +21,7 @@ __all__ = [
     "Trials",
     "contact_rows",
     "contacts_of",
+    "governor_tables",
     "key_table",
     "lines_table",
     "loss_table",
@@ -30,6 +31,7 @@ __all__ = [
     "trip_table",
 ]
 
+_MOST_MOVES = 100
 _MOST_ROWS = 300
 _SHORT = 20
 _MOST_COLUMNS = 12  # of trials, about what 1100 px hold
@@ -62,7 +64,7 @@ class Table:
         return Table(self.names, self.rows[:_MOST_ROWS], self.kind)
 
 
-def _is_number(cell: Any) -> bool:
+def _is_number(cell: object) -> bool:
     return cell is None or (isinstance(cell, (int, float)) and not isinstance(cell, bool))
 
 
@@ -137,7 +139,7 @@ def _in_mm(row: Mapping[str, Any]) -> dict[str, Any]:
     return {name: scaled(item, 1000.0) if _is_length(name, item) else item for name, item in row.items()}
 
 
-def _is_length(name: str, item: Any) -> bool:
+def _is_length(name: str, item: object) -> bool:
     return name.endswith(_METRES) and number(item) is not None
 
 
@@ -275,26 +277,26 @@ def state_table(run: Run) -> Table | None:
     return Table(["at [s]", "state from then on"], rows) if rows else None
 
 
-def _loss(event: Any) -> str:
+def _loss(event: np.void) -> str:
     amount = _whole(event["force"])
     if event["kind"] == EventKind.LEFT_OUT:
         return f"{counted(amount, 'pairs')} of shapes near each other, for want of room"
     return f"the force field of effect {amount + 1}: it gave a number that is not finite"
 
 
-def _word(code: Any) -> str:
+def _word(code: float) -> str:
     try:
         return SafetyState(_whole(code)).name.replace("_", " ").lower()
     except ValueError:
         return str(_whole(code))
 
 
-def _whole(code: Any) -> int:
+def _whole(code: float) -> int:
     """A number of an event as a whole one; -1 where it is none."""
     return int(code) if np.isfinite(code) else -1
 
 
-def plan_tables(plan: Any) -> dict[str, Table]:
+def plan_tables(plan: object) -> dict[str, Table]:
     """What `mimics explain` says, by its heading: the methods chosen with cost and error, and what was left out."""
     names = ["part", "group", "method", "cost_us", "error", "unit", "tolerance"]
     parts, left_out = (_objects(mapping(plan).get(name)) for name in ("parts", "left_out"))
@@ -318,9 +320,31 @@ def _timed(part: Mapping[str, Any], name: str) -> dict[str, Any]:
     return {**part, name: f"{us:.3f} µs" if us < 1000.0 else f"{1e-3 * us:.3g} ms"}
 
 
-def _objects(items: Any) -> list[Mapping[str, Any]]:
+def _objects(items: object) -> list[Mapping[str, Any]]:
     return [item for item in items if isinstance(item, Mapping)] if isinstance(items, list) else []
 
 
 def _cells(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> list[list[Any]]:
     return [[row.get(name) for name in names] for row in rows]
+
+
+def governor_tables(run: Run) -> dict[str, Table]:
+    """Frame times, shares of frames by quality, each move of the frame governor, by heading ("" for none)."""
+    summary = mapping(run.summary.get("governor"))
+    moves = run.lines_of("app", "governor")
+    tables: dict[str, Table] = {}
+    if summary:
+        times = mapping(summary.get("frame_ms"))
+        rows = [
+            ("budget of a frame [ms]", summary.get("budget_ms")),
+            ("median frame [ms]", times.get("p50")),
+            ("95 % of frames within [ms]", times.get("p95")),
+            ("times quality changed", summary.get("moves")),
+        ]
+        tables[""] = Table(["", "value"], rows)
+        shares = [(name, scaled(share, 100.0)) for name, share in mapping(summary.get("shares")).items()]
+        tables["Qualities"] = Table(["quality", "share of frames [%]"], shares)
+    if moves:
+        listed = [[line.get(name) for name in ("step", "level", "way", "frame_ms")] for line in moves[:_MOST_MOVES]]
+        tables["Changes of quality"] = Table(["step", "to", "way", "frame before [ms]"], listed)
+    return tables

@@ -20,12 +20,12 @@ class Seconds(float):
     """A moment of a session [s]; shown to the millisecond."""
 
 
-def mapping(item: Any) -> Mapping[str, Any]:
+def mapping(item: object) -> Mapping[str, Any]:
     """The item where it is an object of JSON, else an empty one."""
     return item if isinstance(item, Mapping) else {}
 
 
-def number(item: Any) -> float | None:
+def number(item: object) -> float | None:
     """The item where it is a finite number a float can hold, else None; truth values are no numbers."""
     if isinstance(item, bool) or not isinstance(item, (int, float)):
         return None
@@ -36,19 +36,19 @@ def number(item: Any) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def scaled(item: Any, factor: float) -> float | None:
+def scaled(item: object, factor: float) -> float | None:
     """`number` times a factor."""
     value = number(item)
     return None if value is None else factor * value
 
 
-def one(item: Any, unit: str = "") -> str:
+def one(item: object, unit: str = "") -> str:
     """A number with one decimal and its unit; `NONE` for anything else."""
     value = number(item)
     return NONE if value is None else f"{value:.1f} {unit}".strip()
 
 
-def shown(item: Any, depth: int = 0) -> str:
+def shown(item: object, depth: int = 0) -> str:
     """A value as a person writes it, plain text: the template escapes it."""
     if item is None or (isinstance(item, float) and not math.isfinite(item)):
         return NONE

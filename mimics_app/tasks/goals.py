@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 from mimics_app.tasks.kinds.kind import KindPlay
 from mimics_app.tasks.observation import Observation
-from mimics_app.tasks.task import DurationGoal, PointGoal
+from mimics_app.tasks.task import DurationGoal, GoalSpec, PointGoal
 
 __all__ = ["Goals"]
 
@@ -21,7 +20,7 @@ class Goals:
         plays: For each of them the kind of task it is of; None for the task's own.
     """
 
-    def __init__(self, specs: Sequence[Any], plays: Sequence[KindPlay | None]) -> None:
+    def __init__(self, specs: Sequence[GoalSpec], plays: Sequence[KindPlay | None]) -> None:
         self._specs = tuple(specs)
         self._plays = tuple(plays)
         self._since_ns: list[int | None] = [None] * len(self._specs)
@@ -35,16 +34,16 @@ class Goals:
         done = [self._is_met(i, goal, seen, travelled_s) for i, goal in enumerate(self._specs)]
         return all(done)
 
-    def _is_met(self, i: int, goal: Any, seen: Observation, travelled_s: float) -> bool:
+    def _is_met(self, i: int, goal: GoalSpec, seen: Observation, travelled_s: float) -> bool:
         if not self._holds(i, goal, seen, travelled_s):
             self._since_ns[i] = None
             return False
         since = self._since_ns[i]
         if since is None:
             since = self._since_ns[i] = seen.now_ns
-        return isinstance(goal, DurationGoal) or (seen.now_ns - since) / 1e9 >= goal.hold_s
+        return (seen.now_ns - since) / 1e9 >= getattr(goal, "hold_s", 0.0)
 
-    def _holds(self, i: int, goal: Any, seen: Observation, travelled_s: float) -> bool:
+    def _holds(self, i: int, goal: GoalSpec, seen: Observation, travelled_s: float) -> bool:
         """Whether a goal's condition holds in this frame, its hold time aside; exactly at the limit it does."""
         if isinstance(goal, DurationGoal):
             return travelled_s >= goal.seconds

@@ -362,11 +362,11 @@ class _TaskBase(Component, frozen=True):
         return section
 
 
-def _section_fields() -> list[tuple[str, Any, None]]:
+def _section_fields() -> list[tuple[str, object, None]]:
     return [(kind.name, _optional(kind.section), None) for kind in task_kinds() if kind.section is not None]
 
 
-def _optional(section: Any) -> Any:
+def _optional(section: type[Component]) -> object:
     return Annotated[section | None, Meta(description=f"{section.__doc__} Absent: none.")]
 
 

@@ -10,14 +10,11 @@ import msgspec
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.tasks.check import check_blocks
 from mimics_app.tasks.task import BlockSpec, TaskSpec
-from mimics_app.world.components.struct_reader import FAILED, read_struct
-from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.paths import PathFault, find_file
-from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.scene.struct_file import read_struct_file
 
 __all__ = ["find_trial_file", "load_blocks", "resolve_trials"]
 
-_MAX_BYTES = 4 << 20
 _Blocks = Annotated[list[BlockSpec], msgspec.Meta(min_length=1)]
 
 
@@ -56,15 +53,4 @@ def load_blocks(path: Path) -> list[BlockSpec]:
     Raises:
         SceneError: no such file, no JSON, or with every fault of every block.
     """
-    file = str(path)
-    document, issues = parse_json(read_bytes(path, file, _MAX_BYTES), file)
-    known = {issue.pointer for issue in issues}
-
-    def report(place: str, what: str, fix: str) -> None:
-        if place not in known:
-            issues.append(Issue(file, place, what, fix))
-
-    blocks = read_struct(_Blocks, document, report)
-    if issues or blocks is FAILED:
-        raise SceneError(issues)
-    return list(blocks)
+    return read_struct_file(path, _Blocks)

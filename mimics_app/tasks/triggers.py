@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from mimics_app.contracts.trial_state import TrialState
 from mimics_app.tasks.kinds.kind import KindPlay
@@ -18,6 +17,7 @@ from mimics_app.tasks.task import (
     ProgressCondition,
     TriggerSpec,
 )
+from mimics_app.world.components.registry import Component
 
 __all__ = ["Moment", "Triggers"]
 
@@ -62,7 +62,7 @@ class Triggers:
         """Deeds of this frame, in the order of the scene file. Call once per frame."""
         return [deed for i, spec in enumerate(self._specs) if self._goes_off(i, spec.when, moment) for deed in spec.do]
 
-    def _goes_off(self, i: int, when: Any, moment: Moment) -> bool:
+    def _goes_off(self, i: int, when: Component, moment: Moment) -> bool:
         if isinstance(when, EnterCondition):
             return moment.entered == when.state
         if isinstance(when, ExitCondition):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -228,7 +227,7 @@ class World:
         self._mesh_revisions[name] = self.mesh_revision(name) + 1
         self.meshes_published += 1
 
-    def _attached(self, indices: Any) -> list[int]:
+    def _attached(self, indices: NDArray[np.int32]) -> list[int]:
         return [index for index in indices.tolist() if not self.graph.is_detached(index)]
 
 

@@ -24,8 +24,7 @@ from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
-from mimics_app.rendering.visual.surfaces.reset_status import ResetStatus
-from mimics_app.rendering.visual.surfaces.surface import Surface
+from mimics_app.rendering.visual.surfaces.surface import ResetStatus, Surface
 from tests.golden.demo_world import make_tunnel_world
 from tests.support.xvfb import display
 

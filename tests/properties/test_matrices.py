@@ -25,22 +25,6 @@ affine = st.builds(mat.compose, st.tuples(numbers, numbers, numbers), rotations,
 
 
 @SETTINGS
-@given(affine, affine)
-def test_affine_product_is_the_general_product(a, b):
-    out = np.full((4, 4), np.nan)
-    mat.multiply_affine(a, b, out)
-    assert np.abs(out - a @ b).max() <= 10 * EPS * np.abs(a).max() * np.abs(b).max()
-
-
-@SETTINGS
-@given(rigid)
-def test_rigid_inverse_undoes_a_pose(m):
-    out = np.empty((4, 4))
-    mat.rigid_inverse(m, out)
-    assert np.abs(out @ m - np.eye(4)).max() <= 100 * EPS * max(1.0, np.abs(m).max())
-
-
-@SETTINGS
 @given(affine)
 def test_affine_inverse_undoes_a_transform_and_gives_its_determinant(m):
     out = np.empty((4, 4))
@@ -57,31 +41,13 @@ def test_affine_inverse_of_a_flat_matrix_has_determinant_zero():
 
 
 @SETTINGS
-@given(affine, st.tuples(numbers, numbers, numbers).map(np.array))
-def test_points_are_shifted_and_directions_are_not(m, p):
-    out = np.empty(3)
-    size = 20 * EPS * np.abs(m).max() * max(1.0, np.abs(p).max())
-    mat.transform_point(m, p, out)
-    assert np.abs(out - (m @ [*p, 1.0])[:3]).max() <= size
-    mat.transform_direction(m, p, out)
-    assert np.abs(out - (m @ [*p, 0.0])[:3]).max() <= size
-
-
-def test_out_may_be_the_vector_that_is_transformed():
-    m, p = mat.compose((1, 2, 3), quat.about_axis((0, 0, 1), math.pi / 2)), np.array([1.0, 0, 0])
-    mat.transform_point(m, p, p)
-    assert p == pytest.approx([1, 3, 3], abs=4 * EPS)
-
-
-@SETTINGS
 @given(st.tuples(numbers, numbers, numbers), st.tuples(numbers, numbers, numbers))
 def test_look_at_puts_the_target_straight_ahead(eye, target):
     distance = math.dist(eye, target)
     if distance < 1e-6:
         return
-    pose, inverse = mat.look_at(eye, target), np.empty((4, 4))
-    mat.rigid_inverse(pose, inverse)
-    seen = inverse @ [*target, 1.0]
+    pose = mat.look_at(eye, target)
+    seen = np.linalg.inv(pose) @ [*target, 1.0]
     assert seen[:3] == pytest.approx([0, 0, -distance], abs=1e-12)
     assert pose[1, 1] >= -1e-12  # the eye's own +y leans up
 

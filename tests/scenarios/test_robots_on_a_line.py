@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.app.play.device_watch import DeviceWatch
 from mimics_app.app.play.pace import run_virtual
 from mimics_app.app.play.result import summarise
 from mimics_app.app.session.build import build_session
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
+from mimics_app.app.session.watches import DeviceWatch
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import VirtualClock
 from mimics_app.contracts.haptic import DeviceStatus, SafetyState, TripCause
@@ -100,7 +100,7 @@ def run_until(met: Callable[[], bool], session: Session, frames: Frames) -> bool
 
 def test_pulled_plug_in_contact_is_no_force_within_5_ticks_and_a_reset_goes_on(tmp_path: Path, capsys):
     with market_rig("serial") as rig, session_on(rig, tmp_path) as (session, frames, keys):
-        watch = DeviceWatch(session)
+        watch = DeviceWatch(session.haptics.plugin, session.recorder)
         seen: Callable[[], Any] = lambda: frames.snapshot  # noqa: E731
         assert run_until(
             lambda: seen().held_body >= 0 and np.linalg.norm(seen().f_user_world) > FELT, session, frames

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mimics_app.lab.stability import replayed_wall as wall
 from mimics_app.lab.stability import s15_late_ticks as s15
 from mimics_app.lab.stability import s15b_dropped_ticks as s15b
-from mimics_app.lab.stability.measured_lateness import measure_lateness
+from mimics_app.lab.stability.s15_late_ticks import measure_lateness
 from mimics_app.rendering.haptic.kernels.safety import HOLD, IN_TIME, LATE_DAMP
 
 SHORT = wall.Stroke(count=3)

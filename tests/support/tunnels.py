@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from mimics_app.contracts.haptic_objects import TUNNEL
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.bspline import basis_functions
-from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE, tunnel_force
+from mimics_app.rendering.haptic.kernels.tunnel import tunnel_force
+from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
 
 Array = NDArray[np.float64]

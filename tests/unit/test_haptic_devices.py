@@ -16,12 +16,10 @@ from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices.device_names import device_names
 from mimics_app.rendering.haptic.devices.registry import BUILT_IN, build_device, find_builder
 from mimics_app.rendering.haptic.scene_block import (
-    apply_joint_pd,
-    apply_world_pd,
     robot_from_world,
     scene_from_components,
 )
-from mimics_app.world.components.robot import Admittance, Ball, JointPd, Robot, RobotToWorld, Safety, WorldPd
+from mimics_app.world.components.robot import Admittance, Ball, JointPd, Robot, RobotToWorld, Safety
 from tests.support.haptic_bench import bench_of, ignore, patient_bench, read_script, script
 
 
@@ -93,14 +91,11 @@ def test_defaults_are_the_thresholds_of_the_contract():
 
 def test_world_target_goes_into_the_robot_frame_and_back():
     robot = Robot(robot_to_world=RobotToWorld(translation=(0.1, 0.2, 0.3)))
-    block = scene_from_components(robot)
+    record = scene_from_components(robot, gains=JointPd(kp=(1.0, 2.0, 3.0)))[0]
     target = np.array([0.15, 0.18, 0.33])
-    apply_world_pd(block, WorldPd(), target)
-    record = block[0]
-    assert np.allclose(record["R_world_from_robot"] @ record["target"][:3] + record["origin_world"], target, atol=1e-15)
-    assert np.allclose(robot_from_world(robot, target[None])[0], record["target"][:3], atol=1e-15)
-    apply_joint_pd(block, JointPd(kp=(1.0, 2.0, 3.0)), np.array([0.1, 0.2, 0.3]))
-    assert block[0]["kp"].tolist() == [1.0, 2.0, 3.0, 3.0, 3.0, 3.0, 3.0, 3.0] and block[0]["controller"] == 1
+    there = robot_from_world(robot, target[None])[0]
+    assert np.allclose(record["R_world_from_robot"] @ there + record["origin_world"], target, atol=1e-15)
+    assert record["kp"].tolist() == [1.0, 2.0, 3.0, 3.0, 3.0, 3.0, 3.0, 3.0]
 
 
 def test_unknown_recipe_is_refused_and_plain_asks_for_nothing():

@@ -17,10 +17,9 @@ from mimics_app.dsp.stage import NullDsp
 from mimics_app.estimation.stage import NullEstimation
 from mimics_app.inputs.interaction.grasp import GraspControl
 from mimics_app.inputs.interaction.plane import FrontalPlane
-from mimics_app.inputs.interaction.pointer import Pointer, PointerSettings
+from mimics_app.inputs.interaction.pointer import Pointer, PointerSettings, StickResponse
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
-from mimics_app.inputs.interaction.stick import StickResponse
-from mimics_app.inputs.physio.null import NoSignals
+from mimics_app.inputs.physio.movement import Movement
 from mimics_app.inputs.stage import Inputs
 
 PLANE = FrontalPlane(centre=(0.0, 1.0, -0.5), half_width=0.3, half_height=0.2)
@@ -277,7 +276,7 @@ def test_poll_gathers_pointer_keys_and_signals():
         InputEvent("pad", "y", True),
         InputEvent("wheel", y=1.0),
     ]
-    inputs = Inputs([Pointer(PLANE, straight_ray)], [NoSignals(), OneBlock()], PaperWindow([events]))
+    inputs = Inputs([Pointer(PLANE, straight_ray)], [Movement(), OneBlock()], PaperWindow([events]))
     vr = inputs.poll(7)
     assert vr.pressed == ("m", "mouse_left", "pad_y")
     assert vr.pointer.active and vr.pointer.grasp == 1.0
@@ -314,7 +313,7 @@ def test_simulated_patient_says_only_whether_it_is_there():
 
 
 def test_null_sources_and_stages_invent_nothing():
-    assert NoSignals().read(5) == ()
+    assert Movement().read(5) == ()
     features = NullDsp().process((SignalBlock("ecg", 500.0, 0, np.ones(9)),), 5)
     assert features == FeatureFrame(5, {})
     assert NullEstimation().update(features) == UserState(5, None, None, None)

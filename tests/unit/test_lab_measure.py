@@ -11,7 +11,7 @@ from mimics_app.app.planner.plan import choose
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.methods import Group, Method, Registry
-from mimics_app.lab.front import pareto_front
+from mimics_app.lab.chart import pareto_front
 from mimics_app.lab.measure import MeasuredGroup, count_probes, fit_exponent, measure, to_table
 
 GROUP = "sums"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.contracts.action_space import ACTION_KINDS, ActionSpace, Parameter
+from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages import Estimate, TaskAction, TrialResult, UserState
 from mimics_app.estimation.effort import EffortModel
@@ -126,7 +126,6 @@ def test_demand_of_values_and_back() -> None:
     assert SPACE.demand({"look": 1.0}) is None
     for demand in LEVELS:
         assert RADIUS.demand(RADIUS.at_demand(float(demand))) == pytest.approx(demand)
-    assert len(set(ACTION_KINDS)) == 7
 
 
 @pytest.mark.parametrize(("performance", "worth"), [(0.7, 1.0), (1.0, 0.0), (0.4, 0.0), (0.0, -1.0)])

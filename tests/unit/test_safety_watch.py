@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.app.session.recorder_watch import RecorderWatch
 from mimics_app.app.session.safety_watch import SafetyWatch
+from mimics_app.app.session.watches import RecorderWatch
 from mimics_app.contracts.haptic import EVENT, EventKind, SafetyState, TripCause
 from mimics_app.contracts.trips import Trip, TripReader
 

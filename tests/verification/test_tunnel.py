@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mimics_app.lab.haptic.tunnel import closest_by_roots
-from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE, TunnelStatus
+from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE, TunnelStatus
 from tests.support.tunnels import afresh, coil, record_of, ring, straight, walk, wavy
 
 K = 1500.0  # N/m

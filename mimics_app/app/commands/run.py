@@ -53,6 +53,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="",
         help="how impaired the simulated patient is, instead of the scene's",
     )
+    _add_outputs(parser)
+    _add_adaptation(parser)
+    _add_session(parser)
+    parser.add_argument("--recipe", choices=RECIPES, default="auto", help="scheduler of the live haptic loop")
+
+
+def _add_outputs(parser: argparse.ArgumentParser) -> None:
+    """What is heard and seen of the run, and what is kept of that."""
     parser.add_argument(
         "--sound",
         choices=SOUNDS,
@@ -74,6 +82,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="write a film of the run, e.g. out.mp4 (needs ffmpeg); a folder: PNG frames",
     )
+
+
+def _add_adaptation(parser: argparse.ArgumentParser) -> None:
+    """What adapts the task while it runs, and the signals and estimator it reads."""
     parser.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
     parser.add_argument(
         "--physio",
@@ -102,6 +114,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="length of the rest that is measured first [s]",
     )
+
+
+def _add_session(parser: argparse.ArgumentParser) -> None:
+    """Whose session it is, how many trials it has and how hard they are, and where it is recorded."""
     parser.add_argument(
         "--runs", type=Path, default=Path("runs"), metavar="DIR", help="folder in which the run folder is made"
     )
@@ -132,7 +148,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="code of the person, never a name; results are compared under it",
     )
     parser.add_argument("--journey", type=Path, metavar="FILE", help=argparse.SUPPRESS)
-    parser.add_argument("--recipe", choices=RECIPES, default="auto", help="scheduler of the live haptic loop")
 
 
 def run(args: argparse.Namespace) -> int:

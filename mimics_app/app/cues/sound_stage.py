@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.cues.cue_watch import CueWatch
-from mimics_app.app.cues.motion_triggers import motion_triggers
 from mimics_app.app.cues.sound_surroundings import SoundSurroundings
 from mimics_app.contracts import triple_buffer
 from mimics_app.contracts.audio_port import AudioOutput, AudioReport
@@ -64,7 +63,7 @@ class SoundStage:
             self.output.master(self._gain * float(gain))
         cue = self._watch.look(orders)
         own = [SoundTrigger(cue, now_ns)] if cue else []
-        moved = (*motion_triggers(world, now_ns), *self._surroundings.steps(world, now_ns))
+        moved = (*_motion_triggers(world, now_ns), *self._surroundings.steps(world, now_ns))
         for trigger in (*triggers, *own, *moved):
             sound = self._settings.sound_of(trigger.kind, trigger.material)
             if sound:
@@ -116,3 +115,22 @@ def _velocities(moved: NDArray[np.float64], span: float) -> NDArray[np.float64]:
     velocity = moved / span
     speed = np.linalg.norm(velocity, axis=-1, keepdims=True)
     return np.where(speed < _JUMP, velocity, 0.0)
+
+
+def _motion_triggers(world: World, now_ns: int) -> Iterator[SoundTrigger]:
+    """A trigger for each event that the clips of models passed in this frame, where it happened."""
+    for index, event in world.motion.happened:
+        x, y, z = _place_of(world, index, event.node)
+        yield SoundTrigger(
+            event.kind,
+            now_ns,
+            material=event.material,
+            position_world=(float(x), float(y), float(z)),
+            strength=event.strength,
+        )
+
+
+def _place_of(world: World, index: int, node: str) -> NDArray[np.float64]:
+    """Where a node of a model is, or the model itself, world [m], shape [3]."""
+    name = f"{world.graph.name(index)}/{node}"
+    return world.graph.world_matrix(world.graph.find(name) if node and name in world else index)[:3, 3]

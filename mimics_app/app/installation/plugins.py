@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 from mimics_app.world.components.plugins import ENTRY_POINT_GROUP as COMPONENTS
 from mimics_app.world.components.plugins import fault_of_type
 from mimics_app.world.scene.method_plugins import ENTRY_POINT_GROUP as METHODS
 from mimics_app.world.scene.method_plugins import fault_of_method
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 __all__ = ["GROUPS", "PluginReport", "list_plugins"]
 
@@ -43,7 +46,7 @@ class PluginReport:
     target: str
     package: str
     error: str
-    loaded: Any = None
+    loaded: object = None
 
 
 def list_plugins(*groups: str) -> list[PluginReport]:
@@ -56,7 +59,7 @@ def list_plugins(*groups: str) -> list[PluginReport]:
     return [_report(group, point) for group in groups or GROUPS for point in sorted(entry_points(group=group))]
 
 
-def _report(group: str, point: Any) -> PluginReport:
+def _report(group: str, point: EntryPoint) -> PluginReport:
     package = f"{point.dist.name} {point.dist.version}" if point.dist else ""
     try:
         loaded = point.load()

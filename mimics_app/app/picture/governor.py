@@ -11,10 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from statistics import median
-from typing import Any
+from typing import Any, Protocol
 
 from mimics_app.app.picture.held_quality import Held
-from mimics_app.contracts.governor import QualityStep
 
 __all__ = ["FULL", "FrameGovernor"]
 
@@ -34,6 +33,29 @@ _EASE = 0.6
 _DOUBT_NS = 30_000_000_000
 
 Log = Callable[[str, dict[str, object]], object]
+
+
+class QualityStep(Protocol):
+    """One thing a stage can do in several qualities, each cheaper than the last."""
+
+    @property
+    def name(self) -> str:
+        """As people read it, e.g. "resolution scale"."""
+        ...
+
+    @property
+    def order(self) -> int:
+        """Steps of a lower order are given up first, and taken back last."""
+        ...
+
+    @property
+    def levels(self) -> tuple[str, ...]:
+        """Names of its qualities, the full one first; at least two."""
+        ...
+
+    def apply(self, level: int) -> None:
+        """Go over to `levels[level]` from the next frame on."""
+        ...
 
 
 @dataclass(slots=True)

@@ -8,12 +8,12 @@ from functools import partial
 from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.app.picture.held_quality import HeldQuality, measure_frame_ms, name_of_picture
 from mimics_app.app.planner.tolerances import tolerances_of
-from mimics_app.app.play.device_watch import DeviceWatch
 from mimics_app.app.play.leaving import Leaving
 from mimics_app.app.play.reload import SceneReload
 from mimics_app.app.play.view_keys import ViewKeys
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
+from mimics_app.app.session.watches import DeviceWatch
 from mimics_app.contracts.clock import FRAME_NS
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
@@ -66,7 +66,7 @@ def _draw_once(session: Session) -> None:
 def _run_frames(session: Session, frames: Frames, after_frame: Progress) -> None:
     picture, governor = session.picture, session.governor
     keys, leaving = ViewKeys(session), Leaving(session)
-    reload, watch = SceneReload(session), DeviceWatch(session)
+    reload, watch = SceneReload(session), DeviceWatch(session.haptics.plugin, session.recorder)
     limit = session.clock.now_ns() + _limit_ns(session)
     due = session.clock.now_ns()
     while session.clock.now_ns() < limit and session.haptics.running and not leaving.wanted(frames):
@@ -121,7 +121,7 @@ def run_unseen(session: Session, frames: Frames, after_frame: Progress) -> None:
 
     Nobody is there to reset a latched stop: it ends a run that has no other end.
     """
-    watch = DeviceWatch(session)
+    watch = DeviceWatch(session.haptics.plugin, session.recorder)
     limit = session.clock.now_ns() + _limit_ns(session)
     due = session.clock.now_ns()
     while session.clock.now_ns() < limit and session.haptics.running and not session.tasks.done:

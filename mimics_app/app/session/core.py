@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from mimics_app.app.session.preparation import Preparation
 from mimics_app.app.session.switched_off import NullRecorder, NullSound, RecorderPort, SoundPort
-from mimics_app.app.session.tactile import open_tactile
 from mimics_app.app.session.tap import Tap
 from mimics_app.app.session.trackers import make_hub
 from mimics_app.app.touch.device_fit import device_values
@@ -28,8 +27,10 @@ from mimics_app.contracts.stages import Dsp, Estimation, Goal, Learning
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
 from mimics_app.inputs.stage import Inputs
 from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.rendering.tactile.vibrators import NoVibrators, Vibrators
 from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.world.components.robot import Patient
+from mimics_app.world.components.tactile import TactileSettings
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
@@ -92,7 +93,7 @@ class SessionCore:
         self.tap = Tap(recorder)
         self.tell: Callable[[str], None] = _say_nothing
         self.sound = sound
-        self.tactile = open_tactile(parts.scene, live=parts.live)
+        self.tactile = _open_tactile(parts.scene, live=parts.live)
 
     def part_of_body(self, role: str, at_ns: int) -> NDArray[np.float64] | None:
         """room_from_part of the person's body at a time [ns], as far as a tracker knows; float64 [4, 4]."""
@@ -153,3 +154,17 @@ def simulated_person(scene: Scene, scenario: Scenario) -> SimulatedPatient:
     """What a simulated person does with what the scene asks: the run's own, or one on an emulated robot."""
     patient = scene.first(Patient) or Patient()
     return SimulatedPatient(intent=patient.intent, follows_way=len(scenario.via_points_world) > 1)
+
+
+def _open_tactile(scene: Scene, *, live: bool) -> Vibrators:
+    """What drives the scene's vibrators: its line in a live session, else nothing but the record.
+
+    Raises:
+        DeviceError: the line cannot be opened.
+    """
+    settings = scene.system(TactileSettings) or TactileSettings()
+    if not live or not settings.port:
+        return NoVibrators()
+    from mimics_app.rendering.tactile.vibrators import SerialVibrators
+
+    return SerialVibrators(settings.port, settings.vibrators, settings.baud)

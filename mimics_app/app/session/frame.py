@@ -11,9 +11,8 @@ from mimics_app.app.cues.effect_cues import EffectCues
 from mimics_app.app.cues.motion_cues import MotionCues
 from mimics_app.app.picture.stability_card import stability_card
 from mimics_app.app.session.core import SessionCore
-from mimics_app.app.session.recorder_watch import RecorderWatch
 from mimics_app.app.session.safety_watch import SafetyWatch
-from mimics_app.app.session.signal_watch import SignalWatch
+from mimics_app.app.session.watches import RecorderWatch, SignalWatch
 from mimics_app.app.touch.loss_watch import LossWatch
 from mimics_app.app.touch.person_inbox import PersonInbox
 from mimics_app.contracts.board import Board

@@ -21,7 +21,7 @@ from mimics_app.app.session.body import Body
 from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
-from mimics_app.app.settings import PROFILES, RunSettings
+from mimics_app.app.settings import PROFILES, Profile, RunSettings
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.contracts.errors import Issue, MimicsError, nearest
 from mimics_app.contracts.messages import TaskAction
@@ -56,7 +56,7 @@ def _last_trial(task: TaskSpec) -> TaskSpec:
 
 
 def travel(
-    scene: Scene, preset: str, seed: int, action: Mapping[str, float], *, profile: Any, seconds: float
+    scene: Scene, preset: str, seed: int, action: Mapping[str, float], *, profile: Profile, seconds: float
 ) -> dict[str, Any]:
     """One trial of a scene by one simulated patient.
 

@@ -130,7 +130,7 @@ def _place_words(issue: Issue) -> str:
     return "" if found is None else f" (line {found[0]}, column {found[1]})"
 
 
-def finite(value: Any) -> Any:
+def finite(value: object) -> Any:
     """The value in the types JSON has; NaN and infinities, which it has not, become None.
 
     Raises:

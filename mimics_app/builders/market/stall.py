@@ -30,7 +30,6 @@ PALE_WOOD: Colour = (0.62, 0.38, 0.17)
 TEAL: Colour = (0.055, 0.27, 0.27)
 CREAM: Colour = (0.88, 0.80, 0.62)
 RED: Colour = (0.62, 0.035, 0.03)
-GLOVE: Colour = (0.90, 0.84, 0.72)
 
 
 STALL_LOW, STALL_HIGH = (0.088, -0.150), (0.300, 0.030)

@@ -54,10 +54,6 @@ class AmplifierEmulator:
         """Count samples that are never sent: a gap."""
         self._number += samples
 
-    def rewind(self, samples: int) -> None:
-        """Number the next samples as if they had been sent before: they come twice."""
-        self._number -= samples
-
     def babble(self, data: bytes) -> None:
         """Send bytes that are nothing."""
         self._send(data)

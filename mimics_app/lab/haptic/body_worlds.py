@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, BodyFlag, ObjectIntegrator, ShapeKind
@@ -36,6 +37,7 @@ _SURFACE = {"stiffness": 2000.0, "damping": 4.0, "exponent": 1.0}
 _FIRM: dict[str, Any] = {"stiffness": 8000.0, "damping": 16.0, "friction_static": 0.5, "friction_dynamic": 0.4}
 
 Edges = tuple[float, float, float]
+Fields = Mapping[str, object]
 
 
 @kernel
@@ -73,11 +75,11 @@ class BodyWorld:
     dt: float = 1e-3
 
     @property
-    def motions(self) -> Any:
+    def motions(self) -> NDArray[np.void]:
         """MOTION rows."""
         return self.work.motions
 
-    def add_body(self, mass: float = 0.2, inertia: F8 | None = None, **fields: Any) -> int:
+    def add_body(self, mass: float = 0.2, inertia: F8 | None = None, **fields: object) -> int:
         """A body without shapes; `fields` are those of BODY. Returns its row."""
         k = int(self.counts[0]["bodies"])
         body = self.rows.bodies[k]
@@ -91,7 +93,7 @@ class BodyWorld:
         self.work.aux_torques[k] = body["torque_aux"]
         return k
 
-    def add_shape(self, kind: ShapeKind, size: Any, body: int = STATIC, **fields: Any) -> int:
+    def add_shape(self, kind: ShapeKind, size: ArrayLike, body: int = STATIC, **fields: object) -> int:
         """A shape of a body or the static scene; `fields` are those of SHAPE. Returns its row."""
         i = int(self.counts[0]["shapes"])
         shape = self.rows.shapes[i]
@@ -103,20 +105,28 @@ class BodyWorld:
         self.change()
         return i
 
-    def add_box(self, edges: Any = (0.04, 0.04, 0.04), mass: float = 0.2, surface: Any = None, **fields: Any) -> int:
+    def add_box(
+        self, edges: Edges = (0.04, 0.04, 0.04), mass: float = 0.2, surface: Fields | None = None, **fields: object
+    ) -> int:
         """A body of one box."""
-        k = self.add_body(mass, box_inertia(mass, tuple(edges)), **fields)
+        k = self.add_body(mass, box_inertia(mass, edges), **fields)
         self.add_shape(ShapeKind.BOX, edges, k, **(surface or {}))
         return k
 
-    def add_ball(self, radius: float = 0.02, mass: float = 0.2, surface: Any = None, **fields: Any) -> int:
+    def add_ball(self, radius: float = 0.02, mass: float = 0.2, surface: Fields | None = None, **fields: object) -> int:
         """A body of one sphere."""
         k = self.add_body(mass, np.eye(3) * 0.4 * mass * radius**2, **fields)
         self.add_shape(ShapeKind.SPHERE, radius, k, **(surface or {}))
         return k
 
     def add_rod(
-        self, kind: ShapeKind, radius: float, length: float, mass: float = 0.2, surface: Any = None, **fields: Any
+        self,
+        kind: ShapeKind,
+        radius: float,
+        length: float,
+        mass: float = 0.2,
+        surface: Fields | None = None,
+        **fields: object,
     ) -> int:
         """A body of one cylinder or capsule, with the inertia of a cylinder."""
         across = mass * (3.0 * radius**2 + length**2) / 12.0

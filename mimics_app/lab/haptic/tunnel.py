@@ -18,13 +18,13 @@ from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
 from mimics_app.lab.haptic.numbered import NumberedRival, register_numbered
 from mimics_app.maths import frames
-from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
 from mimics_app.rendering.haptic.kernels.tunnel_projection import (
     project_brute_force,
     project_golden_section,
     track,
     track_one_step,
 )
+from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
 
 if TYPE_CHECKING:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.lab.physio.cohort import play_cohort
 from mimics_app.lab.physio.detection import (
@@ -72,7 +73,7 @@ def _row(record: Annotated) -> dict[str, Any]:
     }
 
 
-def _p95(values: Any) -> float:
+def _p95(values: NDArray[np.float64]) -> float:
     return float(np.quantile(values, 0.95))
 
 

@@ -25,7 +25,6 @@ class WalkResult:
         people: How many walked.
         share: Of them that came to the place in time.
         low, high: 95 % interval of that share.
-        median_s: Time of those who came [s].
     """
 
     condition: str
@@ -33,7 +32,6 @@ class WalkResult:
     share: float
     low: float
     high: float
-    median_s: float
 
 
 def walk_study(condition: str, people: int = 300, seed: int = 1) -> WalkResult:
@@ -41,8 +39,7 @@ def walk_study(condition: str, people: int = 300, seed: int = 1) -> WalkResult:
     times = np.array([_walk(condition, [seed, i]) for i in range(people)])
     came = np.isfinite(times)
     low, high = wilson(int(came.sum()), people)
-    median = float(np.median(times[came])) if came.any() else _LIMIT_S
-    return WalkResult(condition, people, float(came.mean()), low, high, median)
+    return WalkResult(condition, people, float(came.mean()), low, high)
 
 
 def _walk(condition: str, seed: list[int]) -> float:

@@ -24,8 +24,8 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
 from mimics_app.lab.stability.linear import find_limit
 from mimics_app.maths.bspline import basis_functions
-from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
 from mimics_app.rendering.haptic.kernels.tunnel_projection import slope, track
+from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
 
 if TYPE_CHECKING:

@@ -13,8 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts import ring
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.haptic import SAMPLE
+from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
-from mimics_app.lab.stability.measured_lateness import measure_lateness
 from mimics_app.lab.stability.replayed_wall import (
     PERIOD,
     STIFFNESS,
@@ -26,8 +29,12 @@ from mimics_app.lab.stability.replayed_wall import (
     wakes_with,
     weighted_period,
 )
+from mimics_app.rendering.haptic.devices.registry import build_device
+from mimics_app.rendering.haptic.engine import HapticEngine
+from mimics_app.rendering.haptic.scene_block import scene_from_components
+from mimics_app.world.components.robot import Robot
 
-__all__ = ["EXPERIMENT", "stalls"]
+__all__ = ["EXPERIMENT", "measure_lateness", "stalls"]
 
 Vec = NDArray[np.float64]
 
@@ -118,3 +125,18 @@ EXPERIMENT = Experiment(
     run=_run,
     tolerance=0.02,
 )
+
+
+def measure_lateness(seconds: float) -> Vec:
+    """Lateness [s] of every tick of the live loop with the simulated robot, for at most 8 s."""
+    memory = SessionMemory()
+    robot = Robot()
+    engine = HapticEngine(memory, build_device(robot))
+    engine.publish(scene_from_components(robot))
+    clock = MonotonicClock()
+    engine.start()
+    clock.sleep_until_ns(clock.now_ns() + round(seconds * 1e9))
+    engine.stop()
+    out = np.zeros(memory.samples.shape[0], SAMPLE)
+    count = ring.drain(memory.sample_words, memory.samples, out)
+    return np.asarray(out["lateness_ns"][:count] * 1e-9)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.lab.sweep.quantity import Kind, SweepExperiment
-from mimics_app.lab.sweep.spec import Range, Sweep, count_values
+from mimics_app.lab.sweep.spec import Range, Scalar, Sweep, count_values
 
 __all__ = ["count_points", "points_between"]
 
@@ -68,7 +68,7 @@ def _drawn(sweep: Sweep, names: list[str], kinds: dict[str, Kind], point: int, s
     return row
 
 
-def _item(values: Any, place: int) -> Any:
+def _item(values: list[Scalar] | Scalar, place: int) -> Scalar:
     return values[place] if isinstance(values, list) else values
 
 
@@ -80,5 +80,5 @@ def _between(values: Range, share: float) -> float:
     return values.low + share * (values.high - values.low)
 
 
-def _typed(value: Any, kind: Kind) -> Any:
+def _typed(value: Any, kind: Kind) -> Scalar:
     return str(value) if kind == "text" else round(value) if kind == "int" else float(value)

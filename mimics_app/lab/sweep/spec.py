@@ -15,16 +15,17 @@ from msgspec import Meta
 
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError, nearest
 from mimics_app.lab.sweep.quantity import Quantity, SweepExperiment
-from mimics_app.world.components.struct_reader import FAILED, read_struct
-from mimics_app.world.scene.json_text import escape, parse_json
-from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.scene.json_text import escape
+from mimics_app.world.scene.struct_file import read_struct_file
 
-__all__ = ["MAX_POINTS", "Range", "Sample", "Sweep", "count_values", "load_sweep", "span_of"]
+__all__ = ["MAX_POINTS", "Range", "Sample", "Scalar", "Sweep", "count_values", "load_sweep", "span_of"]
 
 Scalar = float | int | str
 _Count = Annotated[int, Meta(ge=1, le=100_000_000)]
 _End = Annotated[float, Meta(ge=-1e18, le=1e18)]
 _Values = Annotated[list[Scalar], Meta(max_length=100_000)]
+_MAX_BYTES = 64 << 20
+"""Of a sweep file: lists of values may be long."""
 
 MAX_POINTS = 1_000_000_000
 """Most points of one sweep; a grid is their product."""
@@ -39,6 +40,10 @@ class Range(
     high: Annotated[_End, Meta(description="Last value")]
     count: Annotated[int, Meta(ge=1, le=10_000_000, description="How many, on a grid; a sample draws in between")] = 1
     scale: Annotated[Literal["linear", "log"], Meta(description="Equal steps, or equal ratios")] = "linear"
+
+
+_Given = Range | list[Scalar] | Scalar
+"""What a file may say of one parameter."""
 
 
 class Sample(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -87,12 +92,7 @@ def load_sweep(path: Path, find: Callable[[str], SweepExperiment | None], known:
             their limits.
     """
     file = str(path)
-    document, issues = parse_json(read_bytes(path, file), file)
-    if issues:
-        raise SceneError(issues)
-    sweep = read_struct(Sweep, document, lambda pointer, what, fix: issues.append(Issue(file, pointer, what, fix)))
-    if sweep is FAILED or issues:
-        raise SceneError(issues)
+    sweep = read_struct_file(path, Sweep, _MAX_BYTES)
     experiment = find(sweep.experiment)
     if experiment is None:
         what = f'there is no experiment "{sweep.experiment}"'
@@ -127,7 +127,7 @@ def _faults(sweep: Sweep, experiment: SweepExperiment) -> Iterator[tuple[str, st
             yield "/parameters", f'"{experiment.name}" needs the parameter "{name}"', f'add "{name}"'
 
 
-def _value_faults(values: Any, quantity: Quantity, pointer: str) -> Iterator[tuple[str, str, str]]:
+def _value_faults(values: _Given, quantity: Quantity, pointer: str) -> Iterator[tuple[str, str, str]]:
     if isinstance(values, Range):
         yield from _range_faults(values, quantity, pointer)
     if isinstance(values, list) and not values:
@@ -155,7 +155,7 @@ def _range_faults(values: Range, quantity: Quantity, pointer: str) -> Iterator[t
         yield f"{pointer}/to", "is below from", "exchange the two"
 
 
-def _placed(values: Any, pointer: str) -> Iterator[tuple[str, Scalar]]:
+def _placed(values: _Given, pointer: str) -> Iterator[tuple[str, Scalar]]:
     """Each value that stands in the file, with its pointer."""
     if isinstance(values, Range):
         yield f"{pointer}/from", values.low
@@ -167,7 +167,7 @@ def _placed(values: Any, pointer: str) -> Iterator[tuple[str, Scalar]]:
         yield pointer, values
 
 
-def count_values(values: Any) -> int:
+def count_values(values: _Given) -> int:
     """How many values a parameter takes on a grid."""
     return values.count if isinstance(values, Range) else len(values) if isinstance(values, list) else 1
 

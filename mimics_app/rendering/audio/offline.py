@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -181,7 +180,7 @@ def _render_events(mixer: Mixer, events: Sequence[SoundEvent], frames: int) -> t
     onsets = [-1] * len(events)
     blocks = []
     waiting = iter(order)
-    following: Any = next(waiting, None)
+    following = next(waiting, None)
     while mixer.position < frames:
         end = min(mixer.position + _BLOCK, frames)
         while following is not None and frame_at(events[following].t_ns, 0, mixer.rate) < end:

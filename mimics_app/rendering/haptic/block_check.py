@@ -72,7 +72,7 @@ def check_block(scene: Records, rows: Rows | None, capacities: ObjectCapacities,
         check_points(rows.points[: scene[0]["objects"]["points"]])
 
 
-def _check_rows(counts: Any, rows: Rows | None, capacities: ObjectCapacities) -> None:
+def _check_rows(counts: np.void, rows: Rows | None, capacities: ObjectCapacities) -> None:
     used = count_rows(counts)
     for name, count in used.items():
         table: Records = np.zeros(0) if rows is None else getattr(rows, name)

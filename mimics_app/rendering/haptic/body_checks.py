@@ -12,7 +12,6 @@ two, more where it can also be turned and where friction holds it. m' is the mas
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +27,7 @@ from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 __all__ = ["BodyFault", "check_bodies", "contact_modes"]
 
 F8 = NDArray[np.float64]
+Table = NDArray[np.void]
 
 _SIZES = {
     ShapeKind.WALL: 0,
@@ -71,7 +71,7 @@ class BodyFault:
     fix: str
 
 
-def check_bodies(rows: Rows, counts: Any, dt: float, meshes: MeshTable | None = None) -> list[BodyFault]:
+def check_bodies(rows: Rows, counts: np.void, dt: float, meshes: MeshTable | None = None) -> list[BodyFault]:
     """Everything that keeps the rows from being simulated; empty when they can be.
 
     Args:
@@ -94,7 +94,7 @@ def check_bodies(rows: Rows, counts: Any, dt: float, meshes: MeshTable | None = 
     return faults
 
 
-def _check_body(k: int, body: Any) -> list[BodyFault]:
+def _check_body(k: int, body: np.void) -> list[BodyFault]:
     if not (np.isfinite(body["mass"]) and body["mass"] > 0.0):
         return [BodyFault(k, -1, f"a mass of {body['mass']:g} kg", "give a mass above 0")]
     inertia = np.asarray(body["inertia"])
@@ -109,7 +109,7 @@ def _check_body(k: int, body: Any) -> list[BodyFault]:
     return []
 
 
-def _check_shape(i: int, shape: Any) -> list[BodyFault]:
+def _check_shape(i: int, shape: np.void) -> list[BodyFault]:
     body = int(shape["body"])
     size = np.asarray(shape["size"])[: _SIZES[ShapeKind(int(shape["kind"]))]]
     if not np.all(np.isfinite(size) & (size > 0.0)):
@@ -121,14 +121,14 @@ def _check_shape(i: int, shape: Any) -> list[BodyFault]:
     return []
 
 
-def _matrix(orientation: Any) -> F8:
+def _matrix(orientation: F8) -> F8:
     unit, R = np.zeros(4), np.zeros((3, 3))
     quat.normalise(np.array(orientation, np.float64), unit)
     quat.to_matrix(unit, R)
     return R
 
 
-def _hull_of(shape: Any, meshes: MeshTable) -> F8:
+def _hull_of(shape: np.void, meshes: MeshTable) -> F8:
     """Corners of the hull of a mesh shape; none of another."""
     if shape["kind"] != ShapeKind.MESH:
         return _NO_CORNERS
@@ -149,7 +149,7 @@ def _hull_patches(hull: F8) -> list[tuple[F8, F8, F8]]:
     return patches
 
 
-def _patches(shape: Any, hull: F8) -> list[tuple[F8, F8, F8]]:
+def _patches(shape: np.void, hull: F8) -> list[tuple[F8, F8, F8]]:
     """(direction, points, shares) of the ways a shape can rest, in its own frame; see `kernels.objects.manifold`."""
     size, kind = np.asarray(shape["size"]), ShapeKind(int(shape["kind"]))
     x, y, z = np.eye(3)
@@ -183,7 +183,7 @@ def _stiffness(direction: F8, points: F8, shares: F8, tangential: float) -> F8:
     return total
 
 
-def contact_modes(shape: Any, body: Any, contacts: int, tangential: float, hull: F8 = _NO_CORNERS) -> float:
+def contact_modes(shape: np.void, body: np.void, contacts: int, tangential: float, hull: F8 = _NO_CORNERS) -> float:
     """Greatest eigenvalue lambda of the stiffness of a body's contacts per mass, for k = 1 N/m and m = 1 kg.
 
     Args:
@@ -211,9 +211,9 @@ def contact_modes(shape: Any, body: Any, contacts: int, tangential: float, hull:
     return greatest
 
 
-def _partners(k: int, bodies: Any, shapes: Any) -> list[int]:
+def _partners(k: int, bodies: Table, shapes: Table) -> list[int]:
     """Shapes that a body can meet, one of each surface and mass: what is alike is alike."""
-    seen: dict[tuple[Any, ...], int] = {}
+    seen: dict[tuple[float, ...], int] = {}
     for j in np.flatnonzero((shapes["body"] != k) & (shapes["enabled"] != 0)):
         shape = shapes[j]
         other = int(shape["body"])
@@ -222,7 +222,7 @@ def _partners(k: int, bodies: Any, shapes: Any) -> list[int]:
     return list(seen.values())
 
 
-def _check_contacts(k: int, bodies: Any, shapes: Any, meshes: MeshTable, dt: float) -> list[BodyFault]:
+def _check_contacts(k: int, bodies: Table, shapes: Table, meshes: MeshTable, dt: float) -> list[BodyFault]:
     """The worst of all pairs of a body's shapes with what they can meet."""
     body, worst = bodies[k], 0.0
     faults: list[BodyFault] = []
@@ -249,7 +249,7 @@ def _check_contacts(k: int, bodies: Any, shapes: Any, meshes: MeshTable, dt: flo
     return faults
 
 
-def _check_touch(k: int, body: Any, shapes: Any, meshes: MeshTable, dt: float) -> list[BodyFault]:
+def _check_touch(k: int, body: np.void, shapes: Table, meshes: MeshTable, dt: float) -> list[BodyFault]:
     """A body that the hand pushes with the whole stiffness of its surface; the hand is as good as rigid."""
     for i in np.flatnonzero((shapes["body"] == k) & (shapes["enabled"] != 0)):
         stiffness, damping = _at_usual_depth(shapes[i])
@@ -262,7 +262,7 @@ def _check_touch(k: int, body: Any, shapes: Any, meshes: MeshTable, dt: float) -
     return []
 
 
-def _check_drag(k: int, body: Any, dt: float) -> list[BodyFault]:
+def _check_drag(k: int, body: np.void, dt: float) -> list[BodyFault]:
     """The environment's drag must not turn a motion round within a tick: m > h b/2, and so each moment."""
     if ObjectIntegrator(int(body["integrator"])) in _HELD_FORCE:
         return []
@@ -277,7 +277,7 @@ def _check_drag(k: int, body: Any, dt: float) -> list[BodyFault]:
     return []
 
 
-def _at_usual_depth(pair: Any) -> tuple[float, float]:
+def _at_usual_depth(pair: np.void) -> tuple[float, float]:
     """Stiffness and damping of a pair, of Hunt and Crossley's law at 1 mm."""
     if pair["law"] == 0:
         return float(pair["stiffness"]), float(pair["damping"])
@@ -295,7 +295,7 @@ def _too_light(
     return BodyFault(k, i, what, f"make it heavier than {least:.2g} kg, or its surface softer or less damped")
 
 
-def _check_integrator(k: int, i: int, body: Any, stiffness: float, damping: float, dt: float) -> list[BodyFault]:
+def _check_integrator(k: int, i: int, body: np.void, stiffness: float, damping: float, dt: float) -> list[BodyFault]:
     """Integrators that move a body by its old velocity too need damping: without it every contact gains energy."""
     which = ObjectIntegrator(int(body["integrator"]))
     if which is ObjectIntegrator.SEMI_IMPLICIT:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib.metadata import entry_points
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from mimics_app.contracts.loop_ports import FIELD, FIELD_PARAMETERS
 from mimics_app.world.components.objects import ForceField
 from mimics_app.world.components.registry import register_check
 from mimics_app.world.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 __all__ = ["ENTRY_POINT_GROUP", "Field", "add_field", "check_field", "field_names", "find_field"]
 
@@ -29,11 +32,11 @@ ENTRY_POINT_GROUP = "mimics_app.force_fields"
 _BUILT_IN = ("cord", "curl", "saddle", "well")
 """Fields of `cord_field` and `standard_fields`, which are imported and compiled when one of theirs is asked for."""
 
-_FIELDS: dict[str, Any] = {}
+_FIELDS: dict[str, Field] = {}
 """Fields that were added, or asked for, by name."""
 
 
-def add_field(name: str, field: Any) -> None:
+def add_field(name: str, field: Field) -> None:
     """Let scenes use a field of a scenario: a function compiled with `typed_kernel(FIELD)`.
 
     Raises:
@@ -48,7 +51,7 @@ def field_names() -> list[str]:
     return sorted({*_BUILT_IN, *_FIELDS, *(point.name for point in entry_points(group=ENTRY_POINT_GROUP))})
 
 
-def find_field(name: str) -> Any:
+def find_field(name: str) -> Field:
     """The compiled function of that name.
 
     Raises:
@@ -75,7 +78,7 @@ def check_field(field: ForceField, pointer: str, scene: Scene) -> list[Issue]:
     return []
 
 
-def _built_in(name: str) -> Any:
+def _built_in(name: str) -> Field:
     if name == "cord":
         from mimics_app.rendering.haptic.cord_field import cord
 
@@ -85,14 +88,14 @@ def _built_in(name: str) -> Any:
     return getattr(standard_fields, name)
 
 
-def _loaded(point: Any) -> Any:
+def _loaded(point: EntryPoint) -> object:
     try:
         return point.load()
     except Exception as error:
         raise ValueError(f'the plug-in of "{point.name}" cannot be loaded: {type(error).__name__}: {error}') from error
 
 
-def _tried(field: Any) -> Any:
+def _tried(field: Any) -> Field:
     """A field that has the signature and does not raise where nothing is special."""
     compiled = getattr(field, "nopython_signatures", [])
     if FIELD not in compiled:

@@ -17,7 +17,7 @@ from mimics_app.contracts.atomics import load_acquire, now_ns, sleep_until_ns, s
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.function_pointers import functions_at
 from mimics_app.contracts.haptic import NANOSECOND
-from mimics_app.contracts.kernel import typed_kernel
+from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.ring import push
 from mimics_app.contracts.session_memory import ControlWord
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
@@ -38,6 +38,24 @@ _UNCOUNTED_NS = 1_000_000_000
 """Lateness is counted from the second second on [ns]: the first one warms caches."""
 
 
+@kernel
+def _wake(timespec: NDArray[np.int64], due: int, spin_ns: int) -> int:
+    """Sleep until shortly before the release, spin for the rest; the time then [ns]."""
+    sleep_until_ns(timespec, due - spin_ns)
+    woke = now_ns(timespec)
+    while woke < due:
+        woke = now_ns(timespec)
+    return woke
+
+
+@kernel
+def _misses_in_row(before: int, missed: bool, own: bool) -> int:
+    """Ticks in a row that ended after the next release; a burst that catches up counts once (`own`: not in one)."""
+    if not missed:
+        return 0
+    return before + 1 if own else before
+
+
 @typed_kernel(types.int64(CHANNELS, WORK, types.int64[::1], types.float64[::1], types.int64, types.int64))
 def run_live(
     channels: Channels, work: Work, pointers: NDArray[np.int64], memory: Vec, period_ns: int, spin_ns: int
@@ -45,7 +63,7 @@ def run_live(
     """Run a tick every `period_ns` until the quit word is set; return the ticks done in all.
 
     Sleeps to absolute deadlines and spins for the last `spin_ns`. Counts lateness and duration after the first second.
-    A burst that catches up after one late wake-up counts once towards the misses in a row. `pointers` are those of
+    `pointers` are those of
     `loop_tick.LOOP_FUNCTIONS`, `memory` is the device's.
     """
     loop_tick, tick, read, write, simulate, fields, kin = functions_at(pointers, LOOP_FUNCTIONS)
@@ -62,10 +80,7 @@ def run_live(
     missed_in_row = 0
     total, squares, last_woke = dt, dt * dt, due - period_ns
     while load_acquire(control, _QUIT) == 0:
-        sleep_until_ns(timespec, due - spin_ns)
-        woke = now_ns(timespec)
-        while woke < due:
-            woke = now_ns(timespec)
+        woke = _wake(timespec, due, spin_ns)
         late = woke - due
         total, squares = follow_period(total, squares, float(woke - last_woke) * NANOSECOND, dt)
         last_woke = woke
@@ -91,13 +106,8 @@ def run_live(
         sample.duration_ns = float(ended - woke)
         push(channels.sample_words, channels.samples, work.sample)
         missed = ended - due > period_ns
-        if not missed:
-            missed_in_row = 0
-        elif not catching_up or ended - woke > period_ns:
-            missed_in_row += 1
-        skipped = 0
-        if late_stop_ns > 0 and late > late_stop_ns:
-            skipped = late // period_ns
+        missed_in_row = _misses_in_row(missed_in_row, missed, not catching_up or ended - woke > period_ns)
+        skipped = late // period_ns if 0 < late_stop_ns < late else 0
         if state.tick > first_counted:
             count(channels.lateness, late)
             count(channels.duration, ended - woke)

@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import from_dtype, types
 from numpy.typing import NDArray
 
 from mimics_app.rendering.haptic.kernels.objects.records import MESH
 
-__all__ = ["MESH_TABLE", "MeshTable", "box_tree", "build_mesh_table", "curve_order", "sharp_sides"]
+__all__ = ["MeshTable", "box_tree", "build_mesh_table", "curve_order", "sharp_sides"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int32]
@@ -216,13 +215,3 @@ def box_tree(triangles: Array) -> Array:
         high = np.maximum(below[0::2, 3:], below[1::2, 3:])
         levels.append(np.hstack([low, high]))
     return np.concatenate(levels[::-1])
-
-
-_TRIPLES = types.int32[:, ::1]
-_NUMBERS = types.int32[::1]
-_TABLE = types.float64[:, ::1]
-
-MESH_TABLE = types.NamedTuple(  # type: ignore[no-untyped-call]
-    [from_dtype(MESH)[::1], _TABLE, _TRIPLES, _TRIPLES, _NUMBERS, _NUMBERS, _TABLE, _TABLE, _TABLE], MeshTable
-)
-"""Compiled type of `MeshTable`, field by field."""

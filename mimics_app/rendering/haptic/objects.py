@@ -37,7 +37,7 @@ from mimics_app.rendering.haptic.kernels.objects.records import (
 )
 from mimics_app.rendering.haptic.kernels.objects.totals import TOTALS
 from mimics_app.rendering.haptic.kernels.objects.touches import TOUCH
-from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
+from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.ridge_table import RidgeTable, build_ridge_table
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.ring import push
+from mimics_app.contracts.ring import Records, Words, push
 from mimics_app.contracts.triple_buffer import back_slot, publish
 from mimics_app.rendering.haptic.channels import Channels, Work
 from mimics_app.rendering.haptic.kernels.objects.published import write_poses
@@ -63,12 +63,12 @@ class _Outlets(NamedTuple):
     """The event being filled and its three consumers: a small tuple, for tuples travel by value."""
 
     event: Any
-    main_words: Any
-    main: Any
-    audio_words: Any
-    audio: Any
-    recorder_words: Any
-    recorder: Any
+    main_words: Words
+    main: Records
+    audio_words: Words
+    audio: Records
+    recorder_words: Words
+    recorder: Records
 
 
 @kernel

@@ -22,10 +22,8 @@ from mimics_app.world.components.robot import Admittance, Ball, Impedance, Joint
 __all__ = [
     "apply_admittance",
     "apply_ball",
-    "apply_joint_pd",
     "apply_robot",
     "apply_safety",
-    "apply_world_pd",
     "impedance_values",
     "joint_vector",
     "kinematic_values",
@@ -132,24 +130,6 @@ def impedance_values(impedance: Impedance) -> dict[str, object]:
     }
 
 
-def apply_joint_pd(block: Block, joint_pd: JointPd, target_joints: Vec) -> None:
-    """Joint PD towards target_joints [m or rad] into block[0], and select it."""
-    record = block[0]
-    record["controller"] = Controller.JOINT_PD
-    _apply_gains(block, joint_pd)
-    record["target"] = 0.0
-    record["target"][: len(target_joints)] = target_joints
-
-
-def apply_world_pd(block: Block, world_pd: WorldPd, target_world: Vec) -> None:
-    """World PD of the first point of contact towards target_world [m] into block[0], and select it."""
-    record = block[0]
-    record["controller"] = Controller.WORLD_PD
-    _apply_gains(block, world_pd)
-    record["target"] = 0.0
-    record["target"][:3] = record["R_world_from_robot"].T @ (np.asarray(target_world) - record["origin_world"])
-
-
 def apply_ball(block: Block, ball: Ball) -> None:
     """Sizes of the ball into block[0]."""
     record = block[0]
@@ -215,8 +195,7 @@ def scene_from_components(
     Until then a device counts as a real one whose late ticks latch.
 
     Returns:
-        SCENE record, shape [1], sequence 1, admittance selected. For a PD controller call `apply_joint_pd`
-        or `apply_world_pd` on it and count `sequence` up; `apply_admittance` leads back.
+        SCENE record, shape [1], sequence 1, admittance selected.
     """
     block = np.zeros(1, SCENE)
     block["sequence"] = 1

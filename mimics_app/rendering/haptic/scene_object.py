@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from mimics_app.contracts.haptic_objects import BODY, SHAPE, STATIC, BodyFlag, ForceLaw, ObjectIntegrator, ShapeKind
 from mimics_app.world.components.haptic_shapes import (
@@ -208,7 +208,7 @@ def _unit(quaternion: tuple[float, ...]) -> Array:
     return unit
 
 
-def _product(a: Array, b: Any) -> Array:
+def _product(a: Array, b: ArrayLike) -> Array:
     """The rotation b followed by a, both xyzw."""
     (ax, ay, az, aw), (bx, by, bz, bw) = a, np.asarray(b).reshape(4)
     return np.array(

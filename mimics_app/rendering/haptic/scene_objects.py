@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from mimics_app.contracts.errors import DeviceError, Issue, SceneError
 from mimics_app.contracts.haptic_objects import (
@@ -294,5 +294,5 @@ class _Gathered:
         return rows
 
 
-def _table(rows: list[Records], dtype: Any) -> Records:
+def _table(rows: list[Records], dtype: DTypeLike) -> Records:
     return np.concatenate(rows) if rows else np.zeros(0, dtype)

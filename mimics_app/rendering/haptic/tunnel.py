@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -134,7 +134,7 @@ class TunnelCurve:
         product, _ = self.max_radius_curvature
         return 1.0 / product if product > _STRAIGHT else float("inf")
 
-    def fill(self, record: Any) -> None:
+    def fill(self, record: np.void) -> None:
         """Write the geometry into a TUNNEL record; its forces and radius_scale stay as they are."""
         n = len(self.pieces)
         for name, values in (

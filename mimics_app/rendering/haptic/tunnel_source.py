@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -108,7 +107,7 @@ def read_path(file: Path) -> Array:
     return np.array(rows, np.float64)
 
 
-def _coordinate(value: Any) -> float | None:
+def _coordinate(value: object) -> float | None:
     """The value as a place that can be touched [m], or None. Booleans are no numbers here."""
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from msgspec import Meta
 
@@ -112,11 +112,11 @@ class _CarryPlay(KindPlay):
             self._held_s += seconds
             self._squared_error_s += seconds * self._now.grasp_error**2
 
-    def holds(self, goal: Any, seen: Observation) -> bool:
+    def holds(self, goal: Component, seen: Observation) -> bool:
         return self._now.placed
 
-    def happens(self, condition: Any, seen: Observation) -> bool:
-        return bool(getattr(self._now, condition.what))
+    def happens(self, condition: Component, seen: Observation) -> bool:
+        return isinstance(condition, CarryCondition) and bool(getattr(self._now, condition.what))
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
         return {

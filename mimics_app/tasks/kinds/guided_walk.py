@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from msgspec import Meta
@@ -17,6 +17,10 @@ from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec,
 from mimics_app.tasks.kinds.walk_people import STEP_S, Alley, Deed, Guide, Walker
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.registry import Component
+
+if TYPE_CHECKING:
+    from mimics_app.tasks.task import TaskSpec
+    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["KIND", "NEAREST", "GuidedWalkPlay", "GuidedWalkSpec"]
 
@@ -117,7 +121,7 @@ class GuidedWalkPlay(KindPlay):
     def measures(self) -> Values:
         return {"walk_steps": self._steps, "walk_left_m": abs(self._alley.place - self._walker.x)}
 
-    def holds(self, goal: Any, seen: Observation) -> bool:
+    def holds(self, goal: Component, seen: Observation) -> bool:
         return self._reached
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
@@ -175,14 +179,14 @@ class GuidedWalkKind(TaskKind):
     cards = ("gap", "steps")
     label = "Way"
 
-    def takes(self, spec: Any, offers: frozenset[str]) -> bool:
+    def takes(self, spec: TaskSpec, offers: frozenset[str]) -> bool:
         return spec.section(self.name) is not None
 
-    def check(self, spec: Any, pointer: str) -> Iterator[Fault]:
+    def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
         if any(isinstance(goal, AtThePlace) for goal in spec.goals) and spec.section(self.name) is None:
             yield (f"{pointer}/goals", "a goal needs the section guided_walk", 'write "guided_walk": {...}')
 
-    def check_scene(self, spec: Any, scene: Any) -> list[Issue]:
+    def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
         section, known = spec.section(self.name), {entity.id for entity in scene.entities}
         fields = ("avatar", "person", "place") if section else ()
         missing = [(field, getattr(section, field)) for field in fields if getattr(section, field) not in known]
@@ -192,8 +196,10 @@ class GuidedWalkKind(TaskKind):
             for field, name in missing
         ]
 
-    def open(self, spec: Any, context: TaskContext, seed: int) -> GuidedWalkPlay:
-        return GuidedWalkPlay(spec.section(self.name), seed)
+    def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> GuidedWalkPlay:
+        section = spec.section(self.name)
+        assert isinstance(section, GuidedWalkSpec)
+        return GuidedWalkPlay(section, seed)
 
 
 KIND = GuidedWalkKind()

@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from msgspec import Meta
 
@@ -143,11 +143,11 @@ class KindPlay:
     def travel(self, seen: Observation, seconds: float) -> None:
         """A frame of the travel that lasted so long [s]; called after `see`."""
 
-    def holds(self, goal: Any, seen: Observation) -> bool:
+    def holds(self, goal: Component, seen: Observation) -> bool:
         """Whether a goal of this kind is met in this frame, its hold time aside."""
         raise TypeError(f"{type(self).__name__} has no goals")
 
-    def happens(self, condition: Any, seen: Observation) -> bool:
+    def happens(self, condition: Component, seen: Observation) -> bool:
         """Whether the condition of a trigger of this kind begins in this frame."""
         raise TypeError(f"{type(self).__name__} has no conditions")
 

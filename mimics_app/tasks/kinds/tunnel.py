@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from msgspec import Meta
 
@@ -53,8 +53,8 @@ class _TunnelPlay(KindPlay):
         self._progress = snapshot.progress
         return replace(seen, progress=snapshot.progress, distance=snapshot.distance)
 
-    def holds(self, goal: Any, seen: Observation) -> bool:
-        return bool(seen.progress >= goal.at_least)
+    def holds(self, goal: Component, seen: Observation) -> bool:
+        return isinstance(goal, ProgressGoal) and seen.progress >= goal.at_least
 
 
 class TunnelTask(TaskKind):

@@ -10,25 +10,30 @@ import re
 import types
 import typing
 from collections.abc import Callable
+from enum import Enum
 from functools import cache
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Final, Literal, TypeVar, Union, get_args, get_origin
 
 import msgspec
 
 from mimics_app.contracts.errors import MOST_SOUGHT, nearest
 from mimics_app.world.scene.json_text import escape
 
-__all__ = ["FAILED", "Report", "is_comment", "read_struct"]
+T = TypeVar("T")
+
+__all__ = ["FAILED", "Failed", "Report", "is_comment", "read_struct"]
 
 Report = Callable[[str, str, str], None]
 """(pointer below the value, what, fix)"""
 
 
-class _Failed:
+class Failed(Enum):
     """Result of a value that could not be read."""
 
+    FAILED = "failed"
 
-FAILED = _Failed()
+
+FAILED: Final = Failed.FAILED
 """Returned for a value that could not be read; its faults were reported."""
 
 _WORDS = {
@@ -47,7 +52,7 @@ def is_comment(key: str) -> bool:
     return key.startswith("x-")
 
 
-def read_struct(wanted: Any, value: Any, report: Report, pointer: str = "") -> Any:
+def read_struct(wanted: type[T], value: object, report: Report, pointer: str = "") -> T | Failed:
     """Convert a JSON value.
 
     Args:
@@ -62,7 +67,8 @@ def read_struct(wanted: Any, value: Any, report: Report, pointer: str = "") -> A
     try:
         return msgspec.convert(value, wanted)
     except msgspec.ValidationError as error:
-        return _Reader(report).read(wanted, value, pointer, str(error))
+        read: T | Failed = _Reader(report).read(wanted, value, pointer, str(error))
+        return read
 
 
 @cache
@@ -82,7 +88,7 @@ class _Reader:
         self._report = report
         self._reported = 0
 
-    def read(self, wanted: Any, value: Any, pointer: str, error: str = "") -> Any:
+    def read(self, wanted: object, value: object, pointer: str, error: str = "") -> Any:
         if self._reported >= MOST_SOUGHT:
             return FAILED
         if not error:
@@ -100,7 +106,7 @@ class _Reader:
             return self._leaf(inner, value, pointer, error)
         return part
 
-    def _parts(self, wanted: Any, value: Any, pointer: str) -> Any:
+    def _parts(self, wanted: object, value: object, pointer: str) -> Any:
         """The value read part by part, or None when it has no parts of its own that could be at fault."""
         if isinstance(wanted, type) and issubclass(wanted, msgspec.Struct) and isinstance(value, dict):
             return self._struct(wanted, value, pointer)
@@ -143,7 +149,7 @@ class _Reader:
             return FAILED
         return wanted(**read)
 
-    def _leaf(self, wanted: Any, value: Any, pointer: str, error: str) -> Any:
+    def _leaf(self, wanted: object, value: object, pointer: str, error: str) -> Any:
         if get_origin(wanted) is Literal and isinstance(value, str):
             return self._say(pointer, f'"{value}" is not possible here', nearest(value, map(str, get_args(wanted))))
         tags = _tags(wanted)
@@ -163,7 +169,7 @@ class _Reader:
         return FAILED
 
 
-def _candidate(union: Any, value: Any) -> Any:
+def _candidate(union: object, value: object) -> Any:
     """The member of a union that a value of this kind can only be meant for, or the union."""
     members = [member for member in get_args(union) if member is not type(None)]
     if len(members) == 1:
@@ -177,7 +183,7 @@ def _candidate(union: Any, value: Any) -> Any:
     return fitting[0] if len(fitting) == 1 else union
 
 
-def _accepts_tag(member: Any, value: dict[str, Any]) -> bool:
+def _accepts_tag(member: object, value: dict[str, Any]) -> bool:
     bare = _bare(member)
     if not (isinstance(bare, type) and issubclass(bare, msgspec.Struct)):
         return get_origin(bare) is dict
@@ -185,7 +191,7 @@ def _accepts_tag(member: Any, value: dict[str, Any]) -> bool:
     return config.tag_field is None or value.get(config.tag_field) == config.tag
 
 
-def _tags(union: Any) -> tuple[str, set[str]] | None:
+def _tags(union: object) -> tuple[str, set[str]] | None:
     """(tag field, tags) of a union of tagged Structs."""
     members = [_bare(member) for member in get_args(union)]
     structs = [member for member in members if isinstance(member, type) and issubclass(member, msgspec.Struct)]
@@ -194,7 +200,7 @@ def _tags(union: Any) -> tuple[str, set[str]] | None:
     return None if field is None else (field, {str(struct.__struct_config__.tag) for struct in structs})
 
 
-def _wrong_length(wanted: Any, value: Any) -> bool:
+def _wrong_length(wanted: object, value: object) -> bool:
     """True when a list or object breaks a limit on the number of its parts: then none of them is looked at."""
     limits = [meta for meta in get_args(wanted)[1:] if isinstance(meta, msgspec.Meta)]
     least = max((meta.min_length for meta in limits if meta.min_length is not None), default=0)
@@ -202,7 +208,7 @@ def _wrong_length(wanted: Any, value: Any) -> bool:
     return isinstance(value, list | tuple | dict) and (len(value) < least or (most is not None and len(value) > most))
 
 
-def _bare(wanted: Any) -> Any:
+def _bare(wanted: object) -> Any:
     return get_args(wanted)[0] if get_origin(wanted) is Annotated else wanted
 
 

@@ -141,12 +141,12 @@ class GltfSource:
                 self.fail(f"/{name}/{i}", "must be an object")
         return value
 
-    def item(self, name: str, index: Any, pointer: str) -> dict[str, Any]:
+    def item(self, name: str, index: object, pointer: str) -> dict[str, Any]:
         """The object that an index at `pointer` refers to."""
         table = self.table(name)
         return table[self.index(index, len(table), name, pointer)]
 
-    def index(self, value: Any, count: int, name: str, pointer: str) -> int:
+    def index(self, value: object, count: int, name: str, pointer: str) -> int:
         """An index below `count`."""
         if not isinstance(value, int) or isinstance(value, bool):
             self.fail(pointer, f"{value!r:.40} is not an index into {name}")
@@ -208,7 +208,7 @@ class GltfSource:
         return tuple(float(item) for item in value)
 
 
-def _fault_of_number(value: Any) -> str:
+def _fault_of_number(value: object) -> str:
     """Why a value is no number that a model can have."""
     if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < math.inf:
         return f"{value!r:.40} is too large; it must be below {_GREATEST:g}"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 from mimics_app.contracts import resources
 from mimics_app.contracts.errors import Issue, SceneError
@@ -35,7 +34,7 @@ def read_techniques(path: Path) -> dict[str, TechniqueSpec]:
 
     plain = document.get("techniques") if isinstance(document, dict) else None
     wanted = {key: value for key, value in plain.items() if not is_comment(key)} if isinstance(plain, dict) else {}
-    read: Any = read_struct(dict[str, TechniqueSpec], wanted, report, "/techniques")
+    read = read_struct(dict[str, TechniqueSpec], wanted, report, "/techniques")
     if issues or read is FAILED or not wanted:
         raise SceneError(issues or Issue(str(path), "/techniques", "has no techniques"))
     return dict(read)

@@ -69,11 +69,6 @@ class MeshData:
         )
 
     @property
-    def deforms(self) -> bool:
-        """Whether it bends: it follows joints or has morph targets."""
-        return self.weights is not None or bool(self.morphs)
-
-    @property
     def triangle_count(self) -> int:
         """Number of triangles."""
         return self.indices.size // 3

@@ -102,15 +102,6 @@ class Clip:
         tracks[:, 0] = slots[slots >= 0]
         return replace(self, tracks=tracks)
 
-    def unpacked(self) -> list[Track]:
-        """Its tracks one by one."""
-        found = []
-        for target, path, kind, first, keys, value, width in self.tracks.tolist():
-            parts = 3 if kind == Interpolation.CUBIC else 1
-            values = self.values[value : value + keys * parts * width].reshape(keys, parts, width)
-            found.append(Track(target, TrackPath(path), Interpolation(kind), self.times[first : first + keys], values))
-        return found
-
 
 def pack_clip(name: str, tracks: Sequence[Track], events: tuple[ClipEvent, ...] = ()) -> Clip:
     """A clip out of at least one track."""

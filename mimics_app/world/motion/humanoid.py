@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from mimics_app.world.motion.animator import Rig
 
-__all__ = ["BONES", "NEEDED", "HumanoidMap", "find_humanoid", "parent_bone", "report_lines"]
+__all__ = ["BONES", "NEEDED", "HumanoidMap", "find_humanoid", "report_lines"]
 
 _CENTRE = ("hips", "spine", "chest", "upperChest", "neck", "head")
 _ARM = ("Shoulder", "UpperArm", "LowerArm", "Hand")
@@ -107,19 +107,6 @@ def find_humanoid(rig: Rig) -> HumanoidMap:
     _guess(rig, found)
     missing = tuple(bone for bone in NEEDED if bone not in found.slots)
     return HumanoidMap(found.slots, found.names, found.guesses, missing)
-
-
-def parent_bone(bone: str) -> str | None:
-    """The bone that a bone hangs on, hips: on none."""
-    if bone in _CENTRE:
-        return _CENTRE[_CENTRE.index(bone) - 1] if bone != "hips" else None
-    side = "left" if bone.startswith("left") else "right"
-    part = bone.removeprefix(side)
-    for chain, above in ((_ARM, "upperChest"), (_LEG, "hips")):
-        if part in chain:
-            place = chain.index(part)
-            return above if place == 0 else f"{side}{chain[place - 1]}"
-    return "head"
 
 
 def _bone_of(name: str) -> str | None:

@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.regular_file import open_regular, read_regular
@@ -102,7 +102,7 @@ def read_asset(name: str, layer: Layer, root: Path) -> SceneAsset | None:
     Raises:
         SceneError: the file is missing, of an unknown kind, or itself wrong (then the issues name that file).
     """
-    spec: Any = read_struct(AssetSpec, layer.value, lambda *fault: None)
+    spec = read_struct(AssetSpec, layer.value, lambda *fault: None)
     if spec is FAILED:
         return None
     place = f"{layer.pointer}/uri"

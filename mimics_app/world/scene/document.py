@@ -202,9 +202,9 @@ class _Unfolding:
             yield layer, inside
 
 
-def _dict(value: Any) -> dict[str, Any]:
+def _dict(value: object) -> dict[str, Any]:
     return {key: item for key, item in value.items() if not is_comment(key)} if isinstance(value, dict) else {}
 
 
-def _list(value: Any) -> list[Any]:
+def _list(value: object) -> list[Any]:
     return value if isinstance(value, list) else []

@@ -123,7 +123,7 @@ def _is_torn(text: str) -> bool:
     return False
 
 
-def _freed_of_faults(document: Any, file: str) -> tuple[Any, list[Issue]]:
+def _freed_of_faults(document: object, file: str) -> tuple[Any, list[Issue]]:
     """The document with values in it that can be held, and the faults of those that could not."""
     issues: list[Issue] = []
     whole = [document]

@@ -71,7 +71,7 @@ class SceneLoader:
 
     def _entity(self, draft: EntityDraft, plain: dict[str, Any], pointer: str) -> SceneEntity:
         types = component_types()
-        transform: Any = read_struct(TransformSpec, plain["transform"], self._report, f"{pointer}/transform")
+        transform = read_struct(TransformSpec, plain["transform"], self._report, f"{pointer}/transform")
         components: dict[str, msgspec.Struct] = {}
         for name, value in plain["components"].items():
             place = f"{pointer}/components/{escape(name)}"
@@ -80,7 +80,7 @@ class SceneLoader:
                 continue
             if not isinstance(value, dict):
                 continue  # reported with the file's shape
-            struct: Any = read_struct(types[name], value, self._report, place)
+            struct = read_struct(types[name], value, self._report, place)
             if struct is not FAILED:
                 components[name] = struct
         if transform is FAILED:
@@ -95,7 +95,7 @@ class SceneLoader:
                 if name not in systems:
                     self._report(f"/{pointer}", f'unknown system "{name}"', nearest(name, systems))
                     continue
-                struct: Any = read_struct(systems[name], layer.value, self._report, f"/{pointer}")
+                struct = read_struct(systems[name], layer.value, self._report, f"/{pointer}")
                 if struct is not FAILED:
                     scene.systems[name] = struct
                 continue

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.world.components.struct_reader import FAILED, read_struct
@@ -27,7 +26,7 @@ def load_techniques(scene: Scene, document: SceneDocument, issues: list[Issue]) 
     known = built_in_techniques()
     for name, (value, layers) in inherit(document.tables["techniques"], "technique", issues, known).items():
         document.origins.set(f"/techniques/{escape(name)}", layers)
-        spec: Any = read_struct(TechniqueSpec, value, lambda *fault: None)
+        spec = read_struct(TechniqueSpec, value, lambda *fault: None)
         if spec is FAILED:
             continue
         scene.techniques[name] = spec
@@ -45,7 +44,7 @@ def load_materials(scene: Scene, document: SceneDocument, issues: list[Issue]) -
     known = scene.techniques | built_in_techniques()
     for name, (value, layers) in inherit(document.tables["materials"], "material", issues).items():
         document.origins.set(f"/materials/{escape(name)}", layers)
-        spec: Any = read_struct(MaterialSpec, value, lambda *fault: None)
+        spec = read_struct(MaterialSpec, value, lambda *fault: None)
         if spec is FAILED:
             continue
         scene.materials[name] = _material(name, spec)

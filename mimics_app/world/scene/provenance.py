@@ -73,7 +73,7 @@ def merged(low: Any, high: Any) -> Any:
     return result
 
 
-def _depth(value: Any, steps: list[str]) -> int:
+def _depth(value: object, steps: list[str]) -> int:
     """How many steps of a pointer lead to something."""
     for done, step in enumerate(steps):
         key = step.replace("~1", "/").replace("~0", "~")

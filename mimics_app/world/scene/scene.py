@@ -50,7 +50,7 @@ class SceneEntity:
 class _Derived:
     """What was computed, what all of it came from (None: of the scene as a whole), and what `make` read."""
 
-    made: Any
+    made: object
     source: object
     used: set[str]
 
@@ -120,7 +120,7 @@ class Scene:
     @overload
     def components(self, wanted: str) -> list[tuple[str, Any, str]]: ...
 
-    def components(self, wanted: Any) -> list[tuple[str, Any, str]]:
+    def components(self, wanted: type[msgspec.Struct] | str) -> list[tuple[str, Any, str]]:
         """(entity id, component, pointer) of every component of a type, given by its Struct or its name.
 
         Who asks makes use of them, which is noted in `read`; `has` asks without.

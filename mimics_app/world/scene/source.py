@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,12 +13,11 @@ from mimics_app.contracts.regular_file import read_regular
 from mimics_app.world.components.registry import section_of
 from mimics_app.world.components.struct_reader import is_comment, read_struct
 from mimics_app.world.scene.json_text import parse_json
-from mimics_app.world.scene.migrations import migrate
 from mimics_app.world.scene.paths import SHIPPED, PathFault, find_file
 from mimics_app.world.scene.provenance import Layer
 from mimics_app.world.scene.spec import FORMAT, MAX_ENTITIES, VERSION, SceneSpec
 
-__all__ = ["SceneSource", "read_bytes", "read_sources"]
+__all__ = ["MIGRATIONS", "SceneSource", "migrate", "read_bytes", "read_sources"]
 
 _MAX_BYTES = 64 * 1024 * 1024
 """Largest scene file read [bytes]; one of 10,000 entities has about 2 million."""
@@ -149,3 +149,19 @@ def _display(including: str, uri: str, path: Path) -> str:
     if uri.startswith(SHIPPED):
         return str(path)
     return os.path.normpath(os.path.join(os.path.dirname(including), uri))
+
+
+MIGRATIONS: dict[int, Callable[[dict[str, Any]], dict[str, Any]]] = {}
+"""From version n to n + 1, by n. Each returns a new document and leaves the old one as it is."""
+
+
+def migrate(document: dict[str, Any]) -> dict[str, Any] | None:
+    """The document in the newest version, or None when its version cannot be read: too new, too old or no number."""
+    version = document.get("version")
+    if not isinstance(version, int) or isinstance(version, bool) or version > VERSION:
+        return None
+    for step in range(version, VERSION):
+        if step not in MIGRATIONS:
+            return None
+        document = MIGRATIONS[step](document) | {"version": step + 1}
+    return document

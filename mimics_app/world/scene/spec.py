@@ -39,7 +39,7 @@ MAX_ENTITIES = 100_000
 """Most entities of one scene, prefabs unfolded."""
 
 VERSION = 1
-"""Newest version of the format; older ones are read through `migrations`."""
+"""Newest version of the format; older ones are read through `source.MIGRATIONS`."""
 
 Share = Annotated[float, Meta(ge=0, le=1)]
 Pair = tuple[SignedFactor, SignedFactor]

@@ -66,11 +66,6 @@ class SimulatedBody:
         self._second: dict[str, NDArray[np.float64]] = {}
         self._felt: list[Experience] = []
 
-    @property
-    def latent(self) -> LatentPeople:
-        """The person, for a scorer only."""
-        return self._people
-
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
         """Samples up to now."""
         if self._start_ns is None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numba import types
@@ -12,7 +11,7 @@ from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
 from mimics_app.rendering.audio.spectral.fourier import BINS
-from mimics_app.rendering.audio.spectral.lanes import ADDRESS, BYTE_POINTER, BYTES, WIDTH, Complex, Writer
+from mimics_app.rendering.audio.spectral.lanes import ADDRESS, BYTE_POINTER, BYTES, WIDTH, Complex, Value, Writer
 
 __all__ = ["add_heard", "move", "set_shaped"]
 
@@ -100,7 +99,7 @@ def _move(typingctx, target, source, count):
     return types.void(ADDRESS, ADDRESS, types.int64), codegen
 
 
-def _shaped(write: Writer, spectrum: Any, shelves: Any, tone: Sequence[Any]) -> Complex:
+def _shaped(write: Writer, spectrum: Value, shelves: Value, tone: Sequence[Value]) -> Complex:
     """16 bins through both shelves."""
     gain, lower, side, upper, over = (write.filled(each) for each in tone)
     a = write.row(shelves, BINS).times_plus(lower, write.row(shelves) * gain)

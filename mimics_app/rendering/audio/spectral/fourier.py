@@ -8,14 +8,13 @@ numbers. The highest bin, at half the rate, is left out: nothing here lets it th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numba import types
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
-from mimics_app.rendering.audio.spectral.lanes import ADDRESS, BYTES, WIDTH, Complex, Writer, transposed
+from mimics_app.rendering.audio.spectral.lanes import ADDRESS, BYTES, WIDTH, Complex, Value, Writer, transposed
 
 __all__ = ["BINS", "SIZE", "WORK", "real_block", "real_spectrum", "turns_of"]
 
@@ -141,7 +140,7 @@ def _unfold(typingctx, ahead, back, turns, spectrum):
     return types.void(ADDRESS, ADDRESS, ADDRESS, ADDRESS), codegen
 
 
-def _pairs(write: Writer, data: Any, place: int) -> Complex:
+def _pairs(write: Writer, data: Value, place: int) -> Complex:
     """32 samples as 16 complex numbers."""
     low, high = write.row(data, place), write.row(data, place + WIDTH)
     return Complex(low.taking(high, range(0, 2 * WIDTH, 2)), low.taking(high, range(1, 2 * WIDTH, 2)))

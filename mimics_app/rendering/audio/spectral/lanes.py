@@ -7,14 +7,25 @@ of the formula. 16 floats are one register of AVX-512, two of AVX and four of NE
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TypeAlias
 
 import numpy as np
 from llvmlite import ir
 from numba import types
 from numpy.typing import NDArray
 
-__all__ = ["ADDRESS", "BYTES", "BYTE_POINTER", "WIDTH", "Complex", "Lanes", "Writer", "aligned_zeros", "transposed"]
+__all__ = [
+    "ADDRESS",
+    "BYTES",
+    "BYTE_POINTER",
+    "WIDTH",
+    "Complex",
+    "Lanes",
+    "Value",
+    "Writer",
+    "aligned_zeros",
+    "transposed",
+]
 
 ADDRESS = types.uintp
 """Of an array, its `ctypes.data`."""
@@ -32,13 +43,16 @@ _ROW = ir.VectorType(ir.FloatType(), WIDTH)
 _ROW_POINTER = _ROW.as_pointer()
 _OFFSET = ir.IntType(64)
 _FUSED = ir.FunctionType(_ROW, (_ROW, _ROW, _ROW))
+Value: TypeAlias = ir.Value
+"""A value of the machine code that is being written."""
+
 _LINE = 64  # bytes of a cache's line
 
 
 class Lanes:
     """A row while a kernel is made."""
 
-    def __init__(self, builder: Any, value: Any) -> None:
+    def __init__(self, builder: ir.IRBuilder, value: Value) -> None:
         self.builder = builder
         self.value = value
 
@@ -99,29 +113,29 @@ class Writer:
         builder: Of the intrinsic.
     """
 
-    def __init__(self, builder: Any) -> None:
+    def __init__(self, builder: ir.IRBuilder) -> None:
         self._builder = builder
 
-    def row(self, address: Any, place: int = 0) -> Lanes:
+    def row(self, address: Value, place: int = 0) -> Lanes:
         """16 numbers from a place on."""
         return Lanes(self._builder, self._builder.load(self._pointer(address, place), align=BYTES))
 
-    def rows(self, address: Any, re: int, im: int) -> Complex:
+    def rows(self, address: Value, re: int, im: int) -> Complex:
         """Real and imaginary parts from two places."""
         return Complex(self.row(address, re), self.row(address, im))
 
-    def keep(self, row: Lanes, address: Any, place: int = 0) -> None:
+    def keep(self, row: Lanes, address: Value, place: int = 0) -> None:
         """Write a row."""
         self._builder.store(row.value, self._pointer(address, place), align=BYTES)
 
-    def filled(self, number: Any) -> Lanes:
+    def filled(self, number: Value | float) -> Lanes:
         """One number 16 times."""
         number = ir.Constant(ir.FloatType(), number) if isinstance(number, float) else number
         first = self._builder.insert_element(ir.Constant(_ROW, ir.Undefined), number, ir.Constant(ir.IntType(32), 0))
         same = Lanes(self._builder, first)
         return same.taking(same, [0] * WIDTH)
 
-    def _pointer(self, address: Any, place: int) -> Any:
+    def _pointer(self, address: Value, place: int) -> Value:
         at = self._builder.add(address, ir.Constant(_OFFSET, BYTES * place)) if place else address
         return self._builder.inttoptr(at, _ROW_POINTER)
 

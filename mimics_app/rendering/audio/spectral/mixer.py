@@ -6,26 +6,38 @@ per bin and ear; what changed is crossfaded over the block, so nothing clicks. T
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.audio_port import Heard, Start, Timing, frame_at
 from mimics_app.rendering.audio.bank import SoundBank
-from mimics_app.rendering.audio.settings import AudioSettings
+from mimics_app.rendering.audio.settings import AudioSettings, Speakers
 from mimics_app.rendering.audio.spectral.buses import Buses
+from mimics_app.rendering.audio.spectral.computed_head import compute_head
 from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE
-from mimics_app.rendering.audio.spectral.head_choice import head_table
 from mimics_app.rendering.audio.spectral.head_table import (
     BASE_DELAY,
     DELAYS_PER_SAMPLE,
     HeadTable,
+    build_head_table,
     half_delay_rows,
 )
 from mimics_app.rendering.audio.spectral.lanes import aligned_zeros
-from mimics_app.rendering.audio.spectral.loudspeakers import Loudspeakers
-from mimics_app.rendering.audio.spectral.mix_kernels import BLOCK, State, add_blocks, mix_for_ears, mix_for_speakers
+from mimics_app.rendering.audio.spectral.mix_kernels import (
+    BLOCK,
+    State,
+    Voices,
+    add_blocks,
+    mix_for_ears,
+    mix_for_speakers,
+)
 from mimics_app.rendering.audio.spectral.room import Room
-from mimics_app.rendering.audio.spectral.steer_kernels import Head, steer
+from mimics_app.rendering.audio.spectral.sofa import read_sofa
+from mimics_app.rendering.audio.spectral.steer_kernels import Head, Places, pan_harmonics, pan_pair, steer
 from mimics_app.rendering.audio.spectral.voice_store import VoiceStore, pack_bank
 
 __all__ = ["SpectralMixer"]
@@ -35,6 +47,14 @@ Floats = NDArray[np.float32]
 
 _SPARE = 16
 """Rows beyond the voices asked for, where stolen ones fade out."""
+
+# Azimuth to the right [degrees] of each channel in the order of wave files; None: bass, which gets nothing by itself.
+# ITU-R BS.775 for 5.1, and 90 and 150 degrees for the sides and the back of 7.1.
+_ARRANGEMENTS: Mapping[Speakers, tuple[float | None, ...]] = {
+    "stereo": (-30.0, 30.0),
+    "5.1": (-30.0, 30.0, 0.0, None, -110.0, 110.0),
+    "7.1": (-30.0, 30.0, 0.0, None, -150.0, 150.0, -90.0, 90.0),
+}
 
 
 class SpectralMixer:
@@ -58,8 +78,8 @@ class SpectralMixer:
         self._limit = settings.voices
         self._sounds = bank
         self._bank, self._rows = pack_bank(bank)
-        self._table = table or head_table(settings)
-        self._speakers = None if settings.hrtf else Loudspeakers(settings.speakers)
+        self._table = table or _head_table(settings)
+        self._speakers = None if settings.hrtf else _Loudspeakers(settings.speakers)
         self._store = VoiceStore(settings.voices + _SPARE, 0 if settings.hrtf else self.channels)
         self._buses = Buses(settings.buses, settings.rate)
         self._room = Room(settings.rate, self.channels)
@@ -227,3 +247,36 @@ def _rise(frames: int) -> Floats:
     if frames not in _RISES:
         _RISES[frames] = (0.5 - 0.5 * np.cos(np.pi * (np.arange(frames) + 0.5) / frames)).astype(np.float32)
     return _RISES[frames]
+
+
+def _head_table(settings: AudioSettings) -> HeadTable:
+    """The tables of the head that the settings name; those of one head are made once in a process.
+
+    Raises:
+        SceneError: The SOFA file cannot be used; the reason is said.
+    """
+    return _table_of_head(settings.sofa, settings.head_width, settings.rate)
+
+
+@lru_cache(maxsize=4)
+def _table_of_head(sofa: Path | None, width: float, rate: int) -> HeadTable:
+    head = compute_head(width, rate) if sofa is None else read_sofa(sofa)
+    return build_head_table(head, rate)
+
+
+class _Loudspeakers:
+    """Spreads voices over the channels of an arrangement."""
+
+    def __init__(self, speakers: Speakers) -> None:
+        places = _ARRANGEMENTS.get(speakers)
+        self._harmonics = places is None
+        known = sorted((angle, channel) for channel, angle in enumerate(places or ()) if angle is not None)
+        self._angles = np.radians([angle for angle, _ in known])
+        self._channels = np.array([channel for _, channel in known], np.int64)
+
+    def pan(self, rows: NDArray[np.int64], places: Places, voices: Voices) -> None:
+        """Set the gains of some voices for the next block."""
+        if self._harmonics:
+            pan_harmonics(rows, places, voices)
+        else:
+            pan_pair(rows, places, voices, self._angles, self._channels, len(self._angles) == 2)

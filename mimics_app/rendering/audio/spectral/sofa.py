@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.rendering.audio.spectral.head import HeadResponses, directions_from_angles
+
+if TYPE_CHECKING:
+    import h5py
 
 __all__ = ["read_sofa"]
 
@@ -65,7 +68,7 @@ def _text(value: object) -> str:
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 
-def _check_convention(path: Path, file: Any) -> None:
+def _check_convention(path: Path, file: h5py.File) -> None:
     convention = _text(file.attrs.get("SOFAConventions", ""))
     if convention not in ("SimpleFreeFieldHRIR", "SimpleFreeFieldSOS"):
         told = f'is of the convention "{convention}"' if convention else "names no SOFA convention"
@@ -74,7 +77,7 @@ def _check_convention(path: Path, file: Any) -> None:
         raise _refused(path, "has no impulse responses (Data.IR)", "export it as SimpleFreeFieldHRIR")
 
 
-def _array(path: Path, file: Any, name: str) -> Floats:
+def _array(path: Path, file: h5py.File, name: str) -> Floats:
     """A variable as numbers.
 
     Raises:
@@ -88,7 +91,7 @@ def _array(path: Path, file: Any, name: str) -> Floats:
         raise _refused(path, f"{name} holds no numbers", "export it again") from error
 
 
-def _angles(path: Path, variable: Any, position: Floats) -> Floats:
+def _angles(path: Path, variable: h5py.Dataset, position: Floats) -> Floats:
     """Azimuth to the right and elevation [rad], shape [n, 2], of spherical (degrees, leftwards) or cartesian places."""
     if position.ndim != 2 or position.shape[1] != 3 or not np.isfinite(position).all():
         raise _refused(path, "SourcePosition is not three finite numbers for each direction", "export it again")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from mimics_app.contracts.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.errors import DeviceError
@@ -44,7 +43,7 @@ def descriptor_of(device: str) -> DeviceDescriptor:
         return _OTHERS[name]()
     if name in ADDRESSES:
         return HAPTICMASTER
-    found: Any = getattr(find_plugin(name), "descriptor", HAPTICMASTER)
+    found = getattr(find_plugin(name), "descriptor", HAPTICMASTER)
     if not isinstance(found, DeviceDescriptor):
         raise DeviceError(
             f'the plug-in of device "{name}" has a descriptor of type {type(found).__name__}',

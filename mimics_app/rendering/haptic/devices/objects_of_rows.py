@@ -58,7 +58,7 @@ def device_objects_of(
     return tuple(objects), left_out
 
 
-def _translate(row: Any, name: str, robot: Robot, inertia: float) -> DeviceObject | str:
+def _translate(row: np.void, name: str, robot: Robot, inertia: float) -> DeviceObject | str:
     """One shape, or why not."""
     if row["body"] != STATIC:
         return "it moves"

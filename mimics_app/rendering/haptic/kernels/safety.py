@@ -28,7 +28,7 @@ from mimics_app.contracts.haptic import (
     TripCause,
 )
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.tunnel import TunnelStatus
+from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
 if TYPE_CHECKING:

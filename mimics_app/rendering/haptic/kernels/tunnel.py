@@ -15,77 +15,27 @@ bisector and dragged, instead of jumping across it.
 
 Each end is closed by a flat wall, square to the tangent, that leaves the same room c beyond the last point: a ball that
 leaves through it is pushed back along the tangent only, and a ball at rest at the end touches nothing.
-
-Angles of t, n, b: n and b turn with the curve as little as possible (rotation-minimising frame), b = t x n.
 """
 
 from __future__ import annotations
 
 import math
-from enum import IntEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.tunnel_frame import arc_at, write_frame
 from mimics_app.rendering.haptic.kernels.tunnel_projection import axis, locate, project
+from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import TunnelRecord, TunnelStateRecord
 
-__all__ = ["TUNNEL_STATE", "TunnelStatus", "arc_at", "fade_at_end", "restart_tracking", "tunnel_force"]
+__all__ = ["fade_at_end", "tunnel_force"]
 
 Vec = NDArray[np.float64]
-
-_NO_RUN = 1e-24
-"""Square of a length below which something has no direction [m^2]."""
-
-_NO_NORMAL = 1e-12
-"""Length of a blended normal, of unit ones, below which it is left as it is [-]."""
-
-
-class TunnelStatus(IntEnum):
-    """What the last call of `tunnel_force` could do; the force is zero unless FOLLOWING."""
-
-    NO_TUNNEL = 0
-    FOLLOWING = 1
-    NOT_FINITE = 2
-
-
-TUNNEL_STATE = np.dtype(
-    [
-        # input, optional
-        ("ball_radius_rate", "f8"),  # r_k' [m/s]; the caller sets it where the ball changes size, else 0
-        # tracking: zero means "start afresh" (see restart_tracking)
-        ("tracking", "i8"),  # 0: the next call searches the whole tunnel
-        ("s", "f8"),  # tunnel parameter of the closest bisector point [pieces], warm start of the next call
-        ("distance", "f8"),  # of the ball centre from the bisector [m]
-        ("tracked", "f8", (3,)),  # ball centre of the last call, world [m]
-        ("ticks", "i8"),  # calls since the last full search
-        ("restarts", "i8"),  # full searches since the state was zeroed
-        # outputs
-        ("status", "i8"),  # TunnelStatus
-        ("progress", "f8"),  # share of the arc length, 0-1
-        ("offset_n", "f8"),  # of the ball centre along n [m]
-        ("offset_b", "f8"),  # of the ball centre along b [m]
-        ("radius", "f8"),  # tunnel radius at s, scaled [m]
-        ("penetration", "f8"),  # of the ball into wall or end cap, the deeper of the two, >= 0 [m]
-        ("approach_speed", "f8"),  # rate of that depth [m/s], > 0: going in
-        ("force_world", "f8", (3,)),  # all of the tunnel on the user [N]
-        ("assist_world", "f8", (3,)),  # what of it is assistance [N]
-        ("softening", "f8"),  # set by the caller: share of the wall's stiffness that is left out, 0-1
-        ("share", "f8"),  # the caller's own: what is rendered of it, 1 - softening before rounding
-        ("force_tnb", "f8", (3,)),  # the same along t, n, b [N]
-        ("wall_force", "f8"),  # magnitude of wall and cap alone, >= 0 [N]
-        ("normal_world", "f8", (3,)),  # out of the touched surface, unit; kept from the last contact
-        ("tangent", "f8", (3,)),  # world, unit, towards the end
-        ("normal_n", "f8", (3,)),  # n, world, unit
-        ("binormal", "f8", (3,)),  # b, world, unit
-    ],
-    align=True,
-)
-"""Memory and results of one ball in one tunnel. All zero is a valid start."""
 
 _NO_TUNNEL = int(TunnelStatus.NO_TUNNEL)
 _FOLLOWING = int(TunnelStatus.FOLLOWING)
@@ -97,23 +47,11 @@ _SMALLEST_OFFSET = 1e-15
 _MIN_STRETCH = 0.05
 """Floor of 1 - kappa.e: at the centre of curvature, outside any lawful tunnel, the force stays finite."""
 
-_GAUSS_3 = 0.5 * math.sqrt(0.6)
-
-_STRAIGHT = 1e-6
-"""Curvature below which the bisector is straight [1/m]."""
-
 _ADVANCE_FADE = 0.01
 """The advance force fades over this length before the end [m]."""
 
 _MAX_COORDINATE = 1e6
 """Beyond this [m, m/s] a position or velocity counts as not finite."""
-
-
-@kernel
-def restart_tracking(state: TunnelStateRecord) -> None:
-    """Forget the branch: the next call searches the whole tunnel and, in a tie, starts at the beginning."""
-    state.tracking = 0
-    state.s = 0.0
 
 
 @kernel
@@ -126,128 +64,9 @@ def _is_usable(p: Vec, v: Vec, ball_radius: float, rate: float) -> bool:
 
 
 @kernel
-def _speed(tunnel: TunnelRecord, piece: int, u: float) -> float:
-    """|dC/du| [m]."""
-    _, x, _ = axis(tunnel, piece, 0, u)
-    _, y, _ = axis(tunnel, piece, 1, u)
-    _, z, _ = axis(tunnel, piece, 2, u)
-    return math.sqrt(x * x + y * y + z * z)
-
-
-@kernel
-def _length_to(tunnel: TunnelRecord, piece: int, u: float) -> float:
-    """Length of the piece from 0 to u [m] by three-point Gauss-Legendre."""
-    outer = _speed(tunnel, piece, (0.5 - _GAUSS_3) * u) + _speed(tunnel, piece, (0.5 + _GAUSS_3) * u)
-    return u * (5.0 * outer + 8.0 * _speed(tunnel, piece, 0.5 * u)) / 18.0
-
-
-@kernel
-def arc_at(tunnel: TunnelRecord, piece: int, u: float) -> float:
-    """Arc length up to u of a piece [m]; what three points miss of the whole piece is spread, so that no knot shows."""
-    start = tunnel.arc_length[piece]
-    missing = tunnel.arc_length[piece + 1] - start - _length_to(tunnel, piece, 1.0)
-    arc: float = start + _length_to(tunnel, piece, u) + missing * u * u
-    return arc
-
-
-@kernel
 def fade_at_end(remaining: float) -> float:
     """Share 0-1 of an advancing force that is left `remaining` [m] before the end."""
     return min(1.0, max(0.0, remaining) / _ADVANCE_FADE)
-
-
-@kernel
-def _carry_normal(
-    tunnel: TunnelRecord, piece: int, end: int, x: float, y: float, z: float, tx: float, ty: float, tz: float
-) -> tuple[float, float, float]:
-    """Normal at a point of a piece, carried from one of its ends by double reflection (Wang et al. 2008, table I)."""
-    x0, tx0, _ = axis(tunnel, piece, 0, float(end))
-    y0, ty0, _ = axis(tunnel, piece, 1, float(end))
-    z0, tz0, _ = axis(tunnel, piece, 2, float(end))
-    speed = math.sqrt(tx0 * tx0 + ty0 * ty0 + tz0 * tz0)
-    tx0 /= speed
-    ty0 /= speed
-    tz0 /= speed
-    nx = tunnel.normal[piece + end, 0]
-    ny = tunnel.normal[piece + end, 1]
-    nz = tunnel.normal[piece + end, 2]
-    ax = x - x0
-    ay = y - y0
-    az = z - z0
-    square = ax * ax + ay * ay + az * az
-    if square > _NO_RUN:
-        f = 2.0 * (ax * nx + ay * ny + az * nz) / square
-        nx -= f * ax
-        ny -= f * ay
-        nz -= f * az
-        f = 2.0 * (ax * tx0 + ay * ty0 + az * tz0) / square
-        tx0 -= f * ax
-        ty0 -= f * ay
-        tz0 -= f * az
-    ax = tx - tx0
-    ay = ty - ty0
-    az = tz - tz0
-    square = ax * ax + ay * ay + az * az
-    if square > _NO_RUN:
-        f = 2.0 * (ax * nx + ay * ny + az * nz) / square
-        nx -= f * ax
-        ny -= f * ay
-        nz -= f * az
-    return nx, ny, nz
-
-
-@kernel
-def _frenet_normal(
-    tunnel: TunnelRecord, piece: int, u: float, tx: float, ty: float, tz: float
-) -> tuple[float, float, float, float]:
-    """Unit normal towards the centre of curvature, and 1; 0 where the bisector is straight and has none."""
-    _, vx, ax = axis(tunnel, piece, 0, u)
-    _, vy, ay = axis(tunnel, piece, 1, u)
-    _, vz, az = axis(tunnel, piece, 2, u)
-    along = ax * tx + ay * ty + az * tz
-    ax -= along * tx
-    ay -= along * ty
-    az -= along * tz
-    size = math.sqrt(ax * ax + ay * ay + az * az)
-    if size <= _STRAIGHT * (vx * vx + vy * vy + vz * vz):
-        return 0.0, 0.0, 0.0, 0.0
-    return ax / size, ay / size, az / size, 1.0
-
-
-@kernel
-def _write_frame(
-    tunnel: TunnelRecord, piece: int, u: float, x: float, y: float, z: float, state: TunnelStateRecord
-) -> None:
-    """Set n and b at the closest point: normals carried from both ends of the piece, blended, so that no knot shows.
-
-    By the tunnel's wish n is Frenet's where the bisector bends; on a straight part it has none, and is carried.
-    """
-    tx = state.tangent[0]
-    ty = state.tangent[1]
-    tz = state.tangent[2]
-    ax, ay, az = _carry_normal(tunnel, piece, 0, x, y, z, tx, ty, tz)
-    bx, by, bz = _carry_normal(tunnel, piece, 1, x, y, z, tx, ty, tz)
-    nx = (1.0 - u) * ax + u * bx
-    ny = (1.0 - u) * ay + u * by
-    nz = (1.0 - u) * az + u * bz
-    along = nx * tx + ny * ty + nz * tz
-    nx -= along * tx
-    ny -= along * ty
-    nz -= along * tz
-    size = max(math.sqrt(nx * nx + ny * ny + nz * nz), _NO_NORMAL)
-    nx /= size
-    ny /= size
-    nz /= size
-    if tunnel.frenet == 1:
-        ax, ay, az, bent = _frenet_normal(tunnel, piece, u, tx, ty, tz)
-        if bent == 1.0:
-            nx, ny, nz = ax, ay, az
-    state.normal_n[0] = nx
-    state.normal_n[1] = ny
-    state.normal_n[2] = nz
-    state.binormal[0] = ty * nz - tz * ny
-    state.binormal[1] = tz * nx - tx * nz
-    state.binormal[2] = tx * ny - ty * nx
 
 
 @kernel
@@ -295,7 +114,7 @@ def tunnel_force(tunnel: TunnelRecord, p: Vec, v: Vec, ball_radius: float, state
     state.tangent[0] = x1 / speed
     state.tangent[1] = y1 / speed
     state.tangent[2] = z1 / speed
-    _write_frame(tunnel, piece, u, x, y, z, state)
+    write_frame(tunnel, piece, u, x, y, z, state)
     arc = arc_at(tunnel, piece, u)
     total = tunnel.arc_length[tunnel.pieces]
     state.progress = min(max(arc / total, 0.0), 1.0)

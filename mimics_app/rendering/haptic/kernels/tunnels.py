@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.stability import spring_share, stiffness_limit
-from mimics_app.rendering.haptic.kernels.tunnel import TunnelStatus, restart_tracking, tunnel_force
+from mimics_app.rendering.haptic.kernels.tunnel import tunnel_force
+from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus, restart_tracking
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import (

@@ -9,9 +9,9 @@ import numpy as np
 from msgspec import Meta, field
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.rendering.visual.displays.display_file import read_display_file
 from mimics_app.world.components.bounds import Point, Quaternion
 from mimics_app.world.components.registry import Component
+from mimics_app.world.scene.struct_file import read_struct_file
 
 __all__ = ["EyeSpec", "HeadsetSpec", "LensSpec", "PoseSpec", "StateSpec", "load_headset"]
 
@@ -98,7 +98,7 @@ def load_headset(path: Path) -> HeadsetSpec:
     Raises:
         SceneError: every fault of it: shape, empty frusta, rotations of another length than 1, times out of order.
     """
-    spec, file = read_display_file(path, HeadsetSpec), str(path)
+    spec, file = read_struct_file(path, HeadsetSpec), str(path)
     issues = [issue for name in ("left", "right") for issue in _check_eye(getattr(spec, name), f"/{name}", file)]
     for number, pose in enumerate(spec.poses):
         if number and pose.t <= spec.poses[number - 1].t:

@@ -31,6 +31,8 @@ from mimics_app.rendering.visual.displays.openxr_binding import EGL_EXTENSION, c
 if TYPE_CHECKING:
     from types import ModuleType
 
+    import xr
+
 __all__ = ["OpenXrRuntime", "load_openxr", "no_runtime"]
 
 F8 = NDArray[np.float64]
@@ -199,13 +201,13 @@ class OpenXrRuntime(HeadsetRuntime):
         self._make_swapchain(system)
         self._offset_ns = self._clock_offset()
 
-    def _ask_requirements(self, system: Any) -> None:
+    def _ask_requirements(self, system: int) -> None:
         """Obligatory before a session is created, whatever the answer."""
         xr, needs = self._xr, self._xr.GraphicsRequirementsOpenGLKHR()
         address = xr.get_instance_proc_addr(self._instance, "xrGetOpenGLGraphicsRequirementsKHR")
         cast(address, xr.PFN_xrGetOpenGLGraphicsRequirementsKHR)(self._instance, system, byref(needs))
 
-    def _make_swapchain(self, system: Any) -> None:
+    def _make_swapchain(self, system: int) -> None:
         """One wide picture for both eyes: each is a rectangle of it."""
         xr = self._xr
         views = xr.enumerate_view_configuration_views(self._instance, system, xr.ViewConfigurationType.PRIMARY_STEREO)
@@ -276,7 +278,7 @@ class _Timespec(ctypes.Structure):
     _fields_ = (("seconds", ctypes.c_long), ("nanoseconds", ctypes.c_long))
 
 
-def _location(view: Any) -> EyeLocation:
+def _location(view: xr.View) -> EyeLocation:
     place, turn, fov = view.pose.position, view.pose.orientation, view.fov
     pose = pose_from_parts((place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w))
     tangents = (fov.angle_left, fov.angle_right, fov.angle_down, fov.angle_up)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 
 import numpy as np
@@ -50,8 +51,9 @@ class PlainDisplay(Display):
     def begin_frame(self, now_ns: int) -> FrameTiming:
         return FrameTiming(now_ns)
 
+    @abstractmethod
     def eyes(self, viewpoint: Viewpoint, drawn: Size, display_ns: int) -> list[Eye]:
-        raise NotImplementedError
+        """Depends on what is looked at: every display says it for itself."""
 
     def end_frame(self, frame: DisplayFrame | None) -> None:
         """The surface shows it."""

@@ -9,10 +9,10 @@ import numpy as np
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.rendering.visual.displays.display_file import read_display_file
 from mimics_app.rendering.visual.displays.off_axis import Rectangle
 from mimics_app.world.components.bounds import Point
 from mimics_app.world.components.registry import Component
+from mimics_app.world.scene.struct_file import read_struct_file
 
 __all__ = ["WallSpec", "WallsSpec", "load_walls", "rectangle_of"]
 
@@ -66,7 +66,7 @@ def load_walls(path: Path) -> WallsSpec:
     Raises:
         SceneError: every fault of it: shape, names that stand twice, edges that are too short or not square.
     """
-    walls = read_display_file(path, WallsSpec)
+    walls = read_struct_file(path, WallsSpec)
     issues = [issue for number in range(len(walls.walls)) for issue in _check(walls, number, str(path))]
     if issues:
         raise SceneError(issues)

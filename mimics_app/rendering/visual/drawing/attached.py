@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import ModuleType
 from typing import Any
 
 from mimics_app.contracts.errors import DeviceError
@@ -57,7 +58,7 @@ def _load() -> Any:
     return glfw
 
 
-def _describe(glfw: Any, monitor: Any, primary: bool) -> DisplayInfo:
+def _describe(glfw: ModuleType, monitor: Any, primary: bool) -> DisplayInfo:
     mode = glfw.get_video_mode(monitor)
     width_mm, height_mm = glfw.get_monitor_physical_size(monitor)
     return DisplayInfo(

@@ -22,15 +22,12 @@ if TYPE_CHECKING:
 
     from mimics_app.rendering.visual.materials.shader_library import ShaderProgram
 
-__all__ = ["COMMAND_WORDS", "INSTANCE_FLOATS", "MeshArena", "MeshRange"]
+__all__ = ["COMMAND_WORDS", "MeshArena", "MeshRange"]
 
 _VERTEX, _COLOUR = VERTEX_DECLARATION.dtype, COLOUR_DECLARATION.dtype
 _INSTANCE = np.dtype(
     [("eye_row0", "f4", (4,)), ("eye_row1", "f4", (4,)), ("eye_row2", "f4", (4,)), ("paint", "f4", (4,))]
 )
-
-INSTANCE_FLOATS = 16
-"""Floats of one instance: the three rows of eye_from_object, and four that its look gives a meaning."""
 
 COMMAND_WORDS = 5
 """32-bit words of one indirect draw, as glMultiDrawElementsIndirect reads it: indices, instances, first index, base

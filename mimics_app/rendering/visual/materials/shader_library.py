@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,25 +56,24 @@ class ShaderProgram:
         """For how many eyes each instance is drawn."""
         return 2 if any(define.startswith("EYES_BY_") for define in self.defines) else 1
 
+    def _uniform(self, name: str) -> moderngl.Uniform:
+        return cast("moderngl.Uniform", self.program[name])
+
     def set_matrix(self, name: str, matrix: NDArray[np.float64]) -> None:
         """Give a mat4 uniform its value (column vectors, float64 [4, 4]); uploaded as float32."""
-        uniform: Any = self.program[name]
-        uniform.write(np.ascontiguousarray(matrix.T, np.float32))
+        self._uniform(name).write(np.ascontiguousarray(matrix.T, np.float32))
 
     def set_number(self, name: str, value: float) -> None:
         """Give a float uniform its value."""
-        uniform: Any = self.program[name]
-        uniform.value = value
+        self._uniform(name).value = value
 
     def set_array(self, name: str, values: NDArray[np.float32]) -> None:
         """Give an array of uniforms its values, float32."""
-        uniform: Any = self.program[name]
-        uniform.write(np.ascontiguousarray(values, np.float32))
+        self._uniform(name).write(np.ascontiguousarray(values, np.float32))
 
     def set_numbers(self, name: str, values: Sequence[float]) -> None:
         """Give a vector uniform its value."""
-        uniform: Any = self.program[name]
-        uniform.value = tuple(values)
+        self._uniform(name).value = tuple(values)
 
 
 class ShaderLibrary:

@@ -18,7 +18,6 @@ from mimics_app.rendering.visual.overlay.layers import LAYERS, Arrow, Layer
 from mimics_app.rendering.visual.overlay.line_pass import LinePass
 from mimics_app.rendering.visual.overlay.line_set import LineSet
 from mimics_app.rendering.visual.overlay.stage_times import StageTimes
-from mimics_app.rendering.visual.overlay.wire_pass import WirePass
 from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage
 from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
@@ -63,7 +62,7 @@ class Overlay:
         self.hud = Hud()
         self._lines = LineSet()
         self._line_pass = LinePass(ctx, shaders)
-        self._wires = WirePass(ctx, shaders, arena, frame)
+        self._wires = _WirePass(ctx, shaders, arena, frame)
         self._atlas = AtlasPass(ctx, shaders)
         self._maps_shown = False
 
@@ -141,3 +140,27 @@ class Overlay:
             add_node_bounds(lines, scene.world, listed, self.chosen)
             for arrow in self.handles:
                 lines.arrow(arrow.origin, arrow.vector, arrow.tint)
+
+
+class _WirePass:
+    """Draws the runs of a frame again as lines, a little nearer than they are."""
+
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, arena: MeshArena, frame: FrameBuffers) -> None:
+        self._ctx, self._arena, self._frame = ctx, arena, frame
+        self._shader = shaders.program("common/mesh.vert", "overlay/wire.frag")
+
+    def draw(self, target: moderngl.Framebuffer, drawn: ViewDraws) -> int:
+        """Draw a view whose block is bound; returns the draw calls made."""
+        import moderngl
+
+        ctx, runs = self._ctx, (*drawn.opaque, *drawn.blended)
+        target.viewport = drawn.rectangle
+        target.depth_mask = False
+        ctx.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+        ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
+        ctx.depth_func, ctx.wireframe, ctx.polygon_offset = "<=", True, (-1.0, -1.0)
+        for run in runs:
+            self._frame.draw(self._arena, run, self._shader)
+        ctx.depth_func, ctx.wireframe, ctx.polygon_offset = "<", False, (0.0, 0.0)
+        target.depth_mask = True
+        return len(runs)

@@ -150,7 +150,7 @@ class WindowSurface(Surface):
         self._glfw.destroy_window(self._window)
         self._glfw.terminate()
 
-    def _read_library(self, glfw: Any) -> None:
+    def _read_library(self, glfw: ModuleType) -> None:
         self._glfw = glfw
         self._key_names = _constant_names(glfw, "KEY_")
         self._pad_buttons = _constant_names(glfw, "GAMEPAD_BUTTON_")

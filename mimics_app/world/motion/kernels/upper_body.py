@@ -261,6 +261,42 @@ def _roll(
 
 
 @kernel
+def _find_neck(bones: I4, head: F8, chest_turn: F8, rest_t: F8, neck_turn: F8, place: F8) -> None:
+    """Rotation and place of the neck, whatever the bend of the spine: its yaw is between the chest's and the head's."""
+    neck, top = bones[_NECK], bones[_HEAD]
+    slerp(chest_turn, head[3:], _NECK_SHARE, neck_turn)
+    for i in range(3):
+        place[i] = rest_t[top, i] - rest_t[neck, i]
+    rotate(neck_turn, place, place)
+    for i in range(3):
+        place[i] = head[i] - place[i]
+
+
+@kernel
+def _find_bend(bones: I4, place: F8, chest_turn: F8, rest_t: F8, bend: F8) -> None:
+    """The rotation that leans the spine from upright to where the neck is."""
+    upright, leaned = np.empty(3), np.empty(3)
+    for i in range(3):
+        upright[i] = rest_t[bones[_NECK], i] - rest_t[bones[_HIPS], i]
+        leaned[i] = place[i] - rest_t[bones[_HIPS], i]
+    rotate(chest_turn, upright, upright)
+    arc(upright, leaned, bend)
+
+
+@kernel
+def _sink_hips(bones: I4, place: F8, parents: I4, t: F8, r: F8, s: F8, local_t: F8) -> None:
+    """What the bend leaves over the hips make up: they sink when the person crouches."""
+    neck, hips = bones[_NECK], bones[_HIPS]
+    above = parents[hips]
+    for i in range(3):
+        place[i] -= t[neck, i]
+    if above >= 0:
+        rotate_back(r[above], place, place)
+    for i in range(3):
+        local_t[hips, i] += place[i] / (s[above, i] if above >= 0 else 1.0)
+
+
+@kernel
 def solve_upper_body(
     bones: I4,
     head: F8,
@@ -303,31 +339,14 @@ def solve_upper_body(
     """
     neck, top = bones[_NECK], bones[_HEAD]
     yaw = _chest_yaw(head, hands, tracked, head[:3], seconds, state)
-    chest_turn, neck_turn, place = np.empty(QUATERNION), np.empty(QUATERNION), np.empty(3)
+    chest_turn, neck_turn, bend = np.empty(QUATERNION), np.empty(QUATERNION), np.empty(QUATERNION)
+    place = np.empty(3)
     _about_y(yaw, chest_turn)
-    # Where the neck is does not depend on the bend of the spine: between the chest's yaw and the head.
-    slerp(chest_turn, head[3:], _NECK_SHARE, neck_turn)
-    for i in range(3):
-        place[i] = rest_t[top, i] - rest_t[neck, i]
-    rotate(neck_turn, place, place)
-    upright, leaned, bend = np.empty(3), np.empty(3), np.empty(QUATERNION)
-    for i in range(3):
-        place[i] = head[i] - place[i]
-        upright[i] = rest_t[neck, i] - rest_t[bones[_HIPS], i]
-        leaned[i] = place[i] - rest_t[bones[_HIPS], i]
-    rotate(chest_turn, upright, upright)
-    arc(upright, leaned, bend)
+    _find_neck(bones, head, chest_turn, rest_t, neck_turn, place)
+    _find_bend(bones, place, chest_turn, rest_t, bend)
     _bend_spine(bones, yaw, bend, rest_r, parents, t, r, s, local_t, local_r, local_s)
     _chain_to_head(bones, _NECK, parents, t, r, s, local_t, local_r, local_s)
-    # What the bend leaves over the hips make up: they sink when the person crouches.
-    hips = bones[_HIPS]
-    above = parents[hips]
-    for i in range(3):
-        place[i] -= t[neck, i]
-    if above >= 0:
-        rotate_back(r[above], place, place)
-    for i in range(3):
-        local_t[hips, i] += place[i] / (s[above, i] if above >= 0 else 1.0)
+    _sink_hips(bones, place, parents, t, r, s, local_t)
     _chain_to_head(bones, _NECK, parents, t, r, s, local_t, local_r, local_s)
     _turn_in_model(neck, neck_turn, rest_r, parents, t, r, s, local_t, local_r, local_s)
     normalise(head[3:], head[3:])

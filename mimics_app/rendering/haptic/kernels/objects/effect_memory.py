@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.rendering.haptic.kernels.tunnel import TUNNEL_STATE
+from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE
 
 __all__ = ["EFFECT_MEMORY"]
 

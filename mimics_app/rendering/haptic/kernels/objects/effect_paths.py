@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.effect_laws import add_bounded, is_within
-from mimics_app.rendering.haptic.kernels.tunnel import arc_at, fade_at_end
+from mimics_app.rendering.haptic.kernels.tunnel import fade_at_end
+from mimics_app.rendering.haptic.kernels.tunnel_frame import arc_at
 from mimics_app.rendering.haptic.kernels.tunnel_projection import axis, locate, track
 
 if TYPE_CHECKING:

@@ -29,7 +29,7 @@ from mimics_app.rendering.haptic.kernels.objects.effect_laws import (
 )
 from mimics_app.rendering.haptic.kernels.objects.effect_paths import find_path, guide, pull_to_path
 from mimics_app.rendering.haptic.kernels.objects.hand import HAND_POSITION, HAND_TIME, HAND_VELOCITY
-from mimics_app.rendering.haptic.kernels.tunnel import restart_tracking
+from mimics_app.rendering.haptic.kernels.tunnel_state import restart_tracking
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import (

@@ -1,4 +1,4 @@
-"""Reading a file that describes a display, strictly, with every fault at its place."""
+"""Reading a JSON file of one struct, strictly, with every fault at its place."""
 
 from __future__ import annotations
 
@@ -6,26 +6,30 @@ from pathlib import Path
 from typing import TypeVar
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.world.components.registry import Component
 from mimics_app.world.components.struct_reader import FAILED, read_struct
 from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.source import read_bytes
 
-__all__ = ["read_display_file"]
+__all__ = ["read_struct_file"]
 
 _MAX_BYTES = 4 << 20
 
-C = TypeVar("C", bound=Component)
+T = TypeVar("T")
 
 
-def read_display_file(path: Path, wanted: type[C]) -> C:
-    """Read a JSON file of one struct.
+def read_struct_file(path: Path, wanted: type[T], limit: int = _MAX_BYTES) -> T:
+    """What a file holds, as a Struct or any type msgspec knows.
+
+    Args:
+        path: The file.
+        wanted: The type.
+        limit: Most bytes the file may have.
 
     Raises:
-        SceneError: no such file, no JSON, or with every fault.
+        SceneError: no such file, too long, no JSON, or with every fault.
     """
     file = str(path)
-    document, issues = parse_json(read_bytes(path, file, _MAX_BYTES), file)
+    document, issues = parse_json(read_bytes(path, file, limit), file)
     known = {issue.pointer for issue in issues}
 
     def report(place: str, what: str, fix: str) -> None:
@@ -35,5 +39,4 @@ def read_display_file(path: Path, wanted: type[C]) -> C:
     read = read_struct(wanted, document, report)
     if issues or read is FAILED:
         raise SceneError(issues)
-    described: C = read
-    return described
+    return read

@@ -1,0 +1,147 @@
+"""Arc length along a tunnel's bisector, and the axes t, n, b at a point of it.
+
+n and b turn with the curve as little as possible (rotation-minimising frame), b = t x n.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.tunnel_projection import axis
+
+if TYPE_CHECKING:
+    from mimics_app.contracts.record_types import TunnelRecord, TunnelStateRecord
+
+__all__ = ["arc_at", "write_frame"]
+
+_NO_RUN = 1e-24
+"""Square of a length below which something has no direction [m^2]."""
+
+_NO_NORMAL = 1e-12
+"""Length of a blended normal, of unit ones, below which it is left as it is [-]."""
+
+_GAUSS_3 = 0.5 * math.sqrt(0.6)
+
+_STRAIGHT = 1e-6
+"""Curvature below which the bisector is straight [1/m]."""
+
+
+@kernel
+def _speed(tunnel: TunnelRecord, piece: int, u: float) -> float:
+    """|dC/du| [m]."""
+    _, x, _ = axis(tunnel, piece, 0, u)
+    _, y, _ = axis(tunnel, piece, 1, u)
+    _, z, _ = axis(tunnel, piece, 2, u)
+    return math.sqrt(x * x + y * y + z * z)
+
+
+@kernel
+def _length_to(tunnel: TunnelRecord, piece: int, u: float) -> float:
+    """Length of the piece from 0 to u [m] by three-point Gauss-Legendre."""
+    outer = _speed(tunnel, piece, (0.5 - _GAUSS_3) * u) + _speed(tunnel, piece, (0.5 + _GAUSS_3) * u)
+    return u * (5.0 * outer + 8.0 * _speed(tunnel, piece, 0.5 * u)) / 18.0
+
+
+@kernel
+def arc_at(tunnel: TunnelRecord, piece: int, u: float) -> float:
+    """Arc length up to u of a piece [m]; what three points miss of the whole piece is spread, so that no knot shows."""
+    start = tunnel.arc_length[piece]
+    missing = tunnel.arc_length[piece + 1] - start - _length_to(tunnel, piece, 1.0)
+    arc: float = start + _length_to(tunnel, piece, u) + missing * u * u
+    return arc
+
+
+@kernel
+def _carry_normal(
+    tunnel: TunnelRecord, piece: int, end: int, x: float, y: float, z: float, tx: float, ty: float, tz: float
+) -> tuple[float, float, float]:
+    """Normal at a point of a piece, carried from one of its ends by double reflection (Wang et al. 2008, table I)."""
+    x0, tx0, _ = axis(tunnel, piece, 0, float(end))
+    y0, ty0, _ = axis(tunnel, piece, 1, float(end))
+    z0, tz0, _ = axis(tunnel, piece, 2, float(end))
+    speed = math.sqrt(tx0 * tx0 + ty0 * ty0 + tz0 * tz0)
+    tx0 /= speed
+    ty0 /= speed
+    tz0 /= speed
+    nx = tunnel.normal[piece + end, 0]
+    ny = tunnel.normal[piece + end, 1]
+    nz = tunnel.normal[piece + end, 2]
+    ax = x - x0
+    ay = y - y0
+    az = z - z0
+    square = ax * ax + ay * ay + az * az
+    if square > _NO_RUN:
+        f = 2.0 * (ax * nx + ay * ny + az * nz) / square
+        nx -= f * ax
+        ny -= f * ay
+        nz -= f * az
+        f = 2.0 * (ax * tx0 + ay * ty0 + az * tz0) / square
+        tx0 -= f * ax
+        ty0 -= f * ay
+        tz0 -= f * az
+    ax = tx - tx0
+    ay = ty - ty0
+    az = tz - tz0
+    square = ax * ax + ay * ay + az * az
+    if square > _NO_RUN:
+        f = 2.0 * (ax * nx + ay * ny + az * nz) / square
+        nx -= f * ax
+        ny -= f * ay
+        nz -= f * az
+    return nx, ny, nz
+
+
+@kernel
+def _frenet_normal(
+    tunnel: TunnelRecord, piece: int, u: float, tx: float, ty: float, tz: float
+) -> tuple[float, float, float, float]:
+    """Unit normal towards the centre of curvature, and 1; 0 where the bisector is straight and has none."""
+    _, vx, ax = axis(tunnel, piece, 0, u)
+    _, vy, ay = axis(tunnel, piece, 1, u)
+    _, vz, az = axis(tunnel, piece, 2, u)
+    along = ax * tx + ay * ty + az * tz
+    ax -= along * tx
+    ay -= along * ty
+    az -= along * tz
+    size = math.sqrt(ax * ax + ay * ay + az * az)
+    if size <= _STRAIGHT * (vx * vx + vy * vy + vz * vz):
+        return 0.0, 0.0, 0.0, 0.0
+    return ax / size, ay / size, az / size, 1.0
+
+
+@kernel
+def write_frame(
+    tunnel: TunnelRecord, piece: int, u: float, x: float, y: float, z: float, state: TunnelStateRecord
+) -> None:
+    """Set n and b at the closest point: normals carried from both ends of the piece, blended, so that no knot shows.
+
+    By the tunnel's wish n is Frenet's where the bisector bends; on a straight part it has none, and is carried.
+    """
+    tx = state.tangent[0]
+    ty = state.tangent[1]
+    tz = state.tangent[2]
+    ax, ay, az = _carry_normal(tunnel, piece, 0, x, y, z, tx, ty, tz)
+    bx, by, bz = _carry_normal(tunnel, piece, 1, x, y, z, tx, ty, tz)
+    nx = (1.0 - u) * ax + u * bx
+    ny = (1.0 - u) * ay + u * by
+    nz = (1.0 - u) * az + u * bz
+    along = nx * tx + ny * ty + nz * tz
+    nx -= along * tx
+    ny -= along * ty
+    nz -= along * tz
+    size = max(math.sqrt(nx * nx + ny * ny + nz * nz), _NO_NORMAL)
+    nx /= size
+    ny /= size
+    nz /= size
+    if tunnel.frenet == 1:
+        ax, ay, az, bent = _frenet_normal(tunnel, piece, u, tx, ty, tz)
+        if bent == 1.0:
+            nx, ny, nz = ax, ay, az
+    state.normal_n[0] = nx
+    state.normal_n[1] = ny
+    state.normal_n[2] = nz
+    state.binormal[0] = ty * nz - tz * ny
+    state.binormal[1] = tz * nx - tx * nz
+    state.binormal[2] = tx * ny - ty * nx
