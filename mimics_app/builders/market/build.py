@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from mimics_app.builders.market.clay import PIXELS, PIXELS_OF_EDGES, Clay, pack_model
+from mimics_app.builders.market.clay import PIXELS, PIXELS_OF_EDGES, PIXELS_OF_SKIN, Clay, pack_forms, pack_model
 from mimics_app.builders.market.fruit import apple
-from mimics_app.builders.market.garden import build_meadow, build_tree
+from mimics_app.builders.market.garden import TREE_COVERAGES, build_meadow, build_tree
 from mimics_app.builders.market.hand import fingers, palm, thumb
 from mimics_app.builders.market.stall import awning, goods, stall_wood
 from mimics_app.builders.market.things import barrel, bed, crate, fence, jug
@@ -23,8 +23,6 @@ def compose(seed: int) -> dict[str, bytes]:
     models: Mapping[str, Mapping[str, tuple[Clay | Sequence[Clay], float]]] = {
         "apple": {"apple": (apple(), 0.30)},
         "stall": {"wood": (stall_wood(), 0.8), "cloth": (awning(), 1.0), "goods": (goods(), 0.4)},
-        "tree": {"tree": (build_tree(2 * seed - 2), 1.0)},
-        "tree_round": {"tree": (build_tree(2 * seed - 1), 1.0)},
         "meadow": {"meadow": (build_meadow(seed), 1.0)},
         "hand": {"palm": (palm(), 0.6), "fingers": (fingers(), 0.6), "thumb": (thumb(), 0.6)},
         "crate": {"crate": (crate(0.075, 0.09, 0.085), 0.85)},
@@ -33,5 +31,9 @@ def compose(seed: int) -> dict[str, bytes]:
         "fence": {"fence": (fence(), 0.8)},
         "jug": {"jug": (jug(), 0.25)},
     }
-    pixels = dict.fromkeys(("apple", "bed", "crate", "fence", "jug"), PIXELS_OF_EDGES)
-    return {f"{name}.glb": pack_model(name, parts, pixels.get(name, PIXELS)) for name, parts in models.items()}
+    pixels = dict.fromkeys(("apple", "bed", "crate", "fence", "jug"), PIXELS_OF_EDGES) | {"hand": PIXELS_OF_SKIN}
+    files = {f"{name}.glb": pack_model(name, parts, pixels.get(name, PIXELS)) for name, parts in models.items()}
+    trees = {"tree": build_tree(2 * seed - 2), "tree_round": build_tree(2 * seed - 1)}
+    return files | {
+        f"{name}.glb": pack_forms(name, "tree", forms, TREE_COVERAGES, 1.0) for name, forms in trees.items()
+    }

@@ -19,6 +19,7 @@ __all__ = [
     "F8",
     "PIXELS",
     "PIXELS_OF_EDGES",
+    "PIXELS_OF_SKIN",
     "Clay",
     "Colour",
     "Painter",
@@ -27,6 +28,7 @@ __all__ = [
     "chance",
     "mix",
     "noise",
+    "pack_forms",
     "pack_model",
     "picked",
     "plain",
@@ -47,8 +49,11 @@ LEVELS = (0.5, 0.3, 0.15, 0.05)
 PIXELS = 3.0
 """By which a corner of a thing may be wrong where a coarser form is shown, in a picture of 1920 x 1080 [px]."""
 
-PIXELS_OF_EDGES = 0.25
+PIXELS_OF_EDGES = 0.5
 """The same of what has bevelled edges or a pattern, which are gone before its shape is: shadows alone are coarser."""
+
+PIXELS_OF_SKIN = 4.0
+"""The same of what is round all over and of one colour."""
 
 
 class Clay:
@@ -114,6 +119,15 @@ def pack_model(model: str, parts: Mapping[str, tuple[Clay | Sequence[Clay], floa
     if not all(isinstance(clay, Clay) for clay, _ in parts.values()):
         return data
     return add_levels(parse_gltf(data, Path(model), Path(), model), LEVELS, pixels)[0]
+
+
+def pack_forms(model: str, name: str, forms: Sequence[Clay], coverages: Sequence[float], roughness: float) -> bytes:
+    """A GLB of one node that is shown in ever coarser forms, each down to a share of the picture."""
+    writer = GltfWriter("mimics market builder")
+    material = writer.add_material(f"{model}_{name}", roughness=roughness)
+    finest, *coarser = [writer.add_mesh(name, [(writer.add_part(form.part()), material)]) for form in forms]
+    writer.add_detail_levels(writer.add_node(name, mesh=finest), coarser, coverages)
+    return writer.to_bytes()
 
 
 def picked(mesh: MeshData, triangles: NDArray[np.bool_]) -> MeshData:

@@ -43,7 +43,7 @@ def apple_body(
             axis=1,
         )
 
-    mesh = surface(point, np.linspace(0.0, math.pi, 37), np.linspace(0.0, 2.0 * math.pi, 57))
+    mesh = surface(point, np.linspace(0.0, math.pi, 27), np.linspace(0.0, 2.0 * math.pi, 57))
     main_colour, second = colours
 
     def paint(at: F8, normals: F8) -> F8:

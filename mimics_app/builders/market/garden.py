@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ from mimics_app.builders.market.clay import (
 from mimics_app.world.meshes.mesh import MeshData, compute_normals
 from mimics_app.world.meshes.primitives import icosphere
 
-__all__ = ["build_meadow", "build_tree"]
+__all__ = ["TREE_COVERAGES", "build_meadow", "build_tree"]
 
 GRASS_DARK: Colour = (0.060, 0.150, 0.030)
 GRASS: Colour = (0.125, 0.245, 0.048)
@@ -35,8 +36,44 @@ _SECTORS, _RINGS = 16, (0.35, 0.7, 1.5, 3.5)
 """Tiles of the meadow: so many about the middle, and where each ring of them ends [m]; the last at the edge."""
 
 
-def build_tree(seed: int) -> Clay:
-    """An apple tree about 0.62 m high, its foot at the origin."""
+TREE_COVERAGES = (0.6, 0.16, 0.02, 0.0)
+"""Least share of a picture that each form of a tree covers: an apple's outline is off by half a pixel of 1920 x 1080 at
+the next finer one's end."""
+
+
+@dataclass(frozen=True)
+class _Form:
+    """How finely a tree is made.
+
+    Attributes:
+        trunk: Sides of trunk and branches.
+        ball: Subdivisions of a ball of leaves.
+        apple: Of an apple.
+        stalk: Sides of an apple's stalk; 0: none is seen.
+        leaves: Every how manieth leaf there is; fewer are larger.
+        halves: Triangles of a leaf.
+    """
+
+    trunk: int
+    ball: int
+    apple: int
+    stalk: int
+    leaves: int
+    halves: int
+
+
+_FORMS = (_Form(12, 2, 2, 6, 1, 2), _Form(8, 1, 1, 3, 1, 2), _Form(6, 1, 0, 0, 1, 1), _Form(4, 0, 0, 0, 4, 1))
+
+
+def build_tree(seed: int) -> list[Clay]:
+    """An apple tree about 0.62 m high, its foot at the origin: the finest form, then those for farther away.
+
+    All have the same apples, and the same leaves or every fourth of them, in the same places.
+    """
+    return [_shape_tree(seed, form) for form in _FORMS]
+
+
+def _shape_tree(seed: int, form: _Form) -> Clay:
     clay = Clay()
     lean = 0.03 if seed % 2 == 0 else -0.02
     t = np.linspace(0.0, 1.0, 9)
@@ -46,11 +83,11 @@ def build_tree(seed: int) -> Clay:
         colour = mix((0.13, 0.068, 0.032), (0.27, 0.16, 0.085), noise(at * [1.0, 0.25, 1.0], 0.012, seed))
         return colour * (0.6 + 0.4 * np.clip(at[:, 1] / 0.08, 0.0, 1.0))[:, None]
 
-    clay.add(bar(trunk, 0.034 - 0.018 * t + 0.016 * np.exp(-t / 0.07), 12), bark)
+    clay.add(bar(trunk, 0.034 - 0.018 * t + 0.016 * np.exp(-t / 0.07), form.trunk), bark)
     for side, up in ((-1.0, 0.55), (1.0, 0.68)):
         foot = trunk[5]
         branch = foot + np.stack([side * 0.10 * t, 0.12 * up * t + 0.05 * t * t, 0.03 * side * t], 1)
-        clay.add(bar(branch, 0.012 - 0.007 * t, 8), bark)
+        clay.add(bar(branch, 0.012 - 0.007 * t, 2 * form.trunk // 3), bark)
     r = chance(200, 11 + seed)
     blobs = [(0.0, 0.46, 0.0, 0.165)]
     for i in range(7):
@@ -61,11 +98,15 @@ def build_tree(seed: int) -> Clay:
     blobs += [(0.055, 0.565, 0.03, 0.085), (-0.06, 0.55, -0.02, 0.082)]
     centre = np.array([lean, 0.45, 0.0])
     for i, (x, y, z, radius) in enumerate(blobs):
-        clay.add(_foliage(0.93 * radius, 50 * seed + i), _bright(_leaves(centre, seed), 0.55), at=(x + lean, y, z))
+        clay.add(
+            _foliage(0.93 * radius, 50 * seed + i, form.ball), _bright(_leaves(centre, seed), 0.55), at=(x + lean, y, z)
+        )
     crown = np.array(blobs) + [lean, 0.0, 0.0, 0.0]
-    for i, (at, normal) in enumerate(_on_crown(crown, 1700, seed)):
-        clay.add(_leaf(at, normal, 1000 * seed + i), _bright(_leaves(centre, seed), 1.05 + 0.5 * r[i % 200]))
-    _hang_apples(clay, crown, seed)
+    places = list(enumerate(_on_crown(crown, 1700, seed)))
+    for i, (at, normal) in places[:: form.leaves]:
+        paint = _bright(_leaves(centre, seed), 1.05 + 0.5 * r[i % 200])
+        clay.add(_leaf(at, normal, 1000 * seed + i, form), paint)
+    _hang_apples(clay, crown, seed, form)
     return clay
 
 
@@ -88,8 +129,11 @@ def _on_crown(blobs: F8, count: int, seed: int) -> list[tuple[F8, F8]]:
     return places
 
 
-def _leaf(at: F8, normal: F8, seed: int) -> MeshData:
-    """A pointed leaf folded along its rib, about 35 mm long, that looks outwards and hangs a little."""
+def _leaf(at: F8, normal: F8, seed: int, form: _Form) -> MeshData:
+    """A pointed leaf folded along its rib, about 35 mm long, that looks outwards and hangs a little.
+
+    Of one triangle it is flat and without its tip, and as wide as makes up for that.
+    """
     r = chance(6, seed)
     outward = normal + 0.9 * (r[:3] - 0.5) + [0.0, 0.15, 0.0]
     outward /= np.linalg.norm(outward)
@@ -97,7 +141,8 @@ def _leaf(at: F8, normal: F8, seed: int) -> MeshData:
     along = along - [0.0, 0.35, 0.0] + 0.35 * outward[1] * outward
     along /= np.linalg.norm(along)
     across = np.cross(outward, along)
-    long, wide = 0.0125 + 0.005 * r[4], 0.0070 + 0.0018 * r[5]
+    larger = math.sqrt(form.leaves)
+    long, wide = larger * (0.0125 + 0.005 * r[4]), larger * (0.0070 + 0.0018 * r[5])
     lifted = at + 0.004 * normal
     corners = [
         lifted - long * along,
@@ -105,17 +150,20 @@ def _leaf(at: F8, normal: F8, seed: int) -> MeshData:
         lifted + long * along - 0.004 * outward,
         lifted - wide * across - 0.30 * wide * outward,
     ]
-    positions = np.array([corners[k] for k in (0, 1, 2, 0, 2, 3)])
-    triangles = np.array([0, 2, 1, 3, 5, 4], np.uint32)
+    positions = np.array([corners[k] for k in ((0, 1, 2, 0, 2, 3) if form.halves == 2 else (3, 1, 2))])
+    if form.halves == 1:
+        positions[2] = 2.0 * corners[2] - lifted  # the tip of a triangle of the leaf's area
+        positions[:] -= 0.5 * long * along
+    triangles = np.array([0, 2, 1, 3, 5, 4][: len(positions)], np.uint32)
     faces = np.cross(positions[1] - positions[0], positions[2] - positions[0])
     if float(faces @ outward) > 0.0:
-        triangles = np.array([0, 1, 2, 3, 4, 5], np.uint32)
-    normals = np.tile(0.6 * normal + 0.4 * outward, (6, 1))
+        triangles = np.arange(len(positions), dtype=np.uint32)
+    normals = np.tile(0.6 * normal + 0.4 * outward, (len(positions), 1))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     return MeshData(positions.astype(np.float32), normals.astype(np.float32), triangles)
 
 
-def _hang_apples(clay: Clay, crown: F8, seed: int) -> None:
+def _hang_apples(clay: Clay, crown: F8, seed: int, form: _Form) -> None:
     """Apples among the leaves, most of them below, each on its stalk from the foliage."""
 
     def paint(at: F8, normals: F8) -> F8:
@@ -130,13 +178,22 @@ def _hang_apples(clay: Clay, crown: F8, seed: int) -> None:
         stalk = np.stack(
             [out - 0.012 * normal + [0.0, 0.010, 0.0], out + [0.0, 0.001, 0.0], middle + [0.0, 0.009, 0.0]]
         )
-        clay.add(capsule_bar(stalk, 0.0011, 6, 2), (0.16, 0.09, 0.04))
-        clay.add(icosphere(0.0125, 2), paint, at=middle, turn=turned(scale=(1.0, 0.92, 1.0)))
+        if form.stalk:
+            clay.add(capsule_bar(stalk, 0.0011, form.stalk, form.stalk // 6 * 2), (0.16, 0.09, 0.04))
+        clay.add(_ball(0.0125, form.apple), paint, at=middle, turn=turned(scale=(1.0, 0.92, 1.0)))
 
 
-def _foliage(radius: float, seed: int) -> MeshData:
+def _ball(radius: float, subdivisions: int) -> MeshData:
+    """A ball of few triangles whose outline takes up as much room as a round one's: a quarter of its surface; [m]."""
+    ball = icosphere(radius, subdivisions)
+    a, b, c = ball.positions[ball.indices.reshape(-1, 3)].astype(np.float64).transpose(1, 0, 2)
+    area = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+    return icosphere(radius * math.sqrt(4.0 * math.pi * radius**2 / area), subdivisions)
+
+
+def _foliage(radius: float, seed: int, subdivisions: int) -> MeshData:
     """A ball with bumps."""
-    ball = icosphere(1.0, 2)
+    ball = _ball(1.0, subdivisions)
     unit = ball.positions.astype(np.float64)
     bumps = 0.80 + 0.26 * noise(unit + 9.0, 0.42, seed) + 0.12 * noise(unit + 5.0, 0.17, seed + 1)
     positions = radius * unit * bumps[:, None] * [1.0, 0.88, 1.0]
@@ -221,7 +278,7 @@ def _tile(x: F8, z: F8) -> NDArray[np.int64]:
 def build_meadow(seed: int) -> list[Clay]:
     """Ground out to 9 m, finest where it is near, in tiles."""
     tiles = _Tiles()
-    reach = np.concatenate([np.linspace(0.0, 0.7, 44), 0.7 * (9.0 / 0.7) ** np.linspace(0.0, 1.0, 46)[1:]])
+    reach = np.concatenate([np.linspace(0.0, 0.7, 40), 0.7 * (9.0 / 0.7) ** np.linspace(0.0, 1.0, 42)[1:]])
 
     def point(r: F8, turn: F8) -> F8:
         x, z = r * np.cos(turn), -r * np.sin(turn)
@@ -246,7 +303,7 @@ def build_meadow(seed: int) -> list[Clay]:
         colour = mix(mix(colour, sand, path_share(x, z)), lawn, bed)
         return colour * (1.0 + 0.16 * _carried(flat, 0.009, 3, step))[:, None]
 
-    tiles.add(surface(point, reach, np.linspace(0.0, 2.0 * math.pi, 161)), paint)
+    tiles.add(surface(point, reach, np.linspace(0.0, 2.0 * math.pi, 129)), paint)
     _grow(tiles, seed)
     return tiles.clays
 

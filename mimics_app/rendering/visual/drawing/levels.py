@@ -18,6 +18,9 @@ __all__ = ["Levels"]
 _PICTURE = (1920, 1080)
 """In which the coverages of levels are told [px]."""
 
+_FILTER = 2.0
+"""Width of the filter of shadows (shaders/common/shadow.glsl): of its 3 x 3 weights half lie within [texel]."""
+
 F8 = NDArray[np.float64]
 I4 = NDArray[np.int32]
 U1 = NDArray[np.uint8]
@@ -70,15 +73,16 @@ class Levels:
         return self._shown
 
     def show_for_texels(self, shown: U1, radii: F8, texel: float) -> U1:
-        """What may be drawn into a map whose texels are so wide [m]: each body as coarse as a texel does not show.
+        """What may be drawn into a map whose texels are so wide [m]: each body as coarse as its shadow does not show.
 
         Good until the next call. A body's coverages say from where a level is wrong by no more than a pixel or so of a
-        picture of `_PICTURE`; the same body covers as much of such a picture whose pixels are as wide as the texels.
+        picture of `_PICTURE`; the same body covers as much of such a picture whose pixels are as wide as what the
+        filter of shadows blurs.
         """
         if not self.any:
             return shown
         radius = np.where(self._leads >= 0, radii[self._leads], 0.0)
-        covered = math.pi * (radius / texel) ** 2 / (_PICTURE[0] * _PICTURE[1])
+        covered = math.pi * (radius / (_FILTER * texel)) ** 2 / (_PICTURE[0] * _PICTURE[1])
         coarser = (covered[:, None] < self._coverages).sum(axis=1)
         chosen = np.minimum(coarser, self._counts - 1).astype(np.int32)
         show_levels(shown, self._items.levels, self._items.families, chosen, self._shown)

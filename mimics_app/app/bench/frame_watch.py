@@ -1,0 +1,107 @@
+"""What `mimics bench frame` takes down of frames: whole ones first, then stage by stage, each waited for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from mimics_app.app.picture.governor import FrameGovernor
+from mimics_app.app.picture.picture import Picture
+from mimics_app.contracts.clock import Clock, process_seconds
+from mimics_app.contracts.frame_budget import over_budget
+
+__all__ = ["SETTLING_S", "FrameWatch", "Row"]
+
+SETTLING_S = 1.0
+"""At the beginning: compiled and uploaded things come up; neither frames nor ticks of it count [s]."""
+
+_TIMED_SHARE = 0.4
+"""Of the time, at the end: in which stages are timed."""
+
+_NS = 1e9
+
+Row = dict[str, Any]
+
+
+class _Watched(Protocol):
+    """Whose frames: a session, or a scene that is looked at."""
+
+    clock: Clock
+    picture: Picture | None
+    governor: FrameGovernor | None
+
+
+@dataclass(slots=True)
+class FrameWatch:
+    """Collects after every frame; the clock decides what it collects.
+
+    Attributes:
+        watched: Whose frames.
+        seconds: Length of the measurement [s].
+        from_ns, stages_ns: When frames count, and when stages are timed instead; told by the first frame, which the
+            governor may have kept waiting.
+        frames_ms: Of whole frames [ms].
+        stages: Times of each stage [ms].
+        begun: Processor time and moment of the first frame that counts [s].
+        cpu_ms: Processor time of a frame, all threads of the process together [ms].
+    """
+
+    watched: _Watched
+    seconds: float
+    from_ns: float = 0.0
+    stages_ns: float = 0.0
+    frames_ms: list[float] = field(default_factory=list)
+    stages: dict[str, list[float]] = field(default_factory=dict)
+    begun: tuple[float, int] | None = None
+    cpu_ms: float = 0.0
+    fps: float = 0.0
+
+    def look(self, _: object = None) -> None:
+        """After a frame."""
+        picture, governor, now_ns = self.watched.picture, self.watched.governor, self.watched.clock.now_ns()
+        if self.from_ns == 0.0:
+            self.from_ns = now_ns + SETTLING_S * _NS
+            self.stages_ns = self.from_ns + (1.0 - _TIMED_SHARE) * self.seconds * _NS
+        if picture is None or governor is None or now_ns < self.from_ns:
+            return
+        if self.begun is None:
+            self.begun = (process_seconds(), now_ns)
+        elif now_ns < self.stages_ns:
+            self.frames_ms.append(governor.last_ms)
+            self._settle(now_ns)
+        elif not picture.renderer.timing:
+            picture.renderer.timing = True
+        elif picture.renderer.times is not None and picture.renderer.times.frames:
+            for name, ms in picture.renderer.times.frames[-1].cpu_ms.items():
+                self.stages.setdefault(name, []).append(ms)
+
+    def row(self) -> Row:
+        """What was seen, as CONTRACTS has it."""
+        picture, governor = self.watched.picture, self.watched.governor
+        assert picture is not None and governor is not None
+        stats, settings = picture.stats, picture.renderer.settings
+        return {
+            "fps": self.fps,
+            "ms": _spread(self.frames_ms),
+            "stages": {name: _spread(times) for name, times in self.stages.items()},
+            "over_budget": over_budget({name: float(np.median(times)) for name, times in self.stages.items()}),
+            "cpu_ms": self.cpu_ms,
+            "triangles": 0 if stats is None else stats.triangles,
+            "draw_calls": 0 if stats is None else stats.draws,
+            "quality": {"scale": settings.scale, "shadows": settings.shadow_size > 0, "steps": list(governor.given_up)},
+        }
+
+    def _settle(self, now_ns: int) -> None:
+        """Processor time a frame, and frames a second, so far."""
+        if self.begun is not None:
+            cpu, since_ns = self.begun
+            self.cpu_ms = 1e3 * (process_seconds() - cpu) / len(self.frames_ms)
+            self.fps = len(self.frames_ms) / ((now_ns - since_ns) / _NS)
+
+
+def _spread(values: list[float]) -> dict[str, float]:
+    if not values:
+        return {}
+    return {"p50": float(np.percentile(values, 50)), "p95": float(np.percentile(values, 95))}
