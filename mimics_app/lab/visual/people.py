@@ -129,7 +129,7 @@ def crowd_error(crowd: Crowd, whole: Crowd) -> float:
             if frame % 3 == 1:
                 shown.append(show_picture(world, _SIZE, way.settings, view))
         pictures.append(shown)
-    return float(np.mean([differing_pixels(*pair, level=_LEVEL) for pair in zip(*pictures, strict=True)]))
+    return float(np.mean([differing_pixels(one, other, _LEVEL) for one, other in zip(*pictures, strict=True)]))
 
 
 _WHOLE = Crowd(levels=False, steps=False)

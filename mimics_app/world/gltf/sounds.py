@@ -121,14 +121,15 @@ class _Reader:
         self._holder = holder
 
     def table(self, name: str) -> list[dict[str, Any]]:
-        """A list of objects of the extension; one with anything else in it is told and taken as empty."""
+        """A list of objects of the extension; one with anything else in it is reported and taken as empty."""
+        table: list[dict[str, Any]] = []
         with self._source.collecting():
-            table = self._source.list(self._holder, name, _PLACE)
-            for i, item in enumerate(table):
+            listed = self._source.list(self._holder, name, _PLACE)
+            for i, item in enumerate(listed):
                 if not isinstance(item, dict):
                     self._source.fail(f"{_PLACE}/{name}/{i}", "must be an object")
-            return table
-        return []
+            table = listed
+        return table
 
     def audio(self, item: dict[str, Any], place: str) -> GltfAudio:
         """Where the data of a sound is; nothing is decoded, but data inside must begin as one of the known formats."""
@@ -148,15 +149,17 @@ class _Reader:
     def source(self, number: int, item: dict[str, Any], count: int) -> GltfEmitter | None:
         """A source as it plays by itself, of so many sounds; None for one that is wrong."""
         source, place = self._source, f"{_PLACE}/sources/{number}"
+        emitter = None
         with source.collecting():
             audio = source.index(item.get("audio"), count, "audio", f"{place}/audio")
-            loop, autoplay = self._flag(item, "loop", place), self._flag(item, "autoPlay", place)
-            return GltfEmitter(number, audio, {"gain": self._gain(item, place)}, {"loop": loop, "autoplay": autoplay})
-        return None
+            flags = {"loop": self._flag(item, "loop", place), "autoplay": self._flag(item, "autoPlay", place)}
+            emitter = GltfEmitter(number, audio, {"gain": self._gain(item, place)}, flags)
+        return emitter
 
     def emitter(self, item: dict[str, Any], place: str, played: list[GltfEmitter | None]) -> list[GltfEmitter]:
         """What an emitter plays, one for each of its sources."""
         source = self._source
+        heard_ones: list[GltfEmitter] = []
         with source.collecting():
             kind = source.text(item, "type", place)
             if kind not in ("global", "positional"):
@@ -171,8 +174,8 @@ class _Reader:
             ]
             each = [found for found in map(played.__getitem__, numbers) if found is not None]
             spatial = {"spatial": kind == "positional"}
-            return [replace(found, sound=found.sound | spatial, emitter=found.emitter | heard) for found in each]
-        return []
+            heard_ones = [replace(found, sound=found.sound | spatial, emitter=found.emitter | heard) for found in each]
+        return heard_ones
 
     def _shape(self, item: dict[str, Any], place: str) -> dict[str, Any]:
         """Values of `sound_emitter` that say how a sound spreads."""
