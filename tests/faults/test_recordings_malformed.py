@@ -9,12 +9,14 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import PartialDataError
+from mimics_app.recording import arrow_format
 from mimics_app.recording.recover import Recovery, recover
 from mimics_app.recording.replay import gather
 from mimics_app.recording.report import page_of, write_report
@@ -29,6 +31,8 @@ QUICK, FULL = 2000, 60_000
 """Mutations in `make test` and in `make test-long`."""
 RECOVERED, WITHOUT_MANIFEST, REPORTED = 7, 5, 98
 """Every so manieth of them is recovered, too, was never closed, is reported and recovered twice."""
+MOST_KNOWN = 100
+"""Blocks whose content is kept: those of the undamaged recording come first."""
 PATIENCE_S = 20
 """For one mutation: a reader that waits for a FIFO to be written waits for ever."""
 
@@ -48,6 +52,26 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "manifest.json").write_text(json.dumps({**manifest, "status": "clean", "lost": [], "summary": summary}))
     assert judge(Run.open(folder)).whole
     return folder
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _unchanged_blocks_are_decoded_once() -> Iterator[None]:
+    """A block is its bytes and the schema they stand in; a mutation leaves nearly all of a recording's as they were."""
+    decode = arrow_format.decode_batch
+    known: dict[tuple[bytes, bytes], Any] = {}
+
+    def decode_once(data: bytes | memoryview, schema: Any) -> Any:
+        block = bytes(data), arrow_format.schema_bytes(schema)
+        if block not in known:
+            decoded = decode(data, schema)
+            if len(known) >= MOST_KNOWN:
+                return decoded
+            known[block] = decoded
+        return known[block]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(arrow_format, "decode_batch", decode_once)
+        yield
 
 
 @contextmanager

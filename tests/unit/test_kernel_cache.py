@@ -25,8 +25,9 @@ def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def _run(code: str, folder: Path, **environment: str) -> str:
+    """Output of a program. It writes no byte code: that of a source edited again within a second would pass for new."""
     done = subprocess.run(
-        [sys.executable, "-c", code],
+        [sys.executable, "-B", "-c", code],
         capture_output=True,
         text=True,
         cwd=folder,
