@@ -91,7 +91,7 @@ def current_layout(extent: Extent = HAPTICMASTER) -> SampleLayout:
     return SampleLayout(schema, len(names), _places(extent, {name: i for i, name in enumerate(names)}), (), extent)
 
 
-def layout_of(schema: pa.Schema | None) -> tuple[SampleLayout, str]:
+def layout_of(schema: Any | None) -> tuple[SampleLayout, str]:
     """The layout a schema tells of, and why it tells of none: the stream is then read as this version writes it.
 
     Args:

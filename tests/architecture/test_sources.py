@@ -243,23 +243,3 @@ def test_requirements_hold_what_pyproject_asks_for() -> None:
     pinned = {pin.split("==")[0] for pin in _pins()}
     assert names <= pinned
     assert not list(ROOT.glob("uv.lock")), "a lock file names a host for every file: requirements.txt is the lock"
-
-
-MOST_ANY = 100
-"""Parameters and values of the product that say `Any`: insides of the compiler, and libraries without types."""
-
-
-def _any_in_signatures() -> list[str]:
-    found = []
-    for path, tree in modules().items():
-        for node in ast.walk(tree):
-            note = node.annotation if isinstance(node, ast.arg | ast.AnnAssign) else None
-            if isinstance(note, ast.Name) and note.id == "Any":
-                found.append(f"{path}:{node.lineno}")
-    return found
-
-
-def test_few_parameters_are_of_any_type() -> None:
-    """A type checker is blind behind each; their number may only fall."""
-    found = _any_in_signatures()
-    assert len(found) <= MOST_ANY, found

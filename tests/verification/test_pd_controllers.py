@@ -80,23 +80,20 @@ def test_stability_of_the_sampled_loop_agrees_with_the_inequality():
     assert checked > 1900
 
 
-_VECTOR, _SCENES, _WORKS = types.float64[::1], from_dtype(SCENE)[::1], from_dtype(JOINT_WORK)[::1]
-
-
-@typed_kernel(types.int64(KINEMATICS_SET, types.boolean, _SCENES, _VECTOR, _VECTOR, _WORKS, _VECTOR))
-def _command(kin, straight, scenes, q, dq, works, u):
-    """Functions of the device as arguments of one signature: the machine code is kept, whatever module they are of."""
-    if straight:
-        return world_pd_straight(kin, scenes[0], q, dq, works[0], u)
-    return world_pd_through_joints(kin, scenes[0], q, dq, works[0], u)
-
-
-@typed_kernel(types.void(KINEMATICS_SET, types.boolean, _SCENES, _WORKS, _VECTOR, types.float64[:, ::1]))
-def _sweep(kin, straight, scenes, works, q, path):
+@typed_kernel(
+    types.void(
+        KINEMATICS_SET, types.boolean, from_dtype(SCENE), from_dtype(JOINT_WORK), types.float64[::1], types.int64,
+        types.float64[:, ::1],
+    )
+)  # fmt: skip
+def _sweep(kin, straight, scene, work, q, ticks, path):
     dq = np.zeros(MAX_JOINTS)
     u = np.zeros(MAX_JOINTS)
-    for k in range(path.shape[0]):
-        _command(kin, straight, scenes, q, dq, works, u)
+    for k in range(ticks):
+        if straight:
+            world_pd_straight(kin, scene, q, dq, work, u)
+        else:
+            world_pd_through_joints(kin, scene, q, dq, work, u)
         for i in range(3):
             q[i] += 1e-3 * u[i]
         forward(q, 0.46, path[k])
@@ -104,13 +101,12 @@ def _sweep(kin, straight, scenes, works, q, path):
 
 def _bow(straight: bool, gain: float = 10.0) -> tuple[float, np.ndarray]:
     path, q = np.zeros((3000, 3)), np.zeros(MAX_JOINTS)
-    scenes, q[1] = scene_from_components(), -0.5
-    scene = scenes[0]
+    scene, q[1] = scene_from_components()[0], -0.5
     start, end = np.zeros(3), np.zeros(3)
     forward(np.array([0.0, -0.5, 0.0]), D1, start)
     forward(np.array([0.0, 0.5, 0.0]), D1, end)
     scene["target"][:3], scene["kp"], scene["kd"] = end, gain, 0.0
-    _sweep(KIN, straight, scenes, np.zeros(1, JOINT_WORK), q, path)
+    _sweep(KIN, straight, scene, np.zeros(1, JOINT_WORK)[0], q, len(path), path)
     along = (end - start) / np.linalg.norm(end - start)
     offset = path - start
     offset -= np.outer(offset @ along, along)
@@ -132,22 +128,20 @@ def test_straight_world_pd_is_straight_to_first_order():
 
 
 def test_world_pd_target_behind_the_axis_is_reached_through_the_right_quadrant():
-    u, still, works = np.zeros(MAX_JOINTS), np.zeros(MAX_JOINTS), np.zeros(1, JOINT_WORK)
+    u, still, work = np.zeros(MAX_JOINTS), np.zeros(MAX_JOINTS), np.zeros(1, JOINT_WORK)[0]
     target = np.array([-D1 - 0.1, 0.05, 0.0])
-    scenes = scene_from_components(Robot(joint_min=(-1.0, -4.0, -1.0), joint_max=(1.0, 4.0, 1.0)))
-    scene = scenes[0]
+    scene = scene_from_components(Robot(joint_min=(-1.0, -4.0, -1.0), joint_max=(1.0, 4.0, 1.0)))[0]
     scene["target"][:3], scene["kp"], scene["kd"] = target, 1.0, 0.0
-    assert _command(KIN, False, scenes, still, still, works, u) == KinematicsStatus.DONE
+    assert world_pd_through_joints(KIN, scene, still, still, work, u) == KinematicsStatus.DONE
     q = np.zeros(3)
     inverse(target, D1, q)
     assert u[1] == q[1] > 2.0
 
 
 def test_world_pd_approaches_an_unreachable_target_as_far_as_the_joints_allow():
-    u, still, works = np.zeros(MAX_JOINTS), np.zeros(MAX_JOINTS), np.zeros(1, JOINT_WORK)
-    scenes = scene_from_components()
-    scene = scenes[0]
+    u, still, work = np.zeros(MAX_JOINTS), np.zeros(MAX_JOINTS), np.zeros(1, JOINT_WORK)[0]
+    scene = scene_from_components()[0]
     scene["target"][:3], scene["kp"], scene["kd"] = (-D1 - 0.1, 0.05, 0.3), 1.0, 0.0
-    assert _command(KIN, False, scenes, still, still, works, u) == KinematicsStatus.UNREACHABLE
+    assert world_pd_through_joints(KIN, scene, still, still, work, u) == KinematicsStatus.UNREACHABLE
     assert u[:3].tolist() == [-0.18, 0.5, 0.2]  # the arm would have to be shorter than its least reach of 0.28 m
     assert not u[3:].any()

@@ -79,7 +79,7 @@ class SceneLoader:
                 continue
             if not isinstance(value, dict):
                 continue  # told with the file's shape
-            struct = read_struct(types[name], value, self._report, place)
+            struct: Any = read_struct(types[name], value, self._report, place)
             if struct is not FAILED:
                 components[name] = struct
         if transform is FAILED:
