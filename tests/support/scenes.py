@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from mimics_app.app.scenes.stage_checks import check_components
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.scene.file import load_scene
 
@@ -31,7 +32,7 @@ def write(folder: Path, document: Any, name: str = "scene.json") -> Path:
 def faults(path: Path, **options: Any) -> list[str]:
     """The lines a scene is refused with, file names shortened; [] when it is right."""
     try:
-        load_scene(path, **options)
+        issues = check_components(load_scene(path, **options))
     except SceneError as error:
-        return [str(issue).replace(str(path.parent) + "/", "") for issue in error.issues]
-    return []
+        issues = error.issues
+    return [str(issue).replace(str(path.parent) + "/", "") for issue in issues]

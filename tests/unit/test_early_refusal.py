@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -42,3 +43,14 @@ def test_what_is_not_there_is_refused_before_anything_heavy_is_imported(line: st
     )
     assert said in done.stderr
     assert json.loads(done.stdout) == [code, []]
+
+
+@pytest.mark.parametrize("command", ["check", "explain"])
+def test_a_scene_with_a_fault_is_refused_before_anything_heavy_is_imported(command: str, tmp_path: Path) -> None:
+    file = tmp_path / "scene.json"
+    file.write_text(json.dumps({"format": "mimics-scene", "version": 1, "entities": [{"id": "a", "part": 1}]}))
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, command, str(file)], capture_output=True, text=True, check=True
+    )
+    assert 'unknown key "part"' in done.stderr
+    assert json.loads(done.stdout) == [3, []]

@@ -60,12 +60,13 @@ def examine(file: Path) -> dict[str, Any]:
     from mimics_app.app.scenes.finding import find_scene
 
     find_scene(file)
-    from mimics_app.app.scenes.catalogue import is_part, is_playable, open_scenario
     from mimics_app.app.scenes.loading import load_checked_scene
-    from mimics_app.world.scene.file import build_world
 
     scene = load_checked_scene(file)
     _check_devices(scene)
+    from mimics_app.app.scenes.catalogue import is_part, is_playable, open_scenario
+    from mimics_app.world.scene.file import build_world
+
     notes = list(scene.notes)
     if is_part(scene):
         notes.append("a part, without robot and task: include it in a scene")

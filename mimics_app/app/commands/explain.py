@@ -36,13 +36,14 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.scenes.finding import find_scene
 
     find_scene(args.scene)
+    from mimics_app.app.scenes.loading import load_checked_scene
+
+    scene = load_checked_scene(args.scene)  # before graphics and the laboratory's table are imported
     from mimics_app.app.picture.shadow_cost import measure_shadow_us
     from mimics_app.app.planner.explain import explain_plan
     from mimics_app.app.planner.plan import plan_scene
-    from mimics_app.app.scenes.loading import load_checked_scene
     from mimics_app.app.terminal import output
 
-    scene = load_checked_scene(args.scene)
     plan = plan_scene(scene, args.profile, pixels=0 if args.still else args.size[0] * args.size[1])
     answer = explain_plan(scene, plan, lambda: measure_shadow_us(scene))
     if args.json:

@@ -1,35 +1,20 @@
-"""Scenes as the application reads them: one validator with every stage's own checks, for `check` and `run` alike."""
+"""Scenes as the application reads them: one validator with every stage's own checks, for `check` and `run` alike.
+
+What the files themselves say is checked first, without compiled code: a scene with a fault in it is refused at once,
+and not after kernels were imported, or compiled. A scene without one meets what the stages know of it.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
 from mimics_app.app.scenes.finding import find_scene
-from mimics_app.contracts.errors import DeviceError, Issue, SceneError, UsageError
-from mimics_app.estimation.registry import check_estimator
-from mimics_app.learning.goals import build_goal
-from mimics_app.learning.registry import check_policy
-from mimics_app.rendering.haptic import force_fields, scene_effects  # noqa: F401  their checks
-from mimics_app.rendering.haptic.devices import robot_checks  # noqa: F401  its checks
-from mimics_app.rendering.haptic.devices.reach import Reach
-from mimics_app.rendering.haptic.scene_objects import check_objects
-from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
-from mimics_app.tasks.actions import haptic_field
-from mimics_app.tasks.kinds.carry import carry_of
-from mimics_app.tasks.kinds.tunnel import own_tunnel
-from mimics_app.tasks.task import TaskSpec
-from mimics_app.world.components.robot import Robot, Tunnel
+from mimics_app.contracts.errors import SceneError
 from mimics_app.world.scene.file import load_scene
-from mimics_app.world.scene.placing import pose_of
 from mimics_app.world.scene.scene import Scene
 
 __all__ = ["load_checked_scene"]
-
-_REACH_CHECKS = 100
 
 
 def load_checked_scene(path: Path, before: Scene | None = None) -> Scene:
@@ -40,107 +25,15 @@ def load_checked_scene(path: Path, before: Scene | None = None) -> Scene:
         before: The scene it replaces, see `load_scene`.
 
     Raises:
-        SceneError: every fault found, each with file and JSON pointer.
+        SceneError: every fault found in the files, or else every one that a stage has found, each with file and JSON
+            pointer.
         DeviceError: the scene's robot has a device that nobody has.
     """
     scene = load_scene(find_scene(path), before=before)
-    issues = _check_learning(scene) + _check_widest_tunnel(scene) + _check_reach(scene) + _check_carry_reach(scene)
-    issues += check_objects(scene)
+    from mimics_app.app.scenes.stage_checks import check_stages
+
+    issues = check_stages(scene)
     if issues:
         raise SceneError(issues)
     scene.read.clear()  # what is checked is not yet made use of
     return scene
-
-
-def _check_learning(scene: Scene) -> list[Issue]:
-    """A policy, a goal and an estimator that the task names must be there."""
-    task = scene.section(TaskSpec)
-    if task is None:
-        return []
-    issues = []
-    for name, check in (("learn", check_policy), ("goal", build_goal), ("estimator", check_estimator)):
-        words = str(getattr(task, name))
-        try:
-            if words:
-                check(words)
-        except UsageError as error:
-            issues.append(scene.issue(f"/task/{name}", error.what, error.fix))
-        except ValueError as error:
-            issues.append(scene.issue(f"/task/{name}", str(error)))
-    return issues
-
-
-def _reach_of(scene: Scene) -> Reach:
-    """What the scene's robot reaches.
-
-    Raises:
-        DeviceError: with the place of a device that nobody has.
-    """
-    _, robot, pointer = scene.one(Robot)
-    try:
-        return Reach(robot)
-    except DeviceError as error:
-        issue = scene.issue(f"{pointer}/device", error.what, error.fix)
-        raise DeviceError(issue.what, issue.fix, issue.file, issue.pointer) from error
-
-
-def _check_widest_tunnel(scene: Scene) -> list[Issue]:
-    """The task may widen a tunnel only as far as its tightest bend allows (radius x curvature below 1)."""
-    task = scene.section(TaskSpec)
-    if task is None or not scene.components(Tunnel):
-        return []
-    targets = {f"tunnels.{entity}.radius_scale": entity for entity, _, _ in scene.components(Tunnel)}
-    targets["tunnel.radius_scale"] = own_tunnel(scene)
-    issues = []
-    for name, parameter in task.parameters.items():
-        for target in parameter.maps:
-            entity = targets.get(haptic_field(target))
-            if entity is None:
-                continue
-            limit = tunnel_of_scene(scene, entity)[0].max_radius_scale
-            widest = max(target.offset + target.scale * value for value in (parameter.min, parameter.max))
-            if widest >= limit:
-                what = f"makes the tunnel {widest:g} times as wide: its walls fold over in the tightest bend"
-                issues.append(scene.issue(f"/task/parameters/{name}/max", what, f"stay below {limit:.3f}"))
-    return issues
-
-
-def _check_reach(scene: Scene) -> list[Issue]:
-    """The robot must reach the bisector of the task's own tunnel, or the person would push against its end stops."""
-    if not scene.components(Tunnel) or not scene.components(Robot):
-        return []
-    pointer = scene.one(Robot)[2]
-    curve, _ = tunnel_of_scene(scene, own_tunnel(scene))
-    reach = _reach_of(scene)
-    for arc in np.linspace(0.0, curve.length, _REACH_CHECKS):
-        point = curve.point(curve.parameter_at(arc))[0]
-        if not reach.reaches(point):
-            what = f"the robot does not reach the tunnel {arc:.3f} m from its start, at {_place(point)}"
-            return [scene.issue(f"{pointer}/robot_to_world", what, "move the robot or the tunnel")]
-    return []
-
-
-def _check_carry_reach(scene: Scene) -> list[Issue]:
-    """The robot must reach the mark, and whatever lies below where the thing falls from."""
-    task = scene.section(TaskSpec)
-    carry = None if task is None else carry_of(task)
-    if carry is None or not scene.components(Robot):
-        return []
-    robot = scene.one(Robot)[1]
-    mark = pose_of(scene, carry.to)[0]
-    reach = _reach_of(scene)
-    if not reach.reaches(mark):
-        what = f'the robot does not reach "{carry.to}" at {_place(mark)}'
-        return [scene.issue("/task/carry/to", what, "move the robot or the mark")]
-    box, height = carry.falls_from, robot.robot_to_world.translation[1]
-    corners = [(x, height, z) for x in (box.low[0], box.high[0]) for z in (box.low[2], box.high[2])] if box else []
-    for corner in corners:
-        if not reach.reaches(np.array(corner)):
-            what = f"the robot does not reach what lies below its corner at {_place(np.array(corner))}"
-            return [scene.issue("/task/carry/falls_from", what, "make it smaller or move the robot")]
-    return []
-
-
-def _place(point: NDArray[np.float64]) -> str:
-    x, y, z = point
-    return f"({x:.3f}, {y:.3f}, {z:.3f})"

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.loop_ports import FIELD, FIELD_PARAMETERS
 from mimics_app.world.components.objects import ForceField
-from mimics_app.world.components.registry import register_check
 from mimics_app.world.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -107,6 +106,3 @@ def _tried(field: Any) -> Field:
             f"it raises {type(error).__name__}, which would end the loop; return a force instead"
         ) from None
     return field
-
-
-register_check("force_field", check_field)

@@ -17,7 +17,6 @@ from mimics_app.world.components import haptic_effects as effects
 from mimics_app.world.components.object_bodies import rotation_of
 from mimics_app.world.components.object_checks import check_path
 from mimics_app.world.components.objects import ForceField, HapticEffect, HapticPath
-from mimics_app.world.components.registry import register_check
 from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.scene.placing import pose_of
 from mimics_app.world.scene.scene import Scene
@@ -173,7 +172,3 @@ def _curve(path: HapticPath, pointer: str, scene: Scene) -> TunnelCurve:
         radius=0.0,
     )
     return built_tunnel(tunnel, pointer, scene)[0]
-
-
-register_check("haptic_path", check_haptic_path)
-register_check("force_field", check_field_count)

@@ -19,6 +19,7 @@ from mimics_app.rendering.haptic.devices.ascii_numbers import read_number, write
 __all__ = [
     "ERROR",
     "HEADER",
+    "LARGEST_TEXT",
     "NUMBER",
     "VECTOR",
     "WORD",
@@ -33,6 +34,9 @@ Bytes = NDArray[np.uint8]
 Vec = NDArray[np.float64]
 
 HEADER = 8
+LARGEST_TEXT = 255
+"""Longest text sent: byte 3 alone can tell it."""
+
 _LONGEST_ANSWER = 1900
 
 WORD, NUMBER, VECTOR, ERROR = 0, 1, 2, 3

@@ -8,7 +8,6 @@ from mimics_app.contracts.errors import DeviceError, Issue
 from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.world.components.objects import InteractionPoints
-from mimics_app.world.components.registry import register_check
 from mimics_app.world.components.robot import Robot
 
 if TYPE_CHECKING:
@@ -67,7 +66,3 @@ def check_points(points: InteractionPoints, pointer: str, scene: Scene) -> list[
         for i, point in enumerate(points.points)
         if point.contact is not None and point.contact not in contacts
     ]
-
-
-register_check("robot", check_robot)
-register_check("interaction_points", check_points)

@@ -1,0 +1,157 @@
+"""What stages know of a scene whose files are in order: robots, force fields, paths, and what the robot reaches."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import DeviceError, Issue, UsageError
+from mimics_app.estimation.registry import check_estimator
+from mimics_app.learning.goals import build_goal
+from mimics_app.learning.registry import check_policy
+from mimics_app.rendering.haptic.devices.reach import Reach
+from mimics_app.rendering.haptic.devices.robot_checks import check_points, check_robot
+from mimics_app.rendering.haptic.force_fields import check_field
+from mimics_app.rendering.haptic.scene_effects import check_field_count, check_haptic_path
+from mimics_app.rendering.haptic.scene_objects import check_objects
+from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
+from mimics_app.tasks.actions import haptic_field
+from mimics_app.tasks.kinds.carry import carry_of
+from mimics_app.tasks.kinds.tunnel import own_tunnel
+from mimics_app.tasks.task import TaskSpec
+from mimics_app.world.components.objects import ForceField, HapticPath, InteractionPoints
+from mimics_app.world.components.robot import Robot, Tunnel
+from mimics_app.world.scene.placing import pose_of
+from mimics_app.world.scene.scene import Scene
+
+__all__ = ["check_components", "check_stages"]
+
+_OF_COMPONENTS: tuple[tuple[type[msgspec.Struct], Callable[[Any, str, Scene], list[Issue]]], ...] = (
+    (Robot, check_robot),
+    (InteractionPoints, check_points),
+    (HapticPath, check_haptic_path),
+    (ForceField, check_field_count),
+    (ForceField, check_field),
+)
+"""Checks of single components, each with the type it is of."""
+
+_REACH_CHECKS = 100
+
+
+def check_stages(scene: Scene) -> list[Issue]:
+    """Every fault that only a stage can see; those of the scene as a whole where its components have none."""
+    return check_components(scene) or [
+        *_check_learning(scene),
+        *_check_widest_tunnel(scene),
+        *_check_reach(scene),
+        *_check_carry_reach(scene),
+        *check_objects(scene),
+    ]
+
+
+def check_components(scene: Scene) -> list[Issue]:
+    """What of it single components have."""
+    return [
+        issue
+        for kind, check in _OF_COMPONENTS
+        for _, component, pointer in scene.components(kind)
+        for issue in check(component, pointer, scene)
+    ]
+
+
+def _check_learning(scene: Scene) -> list[Issue]:
+    """A policy, a goal and an estimator that the task names must be there."""
+    task = scene.section(TaskSpec)
+    if task is None:
+        return []
+    issues = []
+    for name, check in (("learn", check_policy), ("goal", build_goal), ("estimator", check_estimator)):
+        words = str(getattr(task, name))
+        try:
+            if words:
+                check(words)
+        except UsageError as error:
+            issues.append(scene.issue(f"/task/{name}", error.what, error.fix))
+        except ValueError as error:
+            issues.append(scene.issue(f"/task/{name}", str(error)))
+    return issues
+
+
+def _reach_of(scene: Scene) -> Reach:
+    """What the scene's robot reaches.
+
+    Raises:
+        DeviceError: with the place of a device that nobody has.
+    """
+    _, robot, pointer = scene.one(Robot)
+    try:
+        return Reach(robot)
+    except DeviceError as error:
+        issue = scene.issue(f"{pointer}/device", error.what, error.fix)
+        raise DeviceError(issue.what, issue.fix, issue.file, issue.pointer) from error
+
+
+def _check_widest_tunnel(scene: Scene) -> list[Issue]:
+    """The task may widen a tunnel only as far as its tightest bend allows (radius x curvature below 1)."""
+    task = scene.section(TaskSpec)
+    if task is None or not scene.components(Tunnel):
+        return []
+    targets = {f"tunnels.{entity}.radius_scale": entity for entity, _, _ in scene.components(Tunnel)}
+    targets["tunnel.radius_scale"] = own_tunnel(scene)
+    issues = []
+    for name, parameter in task.parameters.items():
+        for target in parameter.maps:
+            entity = targets.get(haptic_field(target))
+            if entity is None:
+                continue
+            limit = tunnel_of_scene(scene, entity)[0].max_radius_scale
+            widest = max(target.offset + target.scale * value for value in (parameter.min, parameter.max))
+            if widest >= limit:
+                what = f"makes the tunnel {widest:g} times as wide: its walls fold over in the tightest bend"
+                issues.append(scene.issue(f"/task/parameters/{name}/max", what, f"stay below {limit:.3f}"))
+    return issues
+
+
+def _check_reach(scene: Scene) -> list[Issue]:
+    """The robot must reach the bisector of the task's own tunnel, or the person would push against its end stops."""
+    if not scene.components(Tunnel) or not scene.components(Robot):
+        return []
+    pointer = scene.one(Robot)[2]
+    curve, _ = tunnel_of_scene(scene, own_tunnel(scene))
+    reach = _reach_of(scene)
+    for arc in np.linspace(0.0, curve.length, _REACH_CHECKS):
+        point = curve.point(curve.parameter_at(arc))[0]
+        if not reach.reaches(point):
+            what = f"the robot does not reach the tunnel {arc:.3f} m from its start, at {_place(point)}"
+            return [scene.issue(f"{pointer}/robot_to_world", what, "move the robot or the tunnel")]
+    return []
+
+
+def _check_carry_reach(scene: Scene) -> list[Issue]:
+    """The robot must reach the mark, and whatever lies below where the thing falls from."""
+    task = scene.section(TaskSpec)
+    carry = None if task is None else carry_of(task)
+    if carry is None or not scene.components(Robot):
+        return []
+    robot = scene.one(Robot)[1]
+    mark = pose_of(scene, carry.to)[0]
+    reach = _reach_of(scene)
+    if not reach.reaches(mark):
+        what = f'the robot does not reach "{carry.to}" at {_place(mark)}'
+        return [scene.issue("/task/carry/to", what, "move the robot or the mark")]
+    box, height = carry.falls_from, robot.robot_to_world.translation[1]
+    corners = [(x, height, z) for x in (box.low[0], box.high[0]) for z in (box.low[2], box.high[2])] if box else []
+    for corner in corners:
+        if not reach.reaches(np.array(corner)):
+            what = f"the robot does not reach what lies below its corner at {_place(np.array(corner))}"
+            return [scene.issue("/task/carry/falls_from", what, "make it smaller or move the robot")]
+    return []
+
+
+def _place(point: NDArray[np.float64]) -> str:
+    x, y, z = point
+    return f"({x:.3f}, {y:.3f}, {z:.3f})"
