@@ -222,7 +222,7 @@ def test_effects_are_given_up_before_sharpness_and_come_back():
         full = surface.framebuffer.read()
         steps = quality_steps(renderer)
         names = [step.name for step in steps]
-        assert names == ["bloom", "shadow size", "anti-aliasing", "resolution scale", "shadows"]
+        assert names == ["bloom", "shadow size", "anti-aliasing", "resolution scale", "shadows", "shading"]
         for step in steps:
             for level in range(1, len(step.levels)):
                 before = surface.framebuffer.read()

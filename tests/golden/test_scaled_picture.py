@@ -93,9 +93,9 @@ def test_quality_changes_while_running_and_comes_back():
         assert surface.ctx.error == "GL_NO_ERROR"
 
 
-def test_a_picture_without_shadows_has_only_its_sharpness_to_give():
+def test_a_plain_picture_without_shadows_has_only_its_sharpness_to_give():
     with create_surface("egl", (64, 64)) as surface:
-        renderer = Renderer(surface, make_tunnel_world(), RenderSettings(msaa=0, shadow_size=0))
+        renderer = Renderer(surface, make_tunnel_world(), RenderSettings(msaa=0, shadow_size=0, shading="plain"))
         assert [step.name for step in quality_steps(renderer)] == ["resolution scale"]
         renderer.release()
 

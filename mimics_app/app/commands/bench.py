@@ -38,7 +38,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--surface", choices=("egl", "window"), default="egl", help="of frame: where the picture is drawn"
     )
-    parser.add_argument("--charts", type=Path, metavar="DIR", help="of physio and audio: write their figures here")
+    parser.add_argument(
+        "--charts", type=Path, metavar="DIR", help="of physio, audio and frame: write their figures here"
+    )
     parser.add_argument(
         "--people", type=Path, metavar="FILE", help="of physio: only write the people that the load is learnt from"
     )
@@ -217,7 +219,12 @@ def _measure_frame(args: argparse.Namespace) -> dict[str, Any]:
 
     seconds = min(args.seconds, _FRAME_SECONDS) if args.what == "all" else args.seconds
     scenes = [Path(name) for name in args.names]
-    return measure_frames(scenes, args.size, args.surface, seconds, _say)
+    answer = measure_frames(scenes, args.size, args.surface, seconds, _say)
+    if args.charts is not None:
+        from mimics_app.app.bench.frame_counts import draw_counts
+
+        answer["charts"] = [draw_counts(args.charts)]
+    return answer
 
 
 def _measure_displays(args: argparse.Namespace) -> dict[str, Any]:

@@ -4,6 +4,7 @@ It never touches the haptic loop, and nothing that a study has fixed. It starts 
 frames drawn before the first one fit into (`start_from`, `settle`). Down after half a second over the budget; up after
 three seconds in which the frame would have stayed within it one level up too, by what that level cost when it was left.
 That cost is doubted after half a minute of ease, since the load may have changed just then; doubts grow ever rarer.
+The last level of all is given back, and left alone, where it buys nothing.
 """
 
 from __future__ import annotations
@@ -31,6 +32,8 @@ _ROOM = 0.9
 _EASE = 0.6
 """Share of the budget below which a frame is at ease."""
 _DOUBT_NS = 30_000_000_000
+_WORTH = 1.05
+"""Growth below which giving up the last level is not worth what is seen."""
 
 Log = Callable[[str, dict[str, object]], object]
 
@@ -65,12 +68,14 @@ class _Move:
     Attributes:
         growth: Frame time one level up over the one here, as found when it was last given up; >= 1.
         patience_ns: How long frames must be at ease before that figure is doubted.
+        vain: True once it was found to buy nothing.
     """
 
     step: QualityStep
     level: int
     growth: float = 1.0
     patience_ns: int = _DOUBT_NS
+    vain: bool = False
 
     @property
     def label(self) -> str:
@@ -153,6 +158,9 @@ class FrameGovernor:
             self._begin_lower(1.0)
             now_ms = frame_ms()
             self._ladder[self._given_up - 1].growth = max(1.0, before_ms / max(now_ms, 1e-6))
+            if self._last_in_vain():
+                self._undo_last()
+                return
 
     def _begin_lower(self, growth: float) -> None:
         move = self._ladder[self._given_up]
@@ -210,6 +218,22 @@ class FrameGovernor:
             return
         self._ladder[self._given_up - 1].growth = max(1.0, self._before_ms / max(now_ms, 1e-6))
         self._before_ms = None
+        if self._last_in_vain():
+            self._ladder[-1].vain = True
+            self._take_back(now_ms, now_ns)
+
+    def _last_in_vain(self) -> bool:
+        """Whether every level is given up, the last one for nothing."""
+        return len(self._ladder) > 1 and self._given_up == len(self._ladder) and self._ladder[-1].growth < _WORTH
+
+    def _undo_last(self) -> None:
+        """Before the first frame: have the last level back, and leave it alone from here on."""
+        move = self._ladder[-1]
+        move.step.apply(move.level - 1)
+        move.vain = True
+        self._given_up -= 1
+        line = {"step": move.step.name, "level": move.step.levels[move.level - 1], "way": "start"}
+        self._log("governor", {**line, "frame_ms": None, "t_ns": 0})
 
     def _doubt(self, now_ms: float, now_ns: int) -> None:
         """Forget what the level above cost, once frames have long been at ease below it."""
@@ -221,7 +245,7 @@ class FrameGovernor:
             move.growth, move.patience_ns = 1.0, 2 * move.patience_ns
 
     def _give_up(self, now_ms: float, now_ns: int) -> None:
-        if self._given_up == len(self._ladder):
+        if self._given_up == len(self._ladder) or self._ladder[self._given_up].vain:
             return
         move = self._ladder[self._given_up]
         move.step.apply(move.level)

@@ -17,7 +17,7 @@ from mimics_app.app.session.watches import DeviceWatch
 from mimics_app.contracts.clock import FRAME_NS
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
-from mimics_app.rendering.visual.quality_steps import quality_steps
+from mimics_app.rendering.visual.quality_steps import quality_steps, rehearse_shading
 
 __all__ = ["run_live", "run_unseen", "run_virtual"]
 
@@ -111,6 +111,7 @@ def _start_lower(session: Session, governor: FrameGovernor) -> str:
     assert session.picture is not None
     name = name_of_picture(session.picture, session.scene.path.stem, session.settings.profile)
     known = HeldQuality().find(name)
+    rehearse_shading(session.picture.renderer, partial(measure_frame_ms, session.picture))
     if known is None or not governor.start_from(known):
         governor.settle(partial(measure_frame_ms, session.picture))
     return name

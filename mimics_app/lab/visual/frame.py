@@ -19,6 +19,7 @@ from mimics_app.lab.visual.probe import Move, differing_pixels, frame_us, show_p
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
+from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box, icosphere
 from mimics_app.world.world import World
 
@@ -56,14 +57,16 @@ def _view_over(width: float) -> View:
     return View(pose, (-0.9, 0.9, -0.5, 0.5), (0, 0, *_SIZE), 0.01 * width, 10.0 * width)
 
 
-def node_world(count: int) -> Scene:
-    """Cubes that all turn every frame, seen from above."""
+def node_world(count: int, materials: int = 1) -> Scene:
+    """Cubes that all turn every frame, in so many materials by turns, seen from above."""
     world = World()
     world.meshes["cube"] = box(1.0, 1.0, 1.0)
+    for number in range(materials):
+        world.set_material(Material(f"{number}", base_colour=(0.8, 0.8 * (number + 1) / materials, 0.8, 1.0)))
     places = _square(count, 2.0)
     nodes = [world.root.create_child("", tuple(place)) for place in places.tolist()]
-    for node in nodes:
-        world.show(node, [("cube", "default")])
+    for number, node in enumerate(nodes):
+        world.show(node, [("cube", f"{number % materials}")])
     world.update()
     rows = world.transforms.rows(np.array([node.index for node in nodes]))
     view = _view_over(2.0 * math.sqrt(count))

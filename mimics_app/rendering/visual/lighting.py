@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -158,12 +159,19 @@ def fit_shadow_frustum(sun_direction: F8, centres: F8, radii: F8, size: int) -> 
 
 
 def sun_axes(sun_direction: F8) -> F8:
-    """Rows: right, up and towards the sun, a right-handed frame that does not depend on the view."""
-    towards = sun_direction / np.linalg.norm(sun_direction)
+    """Rows: right, up and towards the sun, a right-handed frame that does not depend on the view; not to be written."""
+    return _axes(tuple(sun_direction.tolist()))
+
+
+@lru_cache(maxsize=64)
+def _axes(sun_direction: tuple[float, ...]) -> F8:
+    towards = np.array(sun_direction) / np.linalg.norm(sun_direction)
     helper = np.array([0.0, 0.0, 1.0]) if abs(towards[2]) < 0.9 else np.array([1.0, 0.0, 0.0])
     right = np.cross(helper, towards)
     right /= np.linalg.norm(right)
-    return np.stack([right, np.cross(towards, right), towards])
+    axes = np.stack([right, np.cross(towards, right), towards])
+    axes.flags.writeable = False
+    return axes
 
 
 def _strongest(lights: list[Light]) -> list[Light]:

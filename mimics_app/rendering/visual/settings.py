@@ -124,7 +124,7 @@ class RenderSettings:
 
 
 class QualityChanges(TypedDict, total=False):
-    """What of `RenderSettings` a governor may change between two frames: nothing is compiled for it."""
+    """What of `RenderSettings` a governor may change between two frames; only `shading` needs something compiled."""
 
     shadow_size: int
     scale: float
@@ -134,3 +134,4 @@ class QualityChanges(TypedDict, total=False):
     mirror_scale: float
     ambient_occlusion: float
     detail: float
+    shading: Shading

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.maths.quat import multiply, rotate_back, slerp
+from mimics_app.maths.quat import multiply, rotate, rotate_back, slerp
 from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.humanoid import HumanoidMap
 from mimics_app.world.motion.kernels.chain import arc, localise
@@ -91,10 +91,9 @@ class LookAt:
         return own
 
     def _out(self, slot: int, gaze: F8) -> F8:
-        x, y, z, w = self._chain.turns[slot]
-        axis = np.array([x, y, z])
-        turn = 2.0 * np.cross(axis, gaze)
-        return np.asarray(gaze + w * turn + np.cross(axis, turn))
+        turned = np.empty(3)
+        rotate(self._chain.turns[slot], gaze, turned)
+        return turned
 
 
 class Blink:

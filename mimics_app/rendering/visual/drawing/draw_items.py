@@ -173,6 +173,7 @@ class _States:
 def _bounds(world: World, names: Sequence[str]) -> tuple[F8, F8]:
     """Spheres [n, 4] and half sizes of boxes [n, 3] of meshes; zeros for one the world does not have."""
     local, half = np.zeros((len(names), 4)), np.zeros((len(names), 3))
+    bent = np.zeros(len(names), np.bool_)
     for i, name in enumerate(names):
         mesh = world.meshes.get(name)
         if mesh is None:
@@ -180,9 +181,10 @@ def _bounds(world: World, names: Sequence[str]) -> tuple[F8, F8]:
         least, greatest = world.mesh_bounds(name)
         half[i] = 0.5 * (greatest - least)
         if name in world.motion.body_of:
-            local[i, :3], local[i, 3] = 0.5 * (least + greatest), np.linalg.norm(half[i])
+            local[i, :3], bent[i] = 0.5 * (least + greatest), True
         else:
             local[i, :3], local[i, 3] = mesh.centre, mesh.radius
+    local[bent, 3] = np.linalg.norm(half[bent], axis=1)
     return local, half
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,9 @@ from mimics_app.contracts.errors import Issue, SceneError
 __all__ = ["Face", "Glyph", "GlyphAtlas", "load_glyph_atlas"]
 
 _MISSING = "\N{WHITE SQUARE}"
+_MOST_LINES = 512
+"""That a face remembers; numbers that count on are ever new ones."""
+
 Box = tuple[float, float, float, float]
 
 
@@ -38,28 +41,39 @@ class Glyph:
     picture: Box
 
 
+Line = tuple[tuple[Glyph, float], ...]
+"""Glyphs with where the pen is before each [em]."""
+
+
 @dataclass(frozen=True, eq=False)
 class Face:
-    """One weight of the font: glyphs by character and kerning by pair [em]."""
+    """One weight of the font: glyphs by character and kerning by pair [em]; lines set lately are remembered."""
 
     glyphs: dict[str, Glyph]
     kerning: dict[str, float]
+    _lines: dict[str, Line] = field(default_factory=dict)
 
-    def layout(self, text: str) -> Iterator[tuple[Glyph, float]]:
+    def layout(self, text: str) -> Line:
         """Each glyph of a line with the pen's distance from the line's start [em]."""
+        known = self._lines.get(text)
+        if known is None:
+            if len(self._lines) >= _MOST_LINES:
+                self._lines.clear()
+            known = self._lines[text] = tuple(self._set(text))
+        return known
+
+    def measure(self, text: str) -> float:
+        """Length of a line [em]."""
+        line = self.layout(text)
+        return line[-1][1] + line[-1][0].advance if line else 0.0
+
+    def _set(self, text: str) -> Iterator[tuple[Glyph, float]]:
         pen, before = 0.0, ""
         for character in text:
             glyph = self.glyphs.get(character) or self.glyphs[_MISSING]
             pen += self.kerning.get(before + character, 0.0)
             yield glyph, pen
             pen, before = pen + glyph.advance, character
-
-    def measure(self, text: str) -> float:
-        """Length of a line [em]."""
-        length = 0.0
-        for glyph, pen in self.layout(text):
-            length = pen + glyph.advance
-        return length
 
 
 @dataclass(frozen=True, eq=False)
