@@ -9,11 +9,12 @@ import msgspec
 
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.tasks.check import check_blocks
+from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import BlockSpec, TaskSpec
 from mimics_app.world.scene.paths import PathFault, find_file
 from mimics_app.world.scene.struct_file import read_struct_file
 
-__all__ = ["find_trial_file", "load_blocks", "resolve_trials"]
+__all__ = ["find_trial_file", "load_blocks", "resolve_files", "resolve_trials"]
 
 _Blocks = Annotated[list[BlockSpec], msgspec.Meta(min_length=1)]
 
@@ -37,6 +38,26 @@ def resolve_trials(spec: TaskSpec, folder: Path, root: Path | None = None) -> Ta
     if issues:
         raise SceneError(issues)
     return msgspec.structs.replace(spec, trials=blocks)
+
+
+def resolve_files(spec: TaskSpec, folder: Path, root: Path | None = None) -> TaskSpec:
+    """The same task with its trial file read, and what its kinds have in files of their own.
+
+    Args:
+        spec: The task.
+        folder: Folder of the scene file.
+        root: Folder the files must lie inside; None: `folder`.
+
+    Raises:
+        SceneError: with every fault of a file.
+    """
+    told = {kind: spec.section(kind.name) for kind in task_kinds()}
+    read = {
+        kind.name: kind.read_files(section, folder, root or folder)
+        for kind, section in told.items()
+        if section is not None
+    }
+    return msgspec.structs.replace(resolve_trials(spec, folder, root), **read)
 
 
 def find_trial_file(name: str, folder: Path, root: Path | None = None) -> Path:

@@ -115,7 +115,11 @@ def test_the_cord_follows_the_bodies_and_changes_in_a_frame(tmp_path: Path) -> N
             slack = curve.length / np.linalg.norm(cord.ends[1] - cord.ends[0])
             lengths.setdefault(label, set()).add((round(slack, 6), round(cord.radius, 6), cord.visible))
 
-    play(tmp_path, {"plain": {}, "long": {"length_factor": 4.0, "radius_factor": 2.0}, "none": {"cord": False}}, look)
+    play(
+        tmp_path,
+        {"plain": {}, "long": {"length_factor": 4.0, "radius_factor": 2.0}, "none": {"cord": False, "mode": "none"}},
+        look,
+    )
     # The first frame of a trial's travel has it already; nothing between the two is ever seen.
     assert {label: len(found) for label, found in lengths.items()} == {"plain": 1, "long": 1, "none": 1}
     (plain,), (long,), (none,) = lengths["plain"], lengths["long"], lengths["none"]

@@ -11,9 +11,11 @@ import msgspec
 import numpy as np
 import pytest
 
+from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.study.subjects import SubjectRun
 from mimics_app.app.study.tables import read_study, summarise_conditions, write_table
 from mimics_app.contracts.clock import FRAME_NS
+from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import TactileEvent
 from mimics_app.maths.cord import hang
 from mimics_app.rendering.haptic.cord_field import cord
@@ -35,11 +37,14 @@ from mimics_app.tasks.kinds.questions import Asking, felt_ownership
 from mimics_app.tasks.kinds.tap_schedule import plan_taps
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import TaskSpec
+from mimics_app.tasks.trial_file import resolve_files
 from mimics_app.tasks.trials import plan_trials
 from mimics_app.world.scene.file import load_scene
 
 MS = 1_000_000
 ROOT = Path(__file__).parents[2]
+ASKED = {"items": [{"id": "mine", "text": "It felt like mine", "scale": "ownership"}], "least": -3, "most": 3}
+TWICE = {**ASKED, "items": [*ASKED["items"], *ASKED["items"]]}
 
 
 def condition(**said: object) -> ConditionSpec:
@@ -152,6 +157,9 @@ def test_the_shipped_experiment_orders_its_conditions_anew_for_every_subject() -
         ({"trials": [{"trials": [{"label": "nowhere"}]}]}, "/task/trials/0/trials/0/label"),
         ({"avatar_cord": {"conditions": {"a": {}}, "taps": {"least_s": 3.0, "most_s": 1.0}}}, "/taps/most_s"),
         ({"avatar_cord": None}, "/task/goals"),
+        ({"avatar_cord": {"conditions": {"a": {"cord": False}}}}, "/conditions/a"),
+        ({"avatar_cord": {"conditions": {"a": {}}, "questionnaire": {**ASKED, "most": -3}}}, "/questionnaire/most"),
+        ({"avatar_cord": {"conditions": {"a": {}}, "questionnaire": TWICE}}, "/questionnaire/items/1/id"),
     ],
 )
 def test_an_experiment_that_cannot_be_is_refused_at_its_place(change: dict, pointer: str) -> None:
@@ -159,6 +167,46 @@ def test_an_experiment_that_cannot_be_is_refused_at_its_place(change: dict, poin
     document["trials"] = [{"trials": [{"label": "a"}]}]
     spec = msgspec.convert({**document, **change}, TaskSpec)
     assert [place for place, _, _ in KIND.check(spec, "/task") if place.endswith(pointer)]
+
+
+def test_a_lab_asks_what_stands_in_a_file_of_its_own(tmp_path: Path) -> None:
+    section = AvatarCordSpec(conditions={"a": condition()}, questionnaire="own.json")
+    with pytest.raises(TypeError, match=r"own\.json"):
+        _ = section.asked
+    spec = TaskSpec(goals=[], avatar_cord=section)
+    (tmp_path / "own.json").write_text(json.dumps(ASKED))
+    read = resolve_files(spec, tmp_path)
+    assert read.avatar_cord.asked == msgspec.convert(ASKED, QuestionnaireSpec)
+    assert resolve_files(read, tmp_path) == read
+
+
+@pytest.mark.parametrize(
+    ("text", "pointer"),
+    [
+        ("", "/task/avatar_cord/questionnaire"),
+        ("{", ""),
+        (json.dumps({**ASKED, "lest": 1}), "/lest"),
+        (json.dumps(TWICE), "/items/1/id"),
+    ],
+    ids=["missing", "broken", "misspelt", "twice"],
+)
+def test_a_file_of_questions_that_is_wrong_is_refused_at_its_place(tmp_path: Path, text: str, pointer: str) -> None:
+    document = json.loads((ROOT / "scenes" / "avatar_cord.json").read_text())
+    document["task"]["avatar_cord"]["questionnaire"] = "own.json"
+    (tmp_path / "scene.json").write_text(json.dumps(document))
+    if text:
+        (tmp_path / "own.json").write_text(text)
+    with pytest.raises(SceneError) as caught:
+        load_checked_scene(tmp_path / "scene.json")
+    (issue,) = caught.value.issues
+    assert Path(issue.file).name == ("own.json" if text else "scene.json")
+    assert issue.pointer == pointer
+
+
+def test_a_condition_has_places_of_its_own() -> None:
+    taps = TapsSpec(places=["cord"])
+    planned = plan_taps(taps, condition(places=["back", "stomach"]), 5, 2)
+    assert [tap.place for tap in planned[:3]] == [tap.felt_at for tap in planned[:3]] == ["back", "stomach", "back"]
 
 
 def test_a_command_to_the_vibrators_survives_noise_and_no_noise_is_a_command() -> None:

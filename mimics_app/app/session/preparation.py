@@ -26,7 +26,7 @@ from mimics_app.tasks.actions import fill_defaults
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.tailoring import eased, with_trials
 from mimics_app.tasks.task import TaskSpec
-from mimics_app.tasks.trial_file import resolve_trials
+from mimics_app.tasks.trial_file import resolve_files
 from mimics_app.tasks.trials import repeated
 from mimics_app.world.components.robot import Patient, Robot
 from mimics_app.world.scene.file import build_world
@@ -113,7 +113,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     scenario = open_scenario(scene, world)
     side = HapticSide(scene)
     store = side.parameter_store(scenario.scene_block())
-    task = fill_defaults(resolve_trials(task_of(scene), scene.path.parent, scene.root), store.value)
+    task = fill_defaults(resolve_files(task_of(scene), scene.path.parent, scene.root), store.value)
     task = with_trials(eased(task, settings.difficulty), settings.trials, settings.seed)
     if settings.learn and settings.seconds is not None:
         task = repeated(task, settings.seconds)

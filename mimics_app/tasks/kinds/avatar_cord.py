@@ -6,23 +6,28 @@ import random
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from enum import Enum
+from pathlib import Path
 from statistics import fmean
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from msgspec import structs
+
 from mimics_app.contracts.board import Card
 from mimics_app.contracts.clock import FRAME_NS
-from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.messages import TactileEvent
 from mimics_app.contracts.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
-from mimics_app.tasks.kinds.avatar_cord_spec import AvatarCordSpec, ExperimentGoal
+from mimics_app.tasks.kinds.avatar_cord_spec import AvatarCordSpec, ExperimentGoal, QuestionnaireSpec
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, TaskKind
+from mimics_app.tasks.kinds.questionnaire_file import check_questionnaire, read_questionnaire
 from mimics_app.tasks.kinds.questions import Asking
 from mimics_app.tasks.kinds.tap_schedule import Tap, plan_taps
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.registry import Component
+from mimics_app.world.scene.json_text import escape
 
 if TYPE_CHECKING:
     from mimics_app.tasks.task import TaskSpec
@@ -260,9 +265,13 @@ class AvatarCordKind(TaskKind):
         yield from self._check_labels(spec, section, pointer)
         if section.taps.most_s < section.taps.least_s:
             yield f"{pointer}/{self.name}/taps/most_s", "is shorter than least_s", "give the longer time there"
-        questions = section.questionnaire
-        if questions is not None and questions.least >= questions.most:
-            yield f"{pointer}/{self.name}/questionnaire/most", "is no more than least", "give the scale's upper end"
+        if isinstance(section.questionnaire, QuestionnaireSpec):
+            for place, what, fix in check_questionnaire(section.questionnaire):
+                yield f"{pointer}/{self.name}/questionnaire{place}", what, fix
+        for label, condition in section.conditions.items():
+            if not condition.cord and condition.mode != "none" and "cord" in (condition.places or section.taps.places):
+                where = f"{pointer}/{self.name}/conditions/{escape(label)}"
+                yield where, "taps a cord that nobody sees", 'give it "places", such as ["back"]'
 
     def _check_labels(self, spec: TaskSpec, section: AvatarCordSpec, pointer: str) -> Iterator[Fault]:
         blocks = spec.trials if not isinstance(spec.trials, str) else []
@@ -275,10 +284,30 @@ class AvatarCordKind(TaskKind):
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
         """Taps on a cord need one."""
         section = spec.section(self.name)
-        wants = isinstance(section, AvatarCordSpec) and any(c.cord for c in section.conditions.values())
-        if not wants or scene.components(CordComponent):
+        if not isinstance(section, AvatarCordSpec):
             return []
-        return [scene.issue("/task/avatar_cord", "the scene has no cord", 'give an entity a "cord"')]
+        issues = self._check_file(section, scene)
+        if any(c.cord for c in section.conditions.values()) and not scene.components(CordComponent):
+            issues.append(scene.issue("/task/avatar_cord", "the scene has no cord", 'give an entity a "cord"'))
+        return issues
+
+    def _check_file(self, section: AvatarCordSpec, scene: Scene) -> list[Issue]:
+        try:
+            self.read_files(section, scene.path.parent, scene.root)
+        except SceneError as error:
+            return [
+                scene.issue("/task/avatar_cord/questionnaire", issue.what, issue.fix)
+                if issue.file == section.questionnaire
+                else issue
+                for issue in error.issues
+            ]
+        return []
+
+    def read_files(self, section: Component, folder: Path, root: Path) -> Component:
+        assert isinstance(section, AvatarCordSpec), "a task of this kind has its section"
+        if not isinstance(section.questionnaire, str):
+            return section
+        return structs.replace(section, questionnaire=read_questionnaire(section.questionnaire, folder, root))
 
     def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
         section = spec.section(self.name)

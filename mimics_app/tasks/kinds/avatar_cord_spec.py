@@ -25,6 +25,7 @@ __all__ = [
 ]
 
 TapMode = Literal["synchronous", "delayed", "jittered", "shuffled", "other_place", "none"]
+_Place = Literal["cord", "back", "stomach"]
 _Milliseconds = Annotated[float, Meta(ge=-2000.0, le=2000.0)]
 _Seconds = Annotated[float, Meta(ge=0.0, le=3600.0)]
 _Share = Annotated[float, Meta(ge=0.0, le=1.0)]
@@ -37,7 +38,7 @@ class TapsSpec(Component, frozen=True):
     least_s: Annotated[float, Meta(ge=0.2, le=10.0, description="Shortest time between two [s]")] = 0.5
     most_s: Annotated[float, Meta(ge=0.2, le=60.0, description="Longest [s]")] = 2.0
     places: Annotated[
-        list[Literal["cord", "back", "stomach"]],
+        list[_Place],
         Meta(
             min_length=1,
             max_length=3,
@@ -84,6 +85,10 @@ class ConditionSpec(Component, frozen=True):
     mimicry: Annotated[
         Literal["same", "mirror", "none"], Meta(description="What the avatar does of the subject's movements")
     ] = "same"
+    places: Annotated[
+        Annotated[list[_Place], Meta(min_length=1, max_length=3)] | None,
+        Meta(description="Where the ball taps; absent: as `taps` says"),
+    ] = None
     baseline_s: Annotated[_Seconds, Meta(description="Without taps, before them [s]")] = 5.0
     duration_s: Annotated[_Seconds, Meta(description="Of the taps [s]; ownership takes some 50 s")] = 60.0
     threat: Annotated[ThreatSpec | None, Meta(description="Absent: none")] = None
@@ -131,11 +136,27 @@ class AvatarCordSpec(Component, frozen=True):
 
     conditions: Annotated[dict[_Label, ConditionSpec], Meta(min_length=1, max_length=200, description="By their label")]
     taps: Annotated[TapsSpec, Meta(description="When and where")] = field(default_factory=TapsSpec)
-    questionnaire: Annotated[QuestionnaireSpec | None, Meta(description="After each trial; absent: none")] = None
+    questionnaire: Annotated[
+        QuestionnaireSpec | str | None,
+        Meta(description="After each trial, here or in a JSON file whose name stands here; absent: none"),
+    ] = None
     probe: Annotated[ProbeSpec | None, Meta(description="Before the statements; absent: none")] = None
     simulated: Annotated[SubjectModel, Meta(description="Who answers where nobody is there")] = field(
         default_factory=SubjectModel
     )
+
+    @property
+    def asked(self) -> QuestionnaireSpec | None:
+        """The questionnaire, None where there is none.
+
+        Raises:
+            TypeError: its file has not been read.
+        """
+        if isinstance(self.questionnaire, str):
+            raise TypeError(
+                f'questionnaire "{self.questionnaire}" has not been read; see tasks.trial_file.resolve_files'
+            )
+        return self.questionnaire
 
 
 class ExperimentGoal(Component, frozen=True, tag="experiment", tag_field="kind"):

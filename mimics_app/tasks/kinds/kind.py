@@ -10,6 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from msgspec import Meta
@@ -184,6 +185,19 @@ class TaskKind(ABC):
     label: ClassVar[str] = "Progress"
     contacts: ClassVar[str] = "Contacts"
     report: ClassVar[ReportSection | None] = None
+
+    def read_files(self, section: Component, folder: Path, root: Path) -> Component:
+        """This kind's section with the files that it names read.
+
+        Args:
+            section: As the scene says it, of the right types.
+            folder: Of the scene file.
+            root: Folder that files must lie inside.
+
+        Raises:
+            SceneError: with every fault of the files.
+        """
+        return section
 
     def takes(self, spec: TaskSpec, offers: frozenset[str]) -> bool:
         """Whether a task is (also) of this kind: by default where it has this kind's section or one of its goals.

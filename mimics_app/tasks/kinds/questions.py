@@ -77,8 +77,9 @@ class Asking:
     answers: list[Answer] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        items = list(self.spec.questionnaire.items) if self.spec.questionnaire else []
-        if self.spec.questionnaire and self.spec.questionnaire.order == "shuffled":
+        asked = self.spec.asked
+        items = list(asked.items) if asked else []
+        if asked and asked.order == "shuffled":
             self.chance.shuffle(items)
         self._left: list[ProbeSpec | ItemSpec] = [*([self.spec.probe] if self.spec.probe else []), *items]
         # One level for the trial, so that a subject's answers to it belong together.
@@ -127,8 +128,9 @@ class Asking:
 
     @property
     def _questionnaire(self) -> QuestionnaireSpec:
-        assert self.spec.questionnaire is not None, "an item is of a questionnaire"
-        return self.spec.questionnaire
+        asked = self.spec.asked
+        assert asked is not None, "an item is of a questionnaire"
+        return asked
 
     def _move(self, way: float) -> None:
         asked = self._left[0]
@@ -149,8 +151,8 @@ class Asking:
         if self._left and isinstance(self._left[0], ProbeSpec):
             starts = self._left[0].starts
             return {"self": 0.0, "avatar": self.distance}.get(starts, self.chance.uniform(0.0, self.distance))
-        questionnaire = self.spec.questionnaire
-        return float((questionnaire.least + questionnaire.most) // 2) if questionnaire else 0.0
+        asked = self.spec.asked
+        return float((asked.least + asked.most) // 2) if asked else 0.0
 
     def _made_up(self) -> float:
         """What the model answers: noise of its own for every statement."""

@@ -51,9 +51,10 @@ def plan_taps(taps: TapsSpec, condition: ConditionSpec, seed: int, trial: int) -
     gaps = _gaps(taps, condition, chance)
     felt_gaps = gaps[:1] + chance.sample(gaps[1:], len(gaps) - 1) if condition.mode == "shuffled" else gaps
     planned, seen, felt = [], 0.0, 0.0
+    places = condition.places or taps.places
     for number, (gap, felt_gap) in enumerate(zip(gaps, felt_gaps, strict=True)):
         seen, felt = seen + gap, felt + felt_gap
-        place = taps.places[number % len(taps.places)]
+        place = places[number % len(places)]
         at = taps.felt if place == "cord" else place
         if condition.mode == "other_place":
             at = _ELSEWHERE.get(at, "back")

@@ -1,0 +1,57 @@
+"""A questionnaire in a file of its own: published statements that a lab may use and nobody may ship."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mimics_app.contracts.errors import Issue, SceneError
+from mimics_app.tasks.kinds.avatar_cord_spec import QuestionnaireSpec
+from mimics_app.world.components.struct_reader import FAILED, read_struct
+from mimics_app.world.scene.json_text import parse_json
+from mimics_app.world.scene.paths import PathFault, find_file
+from mimics_app.world.scene.source import read_bytes
+
+__all__ = ["check_questionnaire", "read_questionnaire"]
+
+_MAX_BYTES = 1 << 20
+
+
+def read_questionnaire(name: str, folder: Path, root: Path) -> QuestionnaireSpec:
+    """Read a JSON object of what may stand under `task.avatar_cord.questionnaire`.
+
+    Args:
+        name: Of the file, from the scene's folder.
+        folder: Of the scene file.
+        root: Folder that it must lie inside.
+
+    Raises:
+        SceneError: no such file, no JSON, or with every fault of it.
+    """
+    try:
+        path = find_file(name, folder, root)
+    except PathFault as fault:
+        raise SceneError(Issue(name, "", fault.what, fault.fix or "check the name")) from fault
+    document, issues = parse_json(read_bytes(path, str(path), _MAX_BYTES), str(path))
+
+    def report(place: str, what: str, fix: str) -> None:
+        issues.append(Issue(str(path), place, what, fix))
+
+    read = FAILED if issues else read_struct(QuestionnaireSpec, document, report)
+    if issues or not isinstance(read, QuestionnaireSpec):
+        raise SceneError(issues)
+    faults = [Issue(str(path), place, what, fix) for place, what, fix in check_questionnaire(read)]
+    if faults:
+        raise SceneError(faults)
+    return read
+
+
+def check_questionnaire(questions: QuestionnaireSpec) -> list[tuple[str, str, str]]:
+    """Pointer within it, what is wrong, and what to do."""
+    faults = []
+    if questions.least >= questions.most:
+        faults.append(("/most", "is no more than least", "give the scale's upper end"))
+    ids = [item.id for item in questions.items]
+    for number, name in enumerate(ids):
+        if name in ids[:number]:
+            faults.append((f"/items/{number}/id", f'another item is called "{name}"', "give each its own id"))
+    return faults
