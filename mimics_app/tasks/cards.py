@@ -13,6 +13,9 @@ CARDS = ("progress", "time", "contacts", "force", "score", "state", "trial", "ma
 """Cards that every task has; "margin" is the stability monitor's."""
 
 _WITH_BAR = 290.0
+_THREE_DIGITS_S = 100.0
+"""From here on times have three digits before the point [s]."""
+
 _GRASP_ROOM = 1.4
 """The bar of the grip goes up to this many times what is right at most."""
 
@@ -22,10 +25,10 @@ def progress_card(share: float, label: str = "Tunnel") -> Card:
     return Card(label, f"{100.0 * share:.0f} %", bar=Bar(share), width=_WITH_BAR)
 
 
-def time_card(seconds: float, left_s: float | None = None) -> Card:
-    """Time of the trial, and how much of it is left [s]; None: none runs."""
+def time_card(seconds: float, left_s: float | None = None, limit_s: float = 0.0) -> Card:
+    """Time of the trial, how much of it is left [s] (None: none runs), and its limit [s], for which there is room."""
     left = "" if left_s is None else f"{math.ceil(left_s)} s left"
-    return Card("Time", f"{seconds:.1f} s", remark=left, width=180.0)
+    return Card("Time", f"{seconds:.1f} s", remark=left, width=180.0 if limit_s < _THREE_DIGITS_S else 230.0)
 
 
 def trial_card(which: str) -> Card:

@@ -359,7 +359,7 @@ class TaskManager:
             "trial": trial_card(attempts.which),
             "state": state_card(view.state),
             **({"progress": progress_card(view.progress, self._captions.label)} if self._plays else {}),
-            "time": time_card(attempts.tally.time_s if attempts.tally else 0.0, self._left_s(view)),
+            "time": time_card(attempts.tally.time_s if attempts.tally else 0.0, self._left_s(view), self._length_s()),
             "contacts": count_card(self._captions.contacts, attempts.tally.contacts if attempts.tally else 0),
             "force": force_card(seen.force),
             **({"score": count_card("Score", score, width=130.0)} if self._has_score else {}),

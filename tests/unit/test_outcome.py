@@ -61,7 +61,7 @@ def test_best_is_over_this_run_and_the_earlier_ones() -> None:
 def test_rows_are_in_words() -> None:
     rows = result_content("Tunnel", ended(), ROWS, []).rows
     assert [row[:2] for row in rows] == [
-        ("Practice", "time was over"), ("1", "finished"), ("2", "broken off: stop key"),
+        ("Practice", "time over"), ("1", "finished"), ("2", "broken off: stop key"),
     ]  # fmt: skip
     assert rows[2][2:] == ("", "", "")
 

@@ -62,7 +62,7 @@ def _tiles(task: Mapping[str, Any], earlier: Sequence[EarlierRun]) -> list[tuple
         tiles += [("Score of 100", f"{task['score']:.0f}"), ("Best so far", f"{best:.0f}")]
     if (time_s := mean_time(task)) is not None:
         tiles.append(("Mean time" if task["trials"] > 1 else "Time", f"{time_s:.1f} s"))
-    if "contacts" in task:
+    if task.get("contacts") or ("contacts" in task and "path_error_m" in task):
         tiles.append(("Contacts", f"{task['contacts']}"))
     if "placed" in task:
         tiles.append(("Placed", f"{task['placed']}"))

@@ -75,10 +75,10 @@ def _practice(task: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def _path(task: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Distance from the task's path, and the contacts; a task without a path has contacts alone."""
+    """Distance from the task's path, and the contacts; without a path contacts alone, where there were any."""
     contacts = str(task.get("contacts", ""))
     if "path_error_m" not in task:
-        return [("contacts", _of_practice(task, contacts))]
+        return [("contacts", _of_practice(task, contacts))] if task.get("contacts") else []
     error = f"{1e3 * task['path_error_m']:.1f} mm from the path"
     text = f"{error}, {counted(task['contacts'], 'contacts')}" if contacts else error
     return [("path", _of_practice(task, text))]

@@ -35,7 +35,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     "report": (("mimics report runs/RUN", "writes runs/RUN/report.html"),),
     "physio": (("mimics physio sim:severe --seconds 120 --page signals.html", "a simulated person"),),
     "record": (("mimics record recover runs/RUN", "after a crash or a power failure"),),
-    "study": (("mimics study avatar_cord --subjects 2 --out study", "tables in ./study"),),
+    "study": (("mimics study avatar_cord --subjects 2 --seconds 300 --out study", "tables in ./study"),),
     "sweep": (("mimics sweep --list", "experiments"), ("mimics sweep my_sweep.json --workers 2", "run one")),
     "bench": (("mimics bench haptic", "one tick beside rivals"),),
     "lab": (
