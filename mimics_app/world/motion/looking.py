@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.maths.quat import multiply, rotate_back, slerp
+from mimics_app.maths.vec import cross
 from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.humanoid import HumanoidMap
 from mimics_app.world.motion.kernels.chain import arc, localise
@@ -91,10 +92,13 @@ class LookAt:
         return own
 
     def _out(self, slot: int, gaze: F8) -> F8:
-        x, y, z, w = self._chain.turns[slot]
-        axis = np.array([x, y, z])
-        turn = 2.0 * np.cross(axis, gaze)
-        return np.asarray(gaze + w * turn + np.cross(axis, turn))
+        """A direction of a joint in the frame of the model; in each frame of each person, which is no place for numpy."""
+        turned = self._chain.turns[slot]
+        axis, turn, again = turned[:3], np.empty(3), np.empty(3)
+        cross(axis, gaze, turn)
+        turn *= 2.0
+        cross(axis, turn, again)
+        return np.asarray(gaze + turned[3] * turn + again)
 
 
 class Blink:
