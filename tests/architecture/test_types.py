@@ -30,4 +30,4 @@ def test_few_parameters_are_of_any_type() -> None:
 
 def test_the_count_sees_parameters_and_values_and_nothing_else() -> None:
     planted = "def f(a: Any, *b: Any, c: dict[str, Any]) -> Any:\n    d: Any = a\n"
-    assert any_in_annotations({"x.py": ast.parse(planted)}) == ["x.py:1", "x.py:1", "x.py:2"]
+    assert sorted(any_in_annotations({"x.py": ast.parse(planted)})) == ["x.py:1", "x.py:1", "x.py:2"]
