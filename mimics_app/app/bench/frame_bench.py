@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from mimics_app.app.bench.ogre import measure_ogre
-from mimics_app.app.bench.raster_floor import measure_floor
 from mimics_app.app.scenes.finding import find_scene
 from mimics_app.app.settings import QUALITIES
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.resources import root
+from mimics_app.rendering.visual.surfaces.raster_floor import measure_floor
 
 __all__ = ["measure_frames", "shipped_scenes"]
 
