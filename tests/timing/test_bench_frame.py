@@ -37,6 +37,7 @@ def test_without_peers_the_reference_is_a_loop_of_this_run(monkeypatch):
     answer = frame_bench.measure_frames([Path("wavy_tunnel")], (64, 36), "egl", 1.0, told.append)
     assert answer["reference"]["name"] == "reference loop" and answer["reference"]["ms"] > 0.0
     assert [row["asked"] for row in answer["scenes"]] == ["auto", "full"]
+    assert len(answer["floor"]) == 4 and all(ms > 0.0 for ms in answer["floor"].values())
     assert any("OGRE is not measured" in line for line in told)
 
 

@@ -14,6 +14,7 @@ from mimics_app.app.scenes.finding import find_scene
 from mimics_app.app.settings import QUALITIES
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.resources import root
+from mimics_app.rendering.visual.surfaces.raster_floor import measure_floor
 
 __all__ = ["measure_frames", "shipped_scenes"]
 
@@ -30,7 +31,7 @@ def shipped_scenes() -> list[Path]:
 def measure_frames(
     scenes: Sequence[Path], size: tuple[int, int], surface: str, seconds: float, tell: Tell
 ) -> dict[str, Any]:
-    """The object of CONTRACTS: a reference, and for every scene a row as well as it may look and one at full quality.
+    """A reference, what pixels alone take, and for every scene a row as well as it may look and one at full quality.
 
     Args:
         scenes: Files; none: all that are shipped.
@@ -44,7 +45,8 @@ def measure_frames(
         for quality in QUALITIES:
             tell(f"frame: {scene.stem}, quality {quality}")
             rows.append({**_measure_apart(scene, size, surface, seconds, quality), "asked": quality})
-    return {"reference": _reference(tell), "scenes": rows}
+    tell("frame: the pixels alone")
+    return {"reference": _reference(tell), "floor": measure_floor(size), "scenes": rows}
 
 
 def _measure_apart(scene: Path, size: tuple[int, int], surface: str, seconds: float, quality: str) -> Row:

@@ -158,9 +158,22 @@ class FrameGovernor:
             self._begin_lower(1.0)
             now_ms = frame_ms()
             self._ladder[self._given_up - 1].growth = max(1.0, before_ms / max(now_ms, 1e-6))
-            if self._last_in_vain():
-                self._undo_last()
-                return
+        self.prove_last(frame_ms)
+
+    def prove_last(self, frame_ms: Callable[[], float]) -> None:
+        """Before the first frame: where all is given up, have the last level back if it buys nothing now."""
+        if len(self._ladder) < 2 or self._given_up < len(self._ladder):
+            return
+        move, with_ms = self._ladder[-1], frame_ms()
+        move.step.apply(move.level - 1)
+        move.growth = max(1.0, frame_ms() / max(with_ms, 1e-6))
+        if move.growth >= _WORTH:
+            move.step.apply(move.level)
+            return
+        move.vain = True
+        self._given_up -= 1
+        line = {"step": move.step.name, "level": move.step.levels[move.level - 1], "way": "start"}
+        self._log("governor", {**line, "frame_ms": None, "t_ns": 0})
 
     def _begin_lower(self, growth: float) -> None:
         move = self._ladder[self._given_up]
@@ -225,15 +238,6 @@ class FrameGovernor:
     def _last_in_vain(self) -> bool:
         """Whether every level is given up, the last one for nothing."""
         return len(self._ladder) > 1 and self._given_up == len(self._ladder) and self._ladder[-1].growth < _WORTH
-
-    def _undo_last(self) -> None:
-        """Before the first frame: have the last level back, and leave it alone from here on."""
-        move = self._ladder[-1]
-        move.step.apply(move.level - 1)
-        move.vain = True
-        self._given_up -= 1
-        line = {"step": move.step.name, "level": move.step.levels[move.level - 1], "way": "start"}
-        self._log("governor", {**line, "frame_ms": None, "t_ns": 0})
 
     def _doubt(self, now_ms: float, now_ns: int) -> None:
         """Forget what the level above cost, once frames have long been at ease below it."""

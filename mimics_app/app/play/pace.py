@@ -111,9 +111,12 @@ def _start_lower(session: Session, governor: FrameGovernor) -> str:
     assert session.picture is not None
     name = name_of_picture(session.picture, session.scene.path.stem, session.settings.profile)
     known = HeldQuality().find(name)
-    rehearse_shading(session.picture.renderer, partial(measure_frame_ms, session.picture))
-    if known is None or not governor.start_from(known):
-        governor.settle(partial(measure_frame_ms, session.picture))
+    frame_ms = partial(measure_frame_ms, session.picture)
+    rehearse_shading(session.picture.renderer, frame_ms)
+    if known is not None and governor.start_from(known):
+        governor.prove_last(frame_ms)
+    else:
+        governor.settle(frame_ms)
     return name
 
 

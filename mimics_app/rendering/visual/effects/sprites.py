@@ -126,7 +126,7 @@ class SpriteField:
         write_sprites(rows.rows, order, solid + blended, first, eye, right, self._axes, self.corners)
         self.count += solid + blended
         runs: list[DrawRun | SpriteRun] = [*self._runs(first, 0, solid)]
-        cuts = np.searchsorted(-self._away[:blended], -away) + solid
+        cuts = self._cuts(blended, away) + solid
         done = solid
         for surface, cut in zip(surfaces, cuts.tolist(), strict=True):
             runs += [*self._runs(first, done, cut), surface]
@@ -134,20 +134,27 @@ class SpriteField:
         return [*runs, *self._runs(first, done, solid + blended)]
 
     def _pick(self, view: View, eye: F8) -> tuple[int, int]:
-        """Fill `_order` with what is cut out, by state, then the rest, far to near with their `_away`."""
+        """Fill `_order` with what is cut out, by state, then the rest, far to near with their `_keys`."""
         rows, order = self._rows, self._order
         planes = compute_frustum_planes(view.clip_from_world)
         masked = np.array([state.masked for state in self._states], np.uint8)
         picked = see_sprites(rows.rows, rows.count, planes, eye, masked, order, self._blended, self._away)
         solid, blended = picked
-        self._keys[:solid] = rows.rows["state"][order[:solid]]
-        self._sort(order, solid)
+        if solid:
+            self._keys[:solid] = rows.rows["state"][order[:solid]]
+            self._sort(order, solid)
         distance = self._away[:blended].astype(np.float32)
         self._keys[:blended] = np.uint32(0xFFFFFFFF) - distance.view(np.uint32)
         self._sort(self._blended, blended)
         order[solid : solid + blended] = self._blended[:blended]
-        self._away[:blended] = (np.uint32(0xFFFFFFFF) - self._keys[:blended].astype(np.uint32)).view(np.float32)
         return solid, blended
+
+    def _cuts(self, blended: int, away: F8) -> NDArray[np.intp]:
+        """Before which of the blended sprites surfaces so far away [m] belong, by the keys that were sorted."""
+        if not len(away):
+            return np.zeros(0, np.intp)
+        distances = (np.uint32(0xFFFFFFFF) - self._keys[:blended].astype(np.uint32)).view(np.float32)
+        return np.searchsorted(-distances.astype(np.float64), -away)
 
     def _sort(self, numbers: I4, count: int) -> None:
         sort_by_key(self._keys, numbers, count, self._spare_keys, self._spare, self._digits)
@@ -155,6 +162,9 @@ class SpriteField:
     def _runs(self, first: int, begin: int, end: int) -> Iterator[SpriteRun]:
         """Stretches of equal state in `_order[begin:end]`; sprite `first` of the frame is `_order[0]`."""
         if begin >= end:
+            return
+        if len(self._states) == 1:
+            yield SpriteRun(self._states[0], first + begin, end - begin)
             return
         states = self._rows.rows["state"][self._order[begin:end]]
         starts = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), end - begin]

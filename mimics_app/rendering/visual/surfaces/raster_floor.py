@@ -1,0 +1,82 @@
+"""What the driver needs for the pixels of a frame alone: below that no frame of as many can be."""
+
+from __future__ import annotations
+
+from statistics import median
+from typing import TYPE_CHECKING
+
+from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.rendering.visual.surfaces.headless import open_offscreen
+
+if TYPE_CHECKING:
+    import moderngl
+
+__all__ = ["measure_floor"]
+
+_FRAMES, _WARM_UP = 15, 3
+
+_CORNERS = """
+#version 430
+void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.5, 1.0); }
+"""
+_ONE_COLOUR = """
+#version 430
+out vec4 colour;
+void main() { colour = vec4(0.2, 0.4, 0.6, 1.0); }
+"""
+_LIT = """
+#version 430
+out vec4 colour;
+void main() {
+    // A light and a display's curve: the least that a lit pixel under a tone map is worked out with.
+    vec3 n = normalize(vec3(gl_FragCoord.xy - 300.0, 400.0));
+    vec3 light = vec3(0.3, 0.5, 0.2) * (0.4 + 0.8 * max(dot(n, vec3(0.36, 0.91, 0.27)), 0.0));
+    colour = vec4(1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055, 1.0);
+}
+"""
+
+
+def measure_floor(size: tuple[int, int]) -> dict[str, float]:
+    """Median times of one surface over every pixel [ms], by what is done for them.
+
+    Args:
+        size: Of the picture [px].
+    """
+    with open_offscreen("egl", size) as surface:
+        ctx = surface.ctx
+        one, lit = (ctx.program(_CORNERS, shader) for shader in (_ONE_COLOUR, _LIT))
+        plain = ctx.framebuffer(ctx.renderbuffer(size), ctx.depth_renderbuffer(size))
+        smooth = ctx.framebuffer(ctx.renderbuffer(size, samples=4), ctx.depth_renderbuffer(size, samples=4))
+        floor = {
+            "one colour": _time(ctx, one, plain),
+            "lit": _time(ctx, lit, plain),
+            "one colour, 4 samples": _time(ctx, one, smooth, plain),
+            "lit, 4 samples": _time(ctx, lit, smooth, plain),
+        }
+        for part in (plain, smooth, one, lit):
+            part.release()
+    return floor
+
+
+def _time(
+    ctx: moderngl.Context,
+    program: moderngl.Program,
+    target: moderngl.Framebuffer,
+    shown: moderngl.Framebuffer | None = None,
+) -> float:
+    """Clear a target, draw over all of it and bring it to where it is shown, if that is elsewhere [ms]."""
+    import moderngl
+
+    clock, array, times = MonotonicClock(), ctx.vertex_array(program, []), []
+    for _ in range(_WARM_UP + _FRAMES):
+        begun = clock.now_ns()
+        target.use()
+        target.clear(depth=1.0)
+        ctx.enable_only(moderngl.DEPTH_TEST)
+        array.render(moderngl.TRIANGLES, 3)
+        if shown is not None:
+            ctx.copy_framebuffer(shown, target)
+        ctx.finish()
+        times.append((clock.now_ns() - begun) * 1e-6)
+    array.release()
+    return median(times[_WARM_UP:])
