@@ -182,9 +182,14 @@ def test_one_recording_of_head_and_hands_is_one_simulation_on_every_display(tmp_
         prints = []
         with open_core(prepare_scene(load_checked_scene(file), settings)) as core:
             frames = Frames(core)
-            picture = _open(core, display) if display else None
+            picture = None
             while frames.number < 80:
                 frames.play_on()
+                if display and picture is None and frames.number == 6:
+                    before = int(core.world.subentities().visible.sum())
+                    picture = _open(core, display)
+                    # At once, although the display is opened in the middle of a session.
+                    assert (int(core.world.subentities().visible.sum()) < before) == display.startswith("cave")
                 if picture is not None and frames.number % 12 == 0:
                     picture.draw(frames.board, core.clock.now_ns())
                 prints.append(fingerprint(core, frames))
