@@ -23,5 +23,5 @@ class AvatarCordSection(ReportSection):
         return {
             "ownership": (task.get("ownership"), ""),
             "drift towards the avatar": (task.get("drift_m"), "m"),
-            "a tap off its time at most": (task.get("tap_error_ms"), "ms"),
+            "taps off their time, mean of the trials' worst": (task.get("tap_error_ms"), "ms"),
         }
