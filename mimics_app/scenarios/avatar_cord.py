@@ -151,6 +151,8 @@ class AvatarCord(TouchScene):
 
     def stand_before_walls(self) -> None:
         self._real_body_seen = True
+        # At once: the display may have been opened for the frame that is there already.
+        self.subject.show(self._settings["viewpoint"] != "first")
 
     def _arrange(self) -> None:
         """Put everything where it is in this frame."""

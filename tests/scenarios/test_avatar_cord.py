@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from mimics_app.app.cli import main
 from mimics_app.app.picture.picture import Picture
 from mimics_app.app.picture.shown_on import open_display
 from mimics_app.app.scenes.loading import load_checked_scene
@@ -182,9 +184,14 @@ def test_one_recording_of_head_and_hands_is_one_simulation_on_every_display(tmp_
         prints = []
         with open_core(prepare_scene(load_checked_scene(file), settings)) as core:
             frames = Frames(core)
-            picture = _open(core, display) if display else None
+            picture = None
             while frames.number < 80:
                 frames.play_on()
+                if display and picture is None and frames.number == 6:
+                    before = int(core.world.subentities().visible.sum())
+                    picture = _open(core, display)
+                    # At once, although the display is opened in the middle of a session.
+                    assert (int(core.world.subentities().visible.sum()) < before) == display.startswith("cave")
                 if picture is not None and frames.number % 12 == 0:
                     picture.draw(frames.board, core.clock.now_ns())
                 prints.append(fingerprint(core, frames))
@@ -208,3 +215,40 @@ def _open(core, display: str) -> Picture:
     picture = Picture(surface, core.scene, core.world, RenderSettings(msaa=0, shadow_size=64), display=opened)
     core.shown_by(picture.presenter)
     return picture
+
+
+def study(scene: Path, out: Path, *more: str) -> tuple[int, list[dict], list[dict]]:
+    """Exit code, rows of trials and of taps of `mimics study`."""
+    code = main(["study", str(scene), "--out", str(out), *more])
+    tables = [list(csv.DictReader((out / name).open())) for name in ("trials.csv", "taps.csv")]
+    return code, *tables
+
+
+@pytest.mark.slow
+def test_the_shipped_experiment_of_two_subjects_and_four_conditions_at_full_length(tmp_path: Path) -> None:
+    code, trials, taps = study(ROOT / "scenes" / "avatar_cord.json", tmp_path / "study", "--subjects", "2")
+    assert code == 0
+    labels = {subject: [row["label"] for row in trials if row["subject"] == subject] for subject in ("1", "2")}
+    assert all(sorted(each) == ["apart", "long_cord", "no_cord", "together"] for each in labels.values())
+    assert labels["1"] != labels["2"]
+    assert all(row["outcome"] == "finished" and float(row["time_s"]) > 60.0 for row in trials)
+    assert max(abs(int(tap["seen_submitted_ns"]) - int(tap["seen_scheduled_ns"])) for tap in taps) <= 8_500_000
+    assert max(abs(int(tap["felt_ns"]) - int(tap["felt_scheduled_ns"])) for tap in taps) <= 1_000_000
+    assert {tap["place"] for tap in taps if tap["condition"] == "no_cord"} == {"back"}
+    offsets = {tap["condition"]: float(tap["offset_ms"]) for tap in taps}
+    assert offsets == {"together": 0.0, "apart": 500.0, "no_cord": 0.0, "long_cord": 0.0}
+
+
+def test_a_study_runs_its_subjects_and_joins_their_runs_again(tmp_path: Path) -> None:
+    scene = scene_file(tmp_path, {"together": {}})
+    code, trials, taps = study(scene, tmp_path / "study", "--subjects", "1", "--seed", "7")
+    assert code == 0
+    assert [(row["subject"], row["seed"], row["label"], row["outcome"]) for row in trials] == [
+        ("1", "7", "together", "finished")
+    ]
+    (folder,) = (tmp_path / "study" / "runs").iterdir()
+    assert study(scene, tmp_path / "joined", "--of", str(folder))[1:] == (trials, taps)
+    code, joined, _ = study(scene, tmp_path / "partly", "--of", str(folder), str(tmp_path))
+    assert code == 6  # the second is no run
+    assert joined == trials
+    assert "ownership" in (folder / "report.html").read_text()

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mimics_app.app.session.preparation import prepare
+from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.display_choice import DISPLAY_KINDS, DisplayChoice, parse_display
 from mimics_app.contracts.display_port import Eye, Viewpoint
 from mimics_app.contracts.errors import SceneError, UsageError
@@ -156,6 +158,16 @@ def test_a_wrong_wall_is_one_clear_error(tmp_path: Path, change: dict, pointer: 
     with pytest.raises(SceneError) as caught:
         load_walls(file)
     assert [issue for issue in caught.value.issues if issue.pointer == pointer and what in issue.what]
+
+
+def test_a_session_reads_the_display_s_file_before_anything_begins(tmp_path: Path) -> None:
+    """Not when the first frame is due: by then a subject has begun a session that is lost."""
+    (tmp_path / "walls.json").write_text('{"format": "mimics.walls/1", "walls": []}')
+    scene = Path(__file__).parents[2] / "scenes" / "wavy_tunnel.json"
+    for display in (f"cave:{tmp_path / 'walls.json'}", f"hmd:{tmp_path / 'none.json'}"):
+        with pytest.raises(SceneError) as caught:
+            prepare(RunSettings(scene, display=display), live=False)
+        assert display.endswith(caught.value.issues[0].file)
 
 
 @pytest.mark.parametrize("depth", [0.5, 1.0, 2.0, 4.0, 50.0, 1e9])

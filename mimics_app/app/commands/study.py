@@ -34,14 +34,14 @@ def run(args: argparse.Namespace) -> int:
     """Run or join, and write; 6 where a subject's run is not whole."""
     from mimics_app.app.scenes.finding import find_scene
     from mimics_app.app.study.page import write_page
-    from mimics_app.app.study.subjects import SubjectRun, run_subject
+    from mimics_app.app.study.subjects import find_run, run_subject
     from mimics_app.app.study.tables import ANSWER_COLUMNS, TAP_COLUMNS, read_study, write_table
     from mimics_app.app.terminal.output import tell, write_object
 
     scene = find_scene(args.scene)
     args.out.mkdir(parents=True, exist_ok=True)
     if args.of:
-        runs = [SubjectRun(number, 0, folder) for number, folder in enumerate(args.of, start=1)]
+        runs = [find_run(number, folder) for number, folder in enumerate(args.of, start=1)]
     else:
         extra = ["--pictures", "0", "--sound", "off", *(["--seconds", str(args.seconds)] if args.seconds else [])]
         numbers = range(1, args.subjects + 1)

@@ -9,12 +9,14 @@ from mimics_app.contracts.display_choice import DISPLAY_KINDS, DisplayChoice, pa
 from mimics_app.contracts.display_port import Display
 from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.rendering.visual.displays.catalogue import make_display
+from mimics_app.rendering.visual.displays.headset_file import load_headset
+from mimics_app.rendering.visual.displays.wall_file import load_walls
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.world.components.systems import DisplaySettings
 from mimics_app.world.scene.paths import PathFault, find_file
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["chosen_display", "open_display"]
+__all__ = ["check_display", "chosen_display", "open_display"]
 
 
 def open_display(scene: Scene, asked: str, surface: Surface) -> Display:
@@ -34,6 +36,19 @@ def open_display(scene: Scene, asked: str, surface: Surface) -> Display:
     if said:
         sys.stderr.write(f"mimics: {said}\n")
     return display
+
+
+def check_display(scene: Scene, asked: str) -> None:
+    """Look at the file of a display, so that a wrong one is told before anything begins.
+
+    Raises:
+        SceneError: the scene's display needs a file, or its file is wrong.
+    """
+    choice = chosen_display(scene, asked)
+    if choice.kind in ("wall", "cave"):
+        load_walls(Path(choice.file))
+    elif choice.file:
+        load_headset(Path(choice.file))
 
 
 def chosen_display(scene: Scene, asked: str) -> DisplayChoice:

@@ -105,6 +105,7 @@ class SessionCore:
         presenter.follow(self.trackers.head)
         if presenter.surrounds:
             self.scenario.stand_before_walls()
+            self.world.update()
 
     def begin(self) -> None:
         """Hand the first parameters on: to the recorder that keeps them, then to the loop that obeys them."""

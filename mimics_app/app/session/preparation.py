@@ -29,6 +29,7 @@ from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.trial_file import resolve_files
 from mimics_app.tasks.trials import repeated
 from mimics_app.world.components.robot import Patient, Robot
+from mimics_app.world.components.systems import DisplaySettings
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
@@ -88,10 +89,15 @@ def prepare(settings: RunSettings, *, live: bool) -> Preparation:
     A device with a time of its own makes the session live, whatever was asked for.
 
     Raises:
-        SceneError: the scene or the action file is wrong.
+        SceneError: the scene, the action file or the file of the display is wrong.
         DeviceError: the robot cannot be had.
     """
-    return prepare_scene(load_checked_scene(settings.scene), settings, live=live)
+    scene = load_checked_scene(settings.scene)
+    if settings.display or scene.system(DisplaySettings) is not None:
+        from mimics_app.app.picture.shown_on import check_display
+
+        check_display(scene, settings.display)
+    return prepare_scene(scene, settings, live=live)
 
 
 def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, plan: Plan | None = None) -> Preparation:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["SubjectRun", "run_subject"]
+__all__ = ["SubjectRun", "find_run", "run_subject"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +27,20 @@ class SubjectRun:
     seed: int
     folder: Path | None
     problem: str = ""
+
+
+def find_run(subject: int, folder: Path) -> SubjectRun:
+    """A run that was made before, with the seed it was made with.
+
+    Args:
+        subject: Number.
+        folder: Of the run.
+    """
+    try:
+        session = json.loads((folder / "session.json").read_text(encoding="utf-8"))
+        return SubjectRun(subject, int(session["seed"]), folder)
+    except (OSError, ValueError, KeyError, TypeError):
+        return SubjectRun(subject, 0, None, f"{folder} is no folder of a run: it has no session.json that can be read")
 
 
 def run_subject(

@@ -56,7 +56,7 @@ class _ReportSection(ReportSection):
         return {
             "ownership": (task.get("ownership"), ""),
             "drift towards the avatar": (task.get("drift_m"), "m"),
-            "a tap off its time at most": (task.get("tap_error_ms"), "ms"),
+            "taps off their time, mean of the trials' worst": (task.get("tap_error_ms"), "ms"),
         }
 
 
@@ -231,8 +231,9 @@ class AvatarCordPlay(KindPlay):
         self._events.append((kind, {"t_ns": now_ns, "trial": self._number, "condition": self._label, **data}))
 
 
-def _column(name: str, what: str) -> Measure:
-    return Measure(name, name, what, ScorePartSpec(weight=0.0, best=1.0, worst=0.0))
+def _column(name: str, what: str, *, sums: bool = False) -> Measure:
+    """A column that counts in no score; the session's total is its mean over the trials, or its sum."""
+    return Measure(name, name, what, ScorePartSpec(weight=0.0, best=1.0, worst=0.0), total=name, sums=sums)
 
 
 class AvatarCordKind(TaskKind):
@@ -245,7 +246,7 @@ class AvatarCordKind(TaskKind):
     cards = ("taps",)
     report = _ReportSection()
     measures: ClassVar[tuple[Measure, ...]] = (
-        _column("taps", "Taps that were seen."),
+        _column("taps", "Taps that were seen.", sums=True),
         _column("tap_error_ms", "Largest distance of a seen tap from its time [ms]."),
         _column("drift_m", "Where one feels to be, from oneself towards the avatar [m]."),
         _column("ownership", "Mean answer to statements of ownership."),

@@ -8,12 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-<<<<<<< HEAD
 from mimics_app.maths.quat import multiply, rotate, rotate_back, slerp
-=======
-from mimics_app.maths.quat import multiply, rotate_back, slerp
-from mimics_app.maths.vec import cross
->>>>>>> w7-t
 from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.humanoid import HumanoidMap
 from mimics_app.world.motion.kernels.chain import arc, localise
@@ -96,19 +91,9 @@ class LookAt:
         return own
 
     def _out(self, slot: int, gaze: F8) -> F8:
-<<<<<<< HEAD
         turned = np.empty(3)
         rotate(self._chain.turns[slot], gaze, turned)
         return turned
-=======
-        """A direction of a joint in the frame of the model; in each frame of each person, which is no place for numpy."""
-        turned = self._chain.turns[slot]
-        axis, turn, again = turned[:3], np.empty(3), np.empty(3)
-        cross(axis, gaze, turn)
-        turn *= 2.0
-        cross(axis, turn, again)
-        return np.asarray(gaze + turned[3] * turn + again)
->>>>>>> w7-t
 
 
 class Blink:

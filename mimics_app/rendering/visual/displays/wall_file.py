@@ -75,12 +75,13 @@ def load_walls(path: Path) -> WallsSpec:
 
 def _check(walls: WallsSpec, number: int, file: str) -> list[Issue]:
     wall, pointer = walls.walls[number], f"/walls/{number}"
+    issues = []
     if wall.name in [other.name for other in walls.walls[:number]]:
-        return [Issue(file, f"{pointer}/name", f'another wall is called "{wall.name}"', "give each its own name")]
+        issues.append(Issue(file, f"{pointer}/name", f'another wall is called "{wall.name}"', "give each its own name"))
     place = rectangle_of(wall)
     if min(place.width, place.height) < _LEAST:
-        return [Issue(file, pointer, f"an edge is shorter than {_LEAST} m", "give three different corners")]
+        return [*issues, Issue(file, pointer, f"an edge is shorter than {_LEAST} m", "give three different corners")]
     right, up = (place.lower_right - place.lower_left) / place.width, (place.upper_left - place.lower_left)
     if abs(float(right @ up)) / place.height > _SQUARE:
-        return [Issue(file, pointer, "its edges meet at no right angle", "correct upper_left")]
-    return []
+        issues.append(Issue(file, pointer, "its edges meet at no right angle", "correct upper_left"))
+    return issues
