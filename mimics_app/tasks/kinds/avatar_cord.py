@@ -221,6 +221,7 @@ class AvatarCordKind(TaskKind):
     goals: ClassVar[tuple[type[Component], ...]] = (ExperimentGoal,)
     label = "Taps"
     cards = ("taps",)
+    journals = ("phase", "tap_felt", "tap_seen", "threat", "answer")
     report = AvatarCordSection()
     measures: ClassVar[tuple[Measure, ...]] = (
         _column("taps", "Taps that were seen."),
