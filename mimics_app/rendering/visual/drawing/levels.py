@@ -16,7 +16,7 @@ from mimics_app.world.world import World
 __all__ = ["Levels"]
 
 _PICTURE = (1920, 1080)
-"""In which the coverages of levels are told [px]."""
+"""In which the coverages of levels are given [px]."""
 
 F8 = NDArray[np.float64]
 I4 = NDArray[np.int32]

@@ -79,7 +79,7 @@ class ViewDraws:
         opaque: Runs of draws, near to far.
         mirrors: Those seen in it, with the number of the view and what they show there.
         transparent: Sprites that are cut out, then sprites and blended surfaces, far to near.
-        thrown: What projectors throw onto the opaque ones.
+        thrown: What projectors put onto the opaque ones.
         stereo: How this eye and the other one of its pair are drawn.
     """
 
@@ -108,7 +108,7 @@ class ViewDraws:
 
 
 class WorldStage:
-    """Per view: opaque with what is thrown onto it, sky, stencil shadows, transparent."""
+    """Per view: opaque with what is projected onto it, sky, stencil shadows, transparent."""
 
     def __init__(
         self,
@@ -216,7 +216,7 @@ class WorldStage:
     def _draw_bodies(
         self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws, eyes: tuple[str, ...] = ()
     ) -> int:
-        """Meshes and cords, with what their shaders are told besides."""
+        """Meshes and cords, with what their shaders get besides."""
         variant = partial(self._shaders.also_with, defines=eyes)
         draws = draw_runs(target, self._arena, self._frame, drawn.opaque, variant)
         if scene.world.cords:
@@ -246,7 +246,7 @@ class WorldStage:
         return draws
 
     def enter(self, scene: FrameScene, view: View, *, sun: bool = True) -> None:
-        """Tell the shaders where the view is from and what shines."""
+        """Pass where the view is from and what shines to the shaders."""
         self._fill(self._block, scene, view, sun=sun)
         self._block.bind()
 
