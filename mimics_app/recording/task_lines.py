@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -86,8 +86,8 @@ class TaskDifference:
         return f"{self.where}: recorded {self.recorded!r}, replayed {self.replayed!r}"
 
 
-def gather_task(run: Run) -> TaskLines:
-    """Frames, lines and rows of a run.
+def gather_task(run: Run, kinds: Collection[str] = TASK_KINDS) -> TaskLines:
+    """Frames, rows, and lines of some kinds of a run.
 
     Raises:
         PartialDataError: Frames are missing, or what is recorded of one is damaged.
@@ -97,7 +97,7 @@ def gather_task(run: Run) -> TaskLines:
     lines: list[dict[str, Any]] = []
     waiting: list[dict[str, Any]] = []
     for line in (line for line in run.lines if line["source"] == "app"):
-        if line["kind"] in TASK_KINDS:
+        if line["kind"] in kinds:
             waiting.append(line)
         elif line["kind"] == "frame":
             frame = _frame(run, line, len(frames))

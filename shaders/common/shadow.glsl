@@ -8,7 +8,7 @@ layout(binding = 1) uniform sampler2D shadow_map;
 // residue of the texel number modulo 2 gets the same total: the 2 x 2 pattern of translucent casters leaves no trace.
 float filtered_shadow(vec2 at, float depth) {
     vec2 low = floor(at), high = at - low, corner = low * shadow.z;
-    float found = min(depth, 1.0);      // what lies below the map is told as if it lay at its bottom
+    float found = min(depth, 1.0);      // what is below the map counts as at its bottom
     vec4 lit = step(found, textureGather(shadow_map, corner));
     lit += step(found, textureGatherOffset(shadow_map, corner, ivec2(1, 0)));
     lit += step(found, textureGatherOffset(shadow_map, corner, ivec2(0, 1)));

@@ -19,7 +19,7 @@ vec3 tone_map_neutral(vec3 colour) {
     return peak < TONE_START ? colour : bright;
 }
 
-// The same backwards, step by step; the brightest that is told apart is some thirty times white.
+// The same backwards, step by step; the brightest that is distinguished is some thirty times white.
 vec3 undo_tone_map_neutral(vec3 colour) {
     float compressed = min(max(colour.r, max(colour.g, colour.b)), 0.998);
     float room = 1.0 - TONE_START;

@@ -1,5 +1,5 @@
 // The cheapest lit surface: light and haze per vertex, already as they are displayed. Shared state for all looks: what
-// tells them apart comes with each instance. Without a tone map light counts as display values, as fixed pipelines had it.
+// differs between them comes with each instance. Without a tone map light counts as display values, as fixed pipelines had it.
 #include "common/view.glsl"
 #include "common/eyes.glsl"
 #include "common/sky.glsl"

@@ -1,4 +1,4 @@
-// A picture thrown onto a surface that is drawn once more, where its depth is what was seen.
+// A picture projected onto a surface that is drawn once more, where its depth is what was seen.
 #define MATT
 #include "common/view.glsl"
 #include "common/material.glsl"

@@ -22,6 +22,7 @@ from mimics_app.inputs.trackers.scripted_person import ScriptedPerson, person_at
 from mimics_app.inputs.trackers.tape import TapeWriter
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.tasks.kinds.avatar_cord import AvatarCordKind
 
 ROOT = Path(__file__).parents[2]
 
@@ -91,6 +92,8 @@ def test_a_whole_session_with_every_tap_logged(tmp_path: Path) -> None:
     answers = journal.of("answer")
     assert {row["item"] for row in answers} >= {"probe", "own_body", "two_heads"}
     assert all(row["ownership"] is not None and row["drift_m"] is not None for row in journal.rows)
+    of_the_kind = {kind for kind, data in journal.lines if "condition" in data}
+    assert of_the_kind == set(AvatarCordKind.journals), "what a replay compares"
 
 
 @pytest.mark.slow
@@ -101,6 +104,15 @@ def test_a_session_that_broke_off_goes_on_with_the_trial_that_is_chosen(tmp_path
     assert [row["trial"] for row in rest.rows] == [1]
     same = [row["value"] for row in rest.of("answer")]
     assert same == [row["value"] for row in whole.of("answer") if row["trial"] == 1]
+
+
+@pytest.mark.slow
+def test_such_a_session_is_replayed_from_the_trial_it_began_with(tmp_path: Path, capsys) -> None:
+    file, runs = scene_file(tmp_path, {"together": {}, "apart": {"mode": "none"}}), tmp_path / "runs"
+    words = ["--headless", "--from-trial", "2", "--seconds", "3", "--pictures", "0", "--sound", "off"]
+    assert main(["run", str(file), *words, "--runs", str(runs)]) == 0
+    assert main(["replay", str(next(runs.iterdir()))]) == 0
+    assert "of trials.csv equal" in capsys.readouterr().out
 
 
 @pytest.mark.slow

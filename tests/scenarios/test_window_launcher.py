@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -68,6 +69,15 @@ class Person:
         """Names of the scenes that were begun, oldest first."""
         runs = sorted((self.folder / "runs").glob("*/session.json"))
         return [json.loads(run.read_text())["scene"]["name"] for run in runs]
+
+    def lines(self, kind: str) -> list[dict[str, Any]]:
+        """Lines of a kind in the journal of the newest run, as far as it is written."""
+        newest = max((self.folder / "runs").glob("*/events.jsonl"))
+        whole = [line for line in newest.read_text().splitlines(keepends=True) if line.endswith("\n")]
+        return [line for line in map(json.loads, whole) if (line["source"], line["kind"]) == ("app", kind)]
+
+    def has_come_to(self, state: str) -> bool:
+        return any(line["state"] == state for line in self.lines("state"))
 
     @property
     def reports(self) -> int:
@@ -129,9 +139,11 @@ def test_from_the_launcher_to_the_result_again_and_to_another_scene(tmp_path: Pa
         person.do("type", "tower")
         person.keys("Return")
         person.wait("third session", lambda: len(person.begun) == 3)
-        time.sleep(8.0)
+        person.wait("keys of the tower", lambda: person.has_come_to("ready"))
+        time.sleep(1.0)
         person.sees("7_tower")
-        person.keys("p")
+        person.wait("tower", lambda: person.has_come_to("travel"), press="Return")
+        person.wait("pause", lambda: bool(person.lines("pause")), press="p")
         time.sleep(1.0)
         person.sees("8_paused")
         person.wait("third result", lambda: person.reports == 3, press="Escape")

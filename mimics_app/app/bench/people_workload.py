@@ -1,6 +1,6 @@
 """A hundred of the shipped people on both sidewalks of the product's city, each walking at their own phase.
 
-What is far is bent with fewer vertices and less often; `full` takes both away, to tell what they cost and change.
+What is far is bent with fewer vertices and less often; `full` takes both away, to show what they cost and change.
 """
 
 from __future__ import annotations

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.app.settings import PROFILES
 from mimics_app.app.terminal.arguments import add_display_argument, frame_count, picture_size, random_seed, real_number
+from mimics_app.contracts.plural import counted
 
 if TYPE_CHECKING:
     from mimics_app.app.settings import RunSettings
@@ -115,6 +116,6 @@ def _hear(args: argparse.Namespace, settings: RunSettings) -> int:
     if args.json:
         output.write_object("render", {"files": [report.file], **report.summary()})
         return 0
-    print(f"{report.status.mixer} mixer, {report.status.channels} channels, {len(report.rows)} sounds")
+    print(f"{report.status.mixer} mixer, {report.status.channels} channels, {counted(len(report.rows), 'sounds')}")
     print(report.file)
     return 0

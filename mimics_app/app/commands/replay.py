@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mimics_app.contracts.plural import counted
+
 if TYPE_CHECKING:
     pass
 
@@ -69,7 +71,7 @@ def _task_line(told: dict[str, int] | None) -> str:
     """What was compared of the task."""
     if told is None:
         return "its task is not compared: the recording does not say what it was given"
-    return f"its task: {told['events']} events and {told['rows']} rows of trials.csv equal"
+    return f"its task: {told['events']} events and {counted(told['rows'], 'rows')} of trials.csv equal"
 
 
 def _left_out(events: int, end: int) -> str:

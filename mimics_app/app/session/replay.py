@@ -14,12 +14,20 @@ from mimics_app.contracts.messages import HapticSnapshot, TaskAction, VRInput
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.recording.replay import ReplayData
 from mimics_app.recording.run import Run
-from mimics_app.recording.task_lines import FrameLine, TaskDifference, compare_lines, compare_rows, gather_task
+from mimics_app.recording.task_lines import (
+    TASK_KINDS,
+    FrameLine,
+    TaskDifference,
+    compare_lines,
+    compare_rows,
+    gather_task,
+)
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.device_names import SIMULATED
 from mimics_app.rendering.haptic.object_statics import ObjectStatics
 from mimics_app.rendering.haptic.replay import Replayed, replay_run
 from mimics_app.tasks.attempts import Row
+from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.tasks.task_record import task_of_record
@@ -83,16 +91,30 @@ def play_task(run: Run, snapshots: Mapping[int, HapticSnapshot]) -> tuple[dict[s
     except ValueError as error:
         fix = "install the kinds of task that it was recorded with"
         raise PartialDataError(f"{run.folder}: session.json#/task cannot be used: {error}", fix) from error
-    recorded = gather_task(run)
+    journalled = {*TASK_KINDS, *(kind for each in task_kinds() for kind in each.journals)}
+    recorded = gather_task(run, journalled)
     frames = _frames(run, recorded.frames, snapshots)
-    again = play_again(spec, context, int(run.session.get("seed", 0)), frames, recorded.end_ns)
-    difference = compare_lines(recorded.lines, again.lines)
+    seed, first = int(run.session.get("seed", 0)), _first_trial(run.session)
+    again = play_again(spec, context, seed, frames, recorded.end_ns, first)
+    difference = compare_lines(recorded.lines, [line for line in again.lines if line[0] in journalled])
     difference = difference or compare_rows(recorded.rows, again.rows, whole=recorded.whole)
     return {"events": len(recorded.lines), "rows": min(len(recorded.rows), len(again.rows))}, difference
 
 
+def _first_trial(session: Mapping[str, Any]) -> int:
+    """Trial that the session began with, 0 first."""
+    settings = session.get("settings")
+    first = settings.get("from_trial", 1) if isinstance(settings, dict) else 1
+    return max(0, first - 1) if isinstance(first, int) else 0
+
+
 def play_again(
-    spec: TaskSpec, context: TaskContext, seed: int, frames: Iterable[TaskFrame], end_ns: int | None
+    spec: TaskSpec,
+    context: TaskContext,
+    seed: int,
+    frames: Iterable[TaskFrame],
+    end_ns: int | None,
+    first_trial: int = 0,
 ) -> PlayedAgain:
     """Give a task the frames it had.
 
@@ -102,10 +124,11 @@ def play_again(
         seed: Of the session.
         frames: From the first on.
         end_ns: When the session was ended; None where it never was.
+        first_trial: It began with, 0 first.
     """
     again = PlayedAgain()
     manager = TaskManager(
-        spec, context, seed, again.rows.append, lambda kind, data: again.lines.append((kind, dict(data)))
+        spec, context, seed, again.rows.append, lambda kind, data: again.lines.append((kind, dict(data))), first_trial
     )
     for frame in frames:
         manager.step(VRInput(pressed=frame.pressed), frame.action, frame.snapshot, frame.events, frame.now_ns)

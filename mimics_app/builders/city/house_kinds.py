@@ -15,7 +15,7 @@ Roof = Literal["gable", "mansard", "flat", "gabled_front", "stepped", "hip"]
 
 @dataclass(frozen=True)
 class HouseKind:
-    """What tells one kind from another; lengths [m].
+    """What distinguishes one kind from another; lengths [m].
 
     Attributes:
         name: Its meshes' name.

@@ -32,7 +32,7 @@ class Engine:
     """What is open: a mixer, perhaps a file behind it, and the status that says so.
 
     Attributes:
-        status: As the app is told.
+        status: As the app gets it.
         bank: The sounds.
         mixer: None where sound is dropped.
         writer: None where no file is written.

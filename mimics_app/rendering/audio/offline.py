@@ -31,7 +31,7 @@ _TAIL_S = 1.5
 class OfflineAudio:
     """Sound of a headless session, mixed by the app itself; the same calls as `AudioProcess`.
 
-    It goes into a wave file where the settings name one; else what would be heard, and when, is told and not kept.
+    It goes into a wave file where the settings name one; else what would be heard, and when, is reported and not kept.
     Frame n of the file is session time n / rate; a sound starts at round(t * rate) plus the constant pipeline.
     """
 

@@ -146,7 +146,7 @@ class OpenALMixer:
                 self._change(call.alSource3f, voice.source, AL.DIRECTION, *heard.forward[row])
 
     def _set_gain(self, voice: _Voice, gain: float) -> None:
-        """Change the gain of a voice, where the ear can tell."""
+        """Change the gain of a voice, where the ear can hear it."""
         if abs(gain - voice.gain) > _AUDIBLE_CHANGE * (gain + voice.gain):
             voice.gain = gain
             self._change(self._call.alSourcef, voice.source, AL.GAIN, gain)

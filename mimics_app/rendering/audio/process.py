@@ -1,4 +1,4 @@
-"""The audio process as the app sees it: started, told things, and closed, without ever waiting for it inside a frame.
+"""The audio process as the app sees it: started, commanded, and closed, without ever waiting for it inside a frame.
 
 Contacts and the places of head and emitters do not pass through here: the child reads them from shared memory. Orders
 travel through a pipe whose writing end never blocks; a message is smaller than PIPE_BUF, so the kernel takes it whole

@@ -111,7 +111,7 @@ class AudioSettings:
         block: Frames per block of a file.
         voices: Most sounds at once.
         realtime: Ask for the first-in-first-out scheduler below the haptic loop, where the system grants it.
-        start_timeout_s: After this time without an answer the app is told that there is no sound [s].
+        start_timeout_s: After this time without an answer the app reports that there is no sound [s].
         stop_timeout_s: After this time without a report the process is ended by force [s].
         driver: Backend of OpenAL Soft ("pulse", "alsa", ...); "" lets the library choose.
         library: Path of an OpenAL Soft library; "" takes the one PyOpenAL finds.

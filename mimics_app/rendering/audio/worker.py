@@ -113,7 +113,7 @@ class _LiveSession:
         return self.report()
 
     def send(self, message: object) -> None:
-        """Tell the app; nobody listening any more is no error here."""
+        """Report to the app; nobody listening any more is no error here."""
         try:
             self._results.send(message)
         except OSError:
@@ -259,7 +259,7 @@ class _LiveSession:
         self._go_on()
 
     def _go_on(self) -> None:
-        """Play on another output as loud as before, and tell the app."""
+        """Play on another output as loud as before, and report it to the app."""
         if self.engine.mixer is not None:
             self.engine.mixer.master(self._gain)
         self._director = self._direct()
@@ -290,7 +290,7 @@ def _tell_of_crashes() -> None:
 
 
 def _warm_up(memory: SessionMemory, clock: Clock) -> None:
-    """Compile, or load, what every turn of the loop calls, on copies: before precedence, and before the app is told."""
+    """Compile, or load, what every turn of the loop calls, on copies: before precedence, and before the app knows."""
     wait_for_records(memory.audio_event_words, scratch(), clock.now_ns(), _LIVE_STEP_NS)
     ring.drain(memory.audio_event_words.copy(), memory.audio_events.copy(), np.zeros(1, EVENT))
     ring.drain(memory.audio_force_words.copy(), memory.audio_forces.copy(), np.zeros(1, CONTACT_FORCE))

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 __all__ = ["Latch", "Renderer"]
 
 Latch = Callable[[], Sequence[View]]
-"""Tells where the eyes are now: as many views as were queued, in their order."""
+"""Says where the eyes are now: as many views as were queued, in their order."""
 
 
 class Renderer:
@@ -174,7 +174,7 @@ class Renderer:
         return self._shaders.reload()
 
     def take_issues(self) -> list[Issue]:
-        """What could not be drawn as the world asks since the last call; each fault is told once."""
+        """What could not be drawn as the world asks since the last call; each fault is reported once."""
         taken = [*self._materials.issues, *self._world.sky.issues, *self._pictures.issues]
         self._materials.issues, self._world.sky.issues, self._pictures.issues = [], [], []
         return taken if self._effects is None else [*taken, *self._effects.take_issues()]

@@ -74,7 +74,7 @@ class RenderSettings:
         culling: How the items in a view are found; the picture is the same.
         skinning: Who bends what follows joints; the picture is the same.
         stereo: How two eyes are drawn, see `StereoPasses`; where it cannot be, in two passes.
-        timer: True asks the driver how long it drew, where it can tell.
+        timer: True asks the driver how long it drew, where it can say.
     """
 
     msaa: int = 4

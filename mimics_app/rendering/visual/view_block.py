@@ -138,7 +138,7 @@ class ViewBlock:
         self._fill_spots(plan, eye)
 
     def _fill_sun(self, shadow: ShadowMap, tile: float, eye: F8) -> None:
-        """What all maps of the sun share: the way they look and how depth is told."""
+        """What all maps of the sun share: the way they look and how depth is measured."""
         data, clip = self._data, shadow.clip_from_world
         axes = clip[:2, :3] / np.linalg.norm(clip[:2, :3], axis=1, keepdims=True)
         data["sun_right"] = (*axes[0], 0.5 * tile - _FILTER_MARGIN)

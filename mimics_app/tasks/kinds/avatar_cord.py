@@ -244,6 +244,7 @@ class AvatarCordKind(TaskKind):
     goals: ClassVar[tuple[type[Component], ...]] = (ExperimentGoal,)
     label = "Taps"
     cards = ("taps",)
+    journals = ("phase", "tap_felt", "tap_seen", "threat", "answer")
     report = _ReportSection()
     measures: ClassVar[tuple[Measure, ...]] = (
         _column("taps", "Taps that were seen.", sums=True),

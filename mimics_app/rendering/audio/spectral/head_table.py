@@ -63,7 +63,7 @@ class HeadTable:
 
 
 def build_head_table(head: HeadResponses, rate: int, taps: int = TAPS) -> HeadTable:
-    """Work out the tables.
+    """Compute the tables.
 
     Args:
         head: At any rate.

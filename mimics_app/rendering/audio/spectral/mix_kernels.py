@@ -1,6 +1,6 @@
 """One block of all voices: samples read, transformed, filtered for each ear, and summed in spectra.
 
-No voice keeps its response: what it was told in this block and in the one before makes both anew, which costs less than
+No voice keeps its response: what it got in this block and in the one before makes both anew, which costs less than
 to read and write 4 KB. Rows of 16 bins at a time go through direction, delay, shape and sum without leaving registers.
 """
 
@@ -185,7 +185,7 @@ def _tone(low: float, middle: float, high: float, tone: Floats) -> None:
 def _add_for_ears(
     voices: Voices, v: int, side: int, spectrum: Floats, tables: Tables, tone: Floats, total: Floats
 ) -> None:
-    """Add a voice as it was told in the last block (side 0) or in this one (1) to a sum, [4 * BINS]."""
+    """Add a voice as it was set in the last block (side 0) or in this one (1) to a sum, [4 * BINS]."""
     bands = voices.bands[v, side]
     _tone(bands[0], bands[1], bands[2], tone)
     cell, half = voices.cell[v, side], voices.half[v, side]
@@ -220,7 +220,7 @@ def mix_for_ears(voices: Voices, order: Words, bank: Bank, tables: Tables, frame
 
 @kernel
 def _settle(voices: Voices, v: int) -> None:
-    """What a voice was told now is what it was told last."""
+    """What a voice is set to now is what it was set to last."""
     if voices.changed[v] != 0:
         voices.cell[v, 0], voices.half[v, 0] = voices.cell[v, 1], voices.half[v, 1]
         for band in range(3):

@@ -1,7 +1,7 @@
 """Where every voice is heard from, how loud, how bright and how high: geometry of one block.
 
-World frame [m]; the head's axes are right, up and back. What a voice was told last is compared with what it would be
-told now: one that has not moved so that anybody could hear it keeps its response.
+World frame [m]; the head's axes are right, up and back. What a voice was set to last is compared with what it would be
+set to now: one that has not moved so that anybody could hear it keeps its response.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class Head(NamedTuple):
 
 
 class Places(NamedTuple):
-    """What voices are told by the scene, shape [voices, ..].
+    """What the scene sets of voices, shape [voices, ..].
 
     Attributes:
         relative: -1: in the world; else the cell of a sound that plays as it is.
@@ -82,7 +82,7 @@ class Places(NamedTuple):
         forward: Axis of the cone, [.., 3].
         state: Of `State`.
         authored: Linear gain of the sound itself.
-        told: Linear gain it was told.
+        told: Linear gain it was set to.
         bus: Row of its group.
         passes: Share that obstacles let through, by band, [.., 3].
         model: INVERSE, LINEAR or EXPONENTIAL.

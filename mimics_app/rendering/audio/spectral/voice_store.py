@@ -41,9 +41,9 @@ class VoiceStore:
     Attributes:
         state: Of each, shape [count].
         begin: Frame at which it starts.
-        handle: By which it is told things.
+        handle: By which it is addressed.
         authored: Gain of the sound itself.
-        gain: Gain it was told.
+        gain: Gain it was set to.
         bus: Row of its group.
         priority: Factor on its level when voices are short.
         reverb: Share that the room answers.

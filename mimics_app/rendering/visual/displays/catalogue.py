@@ -22,7 +22,7 @@ __all__ = ["make_display"]
 
 
 def make_display(choice: DisplayChoice, settings: DisplaySettings, surface: Surface) -> tuple[Display, str]:
-    """The display, and what is to be told where it is not the one asked for.
+    """The display, and what is to be reported where it is not the one asked for.
 
     Args:
         choice: Kind and file.

@@ -1,6 +1,6 @@
 """OpenXR through pyopenxr (extra `hmd`): instance, session, swapchains, frames.
 
-The loader prints to stderr unless it is told not to before it is imported, and importing it takes a tenth of a second
+The loader prints to stderr unless switched off before it is imported, and importing it takes a tenth of a second
 and more; so the module `xr` is imported by `load_openxr` alone, and only where a runtime says that it is there.
 """
 

@@ -67,5 +67,5 @@ class PlainDisplay(Display):
         """Nothing is open."""
 
     def note(self, fault: str) -> None:
-        """Remember a fault; told once."""
+        """Remember a fault; reported once."""
         self._faults.setdefault(fault, False)

@@ -18,7 +18,7 @@ class DisplayInfo:
     Attributes:
         name: As the display server calls it.
         size_px: Width and height of its current mode [px].
-        size_m: Width and height of the glass [m]; (0, 0) where it is not told.
+        size_m: Width and height of the glass [m]; (0, 0) where it is not known.
         refresh_hz: Pictures per second.
         primary: True for the one that windows open on.
     """

@@ -34,7 +34,7 @@ class Culler(Protocol):
     tests: int
 
     def moved(self, items: int, centres: F8, radii: F8) -> None:
-        """Told once a frame how many items moved, and where their spheres are now."""
+        """Called once a frame with how many items moved, and where their spheres are now."""
 
     def cull(self, planes: F8, shown: U1, world: F8, centres: F8, radii: F8, out: I4) -> int:
         """Write the items that are not wholly outside; returns how many.

@@ -27,7 +27,7 @@ A = TypeVar("A", bound=NDArray[Any])
 
 @dataclass(frozen=True, eq=False)
 class DrawState:
-    """What the driver has to be told before a run of draws: a look, and whether indices have 32 bits."""
+    """What has to be set in the driver before a run of draws: a look, and whether indices have 32 bits."""
 
     look: Look
     wide: bool

@@ -73,7 +73,7 @@ class DrawList:
         centres: Of their bounding spheres, world [m], float64 [n, 3].
         radii: Of the same [m], float64 [n].
         tally: What became of the items since the last update.
-        moved: Which items moved or changed their shape in the last update, [n]; None where that cannot be told.
+        moved: Which items moved or changed their shape in the last update, [n]; None where that is not known.
         used: Which items are drawn in this frame, in whatever view or shadow, [n].
         fates: The same of each one, 0 where no view has it, `HIDDEN` or `DRAWN`, uint8 [n]; None where nobody asks.
     """

@@ -16,7 +16,7 @@ from mimics_app.world.world import World
 __all__ = ["Levels"]
 
 _PICTURE = (1920, 1080)
-"""In which the coverages of levels are told [px]."""
+"""In which the coverages of levels are given [px]."""
 
 _FILTER = 2.0
 """Width of the filter of shadows (shaders/common/shadow.glsl): of its 3 x 3 weights half lie within [texel]."""

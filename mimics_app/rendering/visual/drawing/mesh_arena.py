@@ -188,7 +188,7 @@ class MeshArena:
         return same and known.coloured == (mesh.colours is not None)
 
     def _rewrite(self, name: str, world: World) -> None:
-        """Send what changed of a mesh: the ranges that were told, or all of it."""
+        """Send what changed of a mesh: the ranges that were named, or all of it."""
         mesh, buffer = world.meshes[name], world.opened_mesh(name)
         whole: list[MeshChange] = [(0, "vertices", 0, len(mesh.positions)), (0, "indices", 0, mesh.indices.size)]
         told = None if buffer is None else buffer.changes_since(self._seen[name][0])

@@ -27,7 +27,7 @@ LEAST_ITEMS = 64
 _MOST_OCCLUDERS = 64
 _BLOCKS_ACROSS = 160
 _DEPTH_STEPS = 64.0 / 2.0**24
-"""Of a 24-bit depth buffer, by which things are told apart for certain."""
+"""Of a 24-bit depth buffer, by which things are distinguished for certain."""
 
 _NEAR_MARGIN = 1.001
 
@@ -161,7 +161,7 @@ class _Raster:
         block: Pixels along a side of one of its squares.
         shape: Its rows and columns.
         reach: How far from its middle a pixel may be asked [px].
-        step: Of nearness, by which things are told apart.
+        step: Of nearness, by which things are distinguished.
     """
 
     eye: F8

@@ -21,7 +21,7 @@ _NUMBERS_OF_BURST = 1 << 20
 """Numbers kept for each burst, more than it can have particles, so that no two share their randomness."""
 
 _BURSTS_KEPT = 2
-"""Of this many bursts at a time all births are kept; of more, some are worked out again in every frame."""
+"""Of this many bursts at a time all births are kept; of more, some are computed again in every frame."""
 
 
 class SpriteRows:
@@ -47,7 +47,7 @@ class Emitter:
     Args:
         spec: What the scene says.
         seed: Of its particles, unsigned 64 bits.
-        state: What the driver has to be told for them.
+        state: What has to be set in the driver for them.
         layer: Of its picture.
     """
 

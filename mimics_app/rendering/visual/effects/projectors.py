@@ -1,4 +1,4 @@
-"""Projectors of a frame: what each throws, where to, and which of the surfaces in a view it meets."""
+"""Projectors of a frame: what each projects, where to, and which of the surfaces in a view it meets."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Beam:
     Attributes:
         spec: What the scene says.
         key: Name of its picture.
-        picture: What it throws.
+        picture: What it projects.
         texture_from_world: To texture coordinates and depth in [0, 1], before the division by w; float64 [4, 4].
         towards: Against its rays, unit, and 0; or where they come from, world [m], and 1; float64 [4].
         planes: Of its volume, normals inwards, float64 [6, 4].
@@ -70,7 +70,7 @@ class ProjectorField:
 
     Attributes:
         beams: Those that throw something in this frame.
-        issues: Pictures that are missing, each told once; take them out when they were told.
+        issues: Pictures that are missing, each reported once; take them out when they were reported.
     """
 
     def __init__(self) -> None:
@@ -106,7 +106,7 @@ class ProjectorField:
         picture = world.textures.get(spec.texture)
         if picture is not None:
             return spec.texture, picture
-        issue = Issue("", "", f'projector: no texture "{spec.texture}"; a {spec.shape} is thrown instead')
+        issue = Issue("", "", f'projector: no texture "{spec.texture}"; a {spec.shape} is projected instead')
         if issue not in self._told:
             self._told.add(issue)
             self.issues.append(issue)

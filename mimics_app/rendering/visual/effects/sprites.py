@@ -37,7 +37,7 @@ _LEVEL = 3
 
 @dataclass(frozen=True)
 class SpriteState:
-    """What the driver has to be told before sprites: their pictures, and which shader.
+    """What has to be set in the driver before sprites: their pictures, and which shader.
 
     Attributes:
         pictures: Of which each sprite names a layer.
@@ -70,7 +70,7 @@ class SpriteField:
     Attributes:
         corners: What the shader reads of all views, SPRITE_VERTEX [>= count, 4].
         count: Sprites written to it since the last update.
-        issues: Pictures that are missing, each told once; take them out when they were told.
+        issues: Pictures that are missing, each reported once; take them out when they were reported.
     """
 
     def __init__(self, arrays: PictureArrays) -> None:

@@ -87,7 +87,7 @@ def remove_hidden(
         eye: World [m], [3].
         screen: World to X w, Y w [px] and w [m], from the eye, [3, 3].
         near: Distance of the near plane [m].
-        depth_step: By how much 1/w has to differ to be told apart for certain [1/m].
+        depth_step: By how much 1/w has to differ to be distinguished for certain [1/m].
         block: Pixels along a side of a block.
         reach: Farthest a sample is from its pixel's middle, with the margin [px].
         width: Of the picture [px].

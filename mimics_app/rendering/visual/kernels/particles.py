@@ -60,7 +60,7 @@ BIRTH = np.dtype(
         ("tint", "i8"),
     ]
 )
-"""What a particle is born with: all that chance decides, worked out once and kept while its place is not needed."""
+"""What a particle is born with: all that chance decides, computed once and kept while its place is not needed."""
 
 SPRITE = np.dtype(
     [
@@ -71,7 +71,7 @@ SPRITE = np.dtype(
         ("half", "f4", (2,)),  # of width and height [m]
         ("lift", "f4"),  # of the middle above the place, in half heights
         ("facing", "i4"),  # 0: to the eye, 1: to the eye about the vertical, 2: as turned in the world
-        ("state", "i4"),  # what the driver has to be told
+        ("state", "i4"),  # what has to be set in the driver
     ]
 )
 """One picture in space."""

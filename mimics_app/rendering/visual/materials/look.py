@@ -53,7 +53,7 @@ class Look:
         shadow_shader: Draws its depth seen from a light.
         block: The material's numbers.
         textures: Its pictures with their bindings; an array of pictures where `paint` says which.
-        state: Equal for looks that one call to the driver may draw together: only `paint` tells them apart then.
+        state: Equal for looks that one call to the driver may draw together: only `paint` differs between them then.
         shadow_state: The same for the shadow pass.
         paint: Four numbers that come with each instance; what they mean is the shader's to say.
     """

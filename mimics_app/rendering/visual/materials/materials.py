@@ -72,7 +72,7 @@ class MaterialStore:
     """Looks by material, made on demand and anew when the world's material or a texture of it is another.
 
     Attributes:
-        issues: What could not be drawn as the world asks, each told once; take them out when they were told.
+        issues: What could not be drawn as the world asks, each reported once; take them out when they were reported.
         live: Pictures that are drawn, not uploaded, by key; a world has a plain texture under each.
     """
 

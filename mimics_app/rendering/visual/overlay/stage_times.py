@@ -1,7 +1,7 @@
 """How long each stage of a frame took: on the processor by the clock, on the driver's side by timer queries.
 
 A driver that draws on the processor puts all drawing off to the end of a frame: it is waited for after each stage, so
-that the clock tells whose time it was, and is not asked.
+that the clock gives whose time it was, and is not asked.
 """
 
 from __future__ import annotations

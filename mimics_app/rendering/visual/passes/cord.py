@@ -76,7 +76,7 @@ class CordPass:
             lighting: What shines.
             lights: Features of shaders that the frame's light needs.
             time_s: Of the world, by which ripples run [s].
-            eyes: What shaders are told besides where both eyes are drawn together.
+            eyes: What shaders get besides where both eyes are drawn together.
 
         Returns:
             Draw calls made.
@@ -126,7 +126,7 @@ def fill_cord_block(data: NDArray[np.void], cord: Cord, eye: F8, sun: F8, time_s
         data: A CORD_BLOCK.
         cord: Which.
         eye: Where the eye is, world [m], float64 [3].
-        sun: Unit, towards the light that throws the ball's shadow, float64 [3].
+        sun: Unit, towards the light that casts the ball's shadow, float64 [3].
         time_s: Of the world [s].
     """
     curve, waves, radius = cord.curve, cord.waves, cord.shown_radius

@@ -1,4 +1,4 @@
-"""Throws pictures onto surfaces: each surface a projector meets is drawn once more where its depth is what was seen."""
+"""Projects pictures onto surfaces: each surface it meets is drawn once more where its depth is what was seen."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ class SkyPass:
     """Draws the sky wherever nothing opaque was drawn, with the pictures of its backdrop where there are any.
 
     Attributes:
-        issues: Backdrops that could not be drawn, each told once; take them out when they were told.
+        issues: Backdrops that could not be drawn, each reported once; take them out when they were reported.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:

@@ -27,7 +27,7 @@ _BINDING = 0
 class SpritePass:
     """Buffers and shaders of sprites; nothing is made before the first sprite is seen.
 
-    Corners are worked out on the processor: drivers that draw there need half the time for them of what they need for
+    Corners are computed on the processor: drivers that draw there need half the time for them of what they need for
     as many instances.
     """
 

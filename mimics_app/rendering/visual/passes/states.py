@@ -1,4 +1,4 @@
-"""Render state of a look's passes, told to the driver only where it changes."""
+"""Render state of a look's passes, set in the driver only where it changes."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ _SAME_LIGHT = 1e-4
 class VolumePass:
     """Draws the volumes of everything that casts a shadow, and darkens or spares what they cover.
 
-    Volumes are made per body on the processor and kept while the light stands still in the body's frame.
+    Volumes are made per body on the processor and kept while the light does not move in the body's frame.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:

@@ -22,7 +22,7 @@ __all__ = ["Presenter"]
 F8 = NDArray[np.float64]
 
 _REST_HEIGHT = 1.7
-"""Height of the eyes of a person at rest, where trackers tell places in a room and the display has none [m]."""
+"""Height of the eyes of a person at rest, where trackers give places in a room and the display has none [m]."""
 
 _WALLS = ("wall", "cave")
 """Kinds whose pictures nobody sees together: where there is no window the surface takes their size."""
@@ -163,7 +163,7 @@ class Presenter:
         return self.display.leaving or (self._beside is not None and self._beside.should_close)
 
     def take_faults(self) -> list[str]:
-        """What could not be shown as it should since the last call, a line each; each fault is told once."""
+        """What could not be shown as it should since the last call, a line each; each fault is reported once."""
         return [*self.display.take_faults(), *(self._beside.take_faults() if self._beside is not None else ())]
 
     def renew(self) -> None:

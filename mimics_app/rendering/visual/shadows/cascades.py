@@ -36,10 +36,10 @@ class Cascades:
     """The boxes of a sun, from frame to frame; right for any number of views at once.
 
     Each box is of fixed size about a point before the eyes and moves by whole texels: neither turning nor walking makes
-    edges crawl. It stays where it was while that is near enough, so that the map of a scene that stands still is the
+    edges crawl. It stays where it was while that is near enough, so that the map of a scene without motion is the
     same one, and of several only the one that is most off moves in a frame: a place that the inner box no longer holds
-    is found in the next. All tell depth alike, from the farthest caster towards the sun to the lowest one: what lies
-    below all of them is told as if it lay at the bottom, where it is in the same shadow.
+    is found in the next. All measure depth alike, from the farthest caster towards the sun to the lowest one: what lies
+    below all of them is taken to be at the bottom, where it is in the same shadow.
     """
 
     def __init__(self) -> None:

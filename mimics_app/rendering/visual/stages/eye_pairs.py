@@ -26,7 +26,7 @@ _DEFINES: dict[StereoPasses, str] = {"viewports": "EYES_BY_VIEWPORT", "clip_dist
 
 
 def eye_define(passes: StereoPasses) -> tuple[str, ...]:
-    """What shaders are told besides, to draw both eyes at once."""
+    """What shaders get besides, to draw both eyes at once."""
     return (_DEFINES[passes],) if passes in _DEFINES else ()
 
 

@@ -48,7 +48,7 @@ class PictureStage:
 
     Attributes:
         pictures: By key of the texture they stand for.
-        issues: Mirrors that are not flat, each told once; take them out when they were told.
+        issues: Mirrors that are not flat, each reported once; take them out when they were reported.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:

@@ -79,7 +79,7 @@ class ViewDraws:
         opaque: Runs of draws, near to far.
         mirrors: Those seen in it, with the number of the view and what they show there.
         transparent: Sprites that are cut out, then sprites and blended surfaces, far to near.
-        thrown: What projectors throw onto the opaque ones.
+        thrown: What projectors put onto the opaque ones.
         stereo: How this eye and the other one of its pair are drawn.
     """
 
@@ -108,7 +108,7 @@ class ViewDraws:
 
 
 class WorldStage:
-    """Per view: opaque with what is thrown onto it, sky, stencil shadows, transparent."""
+    """Per view: opaque with what is projected onto it, sky, stencil shadows, transparent."""
 
     def __init__(
         self,
@@ -250,7 +250,7 @@ class WorldStage:
             self._ambient.use(eyes)
 
     def enter(self, scene: FrameScene, drawn: ViewDraws) -> None:
-        """Tell the shaders where the view is from and what shines."""
+        """Pass where the view is from and what shines to the shaders."""
         self._fill(scene, [drawn], sun=True)
         self._blocks[0].bind()
 

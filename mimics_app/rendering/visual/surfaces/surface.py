@@ -62,7 +62,7 @@ class Surface:
         wheel: Wheel steps away from the person between the last two calls of `poll`.
         gamepad: The first gamepad as of the last `poll`.
         both_eyes: Both eyes' pictures side by side, for a window that has a buffer for each; None elsewhere.
-        reset_status: Tells in words what made the driver lose the context; "" while it is well.
+        reset_status: Says in words what made the driver lose the context; "" while it is well.
     """
 
     def __init__(self, backend: str, ctx: moderngl.Context, size: Size) -> None:

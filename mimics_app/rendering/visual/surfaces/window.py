@@ -199,7 +199,7 @@ class WindowSurface(Surface):
         self._events.append(InputEvent("resize", x=width, y=height))
 
     def _on_focus(self, _window: object, focused: int) -> None:
-        # A window that lost the focus is told of no release any more: what was held is let go.
+        # A window that lost the focus gets no release any more: what was held is let go.
         if focused:
             return
         self._events += [InputEvent("key", name) for name in sorted(self.keys)]
@@ -242,7 +242,7 @@ def _open_window(glfw: ModuleType, size: Size, title: str, *, stereo: bool = Fal
     glfw.window_hint(glfw.SRGB_CAPABLE, False)
     glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
     window = glfw.create_window(*size, title, None, None)
-    if not window:  # a driver that cannot tell of a reset may refuse to be asked for it
+    if not window:  # a driver that cannot report a reset may refuse to be asked for it
         glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.NO_ROBUSTNESS)
         window = glfw.create_window(*size, title, None, None)
     if not window:
