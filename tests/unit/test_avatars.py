@@ -19,19 +19,18 @@ from mimics_app.builders.avatars.face_map import LID_LIFT
 from mimics_app.builders.avatars.face_shape import EYE_RADIUS
 from mimics_app.builders.avatars.figure import Figure, make_figure
 from mimics_app.builders.avatars.flesh import make_flesh
+from mimics_app.builders.avatars.folds import BENDS
 from mimics_app.builders.avatars.measures import TABLE, measure
 from mimics_app.builders.avatars.motions import MOTIONS
 from mimics_app.builders.avatars.person import EVERYBODY, Person
 from mimics_app.builders.avatars.piece import Piece
-from mimics_app.builders.avatars.poses import Pose, X, Y, Z
+from mimics_app.builders.avatars.poses import Pose, Y
 from mimics_app.builders.avatars.skeleton import make_skeleton
 from mimics_app.contracts.resources import root
 from tests.support.reference_skinning import frames_of, skin_dual, skin_linear, volume
 
 F8 = NDArray[np.float64]
 
-_S = math.sqrt(0.5)
-_BENT = math.radians(120.0)
 _RIGID = ("eyes", "mouth", "hair", "shoes")
 """Parts that are carried by one or two joints each."""
 
@@ -114,38 +113,22 @@ def test_gaze_meets_a_target(figure: Figure) -> None:
     assert abs(math.degrees(math.atan2(way[0], way[2])) - 20.0) < 1.0
 
 
-def _elbow(figure: Figure) -> Pose:
-    along = np.array([_S, -_S, 0.0]) * math.cos(_BENT) + np.array([0.0, 0.0, 1.0]) * math.sin(_BENT)
-    return Pose(figure.bones).arm(1, (_S, -_S, 0.0), (along[0], along[1], along[2]))
-
-
-_POSTURES: dict[str, Callable[[Figure], Pose]] = {
-    "elbow 120": _elbow,
-    "knee 120": lambda figure: Pose(figure.bones).leg(1, 30.0, 120.0, 0.0),
-    "hip 90": lambda figure: Pose(figure.bones).leg(1, 90.0, 90.0, 0.0),
-    "shoulder 90": lambda figure: Pose(figure.bones).turn("leftShoulder", (Z, 8.0)).arm(1, (1, 0, 0.02), (1, 0, 0.1)),
-    "shoulder 170": lambda figure: (
-        Pose(figure.bones).turn("leftShoulder", (Z, 25.0)).arm(1, (0.17, 1, 0.02), (0.17, 1, 0.1))
-    ),
-    "neck": lambda figure: Pose(figure.bones).turn("neck", (Y, 25.0)).turn("head", (Y, 35.0)),
-    "wrist": lambda figure: Pose(figure.bones).turn("leftHand", (X, 60.0)),
-}
-
-
-@pytest.mark.parametrize("name", _POSTURES)
-def test_bent_bodies_keep_their_volume(figure: Figure, name: str) -> None:
-    pose = _POSTURES[name](figure)
+@pytest.mark.parametrize("name", BENDS)
+def test_bent_bodies_keep_their_volume_and_turn_nothing_inside_out(figure: Figure, name: str) -> None:
+    pose = BENDS[name](figure.bones, 1)
     for part, piece in figure.pieces.items():
         if part in _RIGID or (part == "skirt" and name in ("knee 120", "hip 90")):
             continue  # a skirt is air
         rest = volume(piece.places, piece.triangles)
+        # Between the legs, where cloth meets at right angles, slivers of millimetres may fold.
+        most = 6 if name in ("hip 90", "knee 120") and part in ("shorts", "trousers") else 0
         for skin in (skin_linear, skin_dual):
             assert volume(skin(piece.places, piece.weights, pose), piece.triangles) >= 0.9 * rest, part
-        assert _inside_out(piece, pose) <= 0.008 * len(piece.triangles), part
+            assert _inside_out(piece, pose, skin) <= most, (part, skin.__name__)
 
 
-def _inside_out(piece: Piece, pose: Pose) -> int:
-    """Triangles that face against where the skinned flesh under them has its outside."""
+def _inside_out(piece: Piece, pose: Pose, skin: Callable[[F8, F8, Pose], F8]) -> int:
+    """Triangles that face against where the flesh under them has its outside."""
     t, places = piece.triangles, piece.places
     rest = np.cross(places[t[:, 1]] - places[t[:, 0]], places[t[:, 2]] - places[t[:, 0]])
     size = np.linalg.norm(rest, axis=1)
@@ -155,7 +138,7 @@ def _inside_out(piece: Piece, pose: Pose) -> int:
         piece.weights[t].mean(axis=1),
     )
     outwards = skin_dual(middle + 1e-4 * unit, weights, pose) - skin_dual(middle - 1e-4 * unit, weights, pose)
-    bent = skin_dual(places, piece.weights, pose)
+    bent = skin(places, piece.weights, pose)
     now = np.cross(bent[t[:, 1]] - bent[t[:, 0]], bent[t[:, 2]] - bent[t[:, 0]])
     return int((((now * outwards).sum(axis=1) < 0.0) & (size > 1e-7)).sum())
 

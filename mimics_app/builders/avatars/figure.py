@@ -15,6 +15,7 @@ from mimics_app.builders.avatars.face_mesh import FaceMesh, face_uvs, make_face
 from mimics_app.builders.avatars.face_shape import Head, make_head
 from mimics_app.builders.avatars.fields import F8, step
 from mimics_app.builders.avatars.flesh import Flesh, make_flesh, make_neck
+from mimics_app.builders.avatars.folds import smooth_folds
 from mimics_app.builders.avatars.hair import make_hair
 from mimics_app.builders.avatars.hand import Hand, make_hand
 from mimics_app.builders.avatars.person import Person
@@ -61,11 +62,11 @@ def make_figure(person: Person, seed: int) -> Figure:
     tailor = Tailor.of(cage, flesh, weights)
     head = make_head(person, bones, make_neck(person))
     face = make_face(person, head, cage.places[cage.trunk[-1]])
-    pieces = {"skin": _skin(person, bones, cage, flesh, weights, tailor)}
+    pieces = {"skin": smooth_folds(_skin(person, bones, cage, flesh, weights, tailor), bones)}
     pieces |= _head_pieces(person, bones, head, face, cage, weights, flesh)
     pieces["hair"] = make_hair(head, bones, person.looks.style, seed)
     for name, piece in dress(tailor, person, bones).items():
-        pieces[name] = piece if name == "shoes" else _breathing(piece, bones)
+        pieces[name] = piece if name == "shoes" else _breathing(smooth_folds(piece, bones), bones)
     pieces["skin"] = _breathing(pieces["skin"], bones)
     return Figure(person, bones, head, pieces, face.outside)
 

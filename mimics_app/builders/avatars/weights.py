@@ -8,15 +8,18 @@ import numpy as np
 
 from mimics_app.builders.avatars.cage import ARM_ROWS, LEG_ROWS, LIMB_AROUND, Cage
 from mimics_app.builders.avatars.fields import F8, step
+from mimics_app.builders.avatars.poses import SIDES
 from mimics_app.builders.avatars.sheet import neighbour_means
 from mimics_app.builders.avatars.skeleton import Skeleton, arm_axes
 
 __all__ = ["cage_weights", "rigid", "spine_weights"]
 
 _SPINE = ("hips", "spine", "chest", "upperChest", "neck", "head")
-_ELBOW, _KNEE = (0.13, 0.17), (0.12, 0.18)
+_ELBOW, _KNEE = (0.13, 0.27), (0.12, 0.28)
 """Half of the zone where one bone hands over to the next, in lengths of the bones: outside of the bend, and how much
 longer inside of it, so that the skin there has room to fold."""
+_BETWEEN = 0.05
+"""Half of the width between the legs over which one hands over to the other [m]."""
 _ROUNDS = 5
 
 
@@ -53,7 +56,8 @@ def spine_weights(bones: Skeleton, places: F8) -> F8:
 def cage_weights(cage: Cage, bones: Skeleton) -> F8:
     """Of every corner of the cage, [n, joints]."""
     weights = spine_weights(bones, cage.places)
-    for side, word in ((1, "left"), (-1, "right")):
+    _thighs(weights, cage, bones)
+    for side, word in SIDES:
         _shoulder(weights, cage, bones, side, word)
         _leg(weights, cage, bones, side, word)
         _arm(weights, cage, bones, side, word)
@@ -114,20 +118,39 @@ def _arm(weights: F8, cage: Cage, bones: Skeleton, side: int, word: str) -> None
         weights[corners, hand] = bent * 0.5 * turned
 
 
+def _thighs(weights: F8, cage: Cage, bones: Skeleton) -> None:
+    """From the fold of the groin the thighs; round the hip joint behind they take over higher, where the seat is.
+
+    Before, where the flesh is pressed together, evenly over a stretch as long as the fold needs: a triangle at r from
+    the joint folds over at 90 degrees where the share grows by more than 0.5 / r per metre.
+    """
+    torso = np.zeros(len(weights))
+    torso[cage.trunk[cage.trunk >= 0]] = 1.0
+    shares = {}
+    for side, word in SIDES:
+        own = torso.copy()
+        own[cage.legs[side].ravel()] = 1.0
+        own[cage.legs[-side][1:].ravel()] = 0.0
+        shares[word] = own * _thigh(cage.places, bones.place(f"{word}UpperLeg"), side)
+    weights *= (1.0 - np.sum(list(shares.values()), axis=0))[:, None]
+    for word, share in shares.items():
+        weights[:, bones.index(f"{word}UpperLeg")] += share
+
+
+def _thigh(places: F8, hip: F8, side: int) -> F8:
+    """Share of one thigh, whatever lies between the legs halved."""
+    ahead = step(-0.02, 0.08, places[:, 2])
+    tall = hip[1] - 0.010 + 0.30 * np.maximum(side * places[:, 0] - 0.06, 0.0)
+    high, low = tall + 0.055 + 0.06 * ahead, tall - 0.085 - 0.09 * ahead
+    even = np.clip((high - places[:, 1]) / (high - low), 0.0, 1.0)
+    share = ahead * even + (1.0 - ahead) * step(high, low, places[:, 1])
+    kept: F8 = np.where(places[:, 1] < hip[1] + 0.12, share * step(0.70 * hip[1], 0.72 * hip[1], places[:, 1]), 0.0)
+    return kept * step(-_BETWEEN, _BETWEEN, places[:, 0] * side)
+
+
 def _leg(weights: F8, cage: Cage, bones: Skeleton, side: int, word: str) -> None:
-    """From the fold of the groin the thigh; round the hip joint behind it takes over higher, where the seat is."""
     turn = 2.0 * math.pi * np.arange(LIMB_AROUND) / LIMB_AROUND
     thigh, shank, foot = (bones.index(f"{word}{name}") for name in ("UpperLeg", "LowerLeg", "Foot"))
-    places, hip = cage.places, bones.place(f"{word}UpperLeg")
-    own = step(-0.030, 0.030, places[:, 0] * side)
-    tall = hip[1] - 0.010 + 0.30 * np.maximum(side * places[:, 0] - 0.06, 0.0)
-    torso = np.zeros(len(places))
-    torso[cage.trunk[cage.trunk >= 0]] = 1.0
-    torso[cage.legs[side].ravel()] = 1.0
-    ahead = step(-0.02, 0.08, places[:, 2])
-    share = torso * step(tall + 0.055 + 0.05 * ahead, tall - 0.085 - 0.06 * ahead, places[:, 1])
-    reach = step(0.70 * hip[1], 0.72 * hip[1], places[:, 1])
-    _hand_over(weights, thigh, np.where(places[:, 1] < hip[1] + 0.12, own * share * np.maximum(reach, 0.0), 0.0))
     for number, row in enumerate(LEG_ROWS, 1):
         corners = cage.legs[side][number]
         if row < 0.3:

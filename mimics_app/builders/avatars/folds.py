@@ -1,0 +1,158 @@
+"""Shares of joints evened out where a bent limb would turn triangles inside out.
+
+Each part is bent as far as people bend, by linear blending and by dual quaternions, and wherever a triangle then faces
+against the flesh under it, its corners take over some of what their neighbours follow, until none does.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.builders.avatars.fields import F8
+from mimics_app.builders.avatars.piece import Piece
+from mimics_app.builders.avatars.poses import SIDES, Pose, X, Y, Z
+from mimics_app.builders.avatars.sheet import I8
+from mimics_app.builders.avatars.skeleton import Skeleton
+from mimics_app.maths.quat import from_matrix
+
+if TYPE_CHECKING:
+    from scipy import sparse
+
+__all__ = ["BENDS", "smooth_folds"]
+
+B1 = NDArray[np.bool_]
+
+_BENT = math.radians(120.0)
+_ROUNDS = 40
+_SHARE = 0.5
+"""Of the way to the mean of its neighbours that a corner goes in a round."""
+_NEAR = 8.0
+"""Of its neighbours: from one in so many that is folded on, a corner follows whole."""
+_LEAST = 1e-7
+"""Twice the area of the smallest triangle that counts [m^2]."""
+_BELOW = 1e-4
+"""How far under and over a triangle the flesh is asked where its outside is [m]."""
+
+
+def _elbow(bones: Skeleton, side: int) -> Pose:
+    s, c, h = math.sqrt(0.5), math.cos(_BENT), math.sin(_BENT)
+    return Pose(bones).arm(side, (side * s, -s, 0.0), (side * s * c, -s * c, h))
+
+
+def _raised(bones: Skeleton, side: int, collar: float, way: tuple[float, float, float]) -> Pose:
+    x, y, z = way
+    pose = Pose(bones).turn(_of(side, "Shoulder"), (Z, side * collar))
+    return pose.arm(side, (side * x, y, z), (side * x, y, 0.1))
+
+
+def _of(side: int, bone: str) -> str:
+    return dict(SIDES)[side] + bone
+
+
+BENDS: Mapping[str, Callable[[Skeleton, int], Pose]] = {
+    "elbow 120": _elbow,
+    "knee 120": lambda bones, side: Pose(bones).leg(side, 30.0, 120.0, 0.0),
+    "hip 90": lambda bones, side: Pose(bones).leg(side, 90.0, 90.0, 0.0),
+    "shoulder 90": lambda bones, side: _raised(bones, side, 8.0, (1.0, 0.0, 0.02)),
+    "shoulder 170": lambda bones, side: _raised(bones, side, 25.0, (0.17, 1.0, 0.02)),
+    "neck": lambda bones, side: Pose(bones).turn("neck", (Y, side * 25.0)).turn("head", (Y, side * 35.0)),
+    "wrist": lambda bones, side: Pose(bones).turn(_of(side, "Hand"), (X, 60.0)),
+    "wrist back": lambda bones, side: Pose(bones).turn(_of(side, "Hand"), (X, -60.0)),
+}
+"""How far people bend, by name and side (1: left, -1: right)."""
+
+
+class _Bend:
+    """A posture of the joints, and where it takes places of the rest."""
+
+    def __init__(self, pose: Pose) -> None:
+        self._turns, places = pose.places()
+        self._moves = places - np.einsum("jab,jb->ja", self._turns, pose.bones.places)
+        self._real = np.empty((len(self._turns), 4))
+        for joint, turn in enumerate(self._turns):
+            from_matrix(np.ascontiguousarray(turn), self._real[joint])
+        v, w, moves = self._real[:, :3], self._real[:, 3:], self._moves
+        across = w * moves + np.cross(moves, v)
+        self._dual = 0.5 * np.concatenate([across, -(moves * v).sum(axis=1, keepdims=True)], axis=1)
+
+    def linear(self, places: F8, weights: F8) -> F8:
+        """Each corner by the mean of its joints' frames."""
+        mixed = (weights @ self._turns.reshape(-1, 9)).reshape(-1, 3, 3)
+        return np.asarray(np.einsum("nab,nb->na", mixed, places) + weights @ self._moves)
+
+    def dual(self, places: F8, weights: F8) -> F8:
+        """By dual quaternions (Kavan et al. 2008), on the side of each corner's strongest joint."""
+        lead = self._real[np.argmax(weights, axis=1)]
+        signed = weights * np.where(lead @ self._real.T < 0.0, -1.0, 1.0)
+        r, d = signed @ self._real, signed @ self._dual
+        size = np.linalg.norm(r, axis=1, keepdims=True)
+        r, d = r / size, d / size
+        v, w = r[:, :3], r[:, 3:]
+        turned = places + 2.0 * np.cross(v, np.cross(v, places) + w * places)
+        return np.asarray(turned + 2.0 * (w * d[:, :3] - d[:, 3:] * v + np.cross(v, d[:, :3])))
+
+    def inside_out(self, piece: Piece) -> B1:
+        """Triangles that by either way face against where the flesh under them has its outside, [m]."""
+        t, places = piece.triangles, piece.places
+        rest = _faces(places, t)
+        size = np.linalg.norm(rest, axis=1)
+        unit = rest / np.maximum(size, 1e-15)[:, None]
+        middle, mean = places[t].mean(axis=1), piece.weights[t].mean(axis=1)
+        outwards = self.dual(middle + _BELOW * unit, mean) - self.dual(middle - _BELOW * unit, mean)
+        wrong = np.zeros(len(t), np.bool_)
+        for skin in (self.linear, self.dual):
+            wrong |= (_faces(skin(places, piece.weights), t) * outwards).sum(axis=1) < 0.0
+        return wrong & (size > _LEAST)
+
+
+def _faces(places: F8, triangles: I8) -> F8:
+    a, b, c = (places[triangles[:, k]] for k in range(3))
+    return np.cross(b - a, c - a)
+
+
+def smooth_folds(piece: Piece, bones: Skeleton) -> Piece:
+    """The part with shares that turn no triangle inside out in any of `BENDS`, or fewer where that cannot be had."""
+    bends = [_Bend(bend(bones, side)) for bend in BENDS.values() for side, _ in SIDES]
+    same, triangles = _welded(piece)
+    first = np.unique(same, return_index=True)[1]
+    spread = _neighbours(same, triangles)
+    best, least, watched = piece, len(triangles) * len(bends), bends
+    for _ in range(_ROUNDS):
+        wrong = [bend.inside_out(piece) for bend in watched]
+        count = int(np.sum(wrong))
+        if count < least:
+            best, least = piece, count
+        if watched is bends:
+            watched = [bend for bend, each in zip(bends, wrong, strict=True) if each.any()]
+        if count == 0:
+            break
+        folded = np.zeros(len(first))
+        folded[triangles[np.any(wrong, axis=0)]] = 1.0
+        pull = np.maximum(folded, np.minimum(spread @ folded * _NEAR, 1.0))
+        weights = piece.weights[first]
+        piece = replace(piece, weights=(weights + _SHARE * pull[:, None] * (spread @ weights - weights))[same])
+    return best
+
+
+def _welded(piece: Piece) -> tuple[I8, I8]:
+    """Number of each corner's place, as corners are doubled where the picture is cut, [n], and triangles of these."""
+    _, same = np.unique(np.round(piece.places, 7), axis=0, return_inverse=True)
+    return same.ravel(), same.ravel()[piece.triangles]
+
+
+def _neighbours(same: I8, triangles: I8) -> sparse.csr_array:
+    """The matrix that takes values of places to the means of those at the other ends of their edges."""
+    from scipy import sparse
+
+    count = int(same.max()) + 1
+    one, two = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    ends = np.unique(np.concatenate([np.stack([one, two]), np.stack([two, one])], axis=1), axis=1)
+    ends = ends[:, ends[0] != ends[1]]
+    shares = 1.0 / np.bincount(ends[0], minlength=count)
+    return sparse.csr_array((shares[ends[0]], (ends[0], ends[1])), shape=(count, count))
