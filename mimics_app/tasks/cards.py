@@ -13,6 +13,8 @@ CARDS = ("progress", "time", "contacts", "force", "score", "state", "trial", "ma
 """Cards that every task has; "margin" is the stability monitor's."""
 
 _WITH_BAR = 290.0
+_LONG_TRIAL_S = 100.0
+"""From where on times have a digit more [s]."""
 _GRASP_ROOM = 1.4
 """The bar of the grip goes up to this many times what is right at most."""
 
@@ -23,9 +25,10 @@ def progress_card(share: float, label: str = "Tunnel") -> Card:
 
 
 def time_card(seconds: float, left_s: float | None = None) -> Card:
-    """Time of the trial, and how much of it is left [s]; None: none runs."""
+    """Time of the trial, and how much of it is left [s]; None: none runs. A long trial's card is wider throughout."""
     left = "" if left_s is None else f"{math.ceil(left_s)} s left"
-    return Card("Time", f"{seconds:.1f} s", remark=left, width=180.0)
+    long = left_s is not None and seconds + left_s >= _LONG_TRIAL_S
+    return Card("Time", f"{seconds:.1f} s", remark=left, width=222.0 if long else 180.0)
 
 
 def trial_card(which: str) -> Card:
