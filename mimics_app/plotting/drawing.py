@@ -22,6 +22,7 @@ STYLE = """
   --s5: #ff8ab8; --s6: #4fd0e6; --s7: #a8b3c4; } }
 .lab .paper { fill: var(--paper); } .lab text { fill: var(--soft); font: 12px system-ui, "DejaVu Sans", sans-serif; }
 .lab text.head { fill: var(--ink); font-size: 17px; font-weight: 650; } .lab text.name { fill: var(--ink); }
+.lab text { paint-order: stroke; stroke: var(--paper); stroke-width: 3px; stroke-linejoin: round; }
 .lab text.strong { font-weight: 700; } .lab text.small { font-size: 11px; } .lab text.bad { fill: var(--bad); }
 .lab .grid { stroke: var(--rule); fill: none; } .lab .frame { stroke: var(--soft); fill: none; }
 .lab .lead { stroke: var(--soft); stroke-width: 0.8; fill: none; opacity: 0.7; }

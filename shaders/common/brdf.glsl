@@ -7,7 +7,17 @@ struct Surface {
     vec3 normal;
     vec3 view;          // unit, towards the eye
     float facing;       // cosine between the two, at least a little
+#ifdef SOFT
+    vec3 creep;         // how far light comes round into the shade, as a cosine by colour
+#endif
 };
+
+#ifdef SOFT
+// Light that entered comes out again some way off: in skin red farther than green and blue.
+const vec3 CREEP = vec3(0.42, 0.19, 0.12);
+// As far as it does [m], what lies between sun and surface casts no shadow.
+const float CREEP_DEPTH = 0.010;
+#endif
 
 Surface make_surface(vec3 base, float metallic, float roughness, vec3 normal, vec3 view) {
     Surface s;
@@ -18,6 +28,9 @@ Surface make_surface(vec3 base, float metallic, float roughness, vec3 normal, ve
     s.normal = normal;
     s.view = view;
     s.facing = max(dot(normal, view), 1e-3);
+#ifdef SOFT
+    s.creep = CREEP * map_strength.z;
+#endif
     return s;
 }
 
@@ -37,14 +50,26 @@ vec3 fresnel(vec3 head_on, float cosine) {
     return head_on + (1.0 - head_on) * (away2 * away2 * away);
 }
 
+// Light of unit strength that arrives and is scattered: Lambert, or wrapped round by w as ((c + w) / (1 + w))^(1 + 2 w),
+// which is 1 where Lambert is and gives back no more on the whole (McAuley 2013).
+vec3 arriving(Surface s, float cosine) {
+#ifdef SOFT
+    return pow(max((cosine + s.creep) / (1.0 + s.creep), vec3(0.0)), 1.0 + 2.0 * s.creep);
+#else
+    return vec3(clamp(cosine, 0.0, 1.0));
+#endif
+}
+
 // Light given back towards the eye for light of unit strength from `light`, its incidence included.
 vec3 reflect_light(Surface s, vec3 light) {
-    float incidence = clamp(dot(s.normal, light), 0.0, 1.0);
+    float cosine = dot(s.normal, light);
+    vec3 scattered = arriving(s, cosine) * s.diffuse;
 #ifdef MATT
-    return incidence * s.diffuse;
+    return scattered;
 #else
+    float incidence = clamp(cosine, 0.0, 1.0);
     vec3 mirrored = fresnel(s.specular, dot(s.view, normalize(light + s.view)));
-    return incidence * (s.diffuse * (1.0 - mirrored) + mirrored * specular_lobe(s, light, incidence));
+    return scattered * (1.0 - mirrored) + incidence * mirrored * specular_lobe(s, light, incidence);
 #endif
 }
 

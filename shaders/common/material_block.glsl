@@ -4,6 +4,6 @@ layout(std140, binding = 1) uniform MaterialBlock {
     vec4 base_colour;           // linear RGBA
     vec4 emission;              // linear; w: alpha below which a masked material draws nothing, -1 for no mask
     vec4 finish;                // metallic, roughness, grid spacing [m], 1 for double-sided
-    vec4 map_strength;          // factor on slopes of the normal map, share of the occlusion map
+    vec4 map_strength;          // factor on slopes of the normal map, share of the occlusion map, softness
     vec4 uv_rows[10];           // rows of the 2 x 3 matrix that places each map: base, normal, surface, ...
 };

@@ -25,7 +25,11 @@ void main() {
     float distance = length(sight);
     vec3 n = normalize(gl_FrontFacing ? normal : -normal);
     vec2 figures = material_finish(uv);
+#ifdef SOFT
+    vec2 sun = sun_and_tone(position_eye + CREEP_DEPTH * map_strength.z * sun_direction.xyz, n);
+#else
     vec2 sun = sun_and_tone(position_eye, n);
+#endif
 #ifdef NORMAL_MAP
     n = material_normal(n, position_eye, uv);
 #endif

@@ -90,6 +90,22 @@ def test_a_matt_sphere_follows_lambert_from_centre_to_edge():
     assert picture[dark][:, :3].max() == 0
 
 
+def test_light_creeps_round_a_soft_sphere_and_none_is_added():
+    """((c + w) / (1 + w))^(1 + 2 w) by colour, w = softness x (0.42, 0.19, 0.12): on the whole as much as Lambert."""
+    towards = np.array([0.8, 0.5, 0.3]) / np.linalg.norm([0.8, 0.5, 0.3])
+    albedo, creep = np.array([0.8, 0.5, 0.4]), 0.8 * np.array([0.42, 0.19, 0.12])
+    cosines = np.linspace(-1.0, 1.0, 20001)[:, None]
+    wrapped = np.maximum((cosines + creep) / (1.0 + creep), 0.0) ** (1.0 + 2.0 * creep)
+    assert wrapped.mean(axis=0) == pytest.approx(np.maximum(cosines, 0.0).mean(), rel=1e-3)
+    material = Material("m", base_colour=(*albedo, 1.0), roughness=1.0, softness=0.8)
+    view = front_view()
+    picture = draw_offscreen(make_ball(material, towards_sun=tuple(5.0 * towards)), [view], SIZE, PLAIN)
+    hit, normals, _ = hit_sphere(view)
+    share = np.maximum(((normals @ towards)[..., None] + creep) / (1.0 + creep), 0.0) ** (1.0 + 2.0 * creep)
+    expected = encode(share * albedo * 0.9 * np.array([1.0, 0.9, 0.8]))
+    assert np.abs(picture[..., :3] - expected)[hit & ((normals @ towards) > -0.05)].max() <= CODE_TOLERANCE
+
+
 def test_a_glossy_metal_sphere_follows_ggx():
     towards = np.array([0.2, 0.3, 0.9]) / np.linalg.norm([0.2, 0.3, 0.9])
     base, metallic, roughness = np.array([0.7, 0.4, 0.2]), 0.3, 0.5

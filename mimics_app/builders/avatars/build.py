@@ -20,6 +20,8 @@ __all__ = ["compose", "write_figure"]
 _GENERATOR = "mimics_app assets build avatars"
 _CLOTH, _HANDS, _HANDS_SLOPES = "cloth_normal.jpg", "hands_base.jpg", "hands_normal.jpg"
 _HAIR, _HAIR_SLOPES = "hair_base.jpg", "hair_normal.jpg"
+_SOFT = 1.0
+"""Softness of skin."""
 _HAND_TINT = 238.0
 """Of the hands' picture where nothing is painted, sRGB."""
 
@@ -46,8 +48,8 @@ def write_figure(figure: Figure, seed: int) -> bytes:
     base, slopes = paint_face(person, figure.head, pieces["head"], figure.face_corners)
     clothes = dict(person.clothes)
     paints = {
-        "skin_head": Paint((1.0, 1.0, 1.0), 0.58, base, slopes),
-        "skin_body": Paint(_linear(person.looks.skin, _HAND_TINT), 0.62, _HANDS, _HANDS_SLOPES),
+        "skin_head": Paint((1.0, 1.0, 1.0), 0.58, base, slopes, soft=_SOFT),
+        "skin_body": Paint(_linear(person.looks.skin, _HAND_TINT), 0.62, _HANDS, _HANDS_SLOPES, soft=_SOFT),
         "eye": Paint((1.0, 1.0, 1.0), 0.12, paint_eye(person.looks.iris, seed)),
         "mouth": Paint((1.0, 1.0, 1.0), 0.35),
         "hair": Paint(_linear(person.looks.hair, 205.0), 0.66, _HAIR, _HAIR_SLOPES),

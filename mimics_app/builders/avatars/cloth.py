@@ -20,6 +20,8 @@ __all__ = ["TILE", "Tailor"]
 TILE = 0.30
 """Metres of cloth that its picture covers."""
 _FOLD = 2.0 * math.pi
+_COLLAR = 0.32
+"""Height of a collar, as a share of the neck's."""
 _TURNED = 0.006
 """How far a hem is turned inwards at least [m]."""
 
@@ -134,12 +136,26 @@ class Tailor:
             rim = cage.arms[side][sleeve]
             inner, middle = _inwards(places[rim], cage.places[rim], self.cage.places[cage.arms[side][sleeve - 1]])
             draft.hem(own[rim], inner, middle, flip=side > 0)
-        low, high = cage.trunk[hem], cage.trunk[neck]
+        low = cage.trunk[hem]
         inner, middle = _inwards(places[low], cage.places[low], places[cage.trunk[hem + 1]])
         draft.hem(own[low], inner, middle)
-        inner, middle = _inwards(places[high], cage.places[high], cage.places[high] - [0.0, 0.012, 0.0])
-        draft.hem(own[high], inner, middle, flip=True)
+        self._collar(draft, own, neck, places)
         return draft.finish(material, dim=self.flesh.whole, lift=ease)
+
+    def _collar(self, draft: Draft, own: I8, neck: int, places: F8) -> None:
+        """End a shirt at a row; at the root of the neck by a band that stands a little way up, carried as the skin."""
+        cage, high = self.cage, self.cage.trunk[neck]
+        rim, ring, skin = own[high], places[high], cage.places[high]
+        if neck == len(cage.trunk) - 2:
+            above = cage.trunk[neck + 1]
+            up = _COLLAR * (cage.places[above] - skin)
+            ring, skin = ring + up, skin + up
+            band = draft.add(ring, (1.0 - _COLLAR) * self.weights[high] + _COLLAR * self.weights[above])
+            tall = float(up[:, 1].mean()) / TILE
+            draft.band(rim, band, [4.0 * i / AROUND for i in range(AROUND + 1)], (0.0, tall))
+            rim = band
+        inner, middle = _inwards(ring, skin, skin - [0.0, 0.012, 0.0])
+        draft.hem(rim, inner, middle, flip=True)
 
     def bottom(self, material: str, *, waist: int, end: int, ease: float, least: float, drape: float) -> Piece:
         """Trousers: from a row of the trunk to a row of the legs, `least` the radius of their legs below [m]."""

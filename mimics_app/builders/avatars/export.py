@@ -29,13 +29,14 @@ _RATE = 24.0
 
 @dataclass(frozen=True)
 class Paint:
-    """A material: its colour (linear), roughness, and pictures: bytes of a JPEG, or the name of a file beside it."""
+    """A material: linear colour, roughness, softness, and pictures: bytes of a JPEG, or a file's name beside it."""
 
     colour: Sequence[float] = (1.0, 1.0, 1.0)
     roughness: float = 0.8
     base: bytes | str = ""
     slopes: bytes | str = ""
     steep: float = 1.0
+    soft: float = 0.0
 
 
 class FigureWriter(GltfWriter):
@@ -207,6 +208,8 @@ class FigureWriter(GltfWriter):
         if paint.slopes:
             texture = {"index": self._picture(paint.slopes, f"{name}_normal"), "scale": paint.steep}
             self._tables["materials"][material]["normalTexture"] = texture
+        if paint.soft:
+            self._tables["materials"][material]["extras"] = {"mimics": {"softness": paint.soft}}
         return material
 
     def _picture(self, content: bytes | str, name: str) -> int:

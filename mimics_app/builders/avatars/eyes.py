@@ -19,6 +19,10 @@ __all__ = ["IRIS", "make_ears", "make_eyes", "make_mouth"]
 IRIS = 0.0059
 """Radius of the coloured part of an eye [m]."""
 
+_EAR_SIDE = 74.5
+"""Where ears stand on the side of the plain head [mm]."""
+_EAR_SHADES = (0.6, 0.75, 1.0, 1.0, 0.62, 0.92, 0.50, 0.36)
+"""Of its rings, from behind over the rim to the bowl."""
 _AROUND = 10
 _RINGS = (0.0, 0.22, 0.50, 0.70, 1.05, 1.75)
 """Angles of an eyeball's rings from its front [rad]."""
@@ -152,17 +156,17 @@ def make_ears(head: Head, bones: Skeleton) -> Piece:
         rim = None
         rings = (
             # share of the outline, height over the head [mm]: behind, then over the rim into the bowl
-            (0.60, -5.0), (0.95, 5.0), (1.0, 9.0), (0.93, 10.8), (0.80, 8.0), (0.60, 8.6), (0.42, 4.2), (0.22, -0.5),
+            (0.60, -6.0), (0.95, 4.0), (1.0, 8.5), (0.94, 10.5), (0.80, 6.6), (0.62, 8.0), (0.44, 2.6), (0.22, 0.2),
         )  # fmt: skip
         for share, height in rings:
             x, y = share * rim_x, share * rim_y
-            lift = np.where(front & (share > 0.3), np.minimum(height, 1.0 + 2.0 * (share < 0.6)), height)
-            lift = lift + 0.18 * np.maximum(-x, 0.0) * (share > 0.3)  # the back edge stands off the head
+            lift = np.where(front & (share > 0.3), np.minimum(height, 0.6 + 3.0 * (share < 0.7)), height)
+            lift = lift + 0.20 * np.maximum(-x, 0.0) * (share > 0.3)  # the back edge stands off the head
             if share > 0.85:
                 lift = lift - 2.6 * step(-0.35, -0.95, np.sin(turn))
             leaning = -0.22 * y
             corners = np.array([
-                head.mark(side * (71.5 + height_), y_ - 7.0, -6.0 + x_ + lean)
+                head.mark(side * (_EAR_SIDE + height_), y_ - 7.0, -6.0 + x_ + lean)
                 for x_, y_, height_, lean in zip(x, y, lift, leaning, strict=True)
             ])  # fmt: skip
             ring = sheet.add(corners)
@@ -172,15 +176,15 @@ def make_ears(head: Head, bones: Skeleton) -> Piece:
                 sheet.join(rim, ring, flip=side < 0)
             rim = ring
         assert rim is not None
-        sheet.close(rim, head.mark(side * 70.0, -9.0, -3.0))
+        sheet.close(rim, head.mark(side * (_EAR_SIDE - 1.0), -9.0, -3.0))
         places = sheet.places()
         triangles = triangles_of(sheet.faces, places)
         offset = places - head.middle
         turns = np.stack(
             [np.arctan2(offset[:, 0], offset[:, 2]), np.arcsin(offset[:, 1] / np.linalg.norm(offset, axis=1))], axis=1
         )
-        depth = (np.abs(offset[:, 0]) / head.size[0] * 1e3 - 70.0) / 10.0
-        shades = 0.55 + 0.45 * np.clip(depth, 0.0, 1.0)[:, None] * np.ones(3)
+        behind, *others = _EAR_SHADES
+        shades = np.repeat([behind, behind, *others, 0.3], [around, 1, *[around] * len(others), 1])[:, None]
         parts.append(
             Piece("skin_head", places, welded_normals(places, triangles), face_uvs(turns), triangles,
                   rigid(bones, "head", len(places)), shades * np.array([1.0, 0.93, 0.90]))

@@ -13,10 +13,12 @@ from mimics_app.builders.avatars.fields import F8
 from mimics_app.builders.avatars.person import Face
 from mimics_app.builders.avatars.sheet import I8
 
-__all__ = ["LID_LIFT", "LID_POINTS", "LIP_POINTS", "FaceMap", "directions", "lay_map", "turns_of"]
+__all__ = ["LID_LIFT", "LID_POINTS", "LIP_POINTS", "MOUTH_RISE", "FaceMap", "directions", "lay_map", "turns_of"]
 
 LID_POINTS = 9
 """Corners of a lid from one end to the other."""
+MOUTH_RISE = 1.2
+"""How much higher than the middle the ends of the line of the lips lie [mm]: a mouth at ease."""
 LIP_POINTS = 6
 """Corners of half a lip from the middle to the end."""
 
@@ -130,7 +132,7 @@ def _lip_points(points: _Points, head: Head, face: Face) -> list[I8]:
     half = head.mouth / (head.size[0] * 1e-3)
     share = np.sin(0.5 * math.pi * np.linspace(0.0, 1.0, LIP_POINTS))
     x = half * share
-    line = -65.0 + 0.4 * share**2
+    line = -65.0 + MOUTH_RISE * share**2
     upper = 7.6 * face.lips * (1.0 - share**2.2) * (1.0 - 0.12 * np.exp(-((share / 0.16) ** 2)))
     lower = 9.2 * face.lips * (1.0 - share**2.4)
     rings = []

@@ -25,7 +25,7 @@ _MARKS = {
     "crown": (0, 114, -14), "vertex": (0, 107, 36), "hairline": (0, 78, 79), "forehead": (0, 48, 95),
     "glabella": (0, 20, 99),
     "sellion": (0, 4, 94), "under_nose": (0, -46, 98), "lip_top": (0, -58, 98), "stomion": (0, -65, 97),
-    "lip_low": (0, -74, 96), "chin_fold": (0, -83, 93), "pogonion": (0, -98, 100), "menton": (0, -110, 92),
+    "lip_low": (0, -74, 96), "chin_fold": (0, -83, 95.2), "pogonion": (0, -98, 100), "menton": (0, -110, 92),
     "under_chin": (0, -111, 66), "throat": (0, -106, 42), "back_top": (0, 84, -68), "back": (0, 34, -96),
     "inion": (0, -22, -88), "nape": (0, -62, -70),
     # one side
@@ -33,11 +33,11 @@ _MARKS = {
     "forehead_side": (34, 46, 84), "euryon": (77, 42, -14), "side_top": (66, 74, -16), "ear_top": (74, 8, -2),
     "ear_low": (70, -28, 2), "mastoid": (64, -38, -24), "back_side": (58, 34, -74), "back_low": (52, -26, -68),
     "back_high": (48, 78, -56), "brow_in": (14, 17, 97), "brow_mid": (32, 19, 93.5), "brow_out": (51, 13, 76),
-    "orbit_out": (55, -2, 68), "orbit_low": (31, -19, 85.5), "orbit_in": (14, -4, 86), "nose_side": (16, -22, 88),
+    "orbit_out": (55, -2, 68), "orbit_low": (31, -19, 86.5), "orbit_in": (14, -4, 86), "nose_side": (16, -22, 88),
     "cheekbone": (50, -20, 74), "zygion": (68, -16, 42), "malar": (42, -31, 82), "fold": (25, -46, 90),
-    "cheek": (44, -54, 75), "cheek_back": (60, -48, 44), "mouth_corner": (27, -66, 90), "beside_lip": (36, -70, 82),
-    "gonion": (55, -72, 14), "jaw": (49, -90, 48), "jaw_front": (32, -103, 77), "chin_side": (18, -104, 92),
-    "below_jaw": (36, -104, 42), "below_ear": (60, -56, -10),
+    "cheek": (42, -54, 75), "cheek_back": (58, -48, 44), "mouth_corner": (27, -66, 90), "beside_lip": (36, -70, 82),
+    "gonion": (53, -70, 14), "jaw": (45, -88, 48), "jaw_front": (29, -102, 78), "chin_side": (18, -104, 91),
+    "below_jaw": (31, -102, 42), "below_ear": (58, -56, -10),
 }  # fmt: skip
 
 _MM = 1e-3
@@ -89,7 +89,7 @@ class _Skin:
         self._weights = np.linalg.solve(matrix, np.concatenate([away, np.zeros(4)]))
 
     def _rows(self, ways: F8) -> F8:
-        apart = ((ways[:, None, :] - self._knots[None]) ** 2).sum(axis=2)
+        apart = np.maximum(2.0 - 2.0 * ways @ self._knots.T, 0.0)  # squared distances of unit vectors
         return np.concatenate([apart * np.log(np.maximum(apart, 1e-12)), np.ones((len(ways), 1)), ways], axis=1)
 
     def at(self, places: F8) -> F8:
@@ -131,7 +131,7 @@ def make_head(person: Person, bones: Skeleton, neck: Field) -> Head:
     features: Field = Blend([skin, *_nose(head, face), *_lips(head, face)], 0.0055)
     lids = [Ball(eye, (EYE_RADIUS + 0.0016,) * 3) for eye in eyes]
     seated: Field = Blend([_Pressed(features, _dents(head, face, body.woman)), *lids], 0.006)
-    whole: Field = Blend([seated, neck], 0.030)
+    whole: Field = Blend([seated, neck], 0.016)
     return Head(middle, whole, eyes, head.gape, head.mouth, head.stomion, scale)
 
 
@@ -189,13 +189,13 @@ def _lips(head: Head, face: Face) -> list[Field]:
     half, full = head.mouth / (head.size[0] * _MM), face.lips
     parts: list[Field] = []
     for side in (1, -1):
-        upper_mid, upper_end = head.mark(0.0, -61.0, 98.4), head.mark(side * half * 0.92, -65.0, 89.6)
+        upper_mid, upper_end = head.mark(0.0, -61.0, 98.4), head.mark(side * half * 0.92, -64.0, 89.6)
         bow = head.mark(side * 0.36 * half, -60.3, 98.2)
         parts.append(
             Loft(upper_mid, bow, [(0.0, 0.0038 * full, 0.0044, 0.0, 0.0), (1.0, 0.0042 * full, 0.0046, 0.0, 0.0)])
         )
         parts.append(Loft(bow, upper_end, [(0.0, 0.0042 * full, 0.0046, 0.0, 0.0), (1.0, 0.0020, 0.0032, 0.0, 0.0)]))
-        lower_mid, lower_end = head.mark(0.0, -70.4, 97.2), head.mark(side * half * 0.86, -66.6, 89.8)
+        lower_mid, lower_end = head.mark(0.0, -70.4, 97.2), head.mark(side * half * 0.86, -65.4, 89.8)
         belly = head.mark(side * 0.38 * half, -70.0, 96.4)
         parts.append(
             Loft(lower_mid, belly, [(0.0, 0.0046 * full, 0.0047, 0.0, 0.0), (1.0, 0.0044 * full, 0.0046, 0.0, 0.0)])
@@ -210,7 +210,7 @@ def _dents(head: Head, face: Face, woman: bool) -> list[tuple[F8, F8, float]]:
     dents = [
         (head.mark(0.0, -52.5, 101.0), np.array([3.0, 5.0, 9.0]) * _MM, -0.0012),
         (head.stomion - [0.0, 0.0, 0.002], np.array([0.92e3 * head.mouth, 1.5, 12.0]) * _MM, -0.0024),
-        (head.mark(0.0, -80.0, 100.0), np.array([13.0, 4.5, 10.0]) * _MM, -0.0012),
+        (head.mark(0.0, -81.0, 100.0), np.array([15.0, 6.0, 10.0]) * _MM, -0.0005),
     ]
     age = 0.35 + 0.65 * face.age
     for side in (1, -1):
@@ -225,7 +225,7 @@ def _dents(head: Head, face: Face, woman: bool) -> list[tuple[F8, F8, float]]:
                 -0.0016,
             ),
             (head.mark(side * 28.5, -54.0, 90.0), np.array([4.0, 9.0, 8.0]) * _MM, -0.0012 * age),
-            (head.mark(side * 30.0, -72.0, 88.0), np.array([4.0, 5.0, 8.0]) * _MM, -0.0012 * age),
+            (head.mark(side * 30.0, -72.0, 88.0), np.array([4.0, 5.0, 8.0]) * _MM, -0.0007 * age),
             (head.mark(side * 29.0, -15.0, 86.0), np.array([9.0, 3.5, 8.0]) * _MM, -0.0010 * age),
         ]
     return dents

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -78,11 +79,15 @@ def _head_pieces(
     own[face.border] = weights[cage.trunk[-1]]
     own[face.inside] = 0.0
     own[face.inside, bones.index("head")] = 1.0
-    open_ = openness(head.field, face.places, face.normals)
-    shades = (0.45 + 0.55 * open_)[:, None] * np.ones(3)
-    shades[face.inside] = (0.22, 0.05, 0.05)
+    ring = cage.places[cage.trunk[-1]]
     normals = face.normals.copy()
     normals[face.border] = _shared_normals(face, cage)
+    open_ = openness(head.field, face.places, normals)
+    below = 0.30 + 0.70 * openness(flesh.trunk, face.places, normals)
+    height = face.places[:, 1] - np.interp(np.abs(face.turns[:, 0]), [0.0, math.pi], ring[[0, AROUND // 2], 1])
+    high = step(0.0, 0.035, height)
+    shades = (below + high * (0.45 + 0.55 * open_ - below))[:, None] * np.ones(3)
+    shades[face.inside] = (0.22, 0.05, 0.05)
     skin = Piece("skin_head", face.places, normals, face_uvs(face.turns), face.triangles, own, shades, face.moves)
     return {
         "head": joined([skin, make_ears(head, bones)]),

@@ -152,7 +152,7 @@ def _stride(bones: Skeleton, phase: float, size: float, arms: float, bend: float
 
 def _walk(bones: Skeleton, t: float) -> Pose:
     pose = _stride(bones, t / 1.08, 1.0, 19.0, 20.0, 2.0)
-    pose.morphs["blink"] = _pulse(t, 0.4, 0.07)
+    pose.morphs["smile"] = 0.15  # no blink: one a cycle would be one a second
     return pose
 
 

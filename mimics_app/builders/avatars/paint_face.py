@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.builders.avatars.face_map import LID_LIFT, LID_POINTS
+from mimics_app.builders.avatars.face_map import LID_LIFT, LID_POINTS, MOUTH_RISE
+from mimics_app.builders.avatars.face_relief import face_relief
 from mimics_app.builders.avatars.face_shape import Head, lid_lines, over_eye
 from mimics_app.builders.avatars.fields import F8, step
 from mimics_app.builders.avatars.hair import hairline
@@ -16,7 +17,12 @@ from mimics_app.builders.market.clay import noise
 __all__ = ["paint_face"]
 
 _SIZE = 512
-_SLOPES_SIZE = 256
+_LEAST_PITCH, _MOST_PITCH = 3e-4, 2e-3
+"""Of texels where slopes are taken [m]."""
+_HAIRS = 75.0
+"""Hairs beside each other at the line of the hair that are told apart [1/rad]."""
+_ENCODED = 1.0 / 2.2
+"""Power that does to an encoded colour what a factor does to the linear one."""
 
 
 def paint_face(person: Person, head: Head, skin: Piece, count: int) -> tuple[bytes, bytes]:
@@ -37,10 +43,11 @@ def paint_face(person: Person, head: Head, skin: Piece, count: int) -> tuple[byt
     colour = _eyes(person, head, places, colour)
     colour = _brows(person, mm, places, colour)
     colour = _scalp(person, head, places, colour)
+    relief = face_relief(head, skin, triangles, sheet)
+    colour = colour.reshape(_SIZE, _SIZE, 3) * np.clip(relief.open, 0.3, 1.25)[..., None] ** _ENCODED
     heights = _heights(person, head, mm, places).reshape(_SIZE, _SIZE)
-    half = heights.reshape(_SLOPES_SIZE, 2, _SLOPES_SIZE, 2).mean(axis=(1, 3))
-    pitch = 2.0 * np.maximum(np.linalg.norm(np.gradient(sheet, axis=1), axis=2), 1e-4)[::2, ::2]
-    return encode(colour.reshape(_SIZE, _SIZE, 3)), encode(slopes(half, np.clip(pitch, 6e-4, 4e-3)))
+    pitch = np.clip(np.linalg.norm(np.gradient(sheet, axis=1), axis=2), _LEAST_PITCH, _MOST_PITCH)
+    return encode(colour), encode(slopes(heights, pitch, more=relief.slopes))
 
 
 def _mix(colour: F8, other: F8, share: F8) -> F8:
@@ -59,15 +66,15 @@ def _skin(person: Person, mm: F8, places: F8) -> F8:
     grain = 0.55 * noise(places, 0.0022, 1) + 0.45 * noise(places, 0.011, 2) - 0.5
     colour = base * (1.0 + 0.075 * grain)[:, None]
     red, dark, warm = base * [0.98, 0.80, 0.78], base * [0.80, 0.70, 0.70], base * [1.03, 1.01, 0.95]
-    colour = _mix(colour, red, 0.55 * _spot(mm, 40.0, -30.0, 17.0, 14.0))
-    colour = _mix(colour, red, 0.60 * _spot(mm, 0.0, -36.0, 13.0, 9.0))
+    colour = _mix(colour, red, 0.38 * _spot(mm, 40.0, -30.0, 17.0, 14.0))
+    colour = _mix(colour, red, 0.45 * _spot(mm, 0.0, -36.0, 13.0, 9.0))
     colour = _mix(colour, red, 0.25 * _spot(mm, 0.0, -98.0, 14.0, 10.0))
     colour = _mix(colour, warm, 0.5 * _spot(mm, 0.0, 45.0, 45.0, 22.0))
-    colour = _mix(colour, dark, (0.30 + 0.35 * person.face.age) * _spot(mm, 27.0, -13.0, 12.0, 4.0))
-    colour = _mix(colour, dark, 0.32 * _spot(mm, 30.0, 8.5, 15.0, 5.0))
+    colour = _mix(colour, dark, (0.08 + 0.30 * person.face.age) * _spot(mm, 27.0, -13.0, 12.0, 4.0))
+    colour = _mix(colour, dark, 0.12 * _spot(mm, 30.0, 8.5, 15.0, 5.0))
     colour = _mix(colour, dark, 0.35 * person.face.age * _spot(mm, 27.5, -50.0, 3.2, 11.0))
     colour = _mix(
-        colour, base * 0.30, 0.85 * _spot(mm, 6.5 * person.face.nose_breadth, -36.0 * person.face.nose - 9.0, 3.0, 2.0)
+        colour, base * 0.30, 0.55 * _spot(mm, 6.5 * person.face.nose_breadth, -36.0 * person.face.nose - 9.0, 3.0, 2.0)
     )
     if person.looks.stubble:
         beard = (
@@ -86,7 +93,7 @@ def _lips(person: Person, head: Head, mm: F8, places: F8, colour: F8) -> F8:
     half = head.mouth / (head.size[0] * 1e-3)
     share = np.abs(mm[:, 0]) / half
     inside = np.clip(share, 0.0, 1.0)
-    line = -65.0 + 0.4 * inside**2
+    line = -65.0 + MOUTH_RISE * inside**2
     full = person.face.lips
     upper = 7.4 * full * (1.0 - inside**2.2) * (1.0 - 0.12 * np.exp(-((inside / 0.16) ** 2)))
     lower = 9.0 * full * (1.0 - inside**2.4)
@@ -123,7 +130,7 @@ def _eyes(person: Person, head: Head, places: F8, colour: F8) -> F8:
 
 def _brows(person: Person, mm: F8, places: F8, colour: F8) -> F8:
     x = np.abs(mm[:, 0])
-    middle = np.interp(x, [9.0, 14.0, 26.0, 38.0, 47.0, 54.0], [17.0, 18.0, 20.4, 21.8, 20.2, 16.0])
+    middle = np.interp(x, [9.0, 14.0, 26.0, 38.0, 47.0, 54.0], [18.2, 19.2, 20.8, 21.6, 19.8, 15.8])
     if person.body.woman:
         middle = middle + 1.0 + 1.4 * np.exp(-(((x - 38.0) / 9.0) ** 2))
     wide = np.interp(x, [9.0, 14.0, 30.0, 46.0, 54.0], [1.6, 3.4, 3.2, 2.1, 0.8]) * (
@@ -143,9 +150,12 @@ def _scalp(person: Person, head: Head, places: F8, colour: F8) -> F8:
     offset = places - head.middle
     azimuth = np.arctan2(offset[:, 0], offset[:, 2])
     elevation = np.arcsin(np.clip(offset[:, 1] / np.linalg.norm(offset, axis=1), -1.0, 1.0))
-    ragged = 0.05 * (noise(np.stack([azimuth * 9.0, elevation * 2.0, 0 * azimuth], axis=1), 0.22, 11) - 0.5)
-    edge = step(-0.05, 0.035, elevation - hairline(azimuth) + ragged)
-    return _mix(colour, 0.72 * np.array(person.looks.hair, float), 0.94 * edge)
+    # single hairs stand before the line, close together behind it
+    turned = np.stack([azimuth * _HAIRS, elevation * 9.0 + 2.0 * azimuth, 0 * azimuth], axis=1)
+    dense = step(-0.065, 0.035, elevation - hairline(azimuth) + 0.04 * (noise(turned * 0.12, 0.6, 12) - 0.5))
+    hairs = step(0.0, 0.15, dense) * step(-0.30, 0.25, 1.2 * dense - noise(turned, 1.0, 11))
+    dark = np.array(person.looks.hair, float) * (0.62 + 0.3 * noise(turned, 0.9, 13))[:, None]
+    return _mix(colour, dark, 0.94 * hairs)
 
 
 def _heights(person: Person, head: Head, mm: F8, places: F8) -> F8:

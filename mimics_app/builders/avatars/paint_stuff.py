@@ -20,6 +20,8 @@ __all__ = ["paint_cloth", "paint_eye", "paint_hair", "paint_hands"]
 
 _HAND_SIZE = 512
 _CLOTH_SIZE, _CLOTH_TILE = 256, 0.30
+_LOCKS, _HAIR_TILE = 9, 0.075
+"""Of hair on its picture, and metres that it covers."""
 _NAIL = (0.0125, 0.0066)
 """Length and half breadth of a nail of a middle finger [m]."""
 
@@ -70,8 +72,8 @@ def _finger(
         offset = flat - points[number][[0, 2]]
         s, t = offset @ axis, offset @ np.array([-axis[1], axis[0]])
         close = step(0.011, 0.007, np.abs(t))
-        wrinkle = close * np.exp(-((s / 0.0055) ** 2)) * (0.5 + 0.5 * np.cos(s / 0.0021 * 2.0 * math.pi))
-        heights = heights - 0.00030 * wrinkle * np.where(back, 1.0, 0.35)
+        wrinkle = close * np.exp(-((s / 0.0042) ** 2)) * (0.5 + 0.5 * np.cos(s / 0.0025 * 2.0 * math.pi))
+        heights = heights - 0.00022 * wrinkle * np.where(back, 1.0, 0.35)
         red = 0.55 * close * np.exp(-((s / 0.008) ** 2)) * np.where(back, 1.0, 0.3)
         colour = colour * (1.0 - red[:, None] * [0.03, 0.13, 0.12])
     tip = points[3][[0, 2]] - 0.0015 * axis
@@ -125,20 +127,23 @@ def paint_cloth() -> bytes:
     rough = smooth_noise(n, n, 40, 40, 31)
     soft = smooth_noise(n, n, 5, 4, 32) + 0.5 * smooth_noise(n, n, 9, 7, 33)
     ridged = 1.0 - np.abs(2.0 * smooth_noise(n, n, 4, 3, 34) - 1.0)
-    heights = 0.00007 * weave + 0.00012 * rough + 0.0026 * soft + 0.0012 * ridged
+    heights = 0.00007 * weave + 0.00012 * rough + 0.0032 * soft + 0.0026 * ridged
     return encode(slopes(heights, _CLOTH_TILE / n, wrap=True), 80)
 
 
 def paint_hair() -> tuple[bytes, bytes]:
-    """Factor on the colour, and normals, of strands that run down the picture; it repeats across."""
-    high, wide = 128, 128
+    """Factor on the colour, and normals, of strands that run down the picture in locks; it repeats."""
+    high, wide = 256, 256
+    across = np.arange(wide)[None, :] / wide
+    waver = smooth_noise(high, wide, 2, 6, 43) - 0.5
+    locks = np.abs(np.sin(math.pi * _LOCKS * (across + 0.10 * waver)))
     strands = hash_noise(np.arange(wide)[None, :], np.zeros((1, wide), np.int64), 41)
-    fine = 0.6 * strands + 0.4 * smooth_noise(1, wide, 1, 24, 42)
-    waver = smooth_noise(high, wide, 4, 16, 43)
-    column = (np.arange(wide)[None, :] + np.round(5.0 * waver).astype(int)) % wide
-    tone = fine[0][column] * (0.85 + 0.3 * smooth_noise(high, wide, 6, 32, 44))
-    colour = (120.0 + 135.0 * np.clip(tone, 0.0, 1.0))[..., None] * np.ones(3)
-    return encode(colour, 82), encode(slopes(0.0009 * tone, 0.0012, wrap=True), 82)
+    fine = 0.6 * strands + 0.4 * smooth_noise(1, wide, 1, 48, 42)
+    column = (np.arange(wide)[None, :] + np.round(0.10 * wide * waver).astype(int)) % wide
+    tone = fine[0][column] * (0.85 + 0.3 * smooth_noise(high, wide, 4, 64, 44))
+    colour = (112.0 + 143.0 * np.clip(tone, 0.0, 1.0)) * (0.70 + 0.30 * np.sqrt(locks))
+    heights = _HAIR_TILE * (0.007 * tone + 0.020 * np.sqrt(locks))
+    return encode(colour[..., None] * np.ones(3), 82), encode(slopes(heights, _HAIR_TILE / wide, wrap=True), 82)
 
 
 def paint_eye(iris: Rgb, seed: int) -> bytes:
@@ -155,11 +160,11 @@ def paint_eye(iris: Rgb, seed: int) -> bytes:
         turn * 31.0 + 5.0 * hash_noise((turn * 20.0).astype(np.int64), np.zeros_like(turn, np.int64), seed)
     )
     share = np.clip(angle / edge, 0.0, 1.0)
-    tint = np.array(iris, float) * (0.70 + 0.45 * rays * step(0.35, 0.6, share))[..., None]
+    tint = np.array(iris, float) * (0.52 + 0.42 * rays * step(0.35, 0.6, share))[..., None]
     tint = (
         tint * (1.0 - 0.72 * step(0.78, 1.0, share))[..., None]
         + np.array([26.0, 14.0, 4.0]) * step(0.62, 0.38, share)[..., None]
     )
     colour = tint + step(edge * 0.93, edge * 1.07, angle)[..., None] * (white - tint)
-    pupil = step(edge * 0.42, edge * 0.36, angle)[..., None]
+    pupil = step(edge * 0.47, edge * 0.40, angle)[..., None]
     return encode(colour * (1.0 - pupil) + 8.0 * pupil, 90)

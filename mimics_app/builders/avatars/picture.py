@@ -77,13 +77,14 @@ def _spread(out: F8, held: NDArray[np.bool_]) -> F8:
     return out
 
 
-def slopes(heights: F8, pitch: F8 | float, *, wrap: bool = False) -> F8:
+def slopes(heights: F8, pitch: F8 | float, *, wrap: bool = False, more: F8 | None = None) -> F8:
     """A normal map of heights [m] on a picture, 0 to 255, [height, width, 3].
 
     Args:
         heights: [height, width].
         pitch: Metres from pixel to pixel.
         wrap: The picture repeats.
+        more: Slopes added along u and against v, [height, width, 2].
     """
     if wrap:
         along = 0.5 * (np.roll(heights, -1, 1) - np.roll(heights, 1, 1))
@@ -92,6 +93,8 @@ def slopes(heights: F8, pitch: F8 | float, *, wrap: bool = False) -> F8:
         along, down = np.asarray(np.gradient(heights, axis=1)), np.asarray(np.gradient(heights, axis=0))
     # u grows to the right, and the map's second axis points up the picture
     normal = np.stack([-along / pitch, down / pitch, np.ones_like(heights)], axis=-1)
+    if more is not None:
+        normal[..., :2] += more
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
     result: F8 = 127.5 + 127.5 * normal
     return result

@@ -99,6 +99,7 @@ class GltfMaterials:
             alpha_mode=_ALPHA_MODES[mode],
             alpha_cutoff=source.number(item, "alphaCutoff", place, 0.5, 0.0),
             double_sided=item.get("doubleSided") is True,
+            softness=self._softness(item, place),
             **keys,
         )
         return GltfMaterial(material, uv_set, first)
@@ -130,6 +131,12 @@ class GltfMaterials:
     def _figure(self, item: dict[str, Any], place: str, which: str, key: str) -> float:
         key_of_map = _PLACES[which]
         return self._source.number(self._source.object(item, key_of_map, place), key, f"{place}/{key_of_map}", 1.0)
+
+    def _softness(self, item: dict[str, Any], place: str) -> float:
+        """Of `extras.mimics.softness`: no extension says how far light creeps in a unit that a cheap shader can use."""
+        extras = item.get("extras")
+        ours = self._source.object(extras, "mimics", f"{place}/extras") if isinstance(extras, dict) else {}
+        return min(self._source.number(ours, "softness", f"{place}/extras/mimics", 0.0, 0.0), 1.0)
 
     def _emission(self, item: dict[str, Any], place: str) -> tuple[float, float, float]:
         source = self._source

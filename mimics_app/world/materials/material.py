@@ -47,6 +47,7 @@ class Material:
         double_sided: True when back faces are drawn too.
         grid: Spacing of lines drawn over it [m], 0 for none: on the world's xz squares where lit, across the second
             texture coordinate, in its own unit, where glass: rings along a tube.
+        softness: How far light creeps round into the shade, 0 (stone) to 1 (skin): red the farthest.
     """
 
     name: str
@@ -67,6 +68,7 @@ class Material:
     alpha_cutoff: float = 0.5
     double_sided: bool = False
     grid: float = 0.0
+    softness: float = 0.0
 
     @property
     def textures(self) -> dict[str, str]:

@@ -144,6 +144,7 @@ class MaterialSpec(Component, frozen=True):
     alpha_cutoff: Annotated[float, Meta(ge=0, le=1, description="Where mask cuts")] = 0.5
     double_sided: Annotated[bool, Meta(description="Back faces are drawn too")] = False
     grid: Annotated[Extent, Meta(description="Spacing of lines drawn over it [m]; 0: none")] = 0.0
+    softness: Annotated[float, Meta(ge=0, le=1, description="Light creeps round into its shade: 0 stone, 1 skin")] = 0.0
 
 
 class SceneSpec(Component, frozen=True):

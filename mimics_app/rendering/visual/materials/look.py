@@ -109,7 +109,7 @@ def pack_material(material: Material, pictures: Mapping[str, TextureData]) -> np
     block["emission"] = (*material.emission, material.alpha_cutoff if material.alpha_mode == "mask" else -1.0)
     block["finish"] = (material.metallic, material.roughness, material.grid, float(material.double_sided))
     rates = np.array([_rates(pictures.get(which)) for which in MAPS])
-    block["map_strength"] = (material.normal_scale, material.occlusion_strength, 0.0, 0.0)
+    block["map_strength"] = (material.normal_scale, material.occlusion_strength, material.softness, 0.0)
     rows = np.array(material.uv_transforms, np.float64).reshape(len(MAPS), 2, 3)
     rows *= rates[:, :, None]
     block["uv_rows"][:, :3] = rows.reshape(-1, 3)

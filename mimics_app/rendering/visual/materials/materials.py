@@ -233,6 +233,7 @@ class MaterialStore:
             "MASKED": material.alpha_mode == "mask",
             **{each: each in self._variant.light_features for each in LIGHT_FEATURES},
             "MATT": material.roughness >= _MATT and material.metallic == 0.0 and "surface" not in pictures,
+            "SOFT": material.softness > 0.0,
             "GRID": material.grid > 0.0,
             "EMISSIVE": any(material.emission),
             "UV_TRANSFORMS": any(_is_placed(material, which, picture) for which, picture in pictures.items()),
