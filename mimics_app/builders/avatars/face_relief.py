@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.builders.avatars.draft import openness
 from mimics_app.builders.avatars.face_map import turns_of
