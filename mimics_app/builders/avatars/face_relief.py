@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.builders.avatars.draft import openness
 from mimics_app.builders.avatars.face_map import turns_of
@@ -76,10 +77,10 @@ def _smoothed(sheet: F8) -> F8:
     return sheet
 
 
-def _seen(head: Head, places: F8) -> F8:
+def _seen(head: Head, places: F8) -> NDArray[np.bool_]:
     turns = turns_of(places - head.middle)
     wide, low, high = _SEEN
-    found: F8 = (np.abs(turns[:, 0]) < wide) & (turns[:, 1] > low) & (turns[:, 1] < high)
+    found: NDArray[np.bool_] = (np.abs(turns[:, 0]) < wide) & (turns[:, 1] > low) & (turns[:, 1] < high)
     return found
 
 
