@@ -92,7 +92,7 @@ class LookAt:
         return own
 
     def _out(self, slot: int, gaze: F8) -> F8:
-        """A direction of a joint in the frame of the model; in each frame of each person, which is no place for numpy."""
+        """A direction of a joint in the frame of the model; asked for in each frame of each person: too often for numpy."""
         turned = self._chain.turns[slot]
         axis, turn, again = turned[:3], np.empty(3), np.empty(3)
         cross(axis, gaze, turn)
