@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from mimics_app.app.bench import display_bench
 from mimics_app.app.bench.display_bench import MotionTimes, one_frame
 from mimics_app.contracts.display_port import MAX_PREDICTION_NS
 from mimics_app.contracts.tracker_port import TrackerSample
 from mimics_app.inputs.trackers.hub import Placed, TrackerHub
+from mimics_app.lab.visual.stereo import WORKLOADS
 from mimics_app.rendering.visual.displays.headset import RawHeadset
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec, PoseSpec
 from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
@@ -23,6 +27,7 @@ from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
 
 MS = 1_000_000
+ROOT = Path(__file__).parents[2]
 SIZE = (64, 48)
 
 
@@ -131,3 +136,20 @@ def test_a_head_is_predicted_50_ms_ahead_and_no_farther() -> None:
     ahead = [hub.head(100 * MS + ns)[0, 3] for ns in (30 * MS, MAX_PREDICTION_NS, 90 * MS)]
     assert ahead == pytest.approx([0.130, 0.150, 0.150], abs=1e-9)
     hub.stop()
+
+
+@pytest.mark.slow
+def test_the_bench_of_displays_tells_what_it_promises(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(display_bench, "WORKLOADS", {"draws": WORKLOADS["draws"]})
+    told: list[str] = []
+    row = display_bench.measure_displays(ROOT / "scenes" / "avatar_cord.json", SIZE, 4, told.append)
+    assert [each["workload"] for each in row["stereo"]] == ["draws"]
+    motion = row["motion_to_submit_ms"]
+    assert motion["frames"] == 4
+    parts = [motion, motion["undrawn"]]  # Mesa's driver that does nothing is there wherever these tests run
+    assert all(0.0 < part["latched"]["p50"] <= part["latched"]["max"] for part in parts)
+    assert all(part["latched"]["p50"] < part["queued"]["p50"] for part in parts)
+    assert 0.5 < row["before_drawing"]["ratio"] < 3.0
+    assert {"fastrak", "flock"} < row["record_to_pose_ms"].keys()
+    assert "GALLIUM_NOOP" not in os.environ
+    assert len(told) == 3

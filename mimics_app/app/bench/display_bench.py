@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.app.bench.tracker_bench import measure_records
 from mimics_app.app.picture.picture import picture_quality
 from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
@@ -71,7 +72,9 @@ def measure_displays(scene: Path, size: Size, frames: int, tell: Callable[[str],
         undrawn = spawned.submit(_measure_undrawn, scene, size, frames).result()
     motion |= {} if undrawn is None else {"undrawn": undrawn}
     tell(f"displays: what comes before drawing, for one eye and for two, {frames} frames of {scene.stem}")
-    return {"stereo": rows, "motion_to_submit_ms": motion, "before_drawing": _measure_queueing(scene, size, frames)}
+    queueing = _measure_queueing(scene, size, frames)
+    records = measure_records()
+    return {"stereo": rows, "motion_to_submit_ms": motion, "before_drawing": queueing, "record_to_pose_ms": records}
 
 
 class MotionTimes(SimulatedRuntime):

@@ -57,12 +57,12 @@ _RIVALS: dict[StereoPasses, tuple[str, str, str]] = {
     "viewports": (
         "two viewports",
         "every second instance for the other eye, into a viewport of its own",
-        "a driver with GL_ARB_shader_viewport_layer_array; no vertex shader of a scene's own",
+        "a driver with GL_ARB_shader_viewport_layer_array; no vertex shader that a scene brings",
     ),
     "clip_distance": (
         "two halves",
         "every second instance for the other eye, into its half of one viewport, clipped at the middle (Wilson 2015)",
-        "eyes side by side; no vertex shader of a scene's own",
+        "eyes side by side; no vertex shader that a scene brings",
     ),
 }
 
