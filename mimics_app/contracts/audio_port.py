@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -234,6 +234,9 @@ class AudioReport:
         refused: Sounds that found every voice busy with louder ones.
         blocks: Blocks rendered (file) or polls made (device).
         late_blocks: Blocks or polls that began more than one block after their time.
+        underruns: How often a live device ran out of blocks that we mix for it.
+        block_us: Work of a turn in which something was mixed: p50, p99 and max [us], to the next 10, and `count`; empty
+            where a live device mixes by itself.
         clipped: Samples of a file that were softened because they passed full scale.
         file: Path of the sound file, or "".
         origin_ns: Session time of the file's frame 0.
@@ -249,6 +252,8 @@ class AudioReport:
     refused: int = 0
     blocks: int = 0
     late_blocks: int = 0
+    underruns: int = 0
+    block_us: Mapping[str, float] = field(default_factory=dict)
     clipped: int = 0
     file: str = ""
     origin_ns: int = 0
@@ -284,6 +289,8 @@ class AudioReport:
             "refused": self.refused,
             "blocks": self.blocks,
             "late_blocks": self.late_blocks,
+            "underruns": self.underruns,
+            "block_us": dict(self.block_us),
             "clipped": self.clipped,
             "crashed": self.crashed,
         }

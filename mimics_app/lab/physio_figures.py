@@ -18,6 +18,7 @@ from mimics_app.lab.physio.detection import Annotated, annotated_records, matche
 from mimics_app.lab.physio.load_sessions import draw_load_people
 from mimics_app.lab.physio.state_study import state_study
 from mimics_app.lab.physio_drawing import physio_figure, row_of
+from mimics_app.lab.physio_loop_figure import loop_regret
 from mimics_app.lab.physio_maps import failure_map, loop_stability
 from mimics_app.learning.registry import POLICIES
 from mimics_app.plotting.axis import Axis
@@ -48,7 +49,7 @@ def draw_figures(folder: Path, records: Path | None = None) -> list[Path]:
         folder: Where to.
         records: Folder of annotated records for the detectors; None: simulated people.
     """
-    figures = (failure_map(), loop_stability(), learning_curves(), load_accuracy(), detectors(records))
+    figures = (failure_map(), loop_stability(), learning_curves(), load_accuracy(), detectors(records), loop_regret())
     return [write_figure(figure, folder)[1] for figure in figures]
 
 

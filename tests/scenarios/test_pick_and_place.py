@@ -69,7 +69,7 @@ def test_its_report_tells_of_the_carrying(answer):
 def test_sounds_of_grip_knock_and_set_down_were_played(answer):
     lines = [json.loads(line) for line in (Path(answer["run_dir"]) / "events.jsonl").read_text().splitlines()]
     heard = {str(line.get("sound", "")).split(":")[0] for line in lines if line.get("kind") == "sound"}
-    assert {"grip_cue", "placed_chime", "knock"} <= heard
+    assert {"grip_cue", "placed_chime", "apple_knock"} <= heard
 
 
 def test_the_weight_of_each_trials_apple_is_felt_while_it_is_carried(answer):

@@ -17,6 +17,7 @@ from mimics_app.estimation.load_people import LoadPeople, shipped_people
 from mimics_app.estimation.registry import DEFAULT, ESTIMATORS, build_estimation
 from mimics_app.estimation.trial_view import FEATURES, TrialView
 from mimics_app.lab.physio.load_sessions import draw_load_people
+from mimics_app.lab.physio.loop_study import loop_study
 from mimics_app.lab.physio.state_study import RIVALS, StateScore, state_study
 
 SECOND = 10**9
@@ -187,3 +188,22 @@ def test_the_shipped_people_are_what_the_simulation_gives() -> None:
     drawn = draw_load_people(1, 0.15)
     np.testing.assert_allclose(drawn.features[0], shipped_people().features[0], atol=0.02)
     np.testing.assert_array_equal(drawn.classes[0], shipped_people().classes[0])
+
+
+def test_the_same_people_come_to_every_policy_and_the_load_changes_what_follows() -> None:
+    """The first demand is given; a policy that sees signals has their chance apart from that of the trials."""
+    told = {name: loop_study(name, n=1, trials=3).regret for name in ("kalman", "kalman_performance", "staircase")}
+    assert len({regret[0, 0] for regret in told.values()}) == 1
+    assert told["kalman"][0, 2] != told["kalman_performance"][0, 2]
+
+
+@pytest.mark.slow
+def test_the_default_load_estimator_pays_in_the_whole_loop() -> None:
+    """Raw signals of people it was not trained on; a body that ignores the task gives no benefit, one that is silent costs nothing."""
+    scores = {name: loop_study(name) for name in ("random", "staircase", "kalman")}
+    assert scores["kalman"].mean <= 0.75 * scores["staircase"].mean
+    assert scores["kalman"].mean <= 0.25 * scores["random"].mean
+    silent = {name: loop_study(name, silent=True).mean for name in ("kalman_performance", "kalman")}
+    assert silent["kalman"] <= 1.02 * silent["kalman_performance"]
+    blind = {name: loop_study(name, blind=True).mean for name in ("kalman_performance", "kalman")}
+    assert blind["kalman"] >= 0.98 * blind["kalman_performance"]

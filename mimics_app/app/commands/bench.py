@@ -44,6 +44,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--people", type=Path, metavar="FILE", help="of physio: only write the people that the load is learnt from"
     )
+    parser.add_argument(
+        "--soak", action="store_true", help="of audio: 64 moving voices beside the load of realtime, for --seconds"
+    )
     parser.add_argument("--scene", type=Path, default=Path("scenes/wavy_tunnel.json"), help="scene of the load")
     parser.add_argument("--seconds", type=positive_time, default=60.0, help="length of each real-time measurement [s]")
     parser.add_argument(
@@ -187,6 +190,10 @@ def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
 
 def _measure_audio(args: argparse.Namespace) -> dict[str, Any]:
     """Cost and accuracy of the mixers beside the peers, contact to sample through a private PulseAudio null sink."""
+    if args.soak:
+        from mimics_app.app.bench.audio_soak import measure_soak
+
+        return measure_soak(args.scene, args.seconds)
     from mimics_app.lab.audio_bench import measure_audio
 
     answer = measure_audio(_say, min(args.seconds, _ALL_SECONDS), _peers())

@@ -17,11 +17,12 @@ __all__ = ["ECG_STATE", "find_beats"]
 
 Floats = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
 
-SPK, NPK, LAST, CAND_T, CAND_V, RR, SUM, BACK_T, BACK_V, N, HELD, MISSING, LEARNT, KEPT, UNSTEADY = range(15)
-ECG_STATE = 15
+SPK, NPK, LAST, CAND_T, CAND_V, RR, SUM, BACK_T, BACK_V, N, HELD, MISSING, LEARNT, KEPT, UNSTEADY, PHASE = range(16)
+ECG_STATE = 16
 """Length of the state vector: levels of beats and of noise, sample of the last beat, the candidate and its energy, mean
 RR, running sum of squares, best refused candidate, samples seen, last good input, NaN in a row, whether the levels are
-learnt, candidates kept until then, mean share by which intervals differ from the usual one."""
+learnt, candidates kept until then, mean share by which intervals differ from the usual one, sample of the last beat of
+the rhythm itself."""
 
 _NEVER = 10.0
 """So long ago counts the last beat where there was none [s]."""
@@ -214,7 +215,7 @@ def _judge(
     expected = state[RR] if state[RR] > 0.0 else _USUAL_RR * rate
     share = min(since / expected, 2.0)
     factor = tuning[7] + (tuning[8] - tuning[7]) * max(1.0 - share / tuning[9], 0.0)
-    factor = max(factor + _rhythm(share, state, tuning), _LEAST_FACTOR)
+    factor = max(factor + _rhythm(_off(t, share, state), state, tuning), _LEAST_FACTOR)
     if v > state[NPK] + factor * (state[SPK] - state[NPK]):
         return _accept(t, v, n, state, ring, delay, tuning, rate, out, count)
     state[NPK] += tuning[11] * (min(v, _NOISE_CAP * state[SPK]) - state[NPK])
@@ -224,15 +225,26 @@ def _judge(
 
 
 @kernel
-def _rhythm(share: float, state: Floats, tuning: Floats) -> float:
-    """What the threshold is raised by for a peak that comes at this share of the usual interval; less than 0 in time.
+def _off(t: float, share: float, state: Floats) -> float:
+    """How far a peak is from where the rhythm has a beat, as a share of the usual interval."""
+    if state[RR] == 0.0:
+        return share - 1.0
+    since = (t - state[PHASE]) / state[RR]
+    return since - max(np.floor(since + 0.5), 1.0)
 
-    Nothing where beats stand out, or where the intervals have been unlike each other.
-    """
+
+@kernel
+def _trust(state: Floats, tuning: Floats) -> float:
+    """How much the rhythm counts, 0 to 1: not where beats stand out, or where the intervals have been unlike."""
     clear = state[SPK] / max(state[NPK], _TINY)
     noisy = min(max((tuning[16] - clear) / (tuning[16] - tuning[17]), 0.0), 1.0)
-    steady = max(1.0 - state[UNSTEADY] / tuning[20], 0.0)
-    return noisy * steady * tuning[18] * (0.5 - np.exp(-(((share - 1.0) / tuning[19]) ** 2)))
+    return noisy * max(1.0 - state[UNSTEADY] / tuning[20], 0.0)
+
+
+@kernel
+def _rhythm(off: float, state: Floats, tuning: Floats) -> float:
+    """What the threshold is raised by for a peak so far from a beat of the rhythm; less than 0 in time."""
+    return _trust(state, tuning) * tuning[18] * (0.5 - np.exp(-((off / tuning[19]) ** 2)))
 
 
 @kernel
@@ -253,7 +265,10 @@ def _accept(
     for j in range(max(t - int(tuning[0] * rate), 0, n - m + 1), t + 1):
         if abs(ring[0, j % m]) > best:
             best, at = abs(ring[0, j % m]), j
-    if state[LAST] >= 0.0:
+    if state[RR] > 0.0 and _trust(state, tuning) > tuning[21]:
+        _entrain(t, state, tuning)
+    elif state[LAST] >= 0.0:
+        state[PHASE] = t
         rr = t - state[LAST]
         if state[RR] > 0.0:
             state[UNSTEADY] += _FOLLOW * (min(abs(rr / state[RR] - 1.0), _MOST_UNSTEADY) - state[UNSTEADY])
@@ -263,6 +278,8 @@ def _accept(
             state[RR] += tuning[14] * (rr - state[RR])
         else:
             state[RR] += _DOUBTFUL_SHARE * (min(rr, _DOUBTFUL_RR * rate) - state[RR])
+    else:
+        state[PHASE] = t
     state[LAST] = t
     state[SPK] += tuning[10] * (min(v, tuning[15] * state[SPK]) - state[SPK])
     state[BACK_V] = 0.0
@@ -270,3 +287,16 @@ def _accept(
         out[count, 0], out[count, 1], out[count, 2] = at - delay, n, v / max(state[NPK], _TINY)
         count += 1
     return count
+
+
+@kernel
+def _entrain(t: int, state: Floats, tuning: Floats) -> None:
+    """Let the rhythm follow a beat that is near one of its own; one that is not says nothing, until there are many."""
+    off = _off(t, 1.0, state)
+    if abs(off) < tuning[22]:
+        near = max(np.floor((t - state[PHASE]) / state[RR] + 0.5), 1.0)
+        state[PHASE] = t - (1.0 - tuning[23]) * off * state[RR]
+        state[RR] *= 1.0 + tuning[14] * off / near
+        state[UNSTEADY] += _FOLLOW * (min(abs(off), _MOST_UNSTEADY) - state[UNSTEADY])
+        return
+    state[UNSTEADY] += tuning[24] * (_MOST_UNSTEADY - state[UNSTEADY])

@@ -30,8 +30,9 @@ from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import fall_back, open_device, open_engine
 from mimics_app.rendering.audio.kernels import wait_for_records
 from mimics_app.rendering.audio.settings import AudioSettings
-from mimics_app.rendering.audio.streamed_mixer import LIVE_BLOCK
+from mimics_app.rendering.audio.streamed_mixer import LIVE_BLOCK, StreamedMixer
 from mimics_app.rendering.audio.wav_file import unused_name
+from mimics_app.rendering.audio.work_times import WorkTimes
 
 __all__ = ["FIFO_PRIORITY", "ask_for_fifo", "run"]
 
@@ -76,6 +77,7 @@ class _LiveSession:
         self._timespec = scratch()
         self._blocks = 0
         self._late_blocks = 0
+        self._times = WorkTimes()
         self._gain = 1.0
         self._earlier = AudioReport(_nothing())
         self._lost: SoundBank | None = None  # the sounds of a device that went away
@@ -90,10 +92,13 @@ class _LiveSession:
     def step(self) -> None:
         """One block of a file, or one look at the ring of a live device."""
         self._wait()
+        begun, before = self._clock.now_ns(), self._mixed
         try:
             self._read_orders()
             self._listen()
             self._advance_file()
+            if self._mixed != before:
+                self._times.count(self._clock.now_ns() - begun)
             self._check_device()
         except DeviceError as error:
             self._replace_output(error.what)
@@ -131,6 +136,8 @@ class _LiveSession:
             refused=mixer.refused if mixer else 0,
             blocks=self._blocks,
             late_blocks=self._late_blocks,
+            underruns=mixer.underruns if isinstance(mixer, StreamedMixer) else 0,
+            block_us=self._times.percentiles_us(),
             clipped=writer.clipped if writer else 0,
             file=str(writer.path) if writer else "",
             origin_ns=mixer.timing.origin_ns if mixer else 0,
@@ -180,6 +187,11 @@ class _LiveSession:
         self._blocks += 1
         if self._clock.now_ns() - due > allowed:
             self._late_blocks += 1
+
+    @property
+    def _mixed(self) -> int:
+        """Frames mixed so far on the output that is open."""
+        return 0 if self.engine.mixer is None else self.engine.mixer.position
 
     def _block_ns(self) -> int:
         return self._settings.block * 1_000_000_000 // self._settings.rate

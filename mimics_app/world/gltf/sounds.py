@@ -124,58 +124,70 @@ class _Reader:
         """A list of objects of the extension; one with anything else in it is reported and taken as empty."""
         table: list[dict[str, Any]] = []
         with self._source.collecting():
-            listed = self._source.list(self._holder, name, _PLACE)
-            for i, item in enumerate(listed):
-                if not isinstance(item, dict):
-                    self._source.fail(f"{_PLACE}/{name}/{i}", "must be an object")
-            table = listed
+            table = self._checked(name)
+        return table
+
+    def _checked(self, name: str) -> list[dict[str, Any]]:
+        table = self._source.list(self._holder, name, _PLACE)
+        for i, item in enumerate(table):
+            if not isinstance(item, dict):
+                self._source.fail(f"{_PLACE}/{name}/{i}", "must be an object")
         return table
 
     def audio(self, item: dict[str, Any], place: str) -> GltfAudio:
         """Where the data of a sound is; nothing is decoded, but data inside must begin as one of the known formats."""
+        path: Path | None = None
+        with self._source.collecting():
+            path = self._outside(item, place)
+        return GltfAudio(path)
+
+    def _outside(self, item: dict[str, Any], place: str) -> Path | None:
+        """The file of a sound, None where the model holds it."""
         source = self._source
-        with source.collecting():
-            if "bufferView" in item and item.get("mimeType") not in _TYPES:
-                source.fail(f"{place}/mimeType", f"{item.get('mimeType')!r:.40} is none of {', '.join(_TYPES)}")
-            if "bufferView" not in item and "uri" not in item:
-                source.fail(place, "has neither a uri nor a bufferView")
-            uri = source.text(item, "uri", place)
-            if "bufferView" not in item and uri[:5].lower() != "data:":
-                return GltfAudio(source.external(uri, f"{place}/uri"))
-            if not _is_sound(_embedded(source, self._buffers, item, place)[:12]):
-                source.fail(place, "holds no sound: neither WAV, MP3, OGG nor FLAC")
-        return GltfAudio(None)
+        if "bufferView" in item and item.get("mimeType") not in _TYPES:
+            source.fail(f"{place}/mimeType", f"{item.get('mimeType')!r:.40} is none of {', '.join(_TYPES)}")
+        if "bufferView" not in item and "uri" not in item:
+            source.fail(place, "has neither a uri nor a bufferView")
+        uri = source.text(item, "uri", place)
+        if "bufferView" not in item and uri[:5].lower() != "data:":
+            return source.external(uri, f"{place}/uri")
+        if not _is_sound(_embedded(source, self._buffers, item, place)[:12]):
+            source.fail(place, "holds no sound: neither WAV, MP3, OGG nor FLAC")
+        return None
 
     def source(self, number: int, item: dict[str, Any], count: int) -> GltfEmitter | None:
         """A source as it plays by itself, of so many sounds; None for one that is wrong."""
         source, place = self._source, f"{_PLACE}/sources/{number}"
-        emitter = None
+        found: GltfEmitter | None = None
         with source.collecting():
             audio = source.index(item.get("audio"), count, "audio", f"{place}/audio")
-            flags = {"loop": self._flag(item, "loop", place), "autoplay": self._flag(item, "autoPlay", place)}
-            emitter = GltfEmitter(number, audio, {"gain": self._gain(item, place)}, flags)
-        return emitter
+            loop, autoplay = self._flag(item, "loop", place), self._flag(item, "autoPlay", place)
+            gain = {"gain": self._gain(item, place)}
+            found = GltfEmitter(number, audio, gain, {"loop": loop, "autoplay": autoplay})
+        return found
 
     def emitter(self, item: dict[str, Any], place: str, played: list[GltfEmitter | None]) -> list[GltfEmitter]:
         """What an emitter plays, one for each of its sources."""
-        source = self._source
-        heard_ones: list[GltfEmitter] = []
-        with source.collecting():
-            kind = source.text(item, "type", place)
-            if kind not in ("global", "positional"):
-                source.fail(f"{place}/type", f'"{kind[:40]}" is neither global nor positional')
-            if kind == "global" and "positional" in item:
-                source.fail(f"{place}/positional", "an emitter that is heard everywhere has no place")
-            shape = self._shape(item, f"{place}/positional") if kind == "positional" else {}
-            heard = shape | {"gain": self._gain(item, place)}
-            numbers = [
-                source.index(value, len(played), "sources", f"{place}/sources/{k}")
-                for k, value in enumerate(source.list(item, "sources", place))
-            ]
-            each = [found for found in map(played.__getitem__, numbers) if found is not None]
-            spatial = {"spatial": kind == "positional"}
-            heard_ones = [replace(found, sound=found.sound | spatial, emitter=found.emitter | heard) for found in each]
-        return heard_ones
+        found: list[GltfEmitter] = []
+        with self._source.collecting():
+            found = self._played(item, place, played)
+        return found
+
+    def _played(self, item: dict[str, Any], place: str, played: list[GltfEmitter | None]) -> list[GltfEmitter]:
+        source, kind = self._source, self._source.text(item, "type", place)
+        if kind not in ("global", "positional"):
+            source.fail(f"{place}/type", f'"{kind[:40]}" is neither global nor positional')
+        if kind == "global" and "positional" in item:
+            source.fail(f"{place}/positional", "an emitter that is heard everywhere has no place")
+        shape = self._shape(item, f"{place}/positional") if kind == "positional" else {}
+        heard = shape | {"gain": self._gain(item, place)}
+        numbers = [
+            source.index(value, len(played), "sources", f"{place}/sources/{k}")
+            for k, value in enumerate(source.list(item, "sources", place))
+        ]
+        spatial = {"spatial": kind == "positional"}
+        each = [found for found in map(played.__getitem__, numbers) if found is not None]
+        return [replace(found, sound=found.sound | spatial, emitter=found.emitter | heard) for found in each]
 
     def _shape(self, item: dict[str, Any], place: str) -> dict[str, Any]:
         """Values of `sound_emitter` that say how a sound spreads."""

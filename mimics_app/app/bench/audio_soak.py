@@ -1,0 +1,103 @@
+"""`mimics bench audio --soak`: the audio process beside the load of `bench realtime`, for as long as is asked.
+
+The load, a whole session with its loop, its picture as fast as it can be drawn and 8 ms of Python a frame, is a process
+of its own. The spectral mixer is streamed to OpenAL's null device, which takes blocks in real time as a card does.
+"""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mimics_app.contracts import triple_buffer
+from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.contracts.sound_scene import SOUND_SCENE, fill_defaults
+from mimics_app.rendering.audio.process import AudioProcess
+from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
+from mimics_app.rendering.audio.streamed_mixer import LIVE_BLOCK
+
+__all__ = ["measure_soak"]
+
+_VOICES = 64
+_FRAME_NS = 16_666_667
+_START_S = 60.0
+_SPARE_S = 120.0
+"""That the load may take to begin and to end [s]."""
+
+
+def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str, Any]:
+    """Blocks mixed and missed, and what one costs.
+
+    Args:
+        scene: Of the load.
+        seconds: How long.
+        load: False: on the machine as it is.
+
+    Returns:
+        `seconds, voices, block_ms, turns`; `block_us` with p50, p99 and max of the work of a turn in which blocks were
+        mixed, and their `count`; `missed`, how often the device ran out of blocks; `late_blocks`, turns that began more
+        than half a millisecond late.
+
+    Raises:
+        DeviceError: There is no OpenAL library, or the audio process ended by itself.
+    """
+    names = [f"hum_{k}" for k in range(_VOICES)]
+    sounds = {name: SoundSpec(recipe="scrape", gain=0.02, loop=True) for name in names}
+    settings = AudioSettings(
+        sounds=sounds, triggers={}, scrape="", emitters=tuple(names), mixer="spectral", voices=_VOICES, driver="null"
+    )
+    memory, clock = SessionMemory(), MonotonicClock()
+    audio = AudioProcess(memory, settings)
+    audio.start()
+    try:
+        status = audio.wait_ready(_START_S)
+        if status.sink != "device":
+            raise DeviceError(f"nothing to play on: {status.notice}")
+        child = _begin_load(scene, seconds) if load else None
+        _move_voices(memory, clock, seconds)
+        if child is not None:
+            child.communicate(timeout=seconds + _SPARE_S)
+    finally:
+        report = audio.stop()
+    if report.crashed:
+        raise DeviceError("the audio process ended by itself")
+    return {
+        "seconds": seconds,
+        "voices": _VOICES,
+        "block_ms": LIVE_BLOCK / settings.rate * 1e3,
+        "turns": report.blocks,
+        "block_us": dict(report.block_us),
+        "missed": report.underruns,
+        "late_blocks": report.late_blocks,
+        "load": str(scene) if load else "none",
+    }
+
+
+def _begin_load(scene: Path, seconds: float) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-m", "mimics_app.app.bench.realtime_load", "product", str(scene), str(seconds)]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL)
+
+
+def _move_voices(memory: SessionMemory, clock: Clock, seconds: float) -> None:
+    """All voices circle about the head, a frame at a time, as a session's main thread tells them."""
+    now = np.zeros(1, SOUND_SCENE)
+    fill_defaults(now)
+    angle = np.arange(_VOICES) * (2.0 * math.pi / _VOICES)
+    now["gain"][0, :_VOICES] = 1.0
+    end, due = clock.now_ns() + round(seconds * 1e9), clock.now_ns()
+    while due < end:
+        due += _FRAME_NS
+        clock.sleep_until_ns(due)
+        angle += 0.5 * _FRAME_NS * 1e-9
+        now["t_ns"] = clock.now_ns()
+        now["position"][0, :_VOICES] = 2.0 * np.stack((np.sin(angle), np.zeros(_VOICES), -np.cos(angle)), axis=1)
+        slot = triple_buffer.back_slot(memory.sound_scene_words)
+        memory.sound_scenes[slot : slot + 1] = now
+        triple_buffer.publish(memory.sound_scene_words)

@@ -1,0 +1,143 @@
+"""The whole loop on simulated people: raw signals, features, the estimator that a session takes, and a policy.
+
+A trial is a minute and a half; what a policy sees of the load is what the estimator told when the trial ended. Only the
+scorer knows how hard the task should have been. A simulation is no clinical evidence.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.messages import SignalBlock, TrialResult, UserState
+from mimics_app.contracts.stages import Estimation
+from mimics_app.dsp.stage import PhysioDsp
+from mimics_app.estimation.registry import DEFAULT, build_estimation
+from mimics_app.inputs.physio.simulated.person import FAMILIES, Family, LatentPeople, draw_traits
+from mimics_app.inputs.physio.simulated.signals import SignalGenerator
+from mimics_app.learning.policy import Outcome, Policy
+from mimics_app.learning.registry import POLICIES
+
+__all__ = ["PEOPLE", "TRIALS", "LoopScore", "loop_study"]
+
+Floats = NDArray[np.float64]
+
+PEOPLE, TRIALS = 20, 14
+"""Of the study."""
+
+_SECOND = 1_000_000_000
+_REST_S, _TRIAL_S, _BASELINE_S = 90, 90, 60.0
+_POWER_W = 0.2
+"""Of an arm that moves slowly against little."""
+_BAND = 0.15
+"""Demand off the best by which the benefit of a trial falls to 1/e."""
+_REPETITIONS = 10
+_SLOPES = (8.0, 16.0)
+"""Range of the slope of success over demand [logit per unit]."""
+_EASE = (0.085, 0.03)
+"""Mean and standard deviation of how much easier than the best a demand is at which half of the repetitions succeed."""
+
+
+@dataclass(frozen=True, slots=True)
+class LoopScore:
+    """Of one policy.
+
+    Attributes:
+        regret: 1 less the benefit, by person and trial, shape [n, trials].
+    """
+
+    regret: Floats
+
+    @property
+    def mean(self) -> float:
+        """Of a trial."""
+        return float(self.regret.mean())
+
+    @property
+    def half_width(self) -> float:
+        """Of its 95 % interval over people."""
+        each = self.regret.mean(axis=1)
+        return float(1.96 * each.std(ddof=1) / np.sqrt(len(each)))
+
+
+def loop_study(
+    policy: str, n: int = PEOPLE, trials: int = TRIALS, seed: int = 1, *, silent: bool = False, blind: bool = False
+) -> LoopScore:
+    """Let a policy adapt the task of people, one after the other, of every family in turn.
+
+    Args:
+        policy: Of `POLICIES`; signals are made only for one that goes by the load.
+        n: People.
+        trials: Of each.
+        seed: Of all chance; the same people come to every policy.
+        silent: Only people whose skin does not answer.
+        blind: Their bodies answer to something that has nothing to do with the demand, which must not help.
+    """
+    streams = np.random.default_rng([seed, 166]).spawn(n)
+    sees = policy == "kalman"
+    return LoopScore(
+        np.array(
+            [
+                _Person(rng, FAMILIES[k % len(FAMILIES)], silent=silent, blind=blind).play(
+                    POLICIES[policy](), trials, sees=sees
+                )
+                for k, rng in enumerate(streams)
+            ]
+        )
+    )
+
+
+class _Person:
+    """One person at the task."""
+
+    def __init__(self, rng: np.random.Generator, family: Family, *, silent: bool, blind: bool) -> None:
+        who, self._chance, self._body, self._choice, self._felt = rng.spawn(5)
+        traits = draw_traits(who, 1, family)
+        while silent and traits.more_responses[0] > 0.0:
+            traits = draw_traits(who, 1, family)
+        self._latent, self._blind = LatentPeople(traits, family), blind
+        self._slope, self._ease = who.uniform(*_SLOPES), who.normal(*_EASE)
+        self._generator, self._dsp, self._second = SignalGenerator(self._body), PhysioDsp(), 0
+
+    def play(self, policy: Policy, trials: int, *, sees: bool) -> Floats:
+        """Regret of each trial, shape [trials]; `sees`: signals are made and the load is told."""
+        estimation = build_estimation(DEFAULT, _BASELINE_S) if sees else None
+        policy.begin(np.full(1, 0.5), self._choice)
+        self._live(_REST_S, np.nan, 0.0, estimation)
+        regret = np.empty(trials)
+        for t in range(trials):
+            demand = float(np.clip(policy.act().demand, 0.0, 1.0)[0])
+            gap = demand - float(self._latent.skill[0] - 0.2 * self._latent.fatigue[0])
+            regret[t] = 1.0 - np.exp(-((gap / _BAND) ** 2))
+            self._live(_TRIAL_S, self._felt.uniform() if self._blind else demand, _POWER_W, estimation)
+            share = self._chance.binomial(_REPETITIONS, 1.0 / (1.0 + np.exp(self._slope * (gap - self._ease)))) / 10.0
+            load = None if estimation is None else self._judge(estimation, share)
+            policy.learn(_outcome(demand, share, load))
+        return regret
+
+    def _live(self, seconds: int, felt: float, power: float, estimation: Estimation | None) -> None:
+        for _ in range(seconds):
+            acting = np.array([float(np.isfinite(felt))])
+            self._latent.step(1.0, np.array([felt]), np.array([power]), acting)
+            self._second += 1
+            if estimation is None:
+                continue
+            made = self._generator.second(self._latent.drive(np.zeros(1))) | {"power": np.array([power])}
+            t_ns, rates = (self._second - 1) * _SECOND, {"power": 1.0}
+            blocks = [SignalBlock(k, rates.get(k, 1000.0), t_ns, v) for k, v in made.items() if k != "emg"]
+            estimation.update(self._dsp.process(blocks, self._second * _SECOND))
+
+    def _judge(self, estimation: Estimation, share: float) -> UserState:
+        return estimation.judge(TrialResult(0, self._second * _SECOND + 1, "finished", share, share, False))
+
+
+def _outcome(demand: float, share: float, state: UserState | None) -> Outcome:
+    """As a session's agent tells it to a policy."""
+    load, spread = np.nan, np.nan
+    if state is not None and state.load is not None and state.arousal is not None:
+        load, spread = state.load[2] - state.load[0], state.arousal.variance
+    worth = max(1.0 - abs(share - 0.7) / 0.3, -1.0)
+    values = (demand, share, load, spread, worth)
+    return Outcome(*(np.array([value]) for value in values))

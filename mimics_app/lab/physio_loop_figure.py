@@ -1,0 +1,51 @@
+"""Figure of the whole loop: what the load that a session tells is worth to a policy, and to whom."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from mimics_app.lab.figure import Figure
+from mimics_app.lab.physio.loop_study import PEOPLE, TRIALS, LoopScore, loop_study
+from mimics_app.lab.physio_drawing import physio_figure, row_of
+from mimics_app.plotting.axis import Axis
+from mimics_app.plotting.drawing import legend
+from mimics_app.plotting.panel import Label, Panel
+
+__all__ = ["loop_regret", "loop_scores"]
+
+_POLICIES = ("random", "staircase", "kalman_performance", "kalman")
+_WHO: Mapping[str, dict[str, bool]] = {
+    "drawn as they come": {},
+    "skin does not answer": {"silent": True},
+    "body ignores the task": {"blind": True},
+}
+
+
+def loop_scores() -> dict[tuple[str, str], LoopScore]:
+    """Of every policy with every kind of people."""
+    return {(who, name): loop_study(name, **more) for who, more in _WHO.items() for name in _POLICIES}
+
+
+def loop_regret(scores: Mapping[tuple[str, str], LoopScore] | None = None) -> Figure:
+    """Mean regret of a trial with its 95 % interval over people.
+
+    Args:
+        scores: Of `loop_scores`; None: measured now, which takes half an hour.
+    """
+    scores = loop_scores() if scores is None else scores
+    told = [score.mean + side * score.half_width for score in scores.values() for side in (-1.0, 1.0)]
+    y = Axis.around("regret of a trial", [max(value, 0.02) for value in told], log=True)
+    panel = Panel(6.0, 70.0, 880.0, 380.0, Axis("policies", -0.6, 3.9, at=(0.0, 1.0, 2.0, 3.0)), y)
+    rows: list[dict[str, Any]] = []
+    for (who, name), score in scores.items():
+        k, policy = list(_WHO).index(who), _POLICIES.index(name)
+        x, low, high = policy + 0.2 * (k - 1), max(score.mean - score.half_width, 0.02), score.mean + score.half_width
+        panel.line([(x, low), (x, high)], f"line s{k}")
+        panel.dot(x, score.mean, f"dot s{k}", f"{name}, {who}: {score.mean:.3f}")
+        if k == 2:
+            panel.label(Label(x, score.mean, name, "name"))
+        rows.append(row_of(f"{name}, {who}", float(policy), score.mean) | {"half_width": score.half_width})
+    parts = [legend(20.0, 52.0, [("line", f"line s{k}", who) for k, who in enumerate(_WHO)]), panel.svg()]
+    what = f"{PEOPLE} people of all families, {TRIALS} trials; kalman goes by success and by the default load estimator"
+    return physio_figure("physio loop regret", "What the load is worth to the loop", (900.0, 510.0), parts, rows, what)

@@ -1,0 +1,27 @@
+"""The soak of the audio process: that it counts what it mixed, and beside what load; figures belong to the bench."""
+
+from __future__ import annotations
+
+import pytest
+
+from mimics_app.app.bench.audio_soak import measure_soak
+from mimics_app.contracts.resources import root
+from mimics_app.rendering.audio.work_times import WorkTimes
+
+
+def test_work_times_are_percentiles_of_what_was_counted():
+    times = WorkTimes()
+    assert times.percentiles_us() == {}
+    for took in (*([205_000] * 98), 950_000, 60_000_000):
+        times.count(took)
+    assert times.percentiles_us() == {"p50": 210.0, "p99": 960.0, "max": 60_000.0, "count": 100}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("load", [False, True])
+def test_a_soak_counts_every_block(load):
+    """Of 2.5 ms each; where the device was late one turn may mix two."""
+    told = measure_soak(root() / "scenes" / "wavy_tunnel.json", 6.0, load=load)
+    assert told["block_us"]["count"] >= 0.4 * 6.0 / 2.5e-3
+    assert 0.0 < told["block_us"]["p50"] <= told["block_us"]["p99"] <= told["block_us"]["max"]
+    assert told["missed"] >= 0 and told["voices"] == 64
