@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import json
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -85,7 +86,7 @@ def place_one(window: AppWindow, trial: int) -> None:
     window.keep(f"{trial + 3}_placed")
 
 
-def test_three_apples_to_the_page_of_results(tmp_path):
+def test_three_apples_to_the_page_of_results(tmp_path: Path) -> None:
     patience = tmp_path / "patience.json"
     patience.write_text(json.dumps([{"trial": trial, "values": {"duration": 300.0}} for trial in range(3)]))
     words = ("--trials", "3", "--participant", "P1", "--action", str(patience))

@@ -207,11 +207,15 @@ def _is_for_a_person(settings: RunSettings) -> bool:
 def _find_what_is_named(args: argparse.Namespace) -> None:
     """Refuse a scene, a device or a run that is not there before compiled code and graphics are imported."""
     from mimics_app.app.scenes.finding import find_scene
+    from mimics_app.app.terminal.named import check_adaptation, check_files
     from mimics_app.rendering.haptic.devices.device_names import check_device_name
 
     args.scene = find_scene(args.scene)
     if args.device:
         check_device_name(args.device)
+    check_files(args.action, args.display)
+    if args.learn or args.goal or args.estimator:
+        check_adaptation(args.learn, args.goal, args.estimator)
     if args.recording is not None:
         from mimics_app.recording.run import Run
 

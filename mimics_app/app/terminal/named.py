@@ -1,0 +1,43 @@
+"""What a command line of `mimics run` names is looked for before compiled code and graphics are imported."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mimics_app.contracts.display_choice import parse_display
+from mimics_app.contracts.errors import Issue, SceneError, UsageError
+
+__all__ = ["check_adaptation", "check_files"]
+
+
+def check_files(action: Path | None, display: str) -> None:
+    """Refuse a file of actions, and one of walls or a headset, that is not there.
+
+    Raises:
+        SceneError: With the file.
+    """
+    if action is not None and not action.exists():
+        raise SceneError(Issue(str(action), "", "no such file", 'write actions there: [{"t": 5, "values": {..}}]'))
+    shown = parse_display(display).file if display else ""
+    if shown and not Path(shown).exists():
+        raise SceneError(Issue(shown, "", "no such file", "docs/displays.md shows what a display's file holds"))
+
+
+def check_adaptation(learn: str, goal: str, estimator: str) -> None:
+    """Refuse a policy, a goal and an estimator that are not there; "" is none.
+
+    Raises:
+        UsageError: With what there is.
+    """
+    from mimics_app.estimation.registry import check_estimator
+    from mimics_app.learning.goals import build_goal
+    from mimics_app.learning.registry import check_policy
+
+    if learn:
+        check_policy(learn)
+    check_estimator(estimator)
+    try:
+        if goal:
+            build_goal(goal)
+    except ValueError as error:
+        raise UsageError(str(error)) from error
