@@ -16,9 +16,9 @@ from mimics_app.contracts.board import Card
 from mimics_app.contracts.clock import FRAME_NS
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.messages import TactileEvent
-from mimics_app.contracts.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
+from mimics_app.tasks.kinds.avatar_cord_report import AvatarCordSection
 from mimics_app.tasks.kinds.avatar_cord_spec import AvatarCordSpec, ExperimentGoal, QuestionnaireSpec
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, TaskKind
 from mimics_app.tasks.kinds.questionnaire_file import check_questionnaire, read_questionnaire
@@ -41,23 +41,6 @@ _AHEAD_NS = 2 * FRAME_NS
 HALF_FRAME_NS = 8_500_000
 """A touch is shown by the frame that is nearest to it: of frames 16 and 17 ms apart, half of the longer [ns]."""
 _LEAST_SCALES = ("ownership", "agency", "touch", "location", "control")
-
-
-class _ReportSection(ReportSection):
-    """Runs whose trials have answers."""
-
-    heading = "Connection to an avatar"
-    colours = "The handle path, where the subject held the robot, is blue."
-
-    def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
-        return any("tap_error_ms" in attempt.row for attempt in attempts)
-
-    def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
-        return {
-            "ownership": (task.get("ownership"), ""),
-            "drift towards the avatar": (task.get("drift_m"), "m"),
-            "taps off their time, mean of the trials' worst": (task.get("tap_error_ms"), "ms"),
-        }
 
 
 class _Phase(Enum):
@@ -164,7 +147,7 @@ class AvatarCordPlay(KindPlay):
             if self._asking.done:
                 self._enter(_Phase.OVER, seen.now_ns)
 
-    def holds(self, goal: Component, seen: Observation) -> bool:
+    def holds(self, goal: Any, seen: Observation) -> bool:
         return self._phase is _Phase.OVER
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
@@ -245,7 +228,7 @@ class AvatarCordKind(TaskKind):
     label = "Taps"
     cards = ("taps",)
     journals = ("phase", "tap_felt", "tap_seen", "threat", "answer")
-    report = _ReportSection()
+    report = AvatarCordSection()
     measures: ClassVar[tuple[Measure, ...]] = (
         _column("taps", "Taps that were seen.", sums=True),
         _column("tap_error_ms", "Largest distance of a seen tap from its time [ms]."),
