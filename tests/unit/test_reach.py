@@ -289,3 +289,17 @@ def test_a_twin_mirrors_joints_later_whatever_its_bones_rest_like(tmp_path: Path
 def _direction(chain: Chain, start: str, end: str) -> np.ndarray:
     way = chain.places[chain.rig.slot(end)] - chain.places[chain.rig.slot(start)]
     return way / np.linalg.norm(way)
+
+
+def test_a_leg_goes_with_the_ball_of_its_foot_and_keeps_its_ankle(tmp_path: Path) -> None:
+    rig = next(iter(load_model_world(write_person(tmp_path / "person.gltf")).motion.animators.values())).rig
+    hip, knee, toes = (rig.slot(f"right{bone}") for bone in ("UpperLeg", "LowerLeg", "Toes"))
+    chain, pose = Chain(rig), rig.rest.copy()
+    target = chain.places[toes] + (0.0, 0.15, 0.20)
+    LimbReach(rig, (hip, knee, toes), lambda: target, lambda shoulder: shoulder + (0.0, 0.0, 1.0))(pose, 0.0)
+    chain.follow(pose)
+    assert np.linalg.norm(chain.places[toes] - target) < 1e-9
+    moved = [
+        slot for slot in range(len(rig.names)) if not np.array_equal(pose.rotations[slot], rig.rest.rotations[slot])
+    ]
+    assert moved == [hip, knee]

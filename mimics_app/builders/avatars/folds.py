@@ -108,7 +108,7 @@ class _Bend:
         wrong = np.zeros(len(t), np.bool_)
         for skin in (self.linear, self.dual):
             wrong |= (_faces(skin(places, piece.weights), t) * outwards).sum(axis=1) < 0.0
-        return wrong & (size > _LEAST)
+        return np.asarray(wrong & (size > _LEAST))
 
 
 def _faces(places: F8, triangles: I8) -> F8:

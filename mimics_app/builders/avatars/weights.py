@@ -132,7 +132,7 @@ def _thighs(weights: F8, cage: Cage, bones: Skeleton) -> None:
         own[cage.legs[side].ravel()] = 1.0
         own[cage.legs[-side][1:].ravel()] = 0.0
         shares[word] = own * _thigh(cage.places, bones.place(f"{word}UpperLeg"), side)
-    weights *= (1.0 - np.sum(list(shares.values()), axis=0))[:, None]
+    weights *= 1.0 - np.sum(list(shares.values()), axis=0)[:, None]
     for word, share in shares.items():
         weights[:, bones.index(f"{word}UpperLeg")] += share
 

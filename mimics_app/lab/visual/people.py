@@ -129,7 +129,8 @@ def crowd_error(crowd: Crowd, whole: Crowd) -> float:
             if frame % 3 == 1:
                 shown.append(show_picture(world, _SIZE, way.settings, view))
         pictures.append(shown)
-    return float(np.mean([differing_pixels(one, other, _LEVEL) for one, other in zip(*pictures, strict=True)]))
+    shares = [differing_pixels(one, other, level=_LEVEL) for one, other in zip(pictures[0], pictures[1], strict=True)]
+    return float(np.mean(shares))
 
 
 _WHOLE = Crowd(levels=False, steps=False)
