@@ -199,7 +199,7 @@ def test_the_same_people_come_to_every_policy_and_the_load_changes_what_follows(
 
 @pytest.mark.slow
 def test_the_default_load_estimator_pays_in_the_whole_loop() -> None:
-    """Raw signals of unseen people: a body that ignores the task gives no benefit, a silent one costs nothing."""
+    """Raw signals of people it was not trained on; a body that ignores the task is no benefit, a silent one no loss."""
     scores = {name: loop_study(name) for name in ("random", "staircase", "kalman")}
     assert scores["kalman"].mean <= 0.75 * scores["staircase"].mean
     assert scores["kalman"].mean <= 0.25 * scores["random"].mean

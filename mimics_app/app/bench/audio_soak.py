@@ -42,8 +42,8 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
 
     Returns:
         `seconds, voices, block_ms, turns`; `block_us` with p50, p99 and max of the work of a turn in which blocks were
-        mixed, and their `count`; `missed`, how often the device ran out of blocks; `late_blocks`, turns that began more
-        than half a millisecond late.
+        mixed, and their `count`; `missed`, turns that began more than half a millisecond late; `ran_empty`, how often
+        the device had taken every block: the null device takes several at once where its own thread was held up.
 
     Raises:
         DeviceError: There is no OpenAL library, or the audio process ended by itself.
@@ -74,8 +74,8 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
         "block_ms": LIVE_BLOCK / settings.rate * 1e3,
         "turns": report.blocks,
         "block_us": dict(report.block_us),
-        "missed": report.underruns,
-        "late_blocks": report.late_blocks,
+        "missed": report.late_blocks,
+        "ran_empty": report.underruns,
         "load": str(scene) if load else "none",
     }
 
