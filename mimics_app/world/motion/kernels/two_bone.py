@@ -174,33 +174,40 @@ def _reach_one(asked: F8, limbs: F8, states: F8, i: int, out: F8, u: F8, w: F8, 
 
 
 @kernel
-def _reach_plain(asked: F8, limbs: F8, states: F8, i: int, out: F8) -> bool:
-    """The same for a limb of which nothing is special, in registers alone; False, and nothing done, for any other."""
-    a, b = limbs[i, 0], limbs[i, 1]
-    sx, sy, sz = asked[i, 0], asked[i, 1], asked[i, 2]
-    dx, dy, dz = asked[i, 3] - sx, asked[i, 4] - sy, asked[i, 5] - sz
-    px, py, pz = asked[i, 6] - sx, asked[i, 7] - sy, asked[i, 8] - sz
-    d2 = dx * dx + dy * dy + dz * dz
-    outer, inner = (1.0 - limbs[i, 2]) * (a + b), abs(a - b) + limbs[i, 2] * (a + b)
-    # Whatever is not finite fails one of these.
-    if not (d2 < outer * outer and d2 > inner * inner and d2 > _SOON_NEAR * (a + b) ** 2 and limbs[i, 3] == math.inf):
-        return False
-    share = (px * dx + py * dy + pz * dz) / d2
-    px, py, pz = px - share * dx, py - share * dy, pz - share * dz
-    p2 = px * px + py * py + pz * pz
-    if not (p2 > (_NEAR * (a + b)) ** 2 and p2 < math.inf):
-        return False
-    r = math.sqrt(d2)
-    x = (a * a - b * b + d2) / (2.0 * r)
-    h = math.sqrt(max((a - x) * (a + x), 0.0))
-    along, side = 1.0 / r, 1.0 / math.sqrt(p2)
-    ux, uy, uz = dx * along, dy * along, dz * along
-    wx, wy, wz = px * side, py * side, pz * side
-    out[i, 0], out[i, 1], out[i, 2] = sx + x * ux + h * wx, sy + x * uy + h * wy, sz + x * uz + h * wz
-    out[i, 3], out[i, 4], out[i, 5] = asked[i, 3], asked[i, 4], asked[i, 5]
-    states[i, 0], states[i, 1], states[i, 2] = ux, uy, uz
-    states[i, 3], states[i, 4], states[i, 5], states[i, 6] = wx, wy, wz, 1.0
-    return True
+def _reach_plain(asked: F8, limbs: F8, states: F8, first: int, out: F8, cases: I4) -> int:
+    """The same, in registers alone, for limbs of which nothing is special, one after the other; which is the next one.
+
+    A loop within one call: to hand over five arrays costs more than to solve a limb.
+    """
+    for i in range(first, asked.shape[0]):
+        a, b = limbs[i, 0], limbs[i, 1]
+        sx, sy, sz = asked[i, 0], asked[i, 1], asked[i, 2]
+        dx, dy, dz = asked[i, 3] - sx, asked[i, 4] - sy, asked[i, 5] - sz
+        px, py, pz = asked[i, 6] - sx, asked[i, 7] - sy, asked[i, 8] - sz
+        d2 = dx * dx + dy * dy + dz * dz
+        outer, inner = (1.0 - limbs[i, 2]) * (a + b), abs(a - b) + limbs[i, 2] * (a + b)
+        # Whatever is not finite fails one of these.
+        if not (
+            d2 < outer * outer and d2 > inner * inner and d2 > _SOON_NEAR * (a + b) ** 2 and limbs[i, 3] == math.inf
+        ):
+            return i
+        share = (px * dx + py * dy + pz * dz) / d2
+        px, py, pz = px - share * dx, py - share * dy, pz - share * dz
+        p2 = px * px + py * py + pz * pz
+        if not (p2 > (_NEAR * (a + b)) ** 2 and p2 < math.inf):
+            return i
+        r = math.sqrt(d2)
+        x = (a * a - b * b + d2) / (2.0 * r)
+        h = math.sqrt(max((a - x) * (a + x), 0.0))
+        along, side = 1.0 / r, 1.0 / math.sqrt(p2)
+        ux, uy, uz = dx * along, dy * along, dz * along
+        wx, wy, wz = px * side, py * side, pz * side
+        out[i, 0], out[i, 1], out[i, 2] = sx + x * ux + h * wx, sy + x * uy + h * wy, sz + x * uz + h * wz
+        out[i, 3], out[i, 4], out[i, 5] = asked[i, 3], asked[i, 4], asked[i, 5]
+        states[i, 0], states[i, 1], states[i, 2] = ux, uy, uz
+        states[i, 3], states[i, 4], states[i, 5], states[i, 6] = wx, wy, wz, 1.0
+        cases[i] = 0
+    return asked.shape[0]
 
 
 @kernel
@@ -216,7 +223,7 @@ def reach_two_bones(asked: F8, limbs: F8, states: F8, out: F8, cases: I4) -> Non
         cases: What was special, bits of `ReachCase`, written, [n].
     """
     u, w, before = np.empty(3), np.empty(3), np.empty(3)
-    for i in range(asked.shape[0]):
-        cases[i] = 0
-        if not _reach_plain(asked, limbs, states, i, out):
-            cases[i] = _reach_one(asked, limbs, states, i, out, u, w, before)
+    i = _reach_plain(asked, limbs, states, 0, out, cases)
+    while i < asked.shape[0]:
+        cases[i] = _reach_one(asked, limbs, states, i, out, u, w, before)
+        i = _reach_plain(asked, limbs, states, i + 1, out, cases)
