@@ -111,6 +111,7 @@ class AvatarCord(TouchScene):
         self._now_ns = 0
         self._parts: dict[str, Mapping[str, F8 | None]] = {"subject": _UNTRACKED, "avatar": _UNTRACKED}
         self._last_tap = -1
+        self._coming: _Tap | None = None
         self._swing = self._swing_speed = 0.0
         self._middle: F8 | None = None
         self._arrange()
@@ -198,22 +199,30 @@ class AvatarCord(TouchScene):
         cord = self._cord
         self._tap_ball.visible = tap is not None and (tap[1] != "cord" or cord.visible)
         cord.ball[3] = 0.0
+        coming, self._coming = self._coming, tap
+        if coming is not None and (tap is None or tap[4] != coming[4]):
+            self._ripple(coming)  # in the frame of a touch the task orders the next tap already
+        self._ripple(tap)
         if tap is None:
             self._last_tap = -1
             return
-        due_ns, place, share, theta, number = tap
+        due_ns, place, share, theta, _ = tap
         gap = tap_gap((due_ns - self._now_ns) / _NS)
         if place == "cord":
             at, _ = cord.place(share, theta, gap + _BALL)
             cord.ball[:3], cord.ball[3] = at, _BALL
-            # The ripple counts from the touch itself, not from the frame that shows it.
-            if self._now_ns + HALF_FRAME_NS >= due_ns and number != self._last_tap:
-                cord.tap(share * cord.curve.length, theta, due_ns / _NS, _RIPPLE_SHARE * cord.shown_radius)
-                self._last_tap = number
         else:
             surface, out = (self.avatar.back, 1.0) if place == "back" else (self.avatar.stomach, -1.0)
             at = surface + [0.0, 0.06, out * (gap + _BALL)]
         self._tap_ball.set_position(at)
+
+    def _ripple(self, tap: _Tap | None) -> None:
+        """Begin the ripple of a tap on the cord once it has touched; it counts from the touch, not from the frame."""
+        if tap is None or tap[1] != "cord" or tap[4] == self._last_tap or self._now_ns + HALF_FRAME_NS < tap[0]:
+            return
+        due_ns, _, share, theta, self._last_tap = tap
+        cord = self._cord
+        cord.tap(share * cord.curve.length, theta, due_ns / _NS, _RIPPLE_SHARE * cord.shown_radius)
 
     def _drop_threat(self, due_ns: int | None) -> None:
         fallen_s = -1.0 if due_ns is None else (self._now_ns - due_ns) / _NS

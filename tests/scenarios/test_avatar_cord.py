@@ -75,11 +75,16 @@ def play(tmp_path: Path, conditions: dict, look=None, from_trial: int = 1):
 
 
 def test_a_whole_session_with_every_tap_logged(tmp_path: Path) -> None:
-    apart = {"mode": "delayed", "visuo_tactile_ms": -150.0}
-    journal = play(tmp_path, {"together": {"threat": {"at_s": 1.0}}, "apart": apart})
+    apart, begun = {"mode": "delayed", "visuo_tactile_ms": -150.0}, set[int]()
+
+    def look(core, frames) -> None:
+        begun.update(round(t_s * 1e9) for _, _, t_s, _ in core.world.cords["cord"].taps)
+
+    journal = play(tmp_path, {"together": {"threat": {"at_s": 1.0}}, "apart": apart}, look)
     assert [row["outcome"] for row in journal.rows] == ["finished"] * 2
     seen, felt, driven = journal.of("tap_seen"), journal.of("tap_felt"), journal.of("tactile")
     assert len(seen) == len(felt) == len(driven) == sum(row["taps"] for row in journal.rows) > 2
+    assert begun == {tap["scheduled_ns"] for tap in seen}  # each has a ripple on the cord, from its touch on
     # Within half a frame (17 ms at most) and, on the virtual clock, exactly.
     assert max(abs(tap["submitted_ns"] - tap["scheduled_ns"]) for tap in seen) <= 8_500_000
     assert max(abs(line["error_ms"]) for line in driven) <= 1.0
