@@ -31,7 +31,7 @@ def compose(seed: int) -> dict[str, bytes]:
         "fence": {"fence": (fence(), 0.8)},
         "jug": {"jug": (jug(), 0.25)},
     }
-    pixels = dict.fromkeys(("apple", "bed", "crate", "fence", "jug"), PIXELS_OF_EDGES) | {"hand": PIXELS_OF_SKIN}
+    pixels = dict.fromkeys(("apple", "bed", "crate", "fence"), PIXELS_OF_EDGES) | {"hand": PIXELS_OF_SKIN}
     files = {f"{name}.glb": pack_model(name, parts, pixels.get(name, PIXELS)) for name, parts in models.items()}
     trees = {"tree": build_tree(2 * seed - 2), "tree_round": build_tree(2 * seed - 1)}
     return files | {

@@ -49,7 +49,7 @@ LEVELS = (0.5, 0.3, 0.15, 0.05)
 PIXELS = 3.0
 """By which a corner of a thing may be wrong where a coarser form is shown, in a picture of 1920 x 1080 [px]."""
 
-PIXELS_OF_EDGES = 0.5
+PIXELS_OF_EDGES = 0.25
 """The same of what has bevelled edges or a pattern, which are gone before its shape is: shadows alone are coarser."""
 
 PIXELS_OF_SKIN = 4.0

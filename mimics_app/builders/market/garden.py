@@ -278,7 +278,7 @@ def _tile(x: F8, z: F8) -> NDArray[np.int64]:
 def build_meadow(seed: int) -> list[Clay]:
     """Ground out to 9 m, finest where it is near, in tiles."""
     tiles = _Tiles()
-    reach = np.concatenate([np.linspace(0.0, 0.7, 40), 0.7 * (9.0 / 0.7) ** np.linspace(0.0, 1.0, 42)[1:]])
+    reach = np.concatenate([np.linspace(0.0, 0.7, 38), 0.7 * (9.0 / 0.7) ** np.linspace(0.0, 1.0, 42)[1:]])
 
     def point(r: F8, turn: F8) -> F8:
         x, z = r * np.cos(turn), -r * np.sin(turn)
