@@ -37,6 +37,7 @@ def _bench() -> Bench:
 def _session(bench: Bench) -> Any:
     return SimpleNamespace(
         haptics=bench.engine,
+        recorder=None,
         clock=MonotonicClock(),
         picture=None,
         window=None,

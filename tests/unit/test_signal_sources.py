@@ -48,9 +48,9 @@ def test_a_table_is_read_on_its_grid_with_holes_where_rows_are_missing(tmp_path:
     ("text", "what"),
     [
         ("t_s,height\n0,1\n1,2\n", "no body signal"),
-        ("ecg\n1\n2\n", "tells the time"),
+        ("ecg\n1\n2\n", "holds the time"),
         ("t_s,ecg\n0,1\n1,2\n0.5,3\n", "backwards"),
-        ("t_s,ecg\n0,1\n", "less than two rows"),
+        ("t_s,ecg\n0,1\n", "fewer than two rows"),
         ("t_s,ecg\n0,1\n1,many\n", "numbers is no numbers"),
     ],
 )
