@@ -227,6 +227,7 @@ class AvatarCordKind(TaskKind):
     goals: ClassVar[tuple[type[Component], ...]] = (ExperimentGoal,)
     label = "Taps"
     cards = ("taps",)
+    scored = False
     journals = ("phase", "tap_felt", "tap_seen", "threat", "answer")
     report = AvatarCordSection()
     measures: ClassVar[tuple[Measure, ...]] = (

@@ -169,6 +169,7 @@ class TaskKind(ABC):
         targets: Numbers of the task that a parameter may change, as `task.NAME`.
         completes: Name among the totals for the count of trials that reached their goal, "" for none.
         cards: Names of its cards, as `hud.show` of a scene lists them.
+        scored: Whether its trials earn points where the scene states no weights; an experiment has nothing to win.
         journals: Kinds of the lines that `take_events` hands to the journal, which a replay compares.
         label: Caption of the progress card.
         contacts: Caption of the card that counts contacts.
@@ -183,6 +184,7 @@ class TaskKind(ABC):
     targets: ClassVar[tuple[str, ...]] = ()
     completes: ClassVar[str] = ""
     cards: ClassVar[tuple[str, ...]] = ()
+    scored: ClassVar[bool] = True
     journals: ClassVar[tuple[str, ...]] = ()
     label: ClassVar[str] = "Progress"
     contacts: ClassVar[str] = "Contacts"

@@ -8,7 +8,6 @@ than the line would carry.
 from __future__ import annotations
 
 import os
-import select
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -84,7 +83,6 @@ class SerialRobotEmulator:
         commands: Commands it has taken.
         command: The newest of them, shape [COMMAND_LENGTH].
         plugin: What moves.
-        sent: Bytes that have left for the program.
 
     Args:
         plugin: The simulated robot and person that move behind the protocol, at 1000 ticks per second.
@@ -100,7 +98,6 @@ class SerialRobotEmulator:
         self.commands = 0
         self.command = np.zeros(COMMAND_LENGTH)
         self.plugin = plugin
-        self.sent = 0
         self._link = link
         self._random = np.random.default_rng(seed)
         self._info = RobotInfo(plugin.name[:16], plugin.delay, wants_screen)
@@ -159,11 +156,6 @@ class SerialRobotEmulator:
         if self._master >= 0:
             self._hear(float(_BUFFER))
             self._flush(float(_BUFFER))
-
-    def await_delivery(self, patience_s: float) -> None:
-        """Wait until bytes can be read at the program's end; the system carries them there in a thread of its own."""
-        if self._slave >= 0:
-            select.select([self._slave], [], [], patience_s)
 
     def close(self) -> None:
         """Take the terminal and the link away."""
@@ -243,7 +235,7 @@ class SerialRobotEmulator:
         if not self._leaving:
             self._credit_out = min(self._credit_out, 1.0)
         with suppress(OSError):  # nobody reads: the bytes are lost, as on a wire
-            self.sent += os.write(self._master, self.faults.spoil(leaves, self._random))
+            os.write(self._master, self.faults.spoil(leaves, self._random))
 
     @property
     def is_limp(self) -> bool:
