@@ -87,7 +87,7 @@ class TaskManager:
         self._plays = {kind.name: kind.open(spec, context, seed) for kind in kinds}
         self._captions: TaskKind | type[TaskKind] = kinds[-1] if kinds else TaskKind
         counts = [kind.completes for kind in kinds if kind.completes]
-        self._has_score = any(kind.scored for kind in kinds) or spec.score != ScoreSpec()  # built-in weights judge a way
+        self._has_score = any(kind.scored for kind in kinds) or spec.score != ScoreSpec()  # own weights
         score = spec.score if self._has_score else None
         plays = tuple(self._plays.values())
         self._attempts = Attempts(plan, score, spec.start.attempts, on_trial, plays, counts, first_trial)

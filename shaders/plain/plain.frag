@@ -5,7 +5,11 @@ layout(binding = 0) uniform sampler2DArray pictures;
 
 in vec3 at;
 in vec3 shade;
+#ifdef HAZE
 in vec3 haze;
+#else
+const vec3 haze = vec3(0.0);
+#endif
 out vec4 colour;
 
 void main() {

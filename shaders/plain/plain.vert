@@ -18,7 +18,9 @@ in vec4 in_colour;
 
 out vec3 at;
 out vec3 shade;                 // what it leaves of the picture's display values
+#ifdef HAZE
 out vec3 haze;                  // what haze adds to them
+#endif
 
 void main() {
     mat3 axes = transpose(mat3(eye_row0.xyz, eye_row1.xyz, eye_row2.xyz));
@@ -28,14 +30,18 @@ void main() {
     put_at(position_eye);
     vec3 n = normalize(turn * in_normal) * (dot(axes[0], turn[0]) < 0.0 ? -1.0 : 1.0);
     vec3 light = sky_irradiance(n) + sun_colour.rgb * max(dot(n, sun_direction.xyz), 0.0);
-    light = sky_ground.w > 0.5 ? encode_output(light) : light;
+#ifdef TONED
+    light = encode_output(light);
+#endif
     shade = paint.rgb * (paint.w < 0.0 ? vec3(1.0) : light);
 #ifdef COLOURED
     shade *= encode_srgb(in_colour.rgb);
 #endif
+#ifdef HAZE
     float seen = fog_share(length(position_eye));
     shade *= seen;
     haze = (1.0 - seen) * encode_output(fog_colour.rgb);
+#endif
     vec2 scale = vec2(1.0);
 #ifdef MIRROR_U
     scale.x = 0.5;

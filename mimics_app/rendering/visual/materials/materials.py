@@ -36,6 +36,8 @@ LIGHT_FEATURES = (
     "SUN_MAPS_4",
     "SPOT_SHADOWS",
     "AMBIENT_OCCLUSION",
+    "HAZE",
+    "TONED",
 )
 """Features of shaders that hang on what shines."""
 
@@ -203,6 +205,7 @@ class MaterialStore:
             textures = ((_BINDINGS["base"], array),)
             sides = zip(picture.wrap, ("MIRROR_U", "MIRROR_V"), strict=True)
             features += ["TEXTURED", *(feature for wrap, feature in sides if wrap == "mirror")]
+        features += [each for each in LIGHT_FEATURES if each in self._variant.light_features]
         first = spec.passes[0]
         defines = (*first.defines, *(each for each in features if each in first.features))
         drawn = make_pass(first, self._shaders.program(first.vertex, first.fragment, defines), material)

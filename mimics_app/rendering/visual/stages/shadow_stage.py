@@ -43,6 +43,8 @@ def light_features(lighting: Lighting, settings: RenderSettings) -> frozenset[st
         "SUN_SHADOW": maps > 0,
         f"SUN_MAPS_{maps}": maps > 1,
         "SPOT_SHADOWS": settings.shadow_size > 0 and bool(_spots(lighting)),
+        "HAZE": (lighting.fog.density if lighting.fog else settings.fog_density) > 0.0,
+        "TONED": settings.tone_map == "neutral",
     }
     return frozenset(feature for feature, has in wanted.items() if has)
 
