@@ -65,6 +65,7 @@ class Group:
         reference: Probe of the group's reference loop [us per call], run right before the rivals so that the ratio
             holds on any machine.
         few: Why no third rival is measured; "" where there are three.
+        why_default: Why the default stands though a rival costs less at no greater error; "" where none does.
     """
 
     name: str
@@ -73,6 +74,7 @@ class Group:
     work: str
     reference: Callable[[], float]
     few: str = ""
+    why_default: str = ""
 
 
 class Registry:

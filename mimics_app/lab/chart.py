@@ -62,6 +62,7 @@ def draw_chart(measured: MeasuredGroup) -> Figure:
             ],
             "skipped": measured.skipped,
             "few": measured.group.few,
+            "why_default": measured.group.why_default,
         },
     )
 

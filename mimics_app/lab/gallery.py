@@ -45,6 +45,25 @@ class _Shown:
         """What a method is and where it is valid, by its name."""
         return {method["method"]: (method["source"], method["valid_range"]) for method in self.data["methods"]}
 
+    @property
+    def follows(self) -> str:
+        """What follows from a chart for the default; "" where it has none."""
+        name = self.data["default"]
+        rows = {row["method"]: row for row in self.data["rows"]}
+        if name not in rows:
+            return ""
+        own = rows[name]
+        better = [rows[rival] for rival in self.data["front"] if rival != name and _is_no_worse(rows[rival], own)]
+        if not better:
+            return f"Nothing that runs is cheaper and as accurate as the default, {name}."
+        saved = ", ".join(f"{row['method']} costs {1.0 - row['cost_ns'] / own['cost_ns']:.0%} less" for row in better)
+        why = self.data.get("why_default")
+        return f"{saved} at no greater error than the default, {name}." + (f" Why it stays: {why}." if why else "")
+
+
+def _is_no_worse(row: Data, own: Data) -> bool:
+    return bool(row["cost_ns"] <= own["cost_ns"] and row["error"] <= own["error"])
+
 
 Limits = Mapping[str, Mapping[str, float]]
 """By profile: the largest error it accepts, by the unit of the error."""

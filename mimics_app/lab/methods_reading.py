@@ -107,6 +107,7 @@ registry.describe(
         unit="share of parts",
         work="parts of the file",
         reference=reference_us,
+        why_default="the rows are contents of files, which are not rivals; files of many meshes are the usual ones",
     )
 )
 for _kind in KINDS:

@@ -25,6 +25,7 @@ from mimics_app.lab.stability_chart import draw_outcome
 from mimics_app.plotting.axis import Axis, format_number, format_ticks
 from mimics_app.plotting.panel import Label, Panel
 
+CHARTS = Path(__file__).parents[2] / "docs" / "charts"
 KEYS = ["kind", "name", "command", "machine", "rows", "front", "default", "boundary"]
 ROW_KEYS = {"method", "x", "cost_ns", "error", "valid"}
 BOUNDARY_KEYS = {"simulated", "exact", "rule", "disagreement"}
@@ -139,6 +140,15 @@ def test_gallery_begins_with_what_is_chosen_and_what_each_profile_takes(chart, t
     table = page[: page.index("<nav>")]
     assert f"<td>{cheapest['method']}</td><td>{best['method']}</td><td>no method</td>" in table
     assert "<th>loose</th><th>strict</th><th>none</th>" in table
+
+
+def test_a_default_that_loses_in_its_own_shipped_chart_says_why_it_stays():
+    figures = [json.loads(file.read_text(encoding="utf-8")) for file in CHARTS.glob("*.json")]
+    charts = [data for data in figures if data["kind"] == "chart"]
+    losing = {data["name"]: data for data in charts if data["default"] and data["default"] not in data["front"]}
+    assert len(charts) > 30 and all(data["why_default"] for data in losing.values())
+    page = unescape((CHARTS / "index.html").read_text(encoding="utf-8"))
+    assert "spatialiser" in losing and f"Why it stays: {losing['spatialiser']['why_default']}." in page
 
 
 def _spoilt(value, planted):

@@ -62,7 +62,8 @@ def register_whole(registry: Registry, group: str) -> None:
     kind, scene = GROUPS[group]
     unit, words = ("N", "false force on the same hand") if kind == TICK else ("share of pixels", "pixels that differ")
     what = f"one {kind}{scene} as a whole, played by the simulated person; error: {words} from a study's plan"
-    registry.describe(Group(group, what, unit, "", reference_us))
+    why = "a session's profile is `training` unless its scene or its operator names another"
+    registry.describe(Group(group, what, unit, "", reference_us, why_default=why))
     cost, error = (_tick_us, _false_force) if kind == TICK else (_frame_us, _pixels)
     for name, variant in variants(scene, _TICK_GROUPS if kind == TICK else PICTURE_GROUPS).items():
         registry.register(

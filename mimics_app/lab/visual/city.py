@@ -103,6 +103,7 @@ registry.describe(
         unit="share of pixels",
         work="",
         reference=reference_us,
+        why_default="it hides as well where nobody wrote boxes; the city, measured here, has boxes by its author",
     )
 )
 registry.describe(

@@ -156,6 +156,8 @@ registry.describe(
         unit="nodes",
         work="nodes",
         reference=reference_us,
+        why_default="the product's setting is `auto`: each node is tested below some thousand nodes and groups above "
+        "them; this chart leaves out what groups cost where nodes move, the chart `frame of nodes` has it",
     )
 )
 _register(
