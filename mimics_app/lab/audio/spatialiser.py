@@ -168,8 +168,9 @@ registry.describe(
         unit=_UNIT,
         work="moving sources",
         reference=reference_us,
-        why_default="a contact is heard sooner through OpenAL (`mimics bench audio`, latency_ms; the spectral mixer keeps "
-        "a constant 10 ms); the planner takes the spectral mixer where a tolerance of the delay between the ears asks for it",
+        why_default="a contact is heard sooner through OpenAL (`mimics bench audio`, latency_ms; the spectral mixer "
+        "keeps a constant 10 ms); the planner takes the spectral mixer where a tolerance of the delay between the ears "
+        "asks for it",
     )
 )
 for _name, _hrtf, _source, _valid in (
