@@ -158,7 +158,7 @@ class WorldStage:
     def _draw_eyes(
         self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws], *, sky: bool
     ) -> int:
-        """Draw a view, or two over one queue: bodies in one pass, what each eye has of its own on its own."""
+        """Draw a view, or two over one queue: bodies in one pass, what each eye has of its own apart."""
         for seen in zip(*(each.mirrors for each in eyes), strict=True):
             corners = [each.rectangle[:2] for each in eyes]
             seen[0][0].show([(number, shown, at) for (_, number, shown), at in zip(seen, corners, strict=True)])
