@@ -1,8 +1,8 @@
 """The same examples every time, and those that were found: a chance find belongs to `make test-long`, not to the day.
 
 What `make test-long` and `make nightly` find is kept in `tests/properties/found`, and tried first from then on: by both
-of them, and by `make test` too, by everybody once it is committed. Its line `@reproduce_failure` tells how to see it.
-The fault mended, it becomes an `@example` of the test, which stays when the test's text changes.
+of them, and by `make test` too, by everybody once it is committed. Its line `@reproduce_failure` says how to see it.
+The fault corrected, it becomes an `@example` of the test, which stays when the test's text changes.
 """
 
 from __future__ import annotations

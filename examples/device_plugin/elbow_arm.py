@@ -1,4 +1,4 @@
-"""A planar arm with shoulder and elbow: another shape than the HapticMaster, told to the loop by a descriptor.
+"""A planar arm with shoulder and elbow: another shape than the HapticMaster, given to the loop by a descriptor.
 
 Only its point and its Jacobian are written down; the loop works out the rest. A spring that its sensor shows pulls the
 hand to where it began.

@@ -1,4 +1,4 @@
-"""One mass on three rails: follows the velocity it is told, held back by a spring that its force sensor shows."""
+"""One mass on three rails: follows the commanded velocity, held back by a spring that its force sensor shows."""
 
 from __future__ import annotations
 

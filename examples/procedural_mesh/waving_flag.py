@@ -43,7 +43,7 @@ def make_flag() -> MeshData:
 
 
 def wave(flag: MeshBuffer, seconds: float) -> None:
-    """Let the wind run through the flag: written where the driver's buffer has it, then told."""
+    """Let the wind run through the flag: written where the driver's buffer has it, then reported."""
     x, y = flag.positions[:, 0], flag.positions[:, 1]
     phase = 5.0 * x - 6.0 * seconds + 1.5 * y
     flag.positions[:, 2] = 0.09 * x * np.sin(phase) + 0.03 * x * np.sin(2.3 * phase + 1.0)

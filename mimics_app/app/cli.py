@@ -164,7 +164,7 @@ def _open_missing_streams() -> None:
 
 
 def _guarded(arguments: list[str], as_json: bool) -> int:
-    """Run the command and say its error, if any, in the form asked for."""
+    """Run the command and say its error, if any, in the form requested."""
     try:
         return _dispatch(arguments)
     except MimicsError as error:
@@ -219,7 +219,7 @@ def _dispatch(arguments: list[str]) -> int:
 
 
 def _command_of(arguments: Sequence[str]) -> str | None:
-    """The command asked for, None where an option such as --help stands in its place."""
+    """The command requested, None where an option such as --help stands in its place."""
     word = arguments[0]
     if word.startswith("-"):
         return None

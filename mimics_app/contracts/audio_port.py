@@ -175,7 +175,7 @@ class AudioStatus:
         mixer: Which one mixes: "openal" or "spectral", "" where nothing does.
         channels: Of the mix.
         latency_ms: From an event's time to the sample of its sound, as set (file) or as the buffers say (device).
-        notice: One line for the person when it is not what was asked for, else "".
+        notice: One line for the person when it is not what was requested, else "".
     """
 
     device: str
@@ -190,7 +190,7 @@ class AudioStatus:
 
 @dataclass(frozen=True, slots=True)
 class SoundRow:
-    """One sound that an event asked for.
+    """One sound that an event requested.
 
     Attributes:
         t_ns: When the event happened, on the session clock.
@@ -236,7 +236,7 @@ class AudioReport:
         late_blocks: Blocks or polls that began more than one block after their time.
         underruns: How often a live device ran out of blocks that we mix for it.
         block_us: Work of a turn in which something was mixed: p50, p99 and max [us], to the next 10, and `count`; empty
-            where a live device mixes by itself.
+            where a live device mixes on its own.
         clipped: Samples of a file that were softened because they passed full scale.
         file: Path of the sound file, or "".
         origin_ns: Session time of the file's frame 0.

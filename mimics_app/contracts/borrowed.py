@@ -34,7 +34,7 @@ class _BorrowedArray(types.Array):
         super().__init__(dtype, ndim, layout, readonly=readonly, name=f"borrowed {plain}", aligned=aligned)
 
     def copy(self, dtype=None, ndim=None, layout=None, readonly=None):
-        """The type of a view of such an array, as numba asks for it."""
+        """The type of a view of such an array, as numba requests it."""
         return borrowed_type(super().copy(dtype=dtype, ndim=ndim, layout=layout, readonly=readonly))
 
 

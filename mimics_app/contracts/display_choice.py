@@ -1,4 +1,4 @@
-"""The kinds of display there are, and reading which one is asked for. Commands ask here first."""
+"""The kinds of display there are, and reading which one is requested. Commands ask here first."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ DISPLAY_KINDS: dict[str, Literal["never", "may", "must"]] = {
 
 @dataclass(frozen=True, slots=True)
 class DisplayChoice:
-    """A display as it is asked for: KIND or KIND:FILE."""
+    """A display as it is requested: KIND or KIND:FILE."""
 
     kind: str = "desktop"
     file: str = ""

@@ -75,7 +75,7 @@ class Eye:
         tangents: Of the frustum's edges: left, right, bottom, top.
         rectangle: Where in the drawn picture: x, y of the lower left corner, width, height [px].
         screen: Views of one screen share their heads-up display; -1: none is laid over it.
-        pair: Eyes of one number are the two before one picture, and may be drawn together; -1: an eye by itself.
+        pair: Eyes of one number are the two before one picture, and may be drawn together; -1: an eye on its own.
     """
 
     name: str
@@ -173,7 +173,7 @@ class Display(Protocol):
 
     Attributes:
         kind: Of `DISPLAY_KINDS`.
-        head: Where the person's head is, for displays that do not know by themselves.
+        head: Where the person's head is, for displays that do not know on their own.
         composing: None where the eyes' rectangles are the picture already.
         leaving: True once the display wants the session to end.
         windows: Where pictures have windows of their own; () where the surface shows all.

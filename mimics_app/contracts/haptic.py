@@ -164,7 +164,7 @@ LIMITS: list[tuple[Any, ...]] = [
     ("device_delay", "f8"),  # from command to motion [s]; as the device plug-in states it
     ("device_damping", "f8"),  # [N s/m] of a force driven device itself
     ("arm_damping", "f8"),  # of the person's arm [N s/m], counted on in the stability limit
-    ("passivity", "i8"),  # 1: energy that a contact makes is taken back; 0: only counted
+    ("passivity", "i8"),  # 1: energy that a contact makes is dissipated; 0: only counted
     ("passivity_damping", "f8"),  # [N s/m] most that taking it back may add
     ("tank_size", "f8"),  # [J] energy that active forces can draw on
     ("tank_refill", "f8"),  # [W] that always flows into the tank
@@ -226,7 +226,7 @@ SCENE = np.dtype(
 INBOX = np.dtype(
     [
         ("target_world", "f8", (3,)),  # where the pointing device points [m]
-        ("grasp", "f8"),  # grasp force asked for [N]
+        ("grasp", "f8"),  # grasp force requested [N]
         ("buttons", "i8"),  # Button bits
         ("active", "i8"),  # 1: a pointer is held, or the simulated person may act
         ("trial", "i8"),  # copy of SCENE.trial

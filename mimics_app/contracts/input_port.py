@@ -45,7 +45,7 @@ class Window(Protocol):
 
 
 class PointerSource(Protocol):
-    """One way to point and grasp: mouse, keys and gamepad together, a simulated person, a recorded one."""
+    """One method to point and grasp: mouse, keys and gamepad together, a simulated person, a recorded one."""
 
     def read(self, window: WindowFrame, now_ns: int) -> PointerState | None:
         """Take one frame; None when this source has nothing to say yet."""

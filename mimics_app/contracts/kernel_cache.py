@@ -57,7 +57,7 @@ _NAME = re.compile(rb"([\w.]+)(?:[ \t]+as[ \t]+\w+)?")
 def _load_arrays() -> None:
     """Import numba's functions of arrays without all of scipy.linalg, which it would import to see that it is there.
 
-    Machine code that calls a BLAS imports it then by itself; that scipy fits numba's width of integers is still looked
+    Machine code that calls a BLAS imports it then on its own; that scipy fits numba's width of integers is still looked
     at. A numba of another build imports them its own way.
     """
     from numba.np import linalg
@@ -330,7 +330,7 @@ class KernelCache(FunctionCache):
 
 
 class _Deferred:
-    """The cache of one function, opened when its machine code is first asked for: most of what is imported never runs.
+    """The cache of one function, opened when its machine code is first requested: most of what is imported never runs.
 
     By then a source may have been edited while this process still has the old one: such a function is compiled for this
     process alone, or the old code would be kept under the new text's key.

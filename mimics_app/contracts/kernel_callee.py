@@ -21,7 +21,7 @@ __all__ = ["callee_of"]
 
 
 class _Entry:
-    """Stands for a callee where numba asks for the function that Python would call."""
+    """Stands for a callee where numba requests the function that Python would call."""
 
 
 class _LinkedLibrary(JITCodeLibrary):

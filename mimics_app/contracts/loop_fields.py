@@ -92,8 +92,8 @@ class LoopField:
         name: Of its field in SAMPLE and SNAPSHOT.
         unit: SI, "1" for a number without dimension; one for each component where they differ.
         replay: What a replay does with it; OUTPUT and INPUT columns keep their order for ever, new ones go last.
-        source: "state": the field of STATE with this name, which this row makes; "state.told.s", "totals.depth": a
-            field that a kernel declares; "": the loop writes it by itself (kernels.rows, loop).
+        source: "state": the field of STATE with this name, which this row makes; "state.own_tunnel.s", "totals.depth":
+            a field that a kernel declares; "": the loop writes it itself (kernels.rows, loop).
         kind: "f8" or "i8", in STATE and SNAPSHOT; samples hold float64 only.
         size: Components.
         reader: Package below mimics_app that reads it from the snapshot; "": it is recorded only.
@@ -194,15 +194,15 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     LoopField("crushed_body", "1", Replay.ABSENT, "totals.crushed", "i8", reader="tasks"),  # held beyond crush_force
     LoopField("bodies", "1", Replay.OUTPUT),  # checksum of the motion of all bodies, 0-2^52
     # the task's own tunnel
-    LoopField("f_tunnel", "N", Replay.OUTPUT, "state.told.force_tnb", size=3),  # in the tunnel's t, n, b
-    LoopField("s", "pieces", Replay.OUTPUT, "state.told.s"),  # parameter of the closest bisector point
-    LoopField("progress", "1", Replay.OUTPUT, "state.told.progress", reader="tasks"),  # share of the arc length, 0-1
-    LoopField("distance", "m", Replay.OUTPUT, "state.told.distance", reader="tasks"),  # of the ball from the bisector
-    LoopField("offset_n", "m", Replay.OUTPUT, "state.told.offset_n"),  # along the tunnel's n
-    LoopField("offset_b", "m", Replay.OUTPUT, "state.told.offset_b"),  # along the tunnel's b
-    LoopField("penetration", "m", Replay.OUTPUT, "state.told.penetration", reader="tasks"),  # of the ball in the wall
+    LoopField("f_tunnel", "N", Replay.OUTPUT, "state.own_tunnel.force_tnb", size=3),  # in the tunnel's t, n, b
+    LoopField("s", "pieces", Replay.OUTPUT, "state.own_tunnel.s"),  # parameter of the closest bisector point
+    LoopField("progress", "1", Replay.OUTPUT, "state.own_tunnel.progress", reader="tasks"),  # of the arc length, 0-1
+    LoopField("distance", "m", Replay.OUTPUT, "state.own_tunnel.distance", reader="tasks"),  # ball from bisector
+    LoopField("offset_n", "m", Replay.OUTPUT, "state.own_tunnel.offset_n"),  # along the tunnel's n
+    LoopField("offset_b", "m", Replay.OUTPUT, "state.own_tunnel.offset_b"),  # along the tunnel's b
+    LoopField("penetration", "m", Replay.OUTPUT, "state.own_tunnel.penetration", reader="tasks"),  # ball in wall
     LoopField("ball_radius", "m", Replay.OUTPUT, reader="scenarios"),
-    LoopField("tunnel_radius", "m", Replay.OUTPUT, "state.told.radius"),  # at s, scaled
+    LoopField("tunnel_radius", "m", Replay.OUTPUT, "state.own_tunnel.radius"),  # at s, scaled
     # controller and safety
     LoopField("v_virtual", "m/s", Replay.OUTPUT, size=3),  # velocity of the virtual mass, robot frame
     _of_joints("command", Replay.OUTPUT, per=Per.JOINT_RATE),  # joint velocities sent

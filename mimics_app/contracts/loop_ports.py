@@ -95,7 +95,7 @@ COMMAND_TORQUE = COMMAND_FORCE + 3 * MAX_CONTACTS
 COMMAND_VIBRATION = COMMAND_TORQUE + MAX_JOINTS
 """Strength 0-1 for each point of contact, force on the user there over the force limit: for what can only vibrate."""
 COMMAND_ENABLED = COMMAND_VIBRATION + MAX_CONTACTS
-"""1 while the drives may act; 0 asks the device to go limp or brake by itself."""
+"""1 while the drives may act; 0 asks the device to go limp or brake on its own."""
 COMMAND_STATE = COMMAND_ENABLED + 1
 """SafetyState, for devices that show it."""
 COMMAND_LENGTH = COMMAND_ENABLED + 2
@@ -103,7 +103,7 @@ COMMAND_LENGTH = COMMAND_ENABLED + 2
 INBOX_TARGET = 0
 """Where the pointing device points, for the first point of contact, robot frame [m]."""
 INBOX_GRASP = 3
-"""Grasp force asked for [N]."""
+"""Grasp force requested [N]."""
 INBOX_BUTTONS = 4
 """Button bits as a float."""
 INBOX_ACTIVE = 5
@@ -155,7 +155,7 @@ class DevicePlugin:
         follows: What in a command moves it: joint velocities (admittance), a force or torques (impedance), or nothing;
             the strength of its vibration moves nobody.
         real_time: True for a device with a time of its own: it cannot be run faster than the clock on the wall.
-        simulated: True for a device that is computed, or a mouse or gamepad over one: no drive goes on by itself when a
+        simulated: True for a device that is computed, or a mouse or gamepad over one: no drive acts further when a
             tick comes late, so a late tick never latches a stop.
         trouble: What is wrong with the device in words for a person, "" when nothing is; main thread only.
         descriptor: Its joints, points of contact and kinematics; None: those of the HapticMaster.

@@ -18,7 +18,7 @@ Settings = Mapping[str, object]
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """One way to do one thing.
+    """One method to do one thing.
 
     Attributes:
         group: What the rivals have in common, e.g. "tunnel projection".
@@ -116,7 +116,7 @@ class Registry:
         return self._described[group]
 
     def default(self, group: str) -> Method | None:
-        """The method of a group that the product uses by itself, None where none is marked; KeyError: no group."""
+        """The method of a group that the product uses by default, None where none is marked; KeyError: no group."""
         return next((method for method in self._groups[group].values() if method.default), None)
 
 

@@ -429,7 +429,6 @@ class GripRecord:
     body: int
     spawn: int
     crushed: int
-    slipping: int
     half_width: float
     offset: float
     twist: float
@@ -729,7 +728,7 @@ class ActingRecord:
     known: int
     position: Floats
     v: Floats
-    way: Floats
+    displacement: Floats
     contact: Floats
     active: Floats
     contacts: Floats
@@ -781,8 +780,8 @@ class HoldingRecord:
     damping: float
     centring: float
 
-class ToldRecord:
-    """`mimics_app.rendering.haptic.kernels.state.TOLD`."""
+class OwnTunnelRecord:
+    """`mimics_app.rendering.haptic.kernels.state.OWN_TUNNEL`."""
 
     force_tnb: Floats
     s: float
@@ -845,8 +844,8 @@ class StateRecord:
     parameters_taken: int
     contact_change: int
     margin_lost: int
-    told_margin: float
-    told_share: float
+    reported_margin: float
+    reported_share: float
     dq: Floats
     f_meas: Floats
     buttons: int
@@ -881,7 +880,6 @@ class StateRecord:
     joint_work: JointWorkRecord
     work_a: Floats
     work_b: Floats
-    work_c: Floats
     ball_radius_rate: float
     tunnel: HoldingRecord
-    told: ToldRecord
+    own_tunnel: OwnTunnelRecord

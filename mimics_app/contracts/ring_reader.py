@@ -19,7 +19,7 @@ def _fence() -> None:
     """What is before it happens before what is behind it, on processors that reorder loads, too.
 
     Giving back a lock keeps what is before from sinking below it, taking it again what is behind from rising above.
-    x86-64 keeps the order of loads by itself.
+    x86-64 keeps the order of loads on its own.
     """
     for _ in range(2):
         with _LOCK:

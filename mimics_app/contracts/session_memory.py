@@ -28,7 +28,7 @@ __all__ = ["SHARED_ARRAYS", "Capacities", "ControlWord", "SessionMemory", "Share
 class ControlWord(IntEnum):
     """Indices into `control`; each word on a cache line of its own, one writer each."""
 
-    STOP = 0  # stop key, device supervisor or console: 1 asks for E_STOP
+    STOP = 0  # stop key, device supervisor or console: 1 requests E_STOP
     QUIT = 8  # main: 1 ends the loop
     TICKS = 16  # loop: ticks done
     MISSED = 24  # loop: ticks that ended more than one period after their release, after the first second

@@ -14,7 +14,7 @@ MAX_EMITTERS = 256
 """Most emitters of one scene."""
 
 BANDS = 3
-"""Bands in which the way from an emitter dampens: below 500 Hz, around 1.4 kHz, above 4 kHz."""
+"""Bands in which the path from an emitter dampens: below 500 Hz, around 1.4 kHz, above 4 kHz."""
 
 SOUND_SCENE = np.dtype(
     [
@@ -37,7 +37,7 @@ SOUND_SCENE = np.dtype(
 
 
 def fill_defaults(record: np.ndarray[tuple[int], np.dtype[np.void]]) -> None:
-    """Head at the origin looking along -z, no room, silent emitters with a free way; `record` has shape [1]."""
+    """Head at the origin looking along -z, no room, silent emitters with a free path; `record` has shape [1]."""
     record[:] = 0
     record["head_forward"], record["head_up"] = (0.0, 0.0, -1.0), (0.0, 1.0, 0.0)
     record["forward"] = (0.0, 0.0, -1.0)

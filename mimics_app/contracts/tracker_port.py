@@ -43,7 +43,7 @@ class TrackedPose:
 
     Attributes:
         pose: float64 [4, 4], rigid.
-        age_ns: From its newest report to the time asked for [ns]; negative where it lies between two.
+        age_ns: From its newest report to the time requested [ns]; negative where it lies between two.
         stale: True where nothing has been heard of it for `STALE_NS`: the pose is its last one.
         capped: True where it would have had to be predicted farther than is allowed.
     """

@@ -1,6 +1,6 @@
 """Trips of the safety machine as people read them: what happened, and what to do.
 
-A trip either latches a stop, which a person has to reset, or is a short hold (DEGRADED), which ends by itself.
+A trip either latches a stop, which a person has to reset, or is a short hold (DEGRADED), which ends on its own.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ __all__ = ["Trip", "TripReader"]
 
 _BUSY = "close other programs; mimics doctor says how the loop is scheduled"
 
-_TOLD: Mapping[TripCause, tuple[str, str]] = {
+_WORDS: Mapping[TripCause, tuple[str, str]] = {
     TripCause.NONE: ("a safety stop", "look at the recording"),
     TripCause.STOP_KEY: ("the stop key was pressed", "reset it when it is safe"),
     TripCause.DEVICE_BUTTON: ("the device's stop button was pressed", "release it, then reset when it is safe"),
@@ -57,12 +57,12 @@ class Trip:
     @property
     def what(self) -> str:
         """What happened, in words."""
-        return _TOLD[self.cause][0]
+        return _WORDS[self.cause][0]
 
     @property
     def advice(self) -> str:
         """What to do about it, in words."""
-        return _TOLD[self.cause][1]
+        return _WORDS[self.cause][1]
 
 
 class TripReader:

@@ -40,7 +40,7 @@ TUNING = np.array(
         1.1,  # by so much of the way from noise to beats it moves the threshold, half up and half down
         0.173,  # a peak is in time within this share of the usual interval
         0.2,  # a rhythm whose intervals differ by this share counts for nothing
-        0.1,  # from this trust on the rhythm goes on by itself between beats
+        0.1,  # from this trust on the rhythm continues on its own between beats
         0.25,  # a beat so near one of the rhythm belongs to it
         0.7,  # ... and draws it to itself by so much
         0.01,  # weight of a beat that does not belong, in how unsteady the rhythm is

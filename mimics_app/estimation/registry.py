@@ -1,4 +1,4 @@
-"""Every way to estimate the state of a person that a session can take, by name."""
+"""Every method to estimate the state of a person that a session can take, by name."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ class Inputs:
     """What comes in.
 
     Args:
-        pointers: Pointing devices in order of precedence: the first that is active has the cursor; a stop asked for
+        pointers: Pointing devices in order of precedence: the first that is active has the cursor; a stop requested
             by any of them is a stop. Space and gamepad B stop even where no pointing device listens to the window.
         signals: Recorders of body signals.
         window: Whatever has a keyboard, a mouse and a gamepad; None headless.

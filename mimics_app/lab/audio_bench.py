@@ -37,7 +37,7 @@ _KEMAR = Path("/usr/share/libmysofa/MIT_KEMAR_normal_pinna.sofa")  # of Debian's
 _RATE = 48_000
 _PEER_LIMIT_S = 600.0
 
-Tell = Callable[[str], None]
+Report = Callable[[str], None]
 
 
 def find_measured_head() -> Path | None:
@@ -47,30 +47,30 @@ def find_measured_head() -> Path | None:
     return path if path.is_file() else None
 
 
-def measure_audio(tell: Tell, seconds: float, peers: Path | None) -> dict[str, Any]:
+def measure_audio(report: Report, seconds: float, peers: Path | None) -> dict[str, Any]:
     """Everything.
 
     Args:
-        tell: Says what is measured now.
+        report: Says what is measured now.
         seconds: Length of the live measurement.
         peers: Folder with the peers' harnesses, None for none.
     """
-    answer: dict[str, Any] = {"reference_ns": round(1e3 * reference_us(), 1), "rows": _cost_rows(tell)}
-    answer["accuracy"] = _accuracy_rows(tell)
-    tell("contact to sample, live")
+    answer: dict[str, Any] = {"reference_ns": round(1e3 * reference_us(), 1), "rows": _cost_rows(report)}
+    answer["accuracy"] = _accuracy_rows(report)
+    report("contact to sample, live")
     missing = pulse_missing()
     answer.update({"skipped": missing} if missing else measure_live_latency(seconds))
     if peers is not None:
-        tell("peers")
+        report("peers")
         answer["peers"] = _peers_accuracy(peers)
     return answer
 
 
-def _cost_rows(tell: Tell) -> list[dict[str, Any]]:
+def _cost_rows(report: Report) -> list[dict[str, Any]]:
     rows = []
     for hrtf, work in ((True, "hrtf, all moving"), (False, "stereo, all moving")):
         for voices in _VOICES:
-            tell(f"{work}: {voices} voices")
+            report(f"{work}: {voices} voices")
             ours = measure_block_us(hrtf, _BLOCKS, voices, mixer="spectral")
             row: dict[str, Any] = {"work": work, "voices": voices, "us_per_block": ours}
             if voices <= _MOST_OPENAL:
@@ -79,13 +79,13 @@ def _cost_rows(tell: Tell) -> list[dict[str, Any]]:
     return rows
 
 
-def _accuracy_rows(tell: Tell) -> list[dict[str, Any]]:
-    tell("accuracy against the computed head")
+def _accuracy_rows(report: Report) -> list[dict[str, Any]]:
+    report("accuracy against the computed head")
     rows: list[dict[str, Any]] = [{"method": "spectral, computed head", **own_head_errors().as_dict()}]
     path = find_measured_head()
     if path is None:
         return rows
-    tell(f"accuracy against {path.stem}")
+    report(f"accuracy against {path.stem}")
     head = read_sofa(path)
 
     def ours(directions: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -74,14 +74,14 @@ def heard_around_the_head() -> Figure:
 
 def cost_of_voices() -> Figure:
     """Cost of 10 ms of moving voices, the mixers by turns: what a live block of half the length costs is seen, too."""
-    ways: Mapping[str, Callable[[int], float]] = {
+    measures: Mapping[str, Callable[[int], float]] = {
         "OpenAL, blocks of 5 ms": lambda n: 2.0 * measure_block_us(True, _BLOCKS, n),
         "spectral, blocks of 5 ms": lambda n: 2.0 * measure_block_us(True, _BLOCKS, n, "spectral"),
         "spectral, blocks of 2.5 ms": lambda n: 4.0 * measure_block_us(True, _BLOCKS, n, "spectral", _LIVE),
     }
-    costs: dict[str, Points] = {name: [] for name in ways}
+    costs: dict[str, Points] = {name: [] for name in measures}
     for voices in _VOICES:
-        for name, measure in ways.items():
+        for name, measure in measures.items():
             if voices <= _MOST_OPENAL or not name.startswith("OpenAL"):
                 costs[name].append((float(voices), measure(voices)))
     rows = [{"method": name, "x": x, "cost_ns": 1e3 * cost, "error": None} for name in costs for x, cost in costs[name]]

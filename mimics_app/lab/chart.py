@@ -129,7 +129,7 @@ class _Unit:
         """A cost in this unit."""
         return cost_us * 1e3 / self.ns
 
-    def tell(self, cost_us: float) -> str:
+    def text(self, cost_us: float) -> str:
         """A cost with its unit."""
         return f"{format_number(self.of(cost_us))} {self.name}"
 
@@ -183,9 +183,9 @@ def _steps(points: list[tuple[float, float]], panel: Panel) -> list[tuple[float,
 
 def _mark(panel: Panel, row: Measured, unit: _Unit, on_front: bool) -> None:
     name, cost, method = row.method.name, unit.of(row.cost_us), row.method
-    told = "fails" if row.error == math.inf else f"{format_number(row.error)} {method.unit}"
+    error_text = "fails" if row.error == math.inf else f"{format_number(row.error)} {method.unit}"
     hover = (
-        f"{name}\ncost {unit.tell(row.cost_us)}, {format_number(row.ratio)} x the reference loop\nerror {told}\n"
+        f"{name}\ncost {unit.text(row.cost_us)}, {format_number(row.ratio)} x the reference loop\nerror {error_text}\n"
         f"{method.source}\nvalid: {method.valid_range}"
     )
     if row.error == math.inf:
@@ -220,7 +220,7 @@ def _growth_panel(measured: MeasuredGroup, left: float, top: float, width: float
         costs = list(zip(growth.sizes, growth.cost_us, strict=True))
         panel.line([(float(n), unit.of(cost)) for n, cost in costs], f"line {colour}", grows)
         for n, cost in costs:
-            panel.dot(n, unit.of(cost), f"dot {colour}", f"{method.name}, n = {n:g}: {unit.tell(cost)}", 3.5)
+            panel.dot(n, unit.of(cost), f"dot {colour}", f"{method.name}, n = {n:g}: {unit.text(cost)}", 3.5)
         panel.entry(f"line {colour}", grows, "name strong" if method.default else "name")
     return panel
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 __all__ = ["Experiment", "Outcome", "Points", "largest_disagreement"]
@@ -21,8 +21,9 @@ class Outcome:
         exact: (x, y) by eigenvalues or a closed form, computed independently.
         rules: Simplified rules that people use, by name, to be drawn beside.
         disagreement: Boundary: largest relative difference of simulated and exact; invariant: its error.
-        passed: Within the experiment's tolerance.
+        holds: Whether everything else that the claim says was found, too.
         note: One or two sentences for the caption: what is to be seen.
+        passed: It holds, and the disagreement is within the experiment's tolerance; set by `Experiment.run`.
     """
 
     rows: list[dict[str, Any]]
@@ -30,13 +31,14 @@ class Outcome:
     exact: Points
     rules: dict[str, Points] = field(default_factory=dict)
     disagreement: float = 0.0
-    passed: bool = False
+    holds: bool = True
     note: str = ""
+    passed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Experiment:
-    """One way of failing, swept over its parameters.
+    """One mode of failure, swept over its parameters.
 
     Attributes:
         name: "S1" to "S16".
@@ -44,7 +46,7 @@ class Experiment:
         claim: One sentence that can be wrong.
         x_label, y_label: Of the map, with units.
         kind: "boundary" where simulation meets an exact stability limit, "invariant" where an error is to stay small.
-        run: Runs it; the argument is how fine the grid is (tests use a small number).
+        simulate: Simulates its grid; the argument is how fine it is (tests use a small number).
         tolerance: Largest `Outcome.disagreement` that passes.
         log_x, log_y: Axes drawn by powers of ten.
     """
@@ -55,10 +57,19 @@ class Experiment:
     x_label: str
     y_label: str
     kind: Literal["boundary", "invariant"]
-    run: Callable[[int], Outcome]
+    simulate: Callable[[int], Outcome]
     tolerance: float
     log_x: bool = False
     log_y: bool = False
+
+    def run(self, points: int) -> Outcome:
+        """Simulate the grid and judge what was found.
+
+        Args:
+            points: Points along an axis of the grid.
+        """
+        found = self.simulate(points)
+        return replace(found, passed=found.holds and found.disagreement <= self.tolerance)
 
 
 def largest_disagreement(simulated: Points, exact: Points) -> float:

@@ -27,7 +27,7 @@ class Figure:
             loop, and "spread_ns" the least and greatest cost over the rounds, null where there was one. Stability:
             method says whose point it is, x is that of the map; what is not measured is null.
         front: Methods on the Pareto front, cheapest first.
-        default: The method the product uses by itself, "" where none is.
+        default: The method the product uses by default, "" where none is.
         boundary: "simulated", "exact": lists of [x, y]; "rule": such a list by name; "disagreement".
         svg: The drawing.
         more: Further keys: what the caption and the tables of the gallery need.

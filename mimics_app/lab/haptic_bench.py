@@ -153,13 +153,13 @@ def _simulate_often(
     fields: Fields,
     dt: float,
     force: Array,
-    way: Array,
+    path: Array,
     first: int,
     ticks: int,
 ) -> None:
     for tick in range(first, first + ticks):
-        for i in range(way.shape[1]):
-            hand[i] = way[tick % way.shape[0], i]
+        for i in range(path.shape[1]):
+            hand[i] = path[tick % path.shape[0], i]
         simulate(rows, work, counts, hand, fields, dt, force)
 
 
@@ -286,7 +286,7 @@ def _shape_row(work: str, n: int, kind: ShapeKind, count: int, triangles: int, r
     rows = new_rows(capacities)
     rows.shapes[:] = scene.rows.shapes
     rows.points[:] = scene.rows.points
-    whole = _tick_p99_us(Scene(rows, scene.counts, capacities, scene.way[-1], scene.work.meshes))
+    whole = _tick_p99_us(Scene(rows, scene.counts, capacities, scene.path[-1], scene.work.meshes))
     return _Row(work, n, us, us / reference, whole)
 
 

@@ -47,7 +47,7 @@ class HarnessRow:
     rounds: int
 
 
-def run_harnesses(folder: Path, tell: Callable[[str], None]) -> list[HarnessRow]:
+def run_harnesses(folder: Path, report: Callable[[str], None]) -> list[HarnessRow]:
     """Run every harness of a folder; one that fails (its peer is not installed) is reported and left out.
 
     Raises:
@@ -57,11 +57,11 @@ def run_harnesses(folder: Path, tell: Callable[[str], None]) -> list[HarnessRow]
     programs = [program for program in programs if program.name != "bench_common.py"]
     if not programs:
         raise UsageError(f"no harness in {folder / 'haptics'}", "name the peers' folder by PEERS, or leave it out")
-    return [row for program in programs for row in _run(program, tell)]
+    return [row for program in programs for row in _run(program, report)]
 
 
-def _run(program: Path, tell: Callable[[str], None]) -> list[HarnessRow]:
-    tell(f"peer: {program.stem}")
+def _run(program: Path, report: Callable[[str], None]) -> list[HarnessRow]:
+    report(f"peer: {program.stem}")
     with tempfile.TemporaryDirectory(prefix="mimics-peer-") as scratch:
         out = Path(scratch) / "rows.json"
         try:
@@ -71,7 +71,7 @@ def _run(program: Path, tell: Callable[[str], None]) -> list[HarnessRow]:
             rows = json.loads(out.read_text(encoding="utf-8"))["rows"] if done.returncode == 0 else []
             return [_row(row) for row in rows if _is_ours(row)]
         except (OSError, subprocess.TimeoutExpired, ValueError, KeyError, TypeError) as failure:
-            tell(f"peer: {program.stem} is not measured: {failure}")
+            report(f"peer: {program.stem} is not measured: {failure}")
             return []
 
 

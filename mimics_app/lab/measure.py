@@ -72,7 +72,7 @@ class MeasuredGroup:
 
     @property
     def default(self) -> str:
-        """Name of the method the product uses by itself; "" where none is marked."""
+        """Name of the method the product uses by default; "" where none is marked."""
         return next((row.method.name for row in self.rows if row.method.default), "")
 
 
@@ -91,7 +91,7 @@ def measure(group: str, registry: Registry, step: Step = lambda _: None, rounds:
         registry: Where it is registered.
         step: Called with a word before each probe.
         rounds: How many times the group is gone through. Of each cost the smallest stands: whatever else runs on the
-            machine only adds, and a rival is not called dearer for what ran beside it alone.
+            machine only adds, and a rival is not called costlier for what ran beside it alone.
 
     Raises:
         KeyError: There is no such group, or nobody described it.

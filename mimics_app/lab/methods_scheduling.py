@@ -113,9 +113,9 @@ def _on_processor_ns(thread: threading.Thread) -> int:
     Raises:
         DeviceError: The system does not say.
     """
-    told = Path(f"/proc/self/task/{thread.native_id}/schedstat")
+    schedstat = Path(f"/proc/self/task/{thread.native_id}/schedstat")
     try:
-        return int(told.read_text(encoding="ascii").split()[0])
+        return int(schedstat.read_text(encoding="ascii").split()[0])
     except OSError as failure:
         raise DeviceError(f"{sys.platform} does not report the time of one thread", "measure on Linux") from failure
 

@@ -89,7 +89,7 @@ class _Bench:
         self._engine.publish(*_block(projection))
         inbox = np.zeros(1, INBOX)
         inbox["active"] = 1
-        self._engine.tell(inbox)
+        self._engine.send(inbox)
         self._rows: NDArray[Any] = np.zeros(len(self._memory.samples), SAMPLE)
 
     def run_us(self, ticks: int) -> float:

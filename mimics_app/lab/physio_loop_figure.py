@@ -1,4 +1,4 @@
-"""Figure of the whole loop: what the load that a session tells is worth to a policy, and to whom."""
+"""Figure of the whole loop: what the load that a session estimates is worth to a policy, and to whom."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ def loop_regret(scores: Mapping[tuple[str, str], LoopScore] | None = None) -> Fi
         scores: Of `loop_scores`; None: measured now, which takes half an hour.
     """
     scores = loop_scores() if scores is None else scores
-    told = [score.mean + side * score.half_width for score in scores.values() for side in (-1.0, 1.0)]
-    y = Axis.around("regret of a trial", [max(value, 0.02) for value in told], log=True)
+    ends = [score.mean + side * score.half_width for score in scores.values() for side in (-1.0, 1.0)]
+    y = Axis.around("regret of a trial", [max(value, 0.02) for value in ends], log=True)
     panel = Panel(6.0, 70.0, 880.0, 380.0, Axis("policies", -0.6, 3.9, at=(0.0, 1.0, 2.0, 3.0)), y)
     rows: list[dict[str, Any]] = []
     for (who, name), score in scores.items():

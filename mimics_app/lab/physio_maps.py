@@ -44,8 +44,8 @@ def failure_map() -> Figure:
             rows.append(row_of(method, 99.0 if np.isinf(decibel) else decibel, 1.0 - f1) | {"flagged": flagged})
         cells.append((name or "as it is", line))
     grid = Grid(270.0, 100.0, 96.0, 40.0)
-    told = ["no noise" if np.isinf(d) else f"{d:g} dB" for _, d in columns]
-    parts = heat_map(grid, told, [name for name, _ in cells], [line for _, line in cells])
+    heads = ["no noise" if np.isinf(d) else f"{d:g} dB" for _, d in columns]
+    parts = heat_map(grid, heads, [name for name, _ in cells], [line for _, line in cells])
     size = (grid.left + len(columns) * grid.width + 20.0, grid.top + len(cells) * grid.height + 76.0)
     what = f"{_SECONDS:d} s each; right half: leads off {100 * _LEAD_OFF[1]:g} % of the time; beats while they are on"
     return physio_figure("physio failure map", "F1 of R peaks and time flagged", size, parts, rows, what)

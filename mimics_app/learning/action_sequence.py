@@ -51,7 +51,7 @@ class ActionSequence:
     def choose(
         self, state: UserState, result: TrialResult | None, reward: float | None, now_ns: int
     ) -> TaskAction | None:
-        """The earliest action that is due and was not chosen yet; one a call, so that each is recorded by itself."""
+        """The earliest action that is due and was not chosen yet; one a call, so that each is recorded on its own."""
         if self._start_ns is None:
             self._start_ns = now_ns
         if self._next == len(self._actions):

@@ -19,7 +19,7 @@ _HOME = 0.35
 
 
 class _LinearBandit:
-    """Rewards as a weighted sum of bumps over the demand, and of the step in the direction the last trial asked for."""
+    """Rewards as a weighted sum of bumps over the demand, and of the step that the last trial called for."""
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
         """A session of people begins at these demands [n]."""

@@ -44,7 +44,7 @@ class Outcome:
 
 
 class Policy(Protocol):
-    """A way to choose."""
+    """A method to choose."""
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
         """A session of people [n] begins at these demands [n]."""

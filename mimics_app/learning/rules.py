@@ -105,8 +105,8 @@ class KalmanSkill(Fixed):
         load = np.nan_to_num(outcome.load)
         known = np.isfinite(outcome.load) & np.isfinite(outcome.demand)
         both = known & np.isfinite(away)
-        told = np.stack([-load * np.nan_to_num(away), load**2, np.nan_to_num(away) ** 2], axis=1)
-        self._weights = np.where(both[:, None], 0.92 * self._weights + told, self._weights)
+        products = np.stack([-load * np.nan_to_num(away), load**2, np.nan_to_num(away) ** 2], axis=1)
+        self._weights = np.where(both[:, None], 0.92 * self._weights + products, self._weights)
         product, one, other = self._weights.T
         record = np.clip(product / np.sqrt(one * other + 1e-9), 0.0, 1.0)
         variance = (0.25**2 + 0.09 * np.nan_to_num(outcome.load_variance)) / np.maximum(record, 1e-3) ** 2

@@ -94,7 +94,7 @@ class Catenary:
 def hang(start: ArrayLike, end: ArrayLike, length: float, swing: float = 0.0) -> Catenary:
     """The cord of a length between two points.
 
-    Shorter than the way between them it is stretched straight, and its length is that way.
+    Shorter than the distance between them it is stretched straight, and its length is that way.
 
     Args:
         start: [m], shape [3].

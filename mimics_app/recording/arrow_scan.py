@@ -10,9 +10,10 @@ from __future__ import annotations
 import mmap
 import os
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -83,25 +84,9 @@ def scan_stream(
         schema: The schema it was written with.
         index: Rows of the sidecar, where there is one.
     """
-    try:
-        file = open_regular(path)
-    except OSError:
-        return
-    with file:
-        if file.seek(0, os.SEEK_END) > 0:
-            yield from _scan(file, decode, len(schema_bytes(schema)), index)
-
-
-def _scan(
-    file: BinaryIO, decode: Callable[[memoryview], Block], start: int, index: NDArray[Any] | None
-) -> Iterator[Found | Damage]:
-    with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
-        view = memoryview(data)
-        try:
-            for span in _spans(data, _schema_length(data) or start, index):
-                yield from _read_span(view, span, decode)
-        finally:
-            view.release()
+    with _opened(path, schema, index) as (view, spans):
+        for span in spans:
+            yield from _read_span(view, span, decode)
 
 
 def last_block(
@@ -115,29 +100,28 @@ def last_block(
         schema: The schema it was written with.
         index: Rows of the sidecar, where there is one.
     """
-    try:
-        file = open_regular(path)
-    except OSError:
-        return None
-    with file:
-        if file.seek(0, os.SEEK_END) == 0:
-            return None
-        with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
-            return _last_found(data, decode, len(schema_bytes(schema)), index)
-
-
-def _last_found(
-    data: mmap.mmap, decode: Callable[[memoryview], Block], start: int, index: NDArray[Any] | None
-) -> Found | None:
-    view = memoryview(data)
-    try:
-        for span in reversed(list(_spans(data, _schema_length(data) or start, index))):
+    with _opened(path, schema, index) as (view, spans):
+        for span in reversed(list(spans)):
             for piece in _read_span(view, span, decode):
                 if isinstance(piece, Found):
                     return piece
-    finally:
-        view.release()
     return None
+
+
+@contextmanager
+def _opened(path: Path, schema: pa.Schema, index: NDArray[Any] | None) -> Iterator[tuple[memoryview, Iterator[Span]]]:
+    """The bytes of a stream and where its blocks may be; nothing where there is no such file or it is empty."""
+    try:
+        file = open_regular(path)
+    except OSError:
+        yield memoryview(b""), iter(())
+        return
+    with file:
+        if file.seek(0, os.SEEK_END) == 0:
+            yield memoryview(b""), iter(())
+            return
+        with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data, memoryview(data) as view:
+            yield view, _spans(data, _schema_length(data) or len(schema_bytes(schema)), index)
 
 
 def _read_span(view: memoryview, span: Span, decode: Callable[[memoryview], Block]) -> Iterator[Found | Damage]:

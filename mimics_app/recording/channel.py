@@ -31,7 +31,7 @@ CLOSE: Final = b"C"
 
 _MAGIC = b"\xa7mj1"
 _HEADER = struct.Struct("<4sIIc")
-_PIPE_SIZE = 1 << 20  # the most an unprivileged process may ask for on Linux
+_PIPE_SIZE = 1 << 20  # the most an unprivileged process may request on Linux
 _MAX_MESSAGE = 1 << 24
 _READ = 1 << 16
 
@@ -150,7 +150,7 @@ class Inbox:
 
 
 def _enlarge(descriptor: int) -> None:
-    """Ask for a large pipe where the system can; a small one only means more waiting in the queue."""
+    """Request a large pipe where the system can; a small one only means more waiting in the queue."""
     try:
         import fcntl
 

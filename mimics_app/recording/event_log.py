@@ -216,8 +216,8 @@ def _parse_line(text: bytes) -> dict[str, Any]:
         raise ValueError("no source and kind")
     if source == "loop":
         msgspec.convert(line, _Loop)
-        told = line["force"] if "force" in line else line.get(_name(kind, "force"), "")
-        if told is not None and (isinstance(told, bool) or not isinstance(told, int | float)):
+        value = line["force"] if "force" in line else line.get(_name(kind, "force"), "")
+        if value is not None and (isinstance(value, bool) or not isinstance(value, int | float)):
             raise ValueError("no number")
         if abs(_kind_of(kind)) >= 2**31:
             raise ValueError("no kind of event")

@@ -130,15 +130,15 @@ def _places(extent: Extent, known: dict[str, int]) -> NDArray[np.int64]:
     return places
 
 
-def _extent_of(told: bytes | None) -> Extent:
+def _extent_of(text: bytes | None) -> Extent:
     """The device of a stream; recordings that name none are of a HapticMaster's kind.
 
     Raises:
         ValueError: It is none that could have been recorded.
     """
-    if told is None:
+    if text is None:
         return HAPTICMASTER
-    extent = msgspec.json.decode(told, type=Extent)  # its errors are ValueErrors
+    extent = msgspec.json.decode(text, type=Extent)  # its errors are ValueErrors
     if not (1 <= len(extent.joints) <= MAX_JOINTS and 1 <= extent.contacts <= MAX_CONTACTS):
         raise ValueError("a device of no or too many joints or points of contact")
     if set(extent.joints) - {"m", "rad"}:

@@ -45,11 +45,11 @@ class Recovery:
     """What `recover` did.
 
     Attributes:
-        mended: Names of the files whose content changed; () where there was nothing to repair.
+        repaired: Names of the files whose content changed; () where there was nothing to repair.
         verdict: On the run as it is now: what is lost, damaged or could not be written.
     """
 
-    mended: tuple[str, ...]
+    repaired: tuple[str, ...]
     verdict: Verdict
 
 
@@ -63,14 +63,14 @@ def recover(folder: Path) -> Recovery:
         SceneError: It is no run folder.
     """
     before = Run.open(folder)
-    mended: list[str] = []
+    repaired: list[str] = []
     unwritten: list[str] = []
     if before.needs_mending:
         losses = [*before.losses(), *before.disagreements(), *_lost_manifest(before)]
-        for key, mend in _MENDERS.items():
-            _attempt(FILES[key], mend, folder, mended, unwritten)
+        for key, repair in _REPAIRS.items():
+            _attempt(FILES[key], repair, folder, repaired, unwritten)
         _attempt(
-            FILES["manifest"], lambda where: _seal(where, before, [*losses, *unwritten]), folder, mended, unwritten
+            FILES["manifest"], lambda where: _seal(where, before, [*losses, *unwritten]), folder, repaired, unwritten
         )
     verdict = judge(Run.open(folder))
     verdict = replace(
@@ -78,15 +78,15 @@ def recover(folder: Path) -> Recovery:
         problems=tuple(dict.fromkeys([*verdict.problems, *unwritten])),
         fresh=tuple(dict.fromkeys([*verdict.fresh, *unwritten])),
     )
-    return Recovery(tuple(mended), verdict)
+    return Recovery(tuple(repaired), verdict)
 
 
 def _attempt(
-    name: str, mend: Callable[[Path], list[str]], folder: Path, mended: list[str], unwritten: list[str]
+    name: str, repair: Callable[[Path], list[str]], folder: Path, repaired: list[str], unwritten: list[str]
 ) -> None:
     """Repair one file and note which were written, or why it could not be."""
     try:
-        mended += mend(folder)
+        repaired += repair(folder)
     except OSError as error:
         unwritten.append(f"{name} cannot be repaired: {error.strerror or error}")
 
@@ -153,15 +153,15 @@ def _mend_haptic(folder: Path) -> list[str]:
         file.append(END_OF_STREAM)
     finally:
         file.close()
-    mended = []
+    repaired = []
     if _is_own_file(path) and filecmp.cmp(scratch, path, shallow=False):
         scratch.unlink()
     else:
         if os.path.lexists(path) and (damages or not path.is_file()):
             _put_aside(path)
         scratch.replace(path)
-        mended.append(FILES["haptic"])
-    return mended + _write_if_other(folder / FILES["index"], np.array(index, INDEX_ROW).tobytes(), keep=False)
+        repaired.append(FILES["haptic"])
+    return repaired + _write_if_other(folder / FILES["index"], np.array(index, INDEX_ROW).tobytes(), keep=False)
 
 
 def _is_own_file(path: Path) -> bool:
@@ -244,7 +244,7 @@ def _read_if_any(path: Path) -> bytes:
         return b""
 
 
-_MENDERS: dict[str, Callable[[Path], list[str]]] = {
+_REPAIRS: dict[str, Callable[[Path], list[str]]] = {
     "haptic": _mend_haptic,
     "parameters": _mend_parameters,
     "signals": _mend_signals,

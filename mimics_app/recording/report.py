@@ -48,7 +48,7 @@ __all__ = ["Page", "Punctuality", "page_of", "punctuality", "write_report"]
 
 _WARM_UP_TICKS = 1000
 _OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
-_TRIPS = "{}. A stop is latched until a person resets it; a short hold, after a late tick, ends by itself."
+_TRIPS = "{}. A stop is latched until a person resets it; a short hold, after a late tick, ends on its own."
 _BADGES = {"clean": "recording complete", "open": "recording not closed"}
 _UNREADABLE = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
 """What a section meets in facts of a scene that were damaged, or that are not what it thinks."""
@@ -303,7 +303,7 @@ def _trial_cards(run: Run) -> dict[str, str]:
 
 
 def _stops_and_holds(run: Run) -> dict[str, int]:
-    """How often a stop was latched, and how often the force was held for late ticks and came back by itself."""
+    """How often a stop was latched, and how often the force was held for late ticks and came back on its own."""
     latched = [trip.latched for trip in TripReader().take(run.events)]
     return {"safety stops": sum(latched), "short holds": len(latched) - sum(latched)}
 
@@ -321,9 +321,9 @@ def _section_of(sections: Sequence[ReportSection], facts: Mapping[str, Any], att
     return next((section for section in sections if section.takes(facts, attempts)), ReportSection())
 
 
-def _movement(run: Run, attempt: Attempt, told: tuple[ReportSection, Mapping[str, Any]], *, opened: bool) -> Movement:
+def _movement(run: Run, attempt: Attempt, taken: tuple[ReportSection, Mapping[str, Any]], *, opened: bool) -> Movement:
     """Figure and traces of an attempt; without what the section adds where it cannot read the facts of the scene."""
-    section, facts = told
+    section, facts = taken
     try:
         path, traces = draw_path(section, attempt, facts, run.events), draw_traces(section, attempt, facts)
     except _UNREADABLE:

@@ -29,7 +29,7 @@ _BROKEN = (
     AttributeError,
     EOFError,
     RuntimeError,  # an encrypted archive, a compression nobody knows
-    MemoryError,  # a header that asks for more than there is
+    MemoryError,  # a header that states more than there is
     struct.error,
     zipfile.BadZipFile,
     zlib.error,

@@ -22,7 +22,7 @@ __all__ = ["AlleyFigure"]
 _FASTEST = 1.3
 """Speed of somebody who walks without haste [m/s]."""
 _EAGER = 4.0
-"""Speed wanted for each metre of way that is left [1/s]: the last steps are slow ones."""
+"""Speed wanted for each metre of distance that is left [1/s]: the last steps are slow ones."""
 _PUSH = 3.0
 """Most that a speed changes in a second [m/s^2]."""
 _TURN, _FASTEST_TURN = 5.0, 3.0

@@ -245,5 +245,5 @@ def _mirrored(parts: Mapping[str, F8 | None]) -> Mapping[str, F8 | None]:
     """The same with left and right exchanged: what a mirror that one stands before shows of oneself."""
     flip = np.diag([-1.0, 1.0, 1.0, 1.0])
     other = {"hand_left": "hand_right", "hand_right": "hand_left"}
-    told = {role: parts[other.get(role, role)] for role in parts}
-    return {role: None if pose is None else flip @ pose @ flip for role, pose in told.items()}
+    swapped = {role: parts[other.get(role, role)] for role in parts}
+    return {role: None if pose is None else flip @ pose @ flip for role, pose in swapped.items()}

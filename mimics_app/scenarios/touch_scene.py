@@ -27,7 +27,7 @@ from mimics_app.world.world import World
 __all__ = ["TouchScene"]
 
 _WAY_STEP = 0.005
-"""Distance of the points a simulated person sees along the way [m]."""
+"""Distance of the points a simulated person sees along the path [m]."""
 
 _PATH_SIDES = 8
 _RINGS_PER_PIECE = 16
@@ -77,8 +77,8 @@ class TouchScene(Scenario):
 
     @property
     def via_points_world(self) -> NDArray[np.float64]:
-        way = [self._start, *(self._reachable(point) for point in self._stations())]
-        return _evenly(np.array(way))
+        path = [self._start, *(self._reachable(point) for point in self._stations())]
+        return _evenly(np.array(path))
 
     @property
     def facts(self) -> Mapping[str, Any]:
@@ -160,5 +160,5 @@ def _evenly(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     for start, end in itertools.pairwise(corners):
         steps = max(1, round(float(np.linalg.norm(end - start)) / _WAY_STEP))
         points += [start + (end - start) * (k + 1) / steps for k in range(steps)]
-    way: NDArray[np.float64] = np.array(points)
-    return way
+    path: NDArray[np.float64] = np.array(points)
+    return path

@@ -66,8 +66,8 @@ class TrackedFigure:
         self._bones = bones
         self._eyes = _eyes(self._rest, bones)
         self._palms = [_palm(rig, self._rest, side) for side in ("left", "right")]
-        self._told: Trackers | None = None
-        self._upper = UpperBody(rig, bones, lambda: self._told)
+        self._tracked: Trackers | None = None
+        self._upper = UpperBody(rig, bones, lambda: self._tracked)
         self._upper.weight = 0.0
         self._feet = PlantedFeet(rig, bones)
         self._sockets = {"stomach": self._socket(*_STOMACH), "back": self._socket(*_BACK)}
@@ -114,7 +114,7 @@ class TrackedFigure:
         self._upper.weight = min(max(self._upper.weight + share, 0.0), 1.0)
         ground_from_model = self._stand(eyes)
         if eyes is not None:
-            self._told = self._trackers(ground_from_model, eyes, parts)
+            self._tracked = self._trackers(ground_from_model, eyes, parts)
         self._world_from_model = world_from_ground @ ground_from_model
         self._node.set_position(self._world_from_model[:3, 3])
         self._node.set_orientation(quaternion_of(world_from_ground[:3, :3] @ _TURNED))

@@ -49,8 +49,8 @@ class Observation:
         ball_world: Its centre [m].
         speed: Of the ball [m/s].
         force: Felt by the user [N].
-        progress: Share of the trial's way that is done, 0-1, as the kind of task means it.
-        distance: From the way that the task gives [m]; None where it gives none.
+        progress: Share of the trial's path that is done, 0-1, as the kind of task means it.
+        distance: From the path that the task gives [m]; None where it gives none.
         touching: The ball is in the wall now.
         contacts: Since the last frame, oldest first.
         grasp: Grasp force [N].

@@ -1,4 +1,4 @@
-"""Whether the task is halted because somebody asked for it, and until when."""
+"""Whether the task is halted because somebody requested it, and until when."""
 
 from __future__ import annotations
 

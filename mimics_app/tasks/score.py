@@ -18,7 +18,7 @@ def trial_points(spec: ScoreSpec, row: Mapping[str, object], *, finished: bool) 
 
     A measure that the task does not take (a path error where no way is given) counts in neither sum. Smoothness that
     cannot be judged (nothing moved) counts as 0 marks. A trial that did not reach its goal earns the points times the
-    share of the way it came, so that a short unfinished travel cannot beat a finished one.
+    share of the path it came, so that a short unfinished travel cannot beat a finished one.
 
     Args:
         spec: The weights.

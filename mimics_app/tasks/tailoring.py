@@ -1,4 +1,4 @@
-"""A task as a therapist asks for it: easier or harder than the scene's, with so many trials that count."""
+"""A task as a therapist wants it: easier or harder than the scene's, with so many trials that count."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ def eased(spec: TaskSpec, difficulty: Difficulty) -> TaskSpec:
     """
     if difficulty == "usual":
         return spec
-    way = 1 if difficulty == "harder" else -1
+    direction = 1 if difficulty == "harder" else -1
     parameters = {
         name: msgspec.structs.replace(
-            each, default=_moved(each, each.min if each.default is None else each.default, way)
+            each, default=_moved(each, each.min if each.default is None else each.default, direction)
         )
         for name, each in spec.parameters.items()
     }
     blocks = [
-        msgspec.structs.replace(block, trials=[_trial_moved(trial, spec.parameters, way) for trial in block.trials])
+        msgspec.structs.replace(block, trials=[_trial_moved(each, spec.parameters, direction) for each in block.trials])
         for block in trial_blocks(spec)
     ]
     return msgspec.structs.replace(spec, parameters=parameters, trials=blocks)
@@ -89,16 +89,16 @@ def _listed(name: str, trials: list[Trial]) -> BlockSpec:
     )
 
 
-def _trial_moved(trial: TrialSpec, parameters: Mapping[str, ParameterSpec], way: int) -> TrialSpec:
-    values = {name: _moved(parameters[name], value, way) for name, value in trial.values.items()}
+def _trial_moved(trial: TrialSpec, parameters: Mapping[str, ParameterSpec], direction: int) -> TrialSpec:
+    values = {name: _moved(parameters[name], value, direction) for name, value in trial.values.items()}
     return msgspec.structs.replace(trial, values=values)
 
 
-def _moved(parameter: ParameterSpec, value: float, way: int) -> float:
-    """A value half-way to the end that is harder (way 1) or easier (-1), on the parameter's grid."""
+def _moved(parameter: ParameterSpec, value: float, direction: int) -> float:
+    """A value half-way to the end that is harder (direction 1) or easier (-1), on the parameter's grid."""
     if parameter.harder == 0:
         return value
-    end = parameter.max if parameter.harder * way > 0 else parameter.min
+    end = parameter.max if parameter.harder * direction > 0 else parameter.min
     moved = value + _SHARE * (end - value)
     if parameter.step > 0.0:
         moved = parameter.min + parameter.step * round((moved - parameter.min) / parameter.step)

@@ -22,7 +22,7 @@ class Measures:
 
     Attributes:
         time_s: Duration [s].
-        path_error_rms_m: Root of the time mean of the squared distance from the task's way [m]; None: it has none.
+        path_error_rms_m: Root of the time mean of the squared distance from the task's path [m]; None: it has none.
         path_error_max_m: Largest distance [m]; None likewise.
         contacts: Contacts begun, and the one that lasted when the travel began.
         contact_time_s: Time in contact [s].
@@ -30,7 +30,7 @@ class Measures:
         force_mean_n: Time mean of the force felt [N].
         force_peak_n: Largest force felt [N].
         progress: Farthest share of the way to the goal; None: the task has no way.
-        path_m: Length of the hand's way [m].
+        path_m: Length of the hand's path [m].
     """
 
     time_s: float = 0.0

@@ -137,7 +137,7 @@ class ExitCondition(Component, frozen=True, tag="exit", tag_field="kind"):
 class ProgressCondition(Component, frozen=True, tag="progress", tag_field="kind"):
     """The trial is this far on, once per trial."""
 
-    at_least: Annotated[Share, Meta(description="Share of the way, 0-1: of a tunnel, its arc length.")]
+    at_least: Annotated[Share, Meta(description="Share of the path, 0-1: of a tunnel, its arc length.")]
 
 
 class ContactCondition(Component, frozen=True, tag="contact", tag_field="kind"):
@@ -246,7 +246,7 @@ class StartSpec(Component, frozen=True):
     ] = 3.0
     limit_s: Annotated[
         PositiveSeconds,
-        Meta(description="Longest way to the start, and longest soft start [s]; then the attempt is aborted."),
+        Meta(description="Longest time to the start, and longest soft start [s]; then the attempt is aborted."),
     ] = 20.0
     attempts: Annotated[
         Annotated[int, Meta(ge=1, le=1000)],
@@ -259,7 +259,7 @@ _OWN_MEASURES = (
     Measure(
         "path_error_rms_m",
         "path_error",
-        "Root mean square distance from the way the task gives [m]; a task that gives none is not judged by it.",
+        "Root mean square distance from the path the task gives [m]; a task that gives none is not judged by it.",
         ScorePartSpec(weight=0.3, best=0.002, worst=0.020),
         total="path_error_m",
     ),

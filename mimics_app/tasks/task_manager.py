@@ -332,11 +332,11 @@ class TaskManager:
 
     def _view(self, seen: Observation) -> TaskView:
         attempts, travels = self._attempts, self._state is TrialState.TRAVEL
-        elapsed, on_a_way = self._elapsed_s(seen.now_ns), bool(self._plays)
-        done = seen.progress if on_a_way else elapsed / self._length_s() if travels else 0.0
+        elapsed, measured = self._elapsed_s(seen.now_ns), bool(self._plays)
+        done = seen.progress if measured else elapsed / self._length_s() if travels else 0.0
         progress = min(max(done, 0.0), 1.0)
         which = attempts.number + 1, len(attempts.plan)
-        return TaskView(self._state, progress, *which, elapsed, on_a_way, self._pause.on, self._countdown.reading)
+        return TaskView(self._state, progress, *which, elapsed, measured, self._pause.on, self._countdown.reading)
 
     def _lay_out(self, seen: Observation, view: TaskView) -> Board:
         attempts = self._attempts
@@ -388,7 +388,7 @@ class TaskManager:
         return self._setting(self._attempts.trial.time_limit_s, "time_limit_s", self._spec.time_limit_s)
 
     def _length_s(self) -> float:
-        """How long a trial without a way takes: as long as its goals ask for, at most its limit [s]."""
+        """How long a trial without a path takes: as long as its goals need, at most its limit [s]."""
         asked = max((goal.seconds for goal in self._spec.goals if isinstance(goal, DurationGoal)), default=0.0)
         return min(asked, self._time_limit_s()) if asked > 0.0 else self._time_limit_s()
 

@@ -51,10 +51,10 @@ def resolve_files(spec: TaskSpec, folder: Path, root: Path | None = None) -> Tas
     Raises:
         SceneError: with every fault of a file.
     """
-    told = {kind: spec.section(kind.name) for kind in task_kinds()}
+    sections = {kind: spec.section(kind.name) for kind in task_kinds()}
     read = {
         kind.name: kind.read_files(section, folder, root or folder)
-        for kind, section in told.items()
+        for kind, section in sections.items()
         if section is not None
     }
     return msgspec.structs.replace(resolve_trials(spec, folder, root), **read)

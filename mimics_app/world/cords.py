@@ -30,7 +30,7 @@ class Cord:
 
     Attributes:
         ends: Where it is fixed, world [m], float64 [2, 3].
-        length: [m]; shorter than the way between the ends it is taut.
+        length: [m]; shorter than the distance between the ends it is taut.
         radius: [m].
         colour: Linear RGB.
         roughness: Of its surface.
@@ -39,7 +39,7 @@ class Cord:
         waves: How ripples run.
         ball: Centre [m] and radius [m] of a ball that casts its shadow on the cord, float64 [4]; radius 0: none.
         taps: Ripples: where, and when they began [s].
-        faults: What could not be as it was asked for, each once.
+        faults: What could not be as it was requested, each once.
     """
 
     ends: F8 = field(default_factory=lambda: np.array([[0.0, 1.0, 0.0], [0.0, 1.0, -1.0]]))
@@ -53,7 +53,7 @@ class Cord:
     ball: F8 = field(default_factory=lambda: np.zeros(4))
     taps: list[tuple[float, float, float, float]] = field(default_factory=list)
     faults: list[str] = field(default_factory=list)
-    _told: int = 0
+    _reported: int = 0
 
     @property
     def curve(self) -> Catenary:
@@ -108,8 +108,8 @@ class Cord:
         return curve.point(s)[0] + (self.shown_radius + gap) * out, out
 
     def take_faults(self) -> list[str]:
-        """What could not be as it was asked for since the last call, each reported once."""
-        new, self._told = self.faults[self._told :], len(self.faults)
+        """What could not be as it was requested since the last call, each reported once."""
+        new, self._reported = self.faults[self._reported :], len(self.faults)
         return new
 
     def _note(self, fault: str) -> None:

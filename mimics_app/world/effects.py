@@ -44,7 +44,7 @@ class Effects:
     Attributes:
         billboards, emitters, projectors: What the nodes carry; change them by `add` and `remove` only.
         bursts: Those that may still be seen, oldest first.
-        time: Of the scene, of which everything that moves by itself is a function [s].
+        time: Of the scene, of which everything that moves on its own is a function [s].
         seed: Of everything random.
         revision: Changes when an effect comes or goes.
     """

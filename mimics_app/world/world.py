@@ -44,7 +44,7 @@ class World:
         meshes_published: How often one was replaced or changed.
         materials: By key; change one with `set_material`.
         textures: By key.
-        techniques: Further ways to draw materials, by the name a material calls them.
+        techniques: Further techniques to draw materials, by the name a material calls them.
         environment: The sky.
         cords: By name of the node they begin at.
         mirrors, screens, insets: What shows the world itself, by name of the node (`world.live_pictures`).

@@ -22,7 +22,7 @@ out vec4 colour;
 void main() {
     vec4 at = slide_from_eye * vec4(position_eye, 1.0);
     vec3 place = at.xyz / at.w;
-    // Read before anything is thrown away: the level of detail comes from the neighbours.
+    // Read before anything is discarded: the level of detail comes from the neighbours.
     vec4 picture = texture(slide, vec2(place.x, 1.0 - place.y));
     vec3 n = normalize(gl_FrontFacing ? normal : -normal);
     vec3 back = normalize(towards.xyz - towards.w * position_eye);

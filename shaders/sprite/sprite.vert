@@ -1,4 +1,4 @@
-// A corner of a picture in space; worked out in rendering/visual/kernels/sprites.py, four a sprite.
+// A corner of a picture in space; computed in rendering/visual/kernels/sprites.py, four a sprite.
 #include "common/view.glsl"
 
 in vec3 position;               // eye frame [m]

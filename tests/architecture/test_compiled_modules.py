@@ -72,7 +72,7 @@ DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
     "rendering/haptic/publish.py": (("mimics_app.rendering.haptic.channels",), "the type of its channels"),
     "rendering/haptic/struck.py": (
         ("mimics_app.rendering.haptic.channels", "mimics_app.contracts.contact_force"),
-        "the types of its channels and of what it tells",
+        "the types of its channels and of what it publishes",
     ),
     "rendering/haptic/devices/bench.py": ((_ERRORS,), "refuses a device in words"),
     "rendering/haptic/devices/emulators/hapticmaster_machine.py": ((_DEVICES,), "built from a robot's request"),

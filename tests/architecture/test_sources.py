@@ -143,7 +143,7 @@ def _inherits_docstring(owner: ast.ClassDef, method: str) -> bool:
     return False
 
 
-def _is_told_elsewhere(node: ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef) -> bool:
+def _is_reported_elsewhere(node: ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef) -> bool:
     """A setter has its getter's docstring, an @overload that of the function itself."""
     marks = [ast.unparse(mark).rsplit(".", 1)[-1] for mark in node.decorator_list]
     return "setter" in marks or "overload" in marks
@@ -153,7 +153,7 @@ def _undocumented(body: list[ast.stmt], owner: ast.ClassDef | None = None) -> It
     for node in body:
         if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)) or node.name.startswith("_"):
             continue
-        if _is_told_elsewhere(node):
+        if _is_reported_elsewhere(node):
             continue
         if not ast.get_docstring(node) and not (owner and _inherits_docstring(owner, node.name)):
             yield f"{node.name} (line {node.lineno})"

@@ -358,7 +358,7 @@ def test_device_that_returns_is_played_on_again(tmp_path, started, mixer):
     assert len(report.rows) == 4
     loudest = [int(np.abs(read_mix(tmp_path / name)).max()) for name in ("rest.wav", "rest-2.wav")]
     assert min(loudest) > 0
-    assert max(loudest) < 0.5 * 32767, "as loud as the session was told"
+    assert max(loudest) < 0.5 * 32767, "as loud as the session set it"
 
 
 def test_silent_session_starts_no_process():

@@ -32,7 +32,7 @@ from mimics_app.contracts.haptic import Controller
 bench = patient_bench("severe", 3)
 samples = bench.advance(2200)
 bench.publish(controller=Controller.ADMITTANCE, trial=1)
-bench.tell(active=1, trial=1)
+bench.send(active=1, trial=1)
 samples = np.concatenate([samples, bench.advance(8000)])
 bench.engine.replay_ticks(samples, bench.blocks, bench.row_blocks)
 print(int((samples["penetration"] > 0).sum()))

@@ -150,7 +150,7 @@ def test_touch_runs_on_while_the_picture_is_made_anew(tmp_path, capsys):
 
 
 def test_a_picture_that_is_lost_for_good_ends_the_run_in_order(tmp_path, capsys, monkeypatch):
-    """The recording is sealed and the exit code tells: as if the window had been closed, with a line that says why."""
+    """The recording is sealed, the exit code says so, as if the window had been closed, with the reason in a line."""
 
     def refuse(self: Surface) -> None:
         raise DeviceError("the driver gives no context any more")

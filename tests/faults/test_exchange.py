@@ -32,7 +32,7 @@ STOP, WRITES = 0, 8
 
 @kernel
 def _write(words, slots, control, planted):
-    """Publish 64 times the count, again and again, until told to stop. Planted: a plain copy into slot 0."""
+    """Publish 64 times the count, again and again, until it is stopped. Planted: a plain copy into slot 0."""
     k = np.int64(0)
     while load_acquire(control, STOP) == 0:
         k += 1

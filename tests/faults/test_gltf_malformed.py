@@ -505,7 +505,7 @@ def test_hostile_file_is_refused_with_its_place_and_soon(tmp_path, name):
     assert any((not pointer or where.startswith(pointer)) and reason in what for where, what in found), found
 
 
-def test_several_faults_of_one_file_are_told_together(tmp_path):
+def test_several_faults_of_one_file_are_reported_together(tmp_path):
     document = square()
     put(document, "/nodes/0/rotation", [0, 0, 0, 0])
     put(document, "/accessors/0/count", 10**9)

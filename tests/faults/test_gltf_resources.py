@@ -180,7 +180,7 @@ def test_primitives_of_all_meshes_together_have_a_limit(few, tmp_path):
         load_gltf(save(tmp_path, document))
 
 
-def test_of_very_many_notes_the_number_is_told(tmp_path):
+def test_of_very_many_notes_the_number_is_reported(tmp_path):
     notes = load_gltf(save(tmp_path, one_mesh(1000))).notes
     assert len(notes) == MAX_NOTES + 1
     assert notes[-1] == f"and {500 - MAX_NOTES} more notes"

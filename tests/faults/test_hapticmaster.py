@@ -44,7 +44,7 @@ def _force(samples: np.ndarray) -> np.ndarray:
 def _in_contact(rig: Rig, bench: Bench) -> np.ndarray:
     """The person lifts the ball against the wall above and keeps pulling; samples of the last second."""
     rig.advance(bench, 700)
-    bench.tell(active=1, trial=1)
+    bench.send(active=1, trial=1)
     rig.advance(bench, 1500)
     return rig.advance(bench, 1000)
 
@@ -74,8 +74,8 @@ def test_force_stream_the_wall_of_this_program_holds_the_hand_on_the_machine():
         assert force < -4.0
         assert samples["f_meas"][-200:, 2].mean() == pytest.approx(-force, rel=0.05)
         assert samples["penetration"][-200:].mean() == pytest.approx(-force / 2000.0, rel=0.05)
-        told = rig.emulator.model.force_at(np.zeros(3), np.zeros(3))[2]
-        assert told == pytest.approx(samples["f_user_world"][-2][1], abs=0.05)
+        reported = rig.emulator.model.force_at(np.zeros(3), np.zeros(3))[2]
+        assert reported == pytest.approx(samples["f_user_world"][-2][1], abs=0.05)
         bench.engine.stop()
 
 
@@ -110,7 +110,7 @@ def test_delay_of_the_network_is_measured_and_lowers_the_stiffness_limit(delay: 
         bench.engine.stop()
 
 
-def test_silence_latches_and_the_bias_force_is_taken_back_with_the_next_answer():
+def test_silence_latches_and_the_bias_force_is_cleared_with_the_next_answer():
     with hapticmaster_rig() as rig:
         bench = _bench(rig)
         assert _force(_in_contact(rig, bench))[-1] > 4.0
@@ -167,7 +167,7 @@ def test_an_error_of_the_machine_is_a_fault():
         bench.engine.stop()
 
 
-def test_a_stop_is_told_to_the_machine():
+def test_a_stop_is_reported_to_the_machine():
     with hapticmaster_rig() as rig:
         bench = _bench(rig)
         rig.advance(bench, 100)
@@ -193,8 +193,8 @@ def test_what_is_not_there_refuses_or_is_set_wrongly_is_a_device_error():
         build_device(Robot(device=f"hapticmaster:127.0.0.1:{port}"))
     with pytest.raises(DeviceError, match="is no network address"):
         build_device(Robot(device="hapticmaster:somewhere:99999"))
-    for settings, told in (({"mode": "object"}, 'did you mean "objects"'), ({"inertia": 0.1}, "0.5 to 50")):
-        with pytest.raises(DeviceError, match=told):
+    for settings, reported in (({"mode": "object"}, 'did you mean "objects"'), ({"inertia": 0.1}, "0.5 to 50")):
+        with pytest.raises(DeviceError, match=reported):
             build_device(Robot(device="hapticmaster:127.0.0.1:1", settings=settings))
     with hapticmaster_rig() as rig:
         rig.emulator.model._gets["emergencybuttonpushed"] = lambda: True

@@ -17,7 +17,7 @@ from mimics_app.app.cli import main
 from mimics_app.app.commands.check import examine
 from mimics_app.app.sweep.experiments import NAMES, find_experiment
 from mimics_app.contracts.action_space import ActionSpace
-from mimics_app.contracts.errors import MOST_SOUGHT, MOST_TOLD, Issue, SceneError, nearest
+from mimics_app.contracts.errors import MOST_LISTED, MOST_SOUGHT, Issue, SceneError, nearest
 from mimics_app.lab.sweep.spec import load_sweep
 from mimics_app.learning.action_sequence import load_action_sequence
 from mimics_app.tasks.task import TaskSpec
@@ -34,7 +34,7 @@ from tests.support.scenes import faults, scene, thing, write
 SPHERE = {"shape": "sphere", "radius": 0.05}
 
 
-def told(folder: Path, document: object) -> list[str]:
+def reported(folder: Path, document: object) -> list[str]:
     """Every fault that `mimics check` finds in a scene."""
     path = write(folder, document)
     try:
@@ -67,7 +67,7 @@ def test_too_many_shapes_of_one_object_are_refused_before_any_is_looked_at(tmp_p
     read = struct_reader._Reader.read
     monkeypatch.setattr(struct_reader._Reader, "read", lambda *given: (looked.append(1), read(*given))[1])
     shapes = [{"shape": "spere"}] * 100_000
-    found = told(tmp_path, scene(thing("a", haptic_object={"shapes": shapes})))
+    found = reported(tmp_path, scene(thing("a", haptic_object={"shapes": shapes})))
     assert found == [f"scene.json#/entities/0/components/haptic_object/shapes: {LONG_LIST}"]
     assert len(looked) < 10
 
@@ -77,7 +77,7 @@ LONG_LIST = f"expected a list [..] of length <= {MAX_SHAPES}"
 
 def test_too_many_components_of_a_kind_are_refused_before_they_are_checked(tmp_path):
     things = [thing(f"a{i}", haptic_object={"shapes": [{**SPHERE, "rotation": [0, 0, 0, 0]}]}) for i in range(1001)]
-    found = told(tmp_path, scene(*things))
+    found = reported(tmp_path, scene(*things))
     assert found == ['scene.json#/entities: 1001 entities have a "haptic_object"; 1000 may']
 
 
@@ -88,28 +88,28 @@ def wrong(count: int) -> dict:
     return scene(*(thing(f"a{i}", mesh={"primitive": {"shape": "bx"}}) for i in range(count)))
 
 
-def test_of_many_errors_the_first_hundred_are_told_and_the_number_of_the_rest(tmp_path, capsys):
+def test_of_many_errors_the_first_hundred_are_reported_and_the_number_of_the_rest(tmp_path, capsys):
     file = str(write(tmp_path, wrong(250)))
     for command in ("check", "run"):
         assert main([command, file]) == 3
         lines = capsys.readouterr().err.splitlines()
-        assert len(lines) == MOST_TOLD + 1
+        assert len(lines) == MOST_LISTED + 1
         assert lines[-1] == "mimics: and 150 more errors"
         assert main([command, file, "--json"]) == 3
         answer = json.loads(capsys.readouterr().out)
-        assert (len(answer["errors"]), answer["more_errors"]) == (MOST_TOLD, 150)
+        assert (len(answer["errors"]), answer["more_errors"]) == (MOST_LISTED, 150)
         assert "more_errors_at_least" not in answer
 
 
 def test_after_very_many_faults_no_more_are_looked_for(tmp_path):
-    found = told(tmp_path, wrong(MOST_SOUGHT + 500))
+    found = reported(tmp_path, wrong(MOST_SOUGHT + 500))
     assert len(found) == MOST_SOUGHT + 1
     assert found[-1] == "scene.json: has more faults, which were not looked for"
 
 
 def test_where_counting_stopped_the_number_of_the_rest_is_a_least_one(tmp_path, capsys):
     file = str(write(tmp_path, wrong(MOST_SOUGHT + 500)))
-    more = MOST_SOUGHT + 1 - MOST_TOLD
+    more = MOST_SOUGHT + 1 - MOST_LISTED
     assert main(["check", file]) == 3
     assert capsys.readouterr().err.splitlines()[-1] == f"mimics: and at least {more} more errors"
     assert main(["check", file, "--json"]) == 3
@@ -117,13 +117,13 @@ def test_where_counting_stopped_the_number_of_the_rest_is_a_least_one(tmp_path, 
     assert (answer["more_errors"], answer["more_errors_at_least"]) == (more, True)
 
 
-def test_of_many_faulty_values_of_a_sweep_the_first_hundred_are_told(tmp_path, capsys):
+def test_of_many_faulty_values_of_a_sweep_the_first_hundred_are_reported(tmp_path, capsys):
     values = {"stiffness": [-1.0] * 999, "period": 0.001}
     sweep = {"format": "mimics-sweep", "version": 1, "experiment": "wall_stability", "parameters": values}
     assert main(["sweep", str(write(tmp_path, sweep, "sweep.json"))]) == 3
     lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == MOST_TOLD + 1
-    assert lines[-1] == f"mimics: and {999 - MOST_TOLD} more errors"
+    assert len(lines) == MOST_LISTED + 1
+    assert lines[-1] == f"mimics: and {999 - MOST_LISTED} more errors"
 
 
 def test_sweep_of_more_points_than_could_ever_be_computed_is_refused(tmp_path):
@@ -147,10 +147,10 @@ def longest_word(line: str) -> int:
     return max(map(len, line.replace("/", " ").split()))
 
 
-def test_long_values_are_told_by_their_beginning_and_end(tmp_path):
+def test_long_values_are_reported_by_their_beginning_and_end(tmp_path):
     document = scene(thing("a", mesh={"source": "m" * 5000}, **{"x" * 3000: {}}), systems={"y" * 4000: {}})
     document["assets"] = {"b": {"uri": "u" * 5000}}
-    found = told(tmp_path, document)
+    found = reported(tmp_path, document)
     assert len(found) >= 4
     assert all(len(line) < 900 and longest_word(line) <= 120 for line in found), found
     assert Issue("f", "", f'no file "{"u" * 60}"').what == f'no file "{"u" * 60}"'
@@ -168,14 +168,14 @@ def test_long_values_are_told_by_their_beginning_and_end(tmp_path):
         (scene({"id": "a\ud800"}), "/entities/0/id"),
     ],
 )
-def test_half_a_character_is_told_where_it_stands_once(tmp_path, document, pointer):
-    found = told(tmp_path, document)
+def test_half_a_character_is_reported_where_it_stands_once(tmp_path, document, pointer):
+    found = reported(tmp_path, document)
     assert found == [f"scene.json#{pointer}: holds half of a character (a lone surrogate); write the character"]
 
 
 @pytest.mark.parametrize("number", [10**400, -(10**400), 10**309])
 def test_whole_number_beyond_all_floats_is_no_number(tmp_path, number):
-    found = told(tmp_path, scene(thing("a", admittance={"mass": number})))
+    found = reported(tmp_path, scene(thing("a", admittance={"mass": number})))
     assert len(found) == 1
     assert found[0].startswith("scene.json#/entities/0/components/admittance/mass: ")
     assert "is too large; at most 1.798e+308 may be" in found[0] and len(found[0]) < 200
@@ -193,10 +193,10 @@ def test_whole_number_beyond_all_floats_in_a_sweep(tmp_path, number):
 @pytest.mark.parametrize(
     "target", ["stiffness", "", "haptic", "haptic.", "haptic.bodies", "haptic.shapes.", ".", "task."]
 )
-def test_target_of_a_parameter_without_a_name_is_told_with_its_place(tmp_path, target):
+def test_target_of_a_parameter_without_a_name_is_reported_with_its_place(tmp_path, target):
     parameter = {"min": 0.0, "max": 1.0, "default": 0.5, "maps": [{"to": target}]}
     task = {"parameters": {"p": parameter}, "goals": [{"kind": "duration", "seconds": 5}]}
-    found = told(tmp_path, scene(thing("a", robot={}), task=task))
+    found = reported(tmp_path, scene(thing("a", robot={}), task=task))
     assert any(line.startswith("scene.json#/task/parameters/p/maps/0/to: ") for line in found), found
 
 
@@ -211,7 +211,7 @@ BOUNDS = [
 
 @pytest.mark.parametrize(("components", "pointer"), BOUNDS)
 def test_component_beyond_physics_is_refused(tmp_path, components, pointer):
-    found = told(tmp_path, scene(thing("a", **components)))
+    found = reported(tmp_path, scene(thing("a", **components)))
     assert any(line.startswith(f"scene.json#/entities/0/components/{pointer}: expected a number") for line in found)
 
 
@@ -219,7 +219,7 @@ def test_component_beyond_physics_is_refused(tmp_path, components, pointer):
     ("key", "value"), [("translation", [1e300, 0, 0]), ("rotation", [-1e308, 0, 0.7, 0.7]), ("scale", [1, 1e200, 1])]
 )
 def test_place_beyond_physics_is_refused(tmp_path, key, value):
-    found = told(tmp_path, scene({"id": "a", "transform": {key: value}, "components": {"mesh": {"source": "x"}}}))
+    found = reported(tmp_path, scene({"id": "a", "transform": {key: value}, "components": {"mesh": {"source": "x"}}}))
     assert found[0].startswith(f"scene.json#/entities/0/transform/{key}/")
 
 
@@ -227,20 +227,20 @@ def test_scales_that_multiply_beyond_every_picture_are_refused(tmp_path):
     chain = [
         {"id": f"a{i}", "parent": f"a{i - 1}" if i else None, "transform": {"scale": [1e6] * 3}} for i in range(60)
     ]
-    found = told(tmp_path, scene(*chain))
+    found = reported(tmp_path, scene(*chain))
     assert len(found) == 1
     assert found[0].startswith("scene.json#/entities/2/transform: its parents' scales put it 0 m away, 1e+18 times")
 
 
 def test_time_limit_of_a_task_is_at_most_a_day(tmp_path):
     task = {"goals": [{"kind": "duration", "seconds": 5}], "time_limit_s": 1e308}
-    assert told(tmp_path, scene(task=task)) == [
+    assert reported(tmp_path, scene(task=task)) == [
         "scene.json#/task/time_limit_s: expected a number <= 86400.0, got 1e+308"
     ]
 
 
 def test_second_robot_is_refused_with_the_place_of_the_first(tmp_path):
-    found = told(tmp_path, scene(thing("a", robot={}), thing("b", robot={})))
+    found = reported(tmp_path, scene(thing("a", robot={}), thing("b", robot={})))
     line = 'scene.json#/entities/1/components/robot: a second "robot"; the first is '
     assert line + "scene.json#/entities/0/components/robot; keep one" in found
 
@@ -248,7 +248,7 @@ def test_second_robot_is_refused_with_the_place_of_the_first(tmp_path):
 # --- bounds on every number -----------------------------------------------------------------------------------------
 
 LOOKED_AT_BY_A_CHECK = {"Wire.gain", "Wire.gain[][]"}
-"""Numbers whose bounds msgspec cannot hold; tests/unit/test_object_components.py asks for them."""
+"""Numbers whose bounds msgspec cannot hold; tests/unit/test_object_components.py requests them."""
 
 
 def numbers_of(wanted: typing.Any, name: str, seen: set[type]) -> typing.Iterator[tuple[str, list[msgspec.Meta]]]:

@@ -1,4 +1,4 @@
-"""A haptic loop that ends by itself ends the run; one that runs away loses its priority, not the session."""
+"""A haptic loop that ends on its own ends the run; one that runs away loses its priority, not the session."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def _session(bench: Bench) -> Any:
     )
 
 
-def test_a_fault_in_the_plugin_ends_the_run_and_is_told():
+def test_a_fault_in_the_plugin_ends_the_run_and_is_reported():
     bench = _bench()
     session = _session(bench)
     begun = session.clock.now_ns()

@@ -43,7 +43,7 @@ class App:
     def wait_until(self, condition: Callable[[], bool], timeout: float = 60.0) -> None:
         deadline = time.monotonic() + timeout
         while not condition():
-            assert self.process.is_alive() or self.words[CLOSED], "the stand-in ended by itself"
+            assert self.process.is_alive() or self.words[CLOSED], "the stand-in ended on its own"
             assert time.monotonic() < deadline
             time.sleep(0.005)
 

@@ -131,7 +131,7 @@ def _recovered(folder: Path, *, again: bool) -> None:
     assert set(losses) <= set(verdict.problems), "recover forgot a loss"
     assert judge(Run.open(folder)) == verdict, "verify and recover say the same"
     if again:
-        assert recover(folder) == Recovery((), verdict), "nothing is left to mend"
+        assert recover(folder) == Recovery((), verdict), "nothing is left to repair"
 
 
 @pytest.mark.parametrize("part", range(4))
@@ -161,10 +161,10 @@ def test_no_command_waits_for_a_fifo(
     os.mkfifo(folder / name)
     with _patience():
         code = main(["report", str(folder)] if command == "report" else ["record", command, str(folder)])
-    told = capsys.readouterr()
-    assert "Traceback" not in told.err and "internal error" not in told.err + told.out
+    printed = capsys.readouterr()
+    assert "Traceback" not in printed.err and "internal error" not in printed.err + printed.out
     if name in SEALED and not name.endswith(".idx"):
-        assert code == 6 and name in told.out + told.err
+        assert code == 6 and name in printed.out + printed.err
     assert code in (0, 6)
 
 
@@ -208,18 +208,18 @@ def test_byte_that_is_not_utf8_in_the_manifest(whole: Path, tmp_path: Path, caps
 
 
 def test_recover_says_what_a_full_disk_took(whole: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A run that was closed and lost its last rows to the disk has nothing to mend, and is not whole."""
+    """A run that was closed and lost its last rows to the disk has nothing to repair, and is not whole."""
     folder = copy_run(whole, tmp_path / "run")
     manifest = json.loads((folder / "manifest.json").read_text())
     manifest["dropped"], manifest["problem"] = {"samples": 2483}, "the disk is full"
     (folder / "manifest.json").write_text(json.dumps(manifest))
-    codes, told = [], []
+    codes, printed = [], []
     for arguments in (["record", "verify"], ["record", "recover"], ["report"]):
         codes.append(main([*arguments, str(folder)]))
         output = capsys.readouterr()
-        told.append(output.out + output.err)
+        printed.append(output.out + output.err)
     assert codes == [6, 6, 6]
-    assert all("the last 2483 ticks are missing: the disk is full" in text for text in told)
+    assert all("the last 2483 ticks are missing: the disk is full" in text for text in printed)
     assert not (folder / "haptic.arrows.damaged").exists()
 
 
@@ -235,7 +235,7 @@ def test_rows_cut_off_a_closed_run_are_counted_and_stay_counted(whole: Path, tmp
 
 
 def test_cut_end_of_an_open_run_is_counted_in_ticks_and_seconds(whole: Path, tmp_path: Path) -> None:
-    """The events tell how far it went; what is wrong with the bytes is told in words, not in those of a library."""
+    """The events say how far it went; what is wrong with the bytes is said in words, not in those of a library."""
     folder = copy_run(whole, tmp_path / "run")
     (folder / "manifest.json").unlink()
     _seq, offset, length = np.fromfile(folder / "haptic.arrows.idx", np.int64).reshape(-1, 3)[4].tolist()
@@ -254,7 +254,7 @@ def _lines(capsys: pytest.CaptureFixture[str], *arguments: str) -> list[list[str
     return [line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines()]
 
 
-def test_what_cannot_be_recovered_is_told_alike(
+def test_what_cannot_be_recovered_is_reported_alike(
     whole: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = copy_run(whole, tmp_path / "run")

@@ -153,7 +153,7 @@ def test_stale_data_warns_after_3_ms_and_latches_after_20():
     assert bench.memory.control[ControlWord.STALE] == LONG - 903
 
 
-def test_age_told_by_the_device_counts_too():
+def test_age_reported_by_the_device_counts_too():
     rows = _pressing()
     rows[900, 11] = 0.0201
     samples = scripted(rows).advance(LONG)
@@ -279,8 +279,8 @@ def test_stops_and_holds_are_counted_apart():
     bench.advance(900)
     bench.engine.stop_key()
     bench.advance(10)
-    told = bench.engine.histogram()
-    assert (told.stops, told.holds) == (1, 0)
+    reported = bench.engine.histogram()
+    assert (reported.stops, reported.holds) == (1, 0)
 
 
 def test_parameters_that_are_not_finite_are_refused_by_name():

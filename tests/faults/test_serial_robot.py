@@ -125,7 +125,7 @@ def test_pulling_the_plug_in_contact_is_zero_force_within_5_ticks_and_a_reset_br
         bench.engine.stop()
 
 
-def test_a_robot_that_is_not_plugged_in_again_is_told(tmp_path: Path):
+def test_a_robot_that_is_not_plugged_in_again_is_reported(tmp_path: Path):
     with pushed_serial_rig(tmp_path) as rig:
         plugin = rig.build()
         bench = bench_of(plugin, samples=ROWS)

@@ -17,7 +17,7 @@ HEAD = some_head(44_100, 40)
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "reported"),
     [
         ({"Data_SamplingRate": np.array([0.0])}, "sampling rate of 0 Hz"),
         ({"Data_SamplingRate": np.array([np.nan])}, "sampling rate of nan"),
@@ -33,11 +33,11 @@ HEAD = some_head(44_100, 40)
         ({"convention": "GeneralTF"}, '"GeneralTF"'),
     ],
 )
-def test_a_head_that_cannot_be_used_is_refused_by_reason(tmp_path, changes, told):
+def test_a_head_that_cannot_be_used_is_refused_by_reason(tmp_path, changes, reported):
     with pytest.raises(SceneError) as caught:
         read_sofa(write_sofa(tmp_path / "head.sofa", HEAD, **changes))
     (issue,) = caught.value.issues
-    assert told in issue.what and issue.file.endswith("head.sofa") and issue.fix
+    assert reported in issue.what and issue.file.endswith("head.sofa") and issue.fix
 
 
 def test_a_truncated_head_one_that_is_no_file_and_one_of_text_are_refused(tmp_path):
@@ -97,7 +97,7 @@ def test_damaged_sounds_are_refused_with_their_name(tmp_path, name):
 
 
 def test_a_sound_of_2_gb_is_refused_before_it_is_read(tmp_path):
-    """A file with a hole: its size is told, nothing of it is on the disk."""
+    """A file with a hole: its size is reported, nothing of it is on the disk."""
     path = tmp_path / "long.wav"
     with path.open("wb") as file:
         file.truncate(2 << 30)

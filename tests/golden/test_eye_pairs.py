@@ -112,7 +112,7 @@ def test_what_only_one_eye_sees_is_drawn_for_it() -> None:
 
 
 def furnished() -> World:
-    """The room in the sun, with balls in a corner and a mirror in it; projectors throw light and a stain."""
+    """The room in the sun, with balls in a corner and a mirror in it; projectors cast light and a stain."""
     world = room()
     downwards = (-math.sin(0.45), 0.0, 0.0, math.cos(0.45))
     world.root.create_child("sun", (1.0, 3.0, 2.0), downwards).create_light("directional", casts_shadow=1)

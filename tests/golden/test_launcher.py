@@ -222,7 +222,7 @@ def test_the_last_choice_is_taken_over_as_far_as_it_is_there():
         assert strange.values == {"who": "mouse"} and strange.scene == GROUPED[0].scene
 
 
-def test_keys_are_told(grouped):
+def test_keys_are_reported(grouped):
     grouped.draw()
     before = read_pixels(grouped._surface)
     grouped.handle(keys("f1"))
@@ -257,7 +257,7 @@ def test_a_real_window_obeys_mouse_and_keyboard():
     with display() as name:
         environment = os.environ | {"DISPLAY": name}
 
-        def tell(*words: str) -> None:
+        def send(*words: str) -> None:
             subprocess.run(["xdotool", *words], env=environment, check=True, timeout=60, stdout=subprocess.DEVNULL)
             time.sleep(0.3)  # a frame of the software renderer between two inputs
 
@@ -265,13 +265,13 @@ def test_a_real_window_obeys_mouse_and_keyboard():
             [sys.executable, "-c", _PROGRAM], cwd=_ROOT, env=environment, stdout=subprocess.PIPE, text=True
         )
         try:
-            tell("search", "--sync", "--name", "^mimics$")
+            send("search", "--sync", "--name", "^mimics$")
             time.sleep(1.0)
-            tell("mousemove", "1218", "205")  # the right arrow of the device, second of the settings
-            tell("click", "1")
-            tell("mousemove", "100", "250")  # the first card
-            tell("key", "Right")
-            tell("key", "Return")
+            send("mousemove", "1218", "205")  # the right arrow of the device, second of the settings
+            send("click", "1")
+            send("mousemove", "100", "250")  # the first card
+            send("key", "Right")
+            send("key", "Return")
             out, _ = window.communicate(timeout=60)
         finally:
             window.kill()

@@ -136,6 +136,6 @@ def test_levels_come_out_of_a_model(tmp_path):
 def test_a_model_whose_levels_are_wrong_says_where(tmp_path, coverages, ids):
     file = tmp_path / "lod.glb"
     file.write_bytes(lod_model(coverages, ids))
-    with pytest.raises(SceneError) as told:
+    with pytest.raises(SceneError) as raised:
         load_model_world(file)
-    assert "/nodes/0" in told.value.issues[0].pointer
+    assert "/nodes/0" in raised.value.issues[0].pointer

@@ -1,4 +1,4 @@
-"""Mirrors, screens and insets: what they show is what the same view shows drawn by itself."""
+"""Mirrors, screens and insets: what they show is what the same view shows drawn on its own."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def eye_before_the_mirror(rectangle: tuple[int, int, int, int] = (0, 0, *SIZE), 
 
 
 def reflected(view: View, z: float) -> View:
-    """The eye behind a mirror in the plane z = `z`, worked out by hand: what is at x, y stays, z is turned over.
+    """The eye behind a mirror in the plane z = `z`, computed by hand: what is at x, y stays, z is turned over.
 
     Its picture is turned over too, so that it is to be flipped; the mirror itself is not in its way.
     """
@@ -344,19 +344,19 @@ def test_pictures_come_and_go_with_what_shows_them():
         assert surface.ctx.error == "GL_NO_ERROR"
 
 
-def test_a_mirror_that_is_not_flat_is_told_once_and_shows_the_sky():
+def test_a_mirror_that_is_not_flat_is_reported_once_and_shows_the_sky():
     world = make_mirrored_room()
     world.replace_mesh("mirror", sphere(0.4, 16))
     with create_surface("egl", SIZE) as surface:
         renderer = Renderer(surface, world, PLAIN)
         for _ in range(2):
             renderer.draw([eye_before_the_mirror()])
-        told = [str(issue) for issue in renderer.take_issues()]
+        reported = [str(issue) for issue in renderer.take_issues()]
         renderer.draw([eye_before_the_mirror()])
         assert renderer.take_issues() == []
         renderer.release()
-    assert len(told) == 1
-    assert "not flat" in told[0]
+    assert len(reported) == 1
+    assert "not flat" in reported[0]
 
 
 def test_pictures_in_pictures_are_the_same_under_osmesa():

@@ -187,7 +187,7 @@ def test_a_mesh_that_is_replaced_is_opened_anew():
     world.replace_mesh("sheet", plane(2.0, 2.0))
     assert world.opened_mesh("sheet") is None
     assert len(world.open_mesh("sheet").positions) == 4
-    buffer.update()  # of a mesh that is gone: nobody is told
+    buffer.update()  # of a mesh that is gone: nobody is informed
     assert len(world.meshes["sheet"].positions) == 4
 
 

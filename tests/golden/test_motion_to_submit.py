@@ -42,7 +42,7 @@ class Hand:
 
 
 class Worker:
-    """Stands for the renderer: queues for 8 ms, asks for the eyes once more, draws for 6 ms."""
+    """Stands for the renderer: queues for 8 ms, requests the eyes once more, draws for 6 ms."""
 
     def __init__(self, world: World, clock: Hand) -> None:
         self.world, self._clock = world, clock
@@ -93,12 +93,12 @@ class Reports:
     problem = ""
 
     def start(self, take) -> None:
-        self._take, self._told = take, -1
+        self._take, self._reported = take, -1
 
     def poll(self, now_ns: int) -> None:
-        for t in range(self._told + 1, now_ns // MS + 1):
+        for t in range(self._reported + 1, now_ns // MS + 1):
             self._take(TrackerSample("1", t * MS, (1e-3 * t, 1.7, 0.0), (0.0, 0.0, 0.0, 1.0)))
-        self._told = now_ns // MS
+        self._reported = now_ns // MS
 
     def stop(self) -> None:
         return
@@ -139,10 +139,10 @@ def test_a_head_is_predicted_50_ms_ahead_and_no_farther() -> None:
 
 
 @pytest.mark.slow
-def test_the_bench_of_displays_tells_what_it_promises(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_bench_of_displays_says_what_it_promises(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(display_bench, "WORKLOADS", {"draws": WORKLOADS["draws"]})
-    told: list[str] = []
-    row = display_bench.measure_displays(ROOT / "scenes" / "avatar_cord.json", SIZE, 4, told.append)
+    reported: list[str] = []
+    row = display_bench.measure_displays(ROOT / "scenes" / "avatar_cord.json", SIZE, 4, reported.append)
     assert [each["workload"] for each in row["stereo"]] == ["draws"]
     motion = row["motion_to_submit_ms"]
     assert motion["frames"] == 4
@@ -152,4 +152,4 @@ def test_the_bench_of_displays_tells_what_it_promises(monkeypatch: pytest.Monkey
     assert 0.5 < row["before_drawing"]["ratio"] < 3.0
     assert {"fastrak", "flock"} < row["record_to_pose_ms"].keys()
     assert "GALLIUM_NOOP" not in os.environ
-    assert len(told) == 3
+    assert len(reported) == 3

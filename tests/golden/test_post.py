@@ -1,4 +1,4 @@
-"""What is done to a finished picture: anti-aliasing, bloom; both off unless asked for, and kept inside each view."""
+"""What is done to a finished picture: anti-aliasing, bloom; both off unless requested, and kept inside each view."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures thrown onto surfaces: where they lie, what they leave out, and what they do to the light."""
+"""Pictures projected onto surfaces: where they lie, what they leave out, and what they do to the light."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def make_world(sky: Sky = SKY) -> World:
     return world
 
 
-def throw(world: World, place: tuple[float, float, float] = (0.0, 0.0, 0.0), *, turn: tuple[float, ...] = DOWN,
+def project(world: World, place: tuple[float, float, float] = (0.0, 0.0, 0.0), *, turn: tuple[float, ...] = DOWN,
           texture: str = "white", **fields: object) -> None:  # fmt: skip
     node = world.root.create_child(f"projector{len(world.effects.projectors)}", place, turn)
     world.effects.add(node.index, Projector(texture=texture, **fields))
@@ -65,11 +65,11 @@ def from_above(height: float = 2.0, half: float = 0.8) -> View:
 def changed(world: World, views: list[View] | None = None, settings: RenderSettings = PLAIN) -> NDArray[np.bool_]:
     """Where the picture differs from that of a world without projectors."""
     views = views or [from_above()]
-    thrown = draw_offscreen(world, views, SIZE, settings).astype(int)
+    projected = draw_offscreen(world, views, SIZE, settings).astype(int)
     for index in list(world.effects.projectors):
         world.effects.remove([index])
     bare = draw_offscreen(world, views, SIZE, settings).astype(int)
-    return np.abs(thrown - bare).max(axis=-1) > 0
+    return np.abs(projected - bare).max(axis=-1) > 0
 
 
 def extent(mask: NDArray[np.bool_]) -> tuple[float, float, float, float]:
@@ -81,20 +81,20 @@ def extent(mask: NDArray[np.bool_]) -> tuple[float, float, float, float]:
 @pytest.mark.parametrize("msaa", [0, 4])
 def test_a_decal_fills_its_box_and_nothing_else(msaa):
     world = make_world()
-    throw(world, (0.1, 0.05, -0.2), size=(0.6, 0.4), depth=0.2, colour=(0.0, 0.0, 0.0, 1.0))
+    project(world, (0.1, 0.05, -0.2), size=(0.6, 0.4), depth=0.2, colour=(0.0, 0.0, 0.0, 1.0))
     settings = RenderSettings(msaa=msaa, shadow_size=0, tone_map="none", fog_density=0.0)
     assert extent(changed(world, settings=settings)) == pytest.approx((-0.2, 0.4, -0.4, 0.0), abs=0.5 * 0.01)
 
 
 def test_beyond_its_depth_it_is_not():
     world = make_world()
-    throw(world, (0.0, 0.15, 0.0), size=(0.6, 0.4), depth=0.2, colour=(0.0, 0.0, 0.0, 1.0))
+    project(world, (0.0, 0.15, 0.0), size=(0.6, 0.4), depth=0.2, colour=(0.0, 0.0, 0.0, 1.0))
     assert not changed(world).any()
 
 
 def test_a_slide_fills_its_pyramid():
     world = make_world()
-    throw(
+    project(
         world,
         (0.0, 1.0, 0.0),
         kind="slide",
@@ -109,13 +109,13 @@ def test_a_slide_fills_its_pyramid():
 def test_nothing_is_thrown_backwards():
     """Behind a slide the division by w turns the picture over; without a test of w it would be seen there."""
     world = make_world()
-    throw(world, (0.0, 1.0, 0.0), turn=(math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)), kind="slide", depth=3.0)
+    project(world, (0.0, 1.0, 0.0), turn=(math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)), kind="slide", depth=3.0)
     assert not changed(world).any()
 
 
 def test_its_picture_lies_as_a_person_behind_it_sees_it():
     world = make_world()
-    throw(world, texture="half", size=(0.8, 0.8), colour=(0.0, 0.0, 0.0, 1.0))
+    project(world, texture="half", size=(0.8, 0.8), colour=(0.0, 0.0, 0.0, 1.0))
     # Looking down with -z ahead of the head, right is +x: the right half is the hole.
     assert extent(changed(world)) == pytest.approx((-0.4, 0.0, -0.4, 0.4), abs=0.5 * 0.01)
 
@@ -123,7 +123,7 @@ def test_its_picture_lies_as_a_person_behind_it_sees_it():
 def test_surfaces_that_lean_too_much_are_left_out():
     world = make_world()
     world.root.create_child("block", (0.3, 0.2, 0.0)).create_entity("block", "floor")
-    throw(
+    project(
         world, (0.0, 0.5, 0.0), size=(2.0, 2.0), depth=1.2, colour=(0.0, 0.0, 0.0, 1.0), full_angle=0.5, last_angle=1.0
     )
     side = View(compose_look_at((-2.0, 0.2, 0.0), (0.0, 0.2, 0.0)), compute_tangents(0.3, SIZE), (0, 0, *SIZE))
@@ -133,28 +133,28 @@ def test_surfaces_that_lean_too_much_are_left_out():
 
 
 def test_it_falls_only_onto_what_is_named_and_what_hangs_on_it():
-    def painted(onto: tuple[str, ...]) -> tuple[bool, bool, bool]:
+    def is_covered(onto: tuple[str, ...]) -> tuple[bool, bool, bool]:
         world = make_world()
         block = world.root.create_child("block", (0.4, 0.0, 0.0))
         block.create_entity("block", "floor")
         block.create_child("upper", (0.0, 0.3, 0.0), scale=(0.5, 0.5, 0.5)).create_entity("block", "floor")
         world.update()
-        throw(world, (0.0, 0.3, 0.0), size=(3.0, 3.0), depth=1.0, colour=(0.0, 0.0, 0.0, 1.0), onto=onto)
+        project(world, (0.0, 0.3, 0.0), size=(3.0, 3.0), depth=1.0, colour=(0.0, 0.0, 0.0, 1.0), onto=onto)
         mask = changed(world)
         return bool(mask[80, 40]), bool(mask[80 + 16, 120 + 16]), bool(mask[80, 122])
 
-    assert painted(()) == (True, True, True)
-    assert painted(("floor",)) == (True, False, False)
-    assert painted(("block",)) == (False, True, True)
-    assert painted(("upper",)) == (False, False, True)
-    assert painted(("nobody",)) == (False, False, False)
+    assert is_covered(()) == (True, True, True)
+    assert is_covered(("floor",)) == (True, False, False)
+    assert is_covered(("block",)) == (False, True, True)
+    assert is_covered(("upper",)) == (False, False, True)
+    assert is_covered(("nobody",)) == (False, False, False)
 
 
 @pytest.mark.parametrize("blend", ["paint", "stain", "light"])
 def test_light_follows_its_formula(blend):
     """Even sky of 0.5: the floor gives back 0.5 of its albedo; a slide adds albedo times its own light."""
     world = make_world(DARK if blend == "light" else SKY)
-    throw(world, size=(0.8, 0.8), blend=blend, colour=(0.3, 0.6, 0.9, 0.5))
+    project(world, size=(0.8, 0.8), blend=blend, colour=(0.3, 0.6, 0.9, 0.5))
     picture = draw_offscreen(world, [from_above()], SIZE, PLAIN)[80, 80, :3]
     floor = encode(0.5 * ALBEDO)
     expected = {
@@ -169,7 +169,7 @@ def test_light_shows_the_picture_of_the_surface():
     world = make_world(DARK)
     world.textures["green"] = TextureData(np.full((2, 2, 4), (0, 255, 0, 255), np.uint8))
     world.set_material(Material("floor", base_colour=(0.5, 0.5, 0.5, 1.0), base_texture="green", roughness=1.0))
-    throw(world, size=(0.8, 0.8), blend="light", colour=(0.6, 0.6, 0.6, 1.0))
+    project(world, size=(0.8, 0.8), blend="light", colour=(0.6, 0.6, 0.6, 1.0))
     assert draw_offscreen(world, [from_above()], SIZE, PLAIN)[80, 80, :3] == pytest.approx(
         [0.0, encode(0.3), 0.0], abs=1.0
     )
@@ -186,7 +186,7 @@ def test_holes_stay_holes_and_what_is_translucent_stays_clean():
         world.set_material(material)
         world.meshes["sheet"] = plane(0.4, 0.4)
         world.root.create_child(material.name, (-0.4 + 0.8 * number, 0.5, 0.0)).create_entity("sheet", material.name)
-    throw(world, (0.0, 0.5, 0.0), size=(3.0, 3.0), depth=0.2, colour=(0.0, 0.0, 0.0, 1.0))
+    project(world, (0.0, 0.5, 0.0), size=(3.0, 3.0), depth=0.2, colour=(0.0, 0.0, 0.0, 1.0))
     columns = np.flatnonzero(changed(world).any(axis=0))
     # Seen from 2 m through 1.5 m the sheet's left half runs from x = -0.6 to -0.4 of 1.5 m: pixels 0 to 26.
     assert columns[0] == 0 and columns[-1] == pytest.approx(26, abs=1)
@@ -194,8 +194,8 @@ def test_holes_stay_holes_and_what_is_translucent_stays_clean():
 
 def test_each_eye_sees_it_as_if_alone():
     world = make_world()
-    throw(world, size=(0.8, 0.6), colour=(0.1, 0.2, 0.7, 0.8))
-    throw(world, (0.0, 1.0, 0.2), kind="slide", blend="light", depth=3.0)
+    project(world, size=(0.8, 0.6), colour=(0.1, 0.2, 0.7, 0.8))
+    project(world, (0.0, 1.0, 0.2), kind="slide", blend="light", depth=3.0)
     left, right = from_above(2.0), from_above(1.5, 0.6)
     wide = (2 * SIZE[0], SIZE[1])
     second = View(right.world_from_eye, right.tangents, (SIZE[0], 0, *SIZE))
@@ -223,15 +223,15 @@ def test_paint_is_lit_as_the_floor_is(shadows, ambient):
     sun.look_at((0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
     sun.create_light("directional", intensity=0.6, casts_shadow=1)
     world.update()
-    throw(world, size=(3.0, 3.0), depth=0.2, colour=(ALBEDO, ALBEDO, ALBEDO, 1.0), onto=("floor",))
+    project(world, size=(3.0, 3.0), depth=0.2, colour=(ALBEDO, ALBEDO, ALBEDO, 1.0), onto=("floor",))
     settings = replace(PLAIN, shadow_size=512, shadow_reach=9.0, shadows=shadows, ambient_occlusion=ambient)
     aslant = View(compose_look_at((0.0, 1.0, 1.5), (0.0, 0.1, 0.0)), (-0.5, 0.5, -0.5, 0.5), (0, 0, *SIZE))
     # What the test has to see: what darkens corners, else the shadow.
     without = replace(settings, ambient_occlusion=0.0) if ambient else replace(settings, shadow_size=0)
-    painted = draw_offscreen(world, [aslant], SIZE, settings).astype(int)
+    is_covered = draw_offscreen(world, [aslant], SIZE, settings).astype(int)
     world.effects.remove(list(world.effects.projectors))
     bare, plain = (draw_offscreen(world, [aslant], SIZE, each).astype(int) for each in (settings, without))
-    assert np.abs(painted - bare).max() <= 1
+    assert np.abs(is_covered - bare).max() <= 1
     assert (np.abs(bare - plain).max(axis=-1) > 2).sum() > 200
 
 
@@ -242,7 +242,7 @@ def test_paint_is_lit_as_the_floor_is(shadows, ambient):
 )
 def test_only_one_that_is_seen_and_meets_something_costs_a_draw(place, draws):
     world = make_world()
-    throw(world, place, depth=0.5)
+    project(world, place, depth=0.5)
     with create_surface("egl", SIZE) as surface:
         renderer = Renderer(surface, world, PLAIN)
         assert renderer.draw([from_above()]).draws == draws  # two are floor and sky

@@ -83,7 +83,7 @@ def test_a_reload_takes_good_shaders_and_keeps_the_old_one_for_bad(folder):
         assert "lihgt" in issues[0].what
         renderer.draw(views)
         assert np.array_equal(read_pixels(surface), before), "a broken shader must not change the picture"
-        assert renderer.reload_shaders() == [], "a fault is told once, not every frame"
+        assert renderer.reload_shaders() == [], "a fault is reported once, not every frame"
         rewrite(folder / "sky" / "sky.frag", "encode_output(mix(lihgt, over.rgb, over.a))", "vec3(1.0, 0.0, 1.0)")
         assert renderer.reload_shaders() == []
         renderer.draw(views)

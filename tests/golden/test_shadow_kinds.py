@@ -251,7 +251,7 @@ def test_of_the_boxes_at_most_one_moves_in_a_frame_and_none_stays_behind():
 
 @pytest.mark.parametrize(("lamp_x", "side", "expected"), [(-0.15, -1, 0.05), (0.0, 0, -0.4)])
 def test_a_spot_light_casts_a_shadow_of_its_own(lamp_x, side, expected):
-    """A lamp 1.2 m up throws what is 0.3 m up 4/3 as far; the plate hides the shadow from -0.353 to 0 m."""
+    """A lamp 1.2 m up casts what is 0.3 m up 4/3 as far; the plate hides the shadow from -0.353 to 0 m."""
     world = make_world(0.0)
     world.find("sun").light.intensity = 0.0
     lamp = world.root.create_child("lamp", (lamp_x, 1.2, 0.0))

@@ -80,7 +80,7 @@ def _exact(world: World) -> np.ndarray:
 
 
 def _duals(matrices: np.ndarray) -> np.ndarray:
-    """Dual quaternions of rigid matrices, worked out here."""
+    """Dual quaternions of rigid matrices, computed here."""
     found = np.zeros((len(matrices), 8))
     for k, matrix in enumerate(matrices):
         values, vectors = np.linalg.eigh(_davenport(matrix[:3, :3]))

@@ -70,7 +70,7 @@ def test_fallbacks_that_go_round_end_safely():
     assert "a needs OpenGL 10.0, b needs OpenGL 10.0" in choice.why
 
 
-def test_a_context_tells_what_it_can_do():
+def test_a_context_says_what_it_can_do():
     with create_surface("egl", (8, 8)) as surface:
         has = read_capabilities(surface.ctx)
     assert has.gl >= 430

@@ -58,12 +58,12 @@ def test_a_turntable_shows_other_sides_and_comes_round(tmp_path):
 def test_the_models_of_the_world_go_on_one_sheet_and_the_malformed_as_tiles_with_their_error(tmp_path):
     folder = shared_folder("gltf")
     sheet = draw_sheet(folder, tmp_path / "sheet.png")
-    told = {tile.file.name: [str(issue) for issue in tile.issues] for tile in sheet.tiles}
-    assert len(told) == 32
-    assert all(told[tile.file.name] for tile in sheet.tiles if not tile.shown)
+    reported = {tile.file.name: [str(issue) for issue in tile.issues] for tile in sheet.tiles}
+    assert len(reported) == 32
+    assert all(reported[tile.file.name] for tile in sheet.tiles if not tile.shown)
     refused = {tile.file.name for tile in sheet.tiles if tile.issues and not tile.empty}
     assert refused == {"Cube.gltf", "sceneWrongType.gltf", "boom_box.gltf"}
-    assert any("/meshes/1/primitives/0: " in line for line in told["Cube.gltf"])
+    assert any("/meshes/1/primitives/0: " in line for line in reported["Cube.gltf"])
     empty = {tile.file.name for tile in sheet.tiles if tile.empty}
     assert {"NoScene.gltf", "SceneWithoutNodes.gltf"} <= empty and len(empty) == 6
     picture = np.array(Image.open(sheet.file))
@@ -131,12 +131,12 @@ def test_a_person_chooses_drags_saves_and_edits_while_the_window_is_open(tmp_pat
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
         window = subprocess.Popen(command, cwd=tmp_path, env=environment, text=True, **pipes)
 
-        def tell(*words: str) -> None:
+        def send(*words: str) -> None:
             subprocess.run(["xdotool", *words], env=environment, check=True, timeout=240, stdout=subprocess.DEVNULL)
             time.sleep(0.3)
 
         def picture(number: int) -> np.ndarray:
-            tell("key", "F12")
+            send("key", "F12")
             file = tmp_path / f"place_{number:03d}.png"
             for _ in range(100):
                 if file.exists() and file.stat().st_size:
@@ -146,36 +146,36 @@ def test_a_person_chooses_drags_saves_and_edits_while_the_window_is_open(tmp_pat
             return np.array(Image.open(file))
 
         try:
-            tell("search", "--sync", "--name", "^place - mimics$")
+            send("search", "--sync", "--name", "^place - mimics$")
             before = picture(1)
-            tell("mousemove", "320", "165", "click", "1")
-            tell("key", "x")
-            tell("mousedown", "1")
-            tell("mousemove", "360", "165")
-            tell("mousemove", "400", "165", "mouseup", "1")
+            send("mousemove", "320", "165", "click", "1")
+            send("key", "x")
+            send("mousedown", "1")
+            send("mousemove", "360", "165")
+            send("mousemove", "400", "165", "mouseup", "1")
             moved = picture(2)
-            tell("key", "ctrl+s")
-            tell("key", "Escape")
+            send("key", "ctrl+s")
+            send("key", "Escape")
             saved = scene.read_text()
             scene.write_text(saved.replace("[0.8, 0.02, 0.02, 1.0]", "[0.02, 0.02, 0.8, 1.0]"))
             time.sleep(1.0)
             edited, again = picture(3), picture(4)
-            tell("key", "F1", "key", "F2", "key", "F3", "key", "F4", "key", "F6")
+            send("key", "F1", "key", "F2", "key", "F3", "key", "F4", "key", "F6")
             overlaid = picture(5)
-            tell("mousemove", "400", "165", "click", "1")
-            tell("mousedown", "1")
-            tell("mousemove", "380", "185", "mouseup", "1")
-            tell("key", "Escape")
-            tell("key", "Escape")
+            send("mousemove", "400", "165", "click", "1")
+            send("mousedown", "1")
+            send("mousemove", "380", "185", "mouseup", "1")
+            send("key", "Escape")
+            send("key", "Escape")
             assert window.poll() is None, "it warns once of what is not saved"
-            tell("key", "Escape")
+            send("key", "Escape")
             out, said = window.communicate(timeout=60)
         finally:
             window.kill()
             window.wait(timeout=10)
     answer = json.loads(out)
     assert answer["saved"] == ["place.json"]
-    assert "mimics: not saved: cube, moved to [" in said, "nothing is lost: its place is told"
+    assert "mimics: not saved: cube, moved to [" in said, "nothing is lost: its place is reported"
     assert answer["files"] == [f"place_{number:03d}.png" for number in (1, 2, 3, 4, 5)]
     columns = [np.argwhere(redness(each) > 60)[:, 1].mean() for each in (before, moved)]
     assert columns[0] == pytest.approx(320.0, abs=8.0)

@@ -47,7 +47,7 @@ def test_keys_mouse_wheel_and_full_screen():
     with display("1280x720x24") as name:
         environment = os.environ | {"DISPLAY": name}
 
-        def tell(*words: str) -> None:
+        def send(*words: str) -> None:
             subprocess.run(["xdotool", *words], env=environment, check=True, timeout=60, stdout=subprocess.DEVNULL)
             time.sleep(0.4)
 
@@ -55,14 +55,14 @@ def test_keys_mouse_wheel_and_full_screen():
             [sys.executable, "-c", _PROGRAM], cwd=_ROOT, env=environment, stdout=subprocess.PIPE, text=True
         )
         try:
-            tell("search", "--sync", "--name", "^mimics under test$")
-            tell("mousemove", "480", "90")
-            tell("keydown", "shift", "keydown", "w", "keyup", "w", "keyup", "shift")
-            tell("click", "3")
-            tell("click", "4")
-            tell("key", "F11")
-            tell("mousemove", "320", "540")
-            tell("key", "Escape")
+            send("search", "--sync", "--name", "^mimics under test$")
+            send("mousemove", "480", "90")
+            send("keydown", "shift", "keydown", "w", "keyup", "w", "keyup", "shift")
+            send("click", "3")
+            send("click", "4")
+            send("key", "F11")
+            send("mousemove", "320", "540")
+            send("key", "Escape")
             out, _ = window.communicate(timeout=60)
         finally:
             window.kill()
@@ -135,7 +135,7 @@ with create_surface("window", (320, 120), "first", vsync=False) as surface:
 
 
 def test_every_wall_has_a_window_of_its_own(tmp_path: Path) -> None:
-    """Seen on the screen of an X server: two walls where the file says, one that has no monitor left is told."""
+    """Seen on the screen of an X server: two walls where the file says, one that has no monitor left is reported."""
     import numpy as np
     from PIL import Image, ImageGrab
 

@@ -58,7 +58,7 @@ def test_what_cannot_be_written_is_zero(value: float):
 
 
 @pytest.mark.parametrize("text", ["", "-", "+", ".", "[1", "e5", "--3", "abc"])
-def test_no_number_is_told_as_none(text: str):
+def test_no_number_is_reported_as_none(text: str):
     assert _read(text) == (0.0, 0)
 
 

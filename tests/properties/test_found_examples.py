@@ -1,4 +1,4 @@
-"""What a random search finds is kept: tried first the next time, and told in a line that brings it back."""
+"""What a random search finds is kept: tried first the next time, and shown in a line that brings it back."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("profile", ["random", "nightly"])
-def test_failure_of_a_random_search_is_kept_tried_first_and_told_by_the_daily_one_too(
+def test_failure_of_a_random_search_is_kept_tried_first_and_reported_by_the_daily_one_too(
     folder: Path, profile: str
 ) -> None:
     (folder / "test_property.py").write_text(_PROPERTY)

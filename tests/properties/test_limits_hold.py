@@ -76,7 +76,7 @@ EDGES = (
 )
 """What a law forbids to cross is met this often; a tick far from every limit shows nothing."""
 
-HABITS = ("wander", "alternate", "stuck", "jump", "outside", "too fast", "not finite", "huge", "told late")
+HABITS = ("wander", "alternate", "stuck", "jump", "outside", "too fast", "not finite", "huge", "late")
 
 _VECTOR = types.float64[::1]
 
@@ -117,7 +117,7 @@ def _change_parameters(noise, scene, tunnel):
 
 @kernel
 def _change_objects(noise, scene, tables):
-    """Other places, surfaces and strengths; bodies are put back, for some were thrown out of the world."""
+    """Other places, surfaces and strengths; bodies are put back, for some were flung out of the world."""
     scene.objects.revision += 1
     for i in range(scene.objects.shapes):
         shape = tables.shapes[i]

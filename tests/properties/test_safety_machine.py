@@ -310,7 +310,7 @@ def test_each_law_is_seen_to_break_in_a_spoilt_tick(law: str):
 
 
 def test_a_stop_key_that_does_not_latch_is_caught():
-    """E_STOP left by itself, as soon as the key is up."""
+    """E_STOP left on its own, as soon as the key is up."""
     broken, _ = _run(1, 200_000, LAWS.index("a latched stop is left by a reset only"))
     assert broken["a latched stop is left by a reset only"] > 20
 

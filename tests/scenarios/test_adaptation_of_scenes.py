@@ -34,8 +34,8 @@ class Once:
         return action
 
 
-class Told:
-    """What the renderers were told in a few frames."""
+class Played:
+    """What the renderers were given in a few frames."""
 
     def __init__(self, scene: Path, values: dict[str, float], frames: int = 3) -> None:
         self.haptic: dict[str, object] = {}
@@ -60,36 +60,36 @@ def parts_with(parts: Any, learning: Any) -> Any:
 
 
 def test_difficulty_is_felt() -> None:
-    easy, hard = (Told(TUNNEL, {"radius": radius}, 60) for radius in (1.2, 0.6))
+    easy, hard = (Played(TUNNEL, {"radius": radius}, 60) for radius in (1.2, 0.6))
     assert easy.kinds["radius"] == "difficulty"
     assert easy.haptic["tunnel.radius_scale"] > hard.haptic["tunnel.radius_scale"]
 
 
 def test_complexity_is_seen() -> None:
-    few, many = (Told(MARKET, {"obstacles": count}, 60) for count in (0.0, 3.0))
+    few, many = (Played(MARKET, {"obstacles": count}, 60) for count in (0.0, 3.0))
     assert few.kinds["obstacles"] == "complexity"
     assert few.visual["obstacles"] != many.visual["obstacles"]
 
 
 def test_appearance_is_seen() -> None:
-    glass, hidden = (Told(TUNNEL, {"appearance": look}) for look in (0.0, 2.0))
+    glass, hidden = (Played(TUNNEL, {"appearance": look}) for look in (0.0, 2.0))
     assert glass.kinds["appearance"] == "appearance"
     assert (glass.visual["tunnel_look"], hidden.visual["tunnel_look"]) == ("tunnel", "hidden")
 
 
 def test_sound_is_heard() -> None:
-    loud, quiet = (Told(TUNNEL, {"sound": gain}, 90) for gain in (1.0, 0.0))
+    loud, quiet = (Played(TUNNEL, {"sound": gain}, 90) for gain in (1.0, 0.0))
     assert loud.kinds["sound"] == "sound"
     assert (loud.audio["gain"], quiet.audio["gain"]) == (1.0, 0.0)
 
 
 def test_duration_is_another() -> None:
-    assert Told(TUNNEL, {"duration": 60.0}).kinds["duration"] == "duration"
-    assert Told(TUNNEL, {"duration": 20.0}).limit == 20.0
+    assert Played(TUNNEL, {"duration": 60.0}).kinds["duration"] == "duration"
+    assert Played(TUNNEL, {"duration": 20.0}).limit == 20.0
 
 
 def test_the_avatar_goes_elsewhere() -> None:
-    still, near = (Told(WALK, {"deed": deed}, 600) for deed in (3.0, 0.0))
+    still, near = (Played(WALK, {"deed": deed}, 600) for deed in (3.0, 0.0))
     assert still.kinds["deed"] == "avatar"
     assert near.visual["walk.avatar"] > still.visual["walk.avatar"] + 0.5
 

@@ -42,7 +42,7 @@ def test_scene_runs_and_nothing_leaves_it(name):
         place = play.pose(entity)[:3]
         assert np.abs(place).max() < 0.7, f"{entity} is gone"
         assert place[1] > 0.10, f"{entity} fell through"
-        assert play.speed(entity) < 1.0, f"{entity} was thrown"
+        assert play.speed(entity) < 1.0, f"{entity} was flung off"
         assert play.world.find(entity).world_matrix()[:3, 3] == pytest.approx(place), "its node follows"
 
 

@@ -21,7 +21,7 @@ from mimics_app.world.world import World
 SCENES = ("wavy_tunnel", "pick_and_place")
 
 
-def _told(tmp_path: Path, **encourager: object) -> Path:
+def _reported(tmp_path: Path, **encourager: object) -> Path:
     """The tunnel with another encourager, in a file of its own."""
     scene = json.loads((root() / "scenes" / "wavy_tunnel.json").read_text())
     entity = next(each for each in scene["entities"] if each["id"] == "encourager")
@@ -66,7 +66,7 @@ def test_a_session_greets_and_the_encourager_looks_at_the_person(name: str) -> N
 
 
 def test_who_is_not_wanted_is_neither_drawn_nor_moved(tmp_path: Path) -> None:
-    world = build_world(load_checked_scene(_told(tmp_path, shown=False)))
+    world = build_world(load_checked_scene(_reported(tmp_path, shown=False)))
     index = world.find("encourager").index
     assert not world.find("encourager").visible and index not in world.motion.machines
     assert not world.motion.animators[index].moves
@@ -75,4 +75,4 @@ def test_who_is_not_wanted_is_neither_drawn_nor_moved(tmp_path: Path) -> None:
 
 def test_a_clip_that_the_model_lacks_is_refused_by_name(tmp_path: Path) -> None:
     with pytest.raises(SceneError, match=r'components/encourager/praise/1.*no clip "clapp"'):
-        load_checked_scene(_told(tmp_path, praise=["wave", "clapp"]))
+        load_checked_scene(_reported(tmp_path, praise=["wave", "clapp"]))

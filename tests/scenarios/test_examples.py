@@ -49,7 +49,7 @@ def test_world_pd_of_a_scene_drives_home_along_a_straight_line():
     assert off.max() < 2e-3, "an arc in joint space would bow by some 10 mm"
 
 
-def test_residual_of_a_fitted_path_is_told():
+def test_residual_of_a_fitted_path_is_reported():
     _, residual = tunnel_of_scene(load_checked_scene(SCENES / "examples" / "path_tunnel.json"))
     assert residual is not None
     assert 1e-6 < residual < 1e-3

@@ -1,4 +1,4 @@
-"""What the loop cannot simulate is told: pairs beyond its room, force fields that give no number."""
+"""What the loop cannot simulate is reported: pairs beyond its room, force fields that give no number."""
 
 from __future__ import annotations
 
@@ -43,16 +43,16 @@ def run(tmp_path_factory) -> dict[str, Any]:
     return {"file": file, "runs": folder}
 
 
-def test_losses_are_told_once_counted_and_in_the_report(run, capsys):
+def test_losses_are_reported_once_counted_and_in_the_report(run, capsys):
     words = ["run", str(run["file"]), "--headless", "--seconds", "0.5", "--pictures", "0", "--sound", "off", "--json"]
     assert main([*words, "--runs", str(run["runs"])]) == 0
-    told = capsys.readouterr()
-    answer = json.loads(told.out)
+    printed = capsys.readouterr()
+    answer = json.loads(printed.out)
     assert answer["losses"] == {
         "pairs_left_out": BALLS * (BALLS - 1) // 2 - ROOM,
         "fields_put_away": ["gust", "pull"],
     }
-    lines = told.err.splitlines()
+    lines = printed.err.splitlines()
     assert sum("do not collide" in line for line in lines) == 1
     for name in ("gust", "pull"):
         assert sum(f'the force field of "{name}" gave a number that is not finite' in line for line in lines) == 1
@@ -62,7 +62,7 @@ def test_losses_are_told_once_counted_and_in_the_report(run, capsys):
     assert main(["replay", answer["run_dir"]]) == 0
 
 
-def test_most_pairs_at_once_are_counted_and_only_the_first_are_told(capsys):
+def test_most_pairs_at_once_are_counted_and_only_the_first_are_reported(capsys):
     watch = LossWatch(("gust",))
     events = np.zeros(4, EVENT)
     events["kind"] = [EventKind.LEFT_OUT, EventKind.LEFT_OUT, EventKind.IMPACT, EventKind.QUARANTINE]

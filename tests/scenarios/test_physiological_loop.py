@@ -80,7 +80,7 @@ def test_one_changed_sample_is_found(run: Run) -> None:
     assert "differ" in replayed.difference
 
 
-def test_the_stream_is_sealed_and_damage_is_told(run: Run) -> None:
+def test_the_stream_is_sealed_and_damage_is_reported(run: Run) -> None:
     assert not run.losses()
     assert not run.disagreements()
     path = run.folder / FILES["signals"]

@@ -43,7 +43,7 @@ def answer(tmp_path_factory) -> dict[str, Any]:
 
 def test_a_run_places_three_and_leaves_nothing_unread_but_the_board(answer):
     assert answer["task"]["placed"] >= 3
-    assert answer["unread"] == ["hud"]  # --pictures 0: nothing is drawn, so nobody asks for the board
+    assert answer["unread"] == ["hud"]  # --pictures 0: nothing is drawn, so nobody requests the board
     assert (answer["safety"]["stops"], answer["safety"]["holds"]) == (0, 0)
 
 
@@ -60,7 +60,7 @@ def test_every_frame_says_where_the_apple_was(answer):
     assert np.ptp(places[:, 0]) > 0.1 and np.allclose(np.linalg.norm(places[60:, 3:], axis=1), 1.0)
 
 
-def test_its_report_tells_of_the_carrying(answer):
+def test_its_report_says_of_the_carrying(answer):
     report = Path(answer["report"]).read_text()
     for words in ("apple in the hand", "grasp force", "right at least", "drops", "Carrying"):
         assert words in report, words
@@ -78,15 +78,15 @@ def test_the_weight_of_each_trials_apple_is_felt_while_it_is_carried(answer):
     rows = run.haptic
     slow = np.abs(np.gradient(rows["v_world"][:, 1], 1e-3)) < 0.2
     high = rows["hip_world"][:, 1] > 0.215
-    told = 0
+    reported = 0
     for trial in run.trials:
         within = (rows["t"] > trial["begin_ns"] * 1e-9) & (rows["t"] < trial["end_ns"] * 1e-9)
         lifted = within & slow & high & (rows["held_body"] >= 0.0)
         if trial["outcome"] == "finished" and lifted.sum() > 500:
-            told += 1
+            reported += 1
             weight = 9.81 * trial["parameter.weight"]
             assert np.median(rows["f_grip"][lifted, 1]) == pytest.approx(-weight, rel=0.05)
-    assert told >= 2
+    assert reported >= 2
 
 
 def test_the_severe_place_fewer(answer):

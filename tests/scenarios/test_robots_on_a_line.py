@@ -75,7 +75,7 @@ def session_on(rig: Rig, runs: Path) -> Iterator[tuple[Session, Frames, Keys]]:
     with session:
         keys = Keys()
         session.clock, session.haptics = VirtualClock(), Lockstep(session.haptics, rig)
-        session.inputs = Inputs([SimulatedPatient(intent=True, follows_way=False)], window=keys)
+        session.inputs = Inputs([SimulatedPatient(intent=True, follows_path=False)], window=keys)
         yield session, Frames(session), keys
 
 
@@ -107,7 +107,7 @@ def test_pulled_plug_in_contact_is_no_force_within_5_ticks_and_a_reset_goes_on(t
         ), "the apple is in the hand"
         rig.spoil("unplug")
         pulled = session.haptics.ticks
-        assert run_until(lambda: watch.look() != "", session, frames), "the person is told"
+        assert run_until(lambda: watch.look() != "", session, frames), "the person is informed"
         rig.spoil("plug")
         assert run_until(lambda: watch.look() == "", session, frames), "the line is back"
         back = session.haptics.ticks
@@ -125,8 +125,8 @@ def test_pulled_plug_in_contact_is_no_force_within_5_ticks_and_a_reset_goes_on(t
     assert (samples["status"][pulled + 5 : pulled + 20] == DeviceStatus.FAULT).all()
     assert (samples["state"][back:] == SafetyState.ACTIVE).sum() > 100, "after a reset it goes on"
     assert samples["ramp"][back:].max() == 1.0 and samples["status"][back + 1] == DeviceStatus.FRESH
-    told = capsys.readouterr().err
-    assert "is gone: no force" in told and "the device is back: R goes on" in told
+    printed = capsys.readouterr().err
+    assert "is gone: no force" in printed and "the device is back: R goes on" in printed
     assert sum('"kind":"device"' in line for line in (session.folder / "events.jsonl").read_text().splitlines()) >= 2
 
 

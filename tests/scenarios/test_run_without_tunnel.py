@@ -1,4 +1,4 @@
-"""A scene with neither tunnel nor carrying: its run, pictures and report tell of what it has, and of nothing else."""
+"""A scene with neither tunnel nor carrying: its run, pictures and report speak of what it has, and of nothing else."""
 
 from __future__ import annotations
 

@@ -26,13 +26,13 @@ RATE = 1000
 
 
 def play(
-    folder: Path, source: str, seconds: float, after_frame: Callable[[int], None], told: list[str] | None = None
+    folder: Path, source: str, seconds: float, after_frame: Callable[[int], None], reported: list[str] | None = None
 ) -> Run:
     """A headless run on the virtual clock; `after_frame` is called with the number of frames done."""
     settings = RunSettings(TUNNEL, headless=True, seconds=seconds, runs=folder, sound="off", pictures=0, physio=source)
     with build_session(settings, live=False) as session:
-        if told is not None:
-            session.tell = told.append
+        if reported is not None:
+            session.pass_on = reported.append
         frames = Frames(session)
         run_virtual(session, frames, lambda frames: after_frame(frames.number))
         session.end_stages()
@@ -61,11 +61,11 @@ def test_an_amplifier_that_is_unplugged_ends_its_signals_and_not_the_run(tmp_pat
         elif frame == 120:
             amplifier.unplug()
 
-    told: list[str] = []
+    reported: list[str] = []
     talk = threading.Thread(target=announce)
     talk.start()
     try:
-        run = play(tmp_path, f"serial:{amplifier.port}", 4.0, send, told)
+        run = play(tmp_path, f"serial:{amplifier.port}", 4.0, send, reported)
     finally:
         opened.set()
         talk.join()
@@ -73,7 +73,7 @@ def test_an_amplifier_that_is_unplugged_ends_its_signals_and_not_the_run(tmp_pat
     assert len(run.lines_of("app", "frame")) >= 239
     assert 1000 < len(found) <= len(ecg)
     assert np.isfinite(found).all()
-    assert [line for line in told if "the amplifier is gone" in line]
+    assert [line for line in reported if "the amplifier is gone" in line]
     (line,) = run.lines_of("app", "signal_source")
     assert "the amplifier is gone" in line["lost"]
     assert not run.losses()
@@ -131,8 +131,8 @@ def write_wfdb(folder: Path, ecg: Any) -> Path:
     pytest.importorskip("wfdb", reason="WFDB is read by the extra `signals`")
     counts = np.round(1000.0 * ecg).astype("<i2")
     (folder / "body.dat").write_bytes(counts.tobytes())
-    told = f"16 1000(0)/mV 16 0 {counts[0]} {int(counts.astype(np.int64).sum()) & 0xFFFF} 0 MLII"
-    (folder / "body.hea").write_text(f"body 1 {RATE} {len(ecg)}\nbody.dat {told}\n")
+    reported = f"16 1000(0)/mV 16 0 {counts[0]} {int(counts.astype(np.int64).sum()) & 0xFFFF} 0 MLII"
+    (folder / "body.hea").write_text(f"body 1 {RATE} {len(ecg)}\nbody.dat {reported}\n")
     return folder / "body.hea"
 
 

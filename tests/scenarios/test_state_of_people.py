@@ -32,7 +32,7 @@ def estimate(seconds: int, seed: int, power: float, demand: float) -> tuple[list
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-def test_pure_effort_is_not_told_as_arousal(seed: int) -> None:
+def test_pure_effort_is_not_reported_as_arousal(seed: int) -> None:
     arousal, effort = estimate(420, seed, power=1.2, demand=float("nan"))
     assert abs(np.mean(arousal[-150:]) - np.mean(arousal[:25])) <= 0.1
     assert effort > 0.6

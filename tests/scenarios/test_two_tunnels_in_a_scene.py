@@ -111,7 +111,7 @@ def test_one_tunnel_is_adapted_without_the_other(play: CorePlay):
         ),
     ],
 )
-def test_what_is_wrong_is_told_where_it_stands(tmp_path: Path, changes: Any, pointer: str, what: str):
+def test_what_is_wrong_is_reported_where_it_stands(tmp_path: Path, changes: Any, pointer: str, what: str):
     with pytest.raises(SceneError) as error:
         load_checked_scene(two_tunnels(tmp_path, **changes))
     assert [(issue.pointer, what in issue.what) for issue in error.value.issues] == [(pointer, True)]

@@ -32,7 +32,7 @@ def test_a_scene_is_shown_as_it_was_written(name):
         assert 0.001 < width < 0.2, "no ball of a metre casts its shadow over everything"
 
 
-def test_a_shipped_scene_is_found_by_its_name_and_a_wrong_name_is_told():
+def test_a_shipped_scene_is_found_by_its_name_and_a_wrong_name_is_reported():
     assert open_shown(Path("wavy_tunnel")).scene.name == "wavy_tunnel"
     with pytest.raises(SceneError, match="there is no such scene"):
         open_shown(Path("wavy_tunel"))

@@ -158,7 +158,7 @@ def test_from_the_launcher_to_the_result_again_and_to_another_scene(tmp_path: Pa
     assert (first["completed"], first["trials"]) == (1, 1), "the simulated patient came to the end"
 
 
-def test_a_wrong_port_is_told_and_mended(tmp_path: Path) -> None:
+def test_a_wrong_port_is_reported_and_repaired(tmp_path: Path) -> None:
     with at_the_launcher(tmp_path) as person:
         quiet = person.sees("1_launcher")
         person.do("type", "tower")
@@ -169,15 +169,15 @@ def test_a_wrong_port_is_told_and_mended(tmp_path: Path) -> None:
             person.keys("Down")
         person.keys("Return")
 
-        def told() -> bool:
-            foot = person.sees("3_told")[680:]
+        def reported() -> bool:
+            foot = person.sees("3_shown")[680:]
             return _share_of(foot, (255, 158, 140)) > _share_of(quiet[680:], (255, 158, 140)) + 1e-4
 
-        person.wait("word of what went wrong", told)
+        person.wait("word of what went wrong", reported)
         assert not person.begun, "nothing was recorded"
         person.do("type", "tower")
         person.keys("Right", "Left", "Left")  # back to the mouse
-        person.sees("4_mended")
+        person.sees("4_repaired")
         for _ in range(7):
             person.keys("Down")
         person.keys("Return")

@@ -48,15 +48,15 @@ def test_apple_is_gripped_lifted_and_placed_by_mouse(tmp_path):
         x, y, z = apple(window)
         lead(window, x, HIGH, z)
         lead(window, x, y, z)
-        window.tell("mousedown", "1")
+        window.send("mousedown", "1")
         window.wait("grip", lambda: is_held(window), seconds=20.0)
         lead(window, x, HIGH, z)
         window.wait("lift", lambda: apple(window)[1] > HIGH - 0.03, seconds=20.0)
         lead(window, MARK[0], HIGH, MARK[2])
         lead(window, MARK[0], MARK[1] + 0.034, MARK[2])
-        window.tell("mouseup", "1")
+        window.send("mouseup", "1")
         window.wait("placed", lambda: any(line["state"] == "finished" for line in window.lines("state")), seconds=20.0)
-        code, told = window.leave()
+        code, reported = window.leave()
     assert code == 0
-    assert told["task"]["placed"] == 1
-    assert told["task"]["drops"] == 0
+    assert reported["task"]["placed"] == 1
+    assert reported["task"]["drops"] == 0

@@ -74,7 +74,7 @@ def in_time(rows: Any) -> bool:
 def press_and_let_go(window: AppWindow, inside: np.ndarray, beyond: np.ndarray) -> tuple[Any, Any, int]:
     """Rows of holding the mouse beyond the wall, rows of having it back inside, and what the force bar gained [px].
 
-    A stall of the machine ramps the force down and asks for a new soft start; then once more.
+    A stall of the machine ramps the force down and requests a new soft start; then once more.
     """
     for _ in range(5):
         window.mouse(inside)
@@ -95,7 +95,7 @@ def test_wall_holds_the_ball_and_letting_go_is_free(window):
     s = float(curve.parameter_at(0.25 * curve.length)[0])
     inside, outward = curve.point(s)[0], curve.frame(s)[1][0]
     outward = outward * np.sign(outward[1])
-    for share in np.linspace(0.02, 0.25, 12):  # along the tunnel, so that the ball is led and not thrown
+    for share in np.linspace(0.02, 0.25, 12):  # along the tunnel, so that the ball is led and not flung
         window.mouse(curve.point(curve.parameter_at(share * curve.length))[0])
         time.sleep(0.15)
     pressed, back, gained = press_and_let_go(window, inside, inside + (float(curve.radius(s)[0]) + 0.030) * outward)
@@ -116,7 +116,7 @@ def test_wall_holds_the_ball_and_letting_go_is_free(window):
 
 def test_space_stops_to_zero_force_and_escape_leaves_with_its_own_exit_code(window):
     window.wait("quality", lambda: any("shadow_size" in line for line in window.lines("quality")))
-    window.tell("key", "space")
+    window.send("key", "space")
     window.wait("stop", lambda: window.rows["state"][-1] == SafetyState.E_STOP)
     rows = window.rows
     stop = int(np.argmax(rows["stop_word"] > 0.0))
@@ -139,7 +139,7 @@ def test_a_machine_that_stalls_pauses_a_person_at_a_mouse_and_goes_on(window):
     assert not np.any(window.rows["state"] >= SafetyState.SAFE_STOP)
     code, answer = window.leave()
     assert code == 0 and answer["safety"]["stops"] == 0 and answer["safety"]["holds"] >= 1
-    assert "short hold 1, it goes on by itself: this computer was too busy" in window.terminal
+    assert "short hold 1, it resumes on its own: this computer was too busy" in window.terminal
 
 
 def test_saved_scene_is_taken_while_running_and_a_broken_one_changes_nothing(tmp_path):

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
-from mimics_app.lab.stability.s05b_energy_taken_back import UNLIMITED, given_by_taps
+from mimics_app.lab.stability.s05b_energy_dissipated import UNLIMITED, given_by_taps
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity
 from mimics_app.rendering.haptic.kernels.stability import contact_share, spring_share
 from mimics_app.rendering.haptic.kernels.tank import payable_share, settle_account
@@ -51,7 +51,7 @@ def test_a_wall_beyond_its_limit_is_rendered_with_the_margin_it_should_keep(dela
     assert bench.engine.stability().stiffness_share == pytest.approx(share, rel=1e-12)
 
 
-def test_only_told_the_wall_stays_as_stiff_as_authored():
+def test_only_reported_the_wall_stays_as_stiff_as_authored():
     bench = _pressed(2.0 * _limit(OWN + WALL, 4e-3), 4e-3, cap=0)
     rows = bench.advance(1200)
     assert (rows["stiffness_share"] == 1.0).all() and rows["margin"][0] == pytest.approx(-0.5, rel=1e-12)
@@ -203,7 +203,7 @@ def _jumping(way: float, *, silent: int = 0) -> np.ndarray:
     return scripted(rows, straight=None).advance(600)
 
 
-def test_a_position_that_jumps_stops_the_loop_although_the_told_velocity_stays():
+def test_a_position_that_jumps_stops_the_loop_although_the_reported_velocity_stays():
     """Reach: 1.2 m/s for the tick and 2 ms of lateness that nothing else notices, and 1 mm."""
     assert _jumping(0.0045)["state"][-1] == SafetyState.ACTIVE
     rows = _jumping(0.0047)
@@ -230,7 +230,7 @@ def test_one_contact_that_gives_too_much_stops_the_loop():
     assert samples["energy"].min() == pytest.approx(-2e-3, rel=0.05)
 
 
-def test_silence_is_told_once_when_it_begins():
+def test_silence_is_reported_once_when_it_begins():
     rows = script(600)
     rows[300:308, -1] = 1.0
     rows[400:402, -1] = 1.0
@@ -263,7 +263,7 @@ def test_a_person_in_the_tunnel_is_never_pulled_to_its_wall():
     bench = patient_bench("severe", seed=3)
     bench.advance(2200)
     bench.publish(controller=3, trial=1, tunnel__drag=0.0, tunnel__drag_growth=0.0)
-    bench.tell(active=1, trial=1)
+    bench.send(active=1, trial=1)
     rows = np.concatenate([bench.advance(4000) for _ in range(4)])
     inside = rows[rows["penetration"] > 0.0]
     assert len(inside) > 200 and (inside["passivity"] > 0.0).any()

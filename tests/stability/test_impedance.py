@@ -1,4 +1,4 @@
-"""Impedance control on a light robot that is told forces: what it renders, what it may not, and where it is driven."""
+"""Impedance control on a light robot that takes forces: what it renders, what it may not, and where it is driven."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def read_pushed_light(memory, inbox, data, tick):
     return 0
 
 
-def _told_forces(bench: Bench, **values: float) -> Bench:
+def _taking_forces(bench: Bench, **values: float) -> Bench:
     bench.publish(**impedance_values(Impedance(damping=0.0)), **values)
     return bench
 
@@ -75,7 +75,7 @@ def test_motors_end_somewhere_and_so_does_the_arm():
 
 
 def _tap(passivity: int, stiffness: float = 2000.0, steps: int = 60, speed: float = 0.1) -> np.ndarray:
-    """A scripted hand that enters the wall at constant speed and leaves as fast, on a device that is told forces."""
+    """A scripted hand that enters the wall at constant speed and leaves as fast, on a device that takes forces."""
     stroke = np.concatenate([np.arange(steps + 1), np.arange(steps - 1, -1, -1)]) * speed * T
     room = 0.04 - 0.012
     height = np.concatenate([np.zeros(1500), np.linspace(0.0, room, 400), room + stroke, np.full(40, 0.9 * room)])
@@ -85,7 +85,7 @@ def _tap(passivity: int, stiffness: float = 2000.0, steps: int = 60, speed: floa
     bench = scripted(rows)
     still = {"tunnel__damping": 0.0, "tunnel__drag": 0.0, "tunnel__drag_growth": 0.0, "cap": 0, "passivity": passivity}
     ball = {"ball_radius_max": 0.012, "ball_radius_min": 0.012, "force_rate_limit": 1e9, "passivity_damping": 1e3}
-    _told_forces(bench, tunnel__stiffness=stiffness, **still, **ball)
+    _taking_forces(bench, tunnel__stiffness=stiffness, **still, **ball)
     return bench.advance(len(height))
 
 
@@ -121,7 +121,7 @@ def _pushed(times: float, cap: int, passivity: int) -> np.ndarray:
     limit = damping / (0.5 * T + DELAY * T)
     wall = {"tunnel__stiffness": times * limit, "tunnel__damping": damping, "tunnel__drag": 0.0}
     free = {"velocity_limit": 10.0, "power_limit": 1e6, "energy_limit": 1e6, "position_jump": 1.0}
-    _told_forces(bench, **wall, **free, cap=cap, passivity=passivity)
+    _taking_forces(bench, **wall, **free, cap=cap, passivity=passivity)
     bench.advance(900)
     memory[PUSH + 2] = 4.0
     return bench.advance(3000)
@@ -139,7 +139,7 @@ def test_the_cap_lets_the_light_robot_come_to_rest():
 
 
 def test_the_controller_makes_of_joules_millijoules():
-    """Without it the wall throws the robot about until its speed stops the loop; a tick of delay leaves a hundredth."""
+    """Without it the wall flings the robot about until its speed stops the loop; a tick of delay leaves a hundredth."""
     wild, tame = _pushed(2.5, 0, 0), _pushed(2.5, 0, 1)
     assert wild["state"][-1] == SafetyState.SAFE_STOP and wild["credit"].min() < -1.0
     assert (tame["state"] == SafetyState.ACTIVE).all() and (tame["passivity"] > 0.0).any()
@@ -149,7 +149,7 @@ def test_the_controller_makes_of_joules_millijoules():
 def test_stop_key_takes_the_force_off_the_device_within_two_ticks():
     memory = _robot(3)
     bench = bench_of(DevicePlugin("light", read_pushed_light, write_force, memory, follows="force"))
-    _told_forces(bench)
+    _taking_forces(bench)
     bench.advance(900)
     memory[PUSH + 2] = 4.0
     assert np.linalg.norm(bench.advance(600)["f_command"][-1]) > 1.0
@@ -180,7 +180,7 @@ def test_the_simulated_person_goes_through_the_tunnel_on_it():
     assert home["state"][-1] == SafetyState.READY
     assert np.linalg.norm(home["f_command"], axis=1).max() <= 10.0 * (1 + 1e-12)
     bench.publish(controller=int(Controller.IMPEDANCE), trial=1)
-    bench.tell(active=1, trial=1)
+    bench.send(active=1, trial=1)
     rows = bench.advance(9000)
     assert rows["progress"].max() > 0.97 and set(rows["state"].astype(int)) <= {2, 3, 4}
     touching = rows["penetration"] > 0.0

@@ -107,7 +107,7 @@ def test_each_contact_starts_at_zero():
     bench = patient_bench(seed=3)
     bench.advance(2200)
     bench.publish(controller=3, trial=1)
-    bench.tell(active=1, trial=1)
+    bench.send(active=1, trial=1)
     rows = np.concatenate([bench.advance(4000) for _ in range(3)])
     begins = [int(event["tick"]) for event in bench.engine.events() if event["kind"] == EventKind.CONTACT_BEGIN]
     assert len(begins) > 2
@@ -115,7 +115,7 @@ def test_each_contact_starts_at_zero():
     assert all(energy[tick] == 0.0 for tick in begins if tick in energy)
 
 
-def test_a_lost_margin_is_told_once_and_changes_nothing():
+def test_a_lost_margin_is_reported_once_and_changes_nothing():
     bench = _at_rest(1500, tunnel__stiffness=2000.0, device_delay=4e-3, cap=0)
     bench.advance(1500)
     bench.engine.events()
@@ -130,7 +130,7 @@ def test_a_lost_margin_is_told_once_and_changes_nothing():
     bench.publish(tunnel__stiffness=50000.0)
     bench.advance(10)
     events = bench.engine.events()
-    assert (events["kind"] == EventKind.MARGIN).sum() == 1, "it is told again after the margin was whole"
+    assert (events["kind"] == EventKind.MARGIN).sum() == 1, "it is reported again after the margin was whole"
 
 
 def _swings(stiffness: float, robot: Robot) -> tuple[bool, float]:

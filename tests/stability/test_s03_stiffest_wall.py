@@ -23,7 +23,7 @@ def test_rule_is_27_percent_too_high_for_a_light_device():
 
 
 def test_too_damped_a_wall_has_no_stable_stiffness():
-    """60 N s/m two ticks late on 0.1 kg: the damper shakes by itself, where the rule promises 26 kN/m."""
+    """60 N s/m two ticks late on 0.1 kg: the damper shakes on its own, where the rule promises 26 kN/m."""
     wall = Wall(mass=0.1, wall_damping=60.0, delay=2)
     assert rule_limit(wall) > 2e4
     assert not any(is_stable(wall, stiffness) for stiffness in (10.0, 1e3, 1e4))

@@ -25,7 +25,7 @@ def test_small_grid_agrees_with_the_eigenvalues():
     ("who", "minima"), [("typical", (0.33, 0.79, 1.21, 1.51)), ("stiff grip", (0.44, 1.05, 1.61, 2.00))]
 )
 def test_least_masses_behind_the_seeds_3_kg(who: str, minima: tuple[float, ...]):
-    """Servo of 60 Hz, delays of 0, 2, 5 and 10 ticks; the greatest is 2 kg and the seed asks for half as much again."""
+    """Servo of 60 Hz, delays of 0, 2, 5 and 10 ticks; the greatest is 2 kg and the seed requests half as much again."""
     for delay, minimum in zip((0, 2, 5, 10), minima, strict=True):
         simulated, exact = least_mass(Hold(ARMS[who], delay=delay))
         assert simulated == pytest.approx(exact, rel=0.01)
@@ -50,7 +50,7 @@ def test_too_light_a_mass_shakes_in_any_arm(mass: float, damping: float, stiffne
 
 
 def test_stiff_arm_is_unstable_with_any_mass_until_damped():
-    """2 kg, 10 N s/m, 3000 N/m, 10 ms late: no mass helps; virtual damping does, and less than the rule asks for."""
+    """2 kg, 10 N s/m, 3000 N/m, 10 ms late: no mass helps; virtual damping does, and less than the rule requests."""
     loop = Hold(ARMS["stiff, little damped"], delay=10)
     assert not any(is_stable(loop, mass) for mass in (0.1, 1.0, 3.0, 10.0, 50.0))
     simulated, exact = least_damping(loop)

@@ -63,7 +63,7 @@ def test_boundary_lies_where_the_rule_says(delay: int):
 
 
 def test_light_virtual_mass_is_unstable_in_a_hand():
-    """The slower the loop, the heavier the virtual mass must be (4.2.7 asks for at least 3 kg): 10 ms of delay here.
+    """The slower the loop, the heavier the virtual mass must be (4.2.7 requests at least 3 kg): 10 ms of delay here.
 
     0.5 kg shakes in the grip until the acceleration limit holds it, 1 and 3 kg do not.
     """
@@ -73,7 +73,7 @@ def test_light_virtual_mass_is_unstable_in_a_hand():
         bench.advance(2200)
         bench.publish(controller=Controller.ADMITTANCE, trial=1, virtual_mass=mass, virtual_damping=0.0)
         bench.publish(tunnel__pieces=0, max_acceleration=1e3, velocity_limit=50.0, workspace_margin=1.0)
-        bench.tell(active=1, trial=1)
+        bench.send(active=1, trial=1)
         change = np.diff(bench.advance(2000)["f_meas"], axis=0)
         shaking[mass] = float(np.sqrt(np.mean(change**2)))
     assert shaking[3.0] < 0.1 and shaking[1.0] < 0.1  # 0.024 N a tick: the person's own movement and sensor noise

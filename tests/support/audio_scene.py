@@ -30,7 +30,7 @@ def push(memory: SessionMemory, event: np.ndarray) -> bool:
 
 
 def push_forces(memory: SessionMemory, t_ns: int, forces: np.ndarray, body: int = 0) -> None:
-    """Forces [N] of the contact of `contact(t_ns, body=body)` in the ticks after its event, as the loop tells them."""
+    """Forces [N] of the contact of `contact(t_ns, body=body)` in the ticks after its event, as published."""
     row = np.zeros(1, CONTACT_FORCE)
     for k, force in enumerate(forces, 1):
         row["t_ns"], row["body_a"], row["body_b"], row["force"] = t_ns + k * 1_000_000, body, -1, force

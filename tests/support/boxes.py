@@ -19,7 +19,7 @@ def as_items(half: F8) -> DrawItems:
 
 
 def as_occluders(half: F8) -> Occluders:
-    """The same boxes, each filled by itself."""
+    """The same boxes, each filled on its own."""
     count = len(half)
     zeros = np.zeros((count, 3))
     numbers = np.arange(count, dtype=np.int32)

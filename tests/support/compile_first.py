@@ -43,6 +43,6 @@ def compile_first() -> None:
 
 
 def _import(name: str) -> None:
-    """What cannot be imported is pytest's to tell."""
+    """What cannot be imported is pytest's to report."""
     with suppress(Exception, pytest.skip.Exception):
         import_module(name)

@@ -1,4 +1,4 @@
-"""Where the vertices of a glTF file are at a time, worked out again: float64, plain loops, nothing of the product's."""
+"""Where the vertices of a glTF file are at a time, computed again: float64, plain loops, nothing of the product's."""
 
 from __future__ import annotations
 

@@ -126,10 +126,10 @@ class Bench:
         self.row_blocks[len(self.blocks)] = Rows(*(table.copy() for table in self.rows))
         self.engine.publish(self.scene, self.rows)
 
-    def tell(self, **values: Any) -> None:
+    def send(self, **values: Any) -> None:
         for name, value in values.items():
             self.inbox[0][name] = value
-        self.engine.tell(self.inbox)
+        self.engine.send(self.inbox)
 
     def advance(self, ticks: int) -> NDArray[Any]:
         """Run ticks on the virtual clock and return their samples."""

@@ -45,7 +45,7 @@ class MarketPlay:
     Attributes:
         result: As `task` of `mimics run --json`.
         rows: Trial rows.
-        kept: Fields of SAMPLE asked for, by name, every tick.
+        kept: Fields of SAMPLE requested, by name, every tick.
         heights: Of the apple, every frame [m].
     """
 

@@ -35,8 +35,8 @@ def objects(folder: Path, *entities: dict[str, Any], **parts: Any) -> SceneObjec
     return objects_of_scene(loaded(folder, *entities, **parts))
 
 
-def told(folder: Path, *entities: dict[str, Any], **parts: Any) -> list[str]:
-    """The faults `check` tells of such a scene, without the folder's name."""
+def reported(folder: Path, *entities: dict[str, Any], **parts: Any) -> list[str]:
+    """The faults `check` reports of such a scene, without the folder's name."""
     path = write(folder, scene(*entities, **parts))
     try:
         load_checked_scene(path)
@@ -95,4 +95,4 @@ def gltf_box(folder: Path, size: tuple[float, float, float], name: str = "box.gl
     return path
 
 
-__all__ = ["CUBE", "at", "gltf_box", "loaded", "objects", "thing", "told", "written"]
+__all__ = ["CUBE", "at", "gltf_box", "loaded", "objects", "reported", "thing", "written"]

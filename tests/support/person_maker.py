@@ -38,7 +38,7 @@ def person(
     Args:
         names: What bones are called; absent: as VRM 1.0 has it.
         scale: Of all lengths.
-        turns: Rotation in the model of some bones at rest (xyzw): their children's places are told in it.
+        turns: Rotation in the model of some bones at rest (xyzw): their children's places are given in it.
     """
     maker = GltfMaker()
     order = list(PLACES)

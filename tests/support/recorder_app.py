@@ -23,7 +23,7 @@ TICK, TRIALS, PID, CLOSED = range(4)
 
 
 def fake_samples(first_tick: int, count: int) -> np.ndarray:
-    """Rows that are different in every column that is recorded, and tell their tick."""
+    """Rows that are different in every column that is recorded, and show their tick."""
     samples = np.zeros(count, SAMPLE)
     ticks = np.arange(first_tick, first_tick + count, dtype=np.float64)
     rows = samples.view(np.float64).reshape(count, -1)

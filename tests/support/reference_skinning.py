@@ -1,4 +1,4 @@
-"""Skinning worked out again in float64, by matrices and by dual quaternions: what deformed people are judged by."""
+"""Skinning computed again in float64, by matrices and by dual quaternions: what deformed people are judged by."""
 
 from __future__ import annotations
 

@@ -126,7 +126,7 @@ def _push(
 
 
 def push(play: Play, start: Any, load: Any, tremor: Any, seconds: float, mass: float = 3.0, drag: float = 20.0) -> Any:
-    """Way [m], shape [ticks, 3], of a hand of `mass` [kg] on the point, from rest, under load and tremor [N]."""
+    """Distance [m], shape [ticks, 3], of a hand of `mass` [kg] on the point, from rest, under load and tremor [N]."""
     path = np.empty((round(seconds / play.dt), 3))
     moving = np.array([start, (0.0, 0.0, 0.0)], float)
     load, tremor = np.asarray(load, float), np.asarray(tremor, float)

@@ -33,12 +33,12 @@ def test_a_live_session_is_timed_stage_by_stage():
 def test_without_peers_the_reference_is_a_loop_of_this_run(monkeypatch):
     monkeypatch.delenv("PEERS", raising=False)
     monkeypatch.setattr(frame_bench, "_measure_apart", lambda scene, *_: {"scene": scene.stem})
-    told: list[str] = []
-    answer = frame_bench.measure_frames([Path("wavy_tunnel")], (64, 36), "egl", 1.0, told.append)
+    reported: list[str] = []
+    answer = frame_bench.measure_frames([Path("wavy_tunnel")], (64, 36), "egl", 1.0, reported.append)
     assert answer["reference"]["name"] == "reference loop" and answer["reference"]["ms"] > 0.0
     assert [row["asked"] for row in answer["scenes"]] == ["auto", "full"]
     assert len(answer["floor"]) == 4 and all(ms > 0.0 for ms in answer["floor"].values())
-    assert any("OGRE is not measured" in line for line in told)
+    assert any("OGRE is not measured" in line for line in reported)
 
 
 def test_all_shipped_scenes_are_measured_where_none_is_named():
@@ -62,8 +62,8 @@ def test_every_stage_has_a_budget_and_they_leave_a_frame_some_air():
 def test_the_page_of_the_budget_says_what_the_table_says():
     """Of each stage its line, and of the whole frame."""
     page = (root() / "docs" / "frame-budget.md").read_text()
-    told = {name: float(ms) for name, ms in re.findall(r"^\| ([a-z ]+) \| ([0-9.]+) \|", page, re.MULTILINE)}
-    assert told == {**BUDGET_MS, "all": round(sum(BUDGET_MS.values()), 1)}
+    reported = {name: float(ms) for name, ms in re.findall(r"^\| ([a-z ]+) \| ([0-9.]+) \|", page, re.MULTILINE)}
+    assert reported == {**BUDGET_MS, "all": round(sum(BUDGET_MS.values()), 1)}
 
 
 @pytest.fixture
@@ -93,11 +93,11 @@ def test_ogre_draws_what_we_draw_as_large(harness):
 @pytest.mark.parametrize(
     "program", ["raise SystemExit(3)", "print('nothing')", "print('RESULT 3')", "print('RESULT {}')"]
 )
-def test_what_ogre_does_not_tell_is_not_measured(harness, program):
+def test_what_ogre_does_not_say_is_not_measured(harness, program):
     harness(program)
-    told: list[str] = []
-    assert ogre.measure_ogre("city", (64, 36), told.append) is None
-    assert len(told) == 1 and "OGRE is not measured" in told[0]
+    reported: list[str] = []
+    assert ogre.measure_ogre("city", (64, 36), reported.append) is None
+    assert len(reported) == 1 and "OGRE is not measured" in reported[0]
 
 
 def test_a_scene_that_is_not_there_is_refused():

@@ -25,7 +25,7 @@ GROUPS = (TICK_GROUP, "bounding geometry", "resting bodies")
 
 TICKS = 1000
 SETTLED = 15_000
-"""Ticks after which the bodies of these scenes are at rest, as `explain` tells them."""
+"""Ticks after which the bodies of these scenes are at rest, as `explain` gives them."""
 
 ROUNDS = 8
 """Parts and wholes by turns; of each the shortest stands: what else runs on the machine only adds."""
@@ -83,8 +83,8 @@ def test_the_parts_add_up_to_the_measured_tick(name: str):
     table, wholes = measured()
     scene = load_checked_scene(root() / "scenes" / f"{name}.json")
     parts = explain_plan(scene, plan_scene(scene, "training", table))["parts"]
-    told = [part["tick_us"] for part in parts if part["tick_us"] is not None]
-    assert sum(told) / wholes[name] == pytest.approx(1.0, rel=0.3), (told, wholes[name])
+    reported = [part["tick_us"] for part in parts if part["tick_us"] is not None]
+    assert sum(reported) / wholes[name] == pytest.approx(1.0, rel=0.3), (reported, wholes[name])
 
 
 @pytest.mark.parametrize(("name", "more"), [(SCENES[1], 2), (SCENES[2], 1), (SCENES[3], 2)])

@@ -1,4 +1,4 @@
-"""What a frame asks of the interpreter does not grow with what a kernel or the driver can do by itself."""
+"""What a frame asks of the interpreter does not grow with what a kernel or the driver can do on its own."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ def measure_heard(seconds: float, period: int = 128, mixer: str = "openal", boun
 
     What the machine held back for 100 ms is not played, on purpose, and counted; such a round is measured again. So is
     one in which a stall of the whole machine cut a sound short, which no precedence among processes prevents: a mixer
-    that loses sounds by itself does so in every round.
+    that loses sounds on its own does so in every round.
     """
     result: dict[str, Any] = {}
     for seed in range(ROUNDS):

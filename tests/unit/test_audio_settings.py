@@ -46,7 +46,7 @@ def test_scene_sounds_become_settings():
     assert settings.sink == "null"
 
 
-def test_every_fault_of_a_scenes_sounds_is_told_at_once():
+def test_every_fault_of_a_scenes_sounds_is_reported_at_once():
     with pytest.raises(SceneError) as caught:
         from_scene(
             [

@@ -241,7 +241,7 @@ def test_a_tap_is_felt_at_its_time_through_a_serial_line() -> None:
     assert drive.answered == [7, 8]
     assert [command.channel for _, command in box.taps] == [0, 1]
     assert [command.strength for _, command in box.taps] == [128, 255]
-    # The order was given in time: what the box was told is within the wire's resolution of the schedule.
+    # The order was given in time: what the box got is within the wire's resolution of the schedule.
     for line in lines[:2]:
         assert line["error_ms"] == pytest.approx(0.0, abs=1e-3) or line["commanded_ns"] > line["scheduled_ns"] - 2 * MS
     assert "knee" in lines[2]["problem"]

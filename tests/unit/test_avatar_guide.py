@@ -76,12 +76,12 @@ def test_the_example_draws_the_clip(tmp_path: Path, model: Path) -> None:
     assert len({path.read_bytes() for path in files}) == 3
 
 
-def test_the_command_tells_what_it_took_for_what(
+def test_the_command_says_what_it_took_for_what(
     model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["avatar", "import", str(model), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["command"] == "avatar" and told["bones"]["leftHand"] == "leftHand" and told["missing"] == []
+    reported = json.loads(capsys.readouterr().out)
+    assert reported["command"] == "avatar" and reported["bones"]["leftHand"] == "leftHand" and reported["missing"] == []
     maker = person({"head": "skull"})
     other = write_gltf(tmp_path / "other.gltf", maker.document())
     assert main(["avatar", "import", str(other)]) == 3

@@ -32,6 +32,6 @@ def test_the_synthetic_board_sends_body_signals() -> None:
         source.close()
 
 
-def test_a_board_that_is_not_known_is_told() -> None:
+def test_a_board_that_is_not_known_is_reported() -> None:
     with pytest.raises(UsageError, match="knows no board"):
         open_source("board:NO_SUCH_BOARD", 1)

@@ -89,7 +89,7 @@ def test_a_lost_electrode_is_no_heart_beat(two_minutes: Any) -> None:
     assert f1([t for t in truth.beats if t > 63.0], [e.t_s for e in events if e.t_s > 63.0], 0.05) > 0.95
 
 
-def test_a_flat_and_a_saturated_signal_are_told() -> None:
+def test_a_flat_and_a_saturated_signal_are_reported() -> None:
     flat = Ecg(1000.0)
     feed(flat, np.zeros(5000), 20)
     assert flat.found.quality == 0.0

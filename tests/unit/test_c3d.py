@@ -1,4 +1,4 @@
-"""Optical motion capture from C3D files: markers become bones of a model; what is guessed and missing is told."""
+"""Optical motion capture from C3D files: markers become bones of a model; what is guessed and missing is reported."""
 
 from __future__ import annotations
 
@@ -165,8 +165,8 @@ def test_the_viewer_plays_what_was_recorded(tmp_path: Path, capsys: pytest.Captu
     model, take = write_person(tmp_path / "person.gltf"), _write(tmp_path / "take.c3d", _recorded())
     out = tmp_path / "out.npz"
     assert main(["view", str(model), "--motion", str(take), "--at", "0.08", "--vertices", str(out), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["clips"] == ["take"] and any("scaled by" in note for note in told["notes"])
+    reported = json.loads(capsys.readouterr().out)
+    assert reported["clips"] == ["take"] and any("scaled by" in note for note in reported["notes"])
     posed = _posed({"leftUpperArm": turn("z", 70), "hips": turn("y", 30)}, np.array([0.0, 0.0, 0.4]))
     near = np.linalg.norm(np.load(out)["positions"] - posed["leftHand"], axis=1).min()
     assert near < 0.031  # its vertices are 3 cm from the joints

@@ -1,4 +1,4 @@
-"""The loop follows the contacts that its events tell of, and tells the sound their force in every tick after them."""
+"""The loop follows the contacts that its events name, and sends the sound their force in every tick after them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MS = 1_000_000
 
 
 class Loop:
-    """What the loop leaves behind after a tick, set by hand, and the ring that it tells forces into."""
+    """What the loop leaves behind after a tick, set by hand, and the ring that it publishes forces into."""
 
     def __init__(self) -> None:
         objects = ObjectCapacities()
@@ -29,15 +29,15 @@ class Loop:
         self.tick = 0
 
     def step(self) -> np.ndarray:
-        """One tick; what was told in it."""
+        """One tick; what was published in it."""
         self.tick += 1
         publish_forces(channels_of(self.memory), self.work, self.counts[0], self.tick * MS)
         out = np.zeros(64, CONTACT_FORCE)
-        told = out[: ring.drain(self.memory.audio_force_words, self.memory.audio_forces, out)]
+        raised = out[: ring.drain(self.memory.audio_force_words, self.memory.audio_forces, out)]
         self.work.state[0]["contact_change"] = CONTACT_UNCHANGED
         self.work.objects.touches["change"] = CONTACT_UNCHANGED
         self.work.objects.totals[0]["impact"] = 0.0
-        return told
+        return raised
 
 
 def test_a_touched_body_is_followed_for_a_quarter_of_a_second():
@@ -62,9 +62,9 @@ def test_wall_tunnel_and_two_bodies_have_their_own_force():
         pair["body_a"], pair["body_b"], pair["force"], pair["touching"] = a, b, force, touching
     loop.step()
     totals["shape_force"], totals["static_touching"] = (0.0, 1.5, 0.0), 1
-    loop.work.state[0]["told"]["force_tnb"] = (0.0, 0.0, 0.25)
-    told = {(int(row["body_a"]), int(row["body_b"])): float(row["force"]) for row in loop.step()}
-    assert told == {(0, -1): pytest.approx(1.75), (2, -1): pytest.approx(2.5)}
+    loop.work.state[0]["own_tunnel"]["force_tnb"] = (0.0, 0.0, 0.25)
+    raised = {(int(row["body_a"]), int(row["body_b"])): float(row["force"]) for row in loop.step()}
+    assert raised == {(0, -1): pytest.approx(1.75), (2, -1): pytest.approx(2.5)}
 
 
 def test_of_too_many_contacts_the_newest_are_followed_and_one_that_begins_again_anew():

@@ -138,7 +138,7 @@ def test_what_cannot_be_is_said_by_name_and_drawn_as_near_to_it_as_can_be() -> N
     assert [fault for fault in cord.faults if "bend" in fault]
     assert len(cord.take_faults()) == 2
     cord.tap(0.5, 0.0, 0.0, 0.9)
-    assert cord.take_faults() == []  # told already
+    assert cord.take_faults() == []  # reported already
 
 
 def test_eight_taps_at_once_and_the_oldest_gives_way() -> None:

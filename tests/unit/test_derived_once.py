@@ -1,4 +1,4 @@
-"""What is worked out of a scene is worked out once a load, and handed on; also where the file is saved again."""
+"""What is computed of a scene is computed once a load, and handed on; also where the file is saved again."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SCENES = root() / "scenes"
 
 @pytest.fixture
 def made(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
-    """What was worked out, in order."""
+    """What was computed, in order."""
     names: list[str] = []
 
     def counted(module: Any, name: str) -> None:

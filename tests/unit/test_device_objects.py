@@ -51,7 +51,7 @@ def test_a_box_turned_by_a_right_angle_keeps_its_edges():
 
 
 @pytest.mark.parametrize(
-    ("kind", "values", "told"),
+    ("kind", "values", "reported"),
     [
         (ShapeKind.BOX, {"body": 0}, "it moves"),
         (ShapeKind.BOX, {"law": ForceLaw.HUNT_CROSSLEY}, "not a spring and damper"),
@@ -61,8 +61,8 @@ def test_a_box_turned_by_a_right_angle_keeps_its_edges():
         (ShapeKind.MESH, {}, "knows no mesh"),
     ],
 )
-def test_what_the_machine_cannot_make_is_left_out_with_the_reason(kind: ShapeKind, values: dict, told: str):
-    assert told in _made(_row(kind, **values))
+def test_what_the_machine_cannot_make_is_left_out_with_the_reason(kind: ShapeKind, values: dict, reported: str):
+    assert reported in _made(_row(kind, **values))
 
 
 def test_disabled_walls_are_not_made():

@@ -22,7 +22,7 @@ from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.world.components.robot import Robot
 
 
-def test_check_tells_each_finding_and_the_exit_code(capsys):
+def test_check_says_each_finding_and_the_exit_code(capsys):
     assert main(["devices", "check", "pointer", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     assert answer["passed"] and len(answer["checks"]) >= 25
@@ -42,7 +42,7 @@ def stdin(monkeypatch: pytest.MonkeyPatch):
         yield orders
 
 
-def test_an_emulator_serves_until_it_is_told_to_quit_and_takes_orders(stdin, capsys):
+def test_an_emulator_serves_until_it_is_reported_to_quit_and_takes_orders(stdin, capsys):
     with open_emulator("serial", EmulatorSettings()) as emulator:
         assert Path(emulator.address).is_symlink()
         thread = threading.Thread(target=serve, args=(emulator, None))
@@ -116,18 +116,18 @@ def test_a_headless_run_on_a_robot_with_a_time_of_its_own_is_live(stdin, tmp_pat
         finally:
             stdin.write("quit\n")
             thread.join(60.0)
-    told = capsys.readouterr()
-    answer = json.loads(told.out)
+    printed = capsys.readouterr()
+    answer = json.loads(printed.out)
     assert code == 5 and answer["safety"]["state"] == "SAFE_STOP"
     # The emulator shares this process: where that stalls for 20 ms, it stops for stale data before it is unplugged.
     assert answer["safety"]["stops"] == 1 and answer["safety"]["cause"] in ("DEVICE_FAULT", "STALE_DEVICE")
     if answer["safety"]["cause"] == "DEVICE_FAULT":
-        assert "safety stop: the device reports a fault, or is gone; look at" in told.err
+        assert "safety stop: the device reports a fault, or is gone; look at" in printed.err
     assert answer["recipe"] != "virtual"
     samples = Run.open(Path(answer["run_dir"])).haptic
     assert np.count_nonzero(samples["status"] == DeviceStatus.FAULT) > 200
     assert np.array_equal(samples["tick"], np.arange(len(samples)))
-    assert "is gone: no force" in told.err
+    assert "is gone: no force" in printed.err
     events = (Path(answer["run_dir"]) / "events.jsonl").read_text(encoding="utf-8")
     assert '"kind":"device"' in events
     assert main(["replay", answer["run_dir"]]) == 0

@@ -135,8 +135,8 @@ def test_a_wall_that_cannot_be_seen_well_says_so_and_keeps_a_finite_picture(
     for _ in range(2):
         view = view_of(display.eyes(Viewpoint(np.eye(4), FOV), (900, 300), 0)[0])
         assert np.isfinite(view.clip_from_world).all()
-    told = display.take_faults()
-    assert [line for line in told if "front" in line and what in line]
+    reported = display.take_faults()
+    assert [line for line in reported if "front" in line and what in line]
     assert display.take_faults() == []
 
 

@@ -74,12 +74,12 @@ def test_starts_goals_and_touches_set_off_what_waits_for_them(tmp_path):
     touches["kind"], touches["position_world"] = kinds, (1.0, 2.0, 3.0)
     touches["position_world"][3] = np.nan  # a wall has no place where one lets go of it
     states = ("ready", "travel", "travel", "finished", "finished", "ready")
-    told = []
+    reported = []
     for frame, state in enumerate(states):
         seen = len(world.effects.bursts)
         cues.step(TaskOrders(view=TaskView(TrialState(state))), touches if frame == 2 else NONE, frame * 100_000_000)
-        told.append([names[burst.emitter] for burst in world.effects.bursts[seen:]])
-    assert told == [[], ["start"], ["contact", "impact", "contact_end"], ["goal"], [], []]
+        reported.append([names[burst.emitter] for burst in world.effects.bursts[seen:]])
+    assert reported == [[], ["start"], ["contact", "impact", "contact_end"], ["goal"], [], []]
     assert world.effects.time == pytest.approx(0.5)
     place = {names[burst.emitter]: burst.world_from_emitter[:3, 3].tolist() for burst in world.effects.bursts}
     assert place["impact"] == [1.0, 2.0, 3.0] and place["contact_end"] == [0.0, 0.0, 0.0]

@@ -79,7 +79,7 @@ def test_each_picture_is_seen_as_long_as_it_was(tmp_path, ffmpeg, live):
     assert f"-video_size {SIZE[0]}x{SIZE[1]} -framerate 60" in arguments and "vflip" in arguments
 
 
-def test_without_ffmpeg_frames_are_files_and_it_is_told(tmp_path, monkeypatch, capsys):
+def test_without_ffmpeg_frames_are_files_and_it_is_reported(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("PATH", str(tmp_path))
     film = shoot(tmp_path / "sub" / "out.mp4", [0.0, 1 / 60, 3 / 60])
     assert sorted(file.name for file in film.place.iterdir()) == [f"frame_{n:06d}.png" for n in (0, 1, 3)]
@@ -94,7 +94,7 @@ def test_a_folder_is_asked_for_without_a_word(tmp_path, capsys):
     assert capsys.readouterr().err == ""
 
 
-def test_an_ffmpeg_that_gives_up_is_told_in_its_own_words(tmp_path, ffmpeg, capsys):
+def test_an_ffmpeg_that_gives_up_is_reported_in_its_own_words(tmp_path, ffmpeg, capsys):
     ffmpeg(_BROKEN)
     film = shoot(tmp_path / "out.mp4", [n / 60 for n in range(200)])
     assert film.problem == "ffmpeg gave up: Unknown encoder"
@@ -102,7 +102,7 @@ def test_an_ffmpeg_that_gives_up_is_told_in_its_own_words(tmp_path, ffmpeg, caps
 
 
 def test_a_live_film_drops_what_the_thread_cannot_take_and_counts_it(tmp_path, capsys):
-    """The thread stands still: sixteen pictures wait, two are in the driver, the rest is dropped, nobody blocks."""
+    """The thread does not run: sixteen pictures wait, two are in the driver, the rest is dropped, nobody blocks."""
     gate = threading.Event()
     with create_surface("egl", SIZE) as surface:
         film = Film(surface, tmp_path / "frames", live=True)

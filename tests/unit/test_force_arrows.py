@@ -85,6 +85,6 @@ def test_keys_put_layers_on_and_off_and_repeats_do_nothing():
     class Untouched:
         @property
         def overlay(self):
-            raise AssertionError("made though nobody asked for it")
+            raise AssertionError("made though nobody requested it")
 
     toggle_overlay(Untouched(), [InputEvent("key", "f7", True), InputEvent("move")])

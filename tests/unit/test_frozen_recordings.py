@@ -76,8 +76,8 @@ def test_frozen_recording_is_reported_and_recovered(folder: Path, tmp_path: Path
 def test_frozen_recording_is_replayed_where_its_inputs_suffice(capsys: pytest.CaptureFixture[str]) -> None:
     """The newest of the three: what it does not know yet is as it was without. The others say what they lack."""
     assert main(["replay", str(FROZEN[0])]) == 0
-    told = capsys.readouterr().out
-    assert "300 ticks replayed, every output and 7 events equal" in told and "its task is not compared" in told
+    printed = capsys.readouterr().out
+    assert "300 ticks replayed, every output and 7 events equal" in printed and "its task is not compared" in printed
     for folder in FROZEN[1:]:
         if folder.name == "run_0_1_0_block":  # its tunnel stands in the blocks: simulated again below
             continue

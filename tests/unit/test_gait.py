@@ -1,4 +1,4 @@
-"""Walking: feet that stand do not slip, toes stay above the ground, joints bend as published, corrections are told."""
+"""Walking: feet that stand do not slip, toes stay above the ground, joints bend as published, corrections are kept."""
 
 from __future__ import annotations
 
@@ -173,10 +173,10 @@ def test_the_way_is_that_of_the_speed_and_the_step(animator: Animator, pace: Pac
     starts = [k for k in range(1, len(heel)) if np.isfinite(heel[k]) and not np.isfinite(heel[k - 1])]
     strides = np.diff(heel[starts])
     assert np.allclose(strides, 2.0 * pace.step, atol=2.5 * pace.speed * FRAME)
-    assert walk.gait.way == pytest.approx(pace.speed * FRAME)
+    assert walk.gait.advance == pytest.approx(pace.speed * FRAME)
 
 
-def test_given_angles_are_followed_and_the_correction_is_told(animator: Animator) -> None:
+def test_given_angles_are_followed_and_the_correction_is_reported(animator: Animator) -> None:
     """Angles of its own path come back unchanged; others by as much as the standing foot forbids."""
     pace = PACES[1]
     *_, angles = _walk(animator, pace, 4.0)
@@ -186,10 +186,10 @@ def test_given_angles_are_followed_and_the_correction_is_told(animator: Animator
     phases = (np.arange(len(angles) - frames, len(angles)) + 1) * FRAME / period % 1.0
     order = np.argsort(phases)
 
-    def told(phase: float) -> np.ndarray:
+    def reported(phase: float) -> np.ndarray:
         return np.array([np.interp(phase, phases[order], cycle[order, k], period=1.0) for k in range(4)])
 
-    (walk,), *_ = _walk(animator, pace, 4.0, angles=told)
+    (walk,), *_ = _walk(animator, pace, 4.0, angles=reported)
     assert np.degrees(walk.gait.correction) < 5.0
-    (walk,), *_ = _walk(animator, pace, 4.0, angles=lambda phase: told(phase) + np.radians(12.0))
+    (walk,), *_ = _walk(animator, pace, 4.0, angles=lambda phase: reported(phase) + np.radians(12.0))
     assert np.degrees(walk.gait.correction) > 5.0

@@ -82,7 +82,7 @@ def test_levels_are_read_back_by_the_world(tmp_path):
 
 
 def test_a_level_is_shown_where_its_error_is_a_pixel(tmp_path):
-    """At the coverage told the ball's radius is sqrt(c w h / pi) px; its error there, error / radius of that, is 1."""
+    """At its coverage the ball's radius is sqrt(c w h / pi) px; its error there, error / radius of that, is 1."""
     file, _ = write_ball(tmp_path)
     (levels,) = write_levels(file, tmp_path / "out.glb", (0.4, 0.1), pixels=1.0)
     for error, coverage in zip(levels.errors[1:], levels.coverages, strict=False):
@@ -98,7 +98,7 @@ def test_what_has_levels_is_left_alone_and_so_is_what_gets_no_smaller(tmp_path):
     assert load_model_world(tmp_path / "twice.glb").content.levels.column("count").tolist() == [4, 4]
 
 
-def test_the_command_writes_a_file_and_tells_its_levels(tmp_path, capsys):
+def test_the_command_writes_a_file_and_says_its_levels(tmp_path, capsys):
     assert main(["assets", "levels", str(STONE), "--out", str(tmp_path), "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     (mesh,) = answer["meshes"]

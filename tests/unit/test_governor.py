@@ -15,15 +15,15 @@ BUDGET = 16.7
 
 @dataclass
 class Step:
-    """A step that remembers what it was told."""
+    """A step that remembers what it was set to."""
 
     name: str
     order: int
     levels: tuple[str, ...]
-    told: list[int] = field(default_factory=list)
+    raised: list[int] = field(default_factory=list)
 
     def apply(self, level: int) -> None:
-        self.told.append(level)
+        self.raised.append(level)
 
 
 @dataclass
@@ -57,7 +57,7 @@ def _play(fixed=(), budget_ms: float = BUDGET) -> tuple[Play, dict[str, Step], l
 def test_a_fast_frame_loses_nothing():
     play, steps, lines = _play()
     play.run(20.0, 10.0)
-    assert not lines and all(not step.told for step in steps.values())
+    assert not lines and all(not step.raised for step in steps.values())
     assert play.governor.summary()["shares"] == {FULL: 1.0}
 
 
@@ -70,8 +70,8 @@ def test_steps_go_in_the_order_of_their_cost_to_the_eye():
         ("resolution scale", "0.5", "down"),
         ("shadows", "off", "down"),
     ]
-    told = [line["frame_ms"] for line in lines if line["kind"] == "governor"]
-    assert told == pytest.approx([40.0, 36.0, 32.4, 29.16])
+    raised = [line["frame_ms"] for line in lines if line["kind"] == "governor"]
+    assert raised == pytest.approx([40.0, 36.0, 32.4, 29.16])
     assert play.governor.state == "shadows off"
 
 
@@ -115,13 +115,13 @@ def test_quality_returns_after_three_seconds_with_room_and_not_before():
     play.run(4.0 * downs, 5.0)
     assert play.governor.state == FULL and len(lines) == 2 * downs
     assert [line["step"] for line in lines[downs:]] == [line["step"] for line in reversed(lines[:downs])]
-    assert steps["shadow size"].told == [1, 0]
+    assert steps["shadow size"].raised == [1, 0]
 
 
 def test_a_level_that_would_not_fit_above_is_kept():
     """20 ms full, 11 ms at 0.75: well under the budget, but full would be over it; no swing between the two."""
     play, steps, lines = _play(fixed=("shadow size", "shadows"))
-    play.run(60.0, lambda: 11.0 if steps["resolution scale"].told[-1:] == [1] else 20.0)
+    play.run(60.0, lambda: 11.0 if steps["resolution scale"].raised[-1:] == [1] else 20.0)
     assert len(lines) == 1 and play.governor.state == "resolution scale 0.75"
 
 
@@ -130,7 +130,7 @@ def test_a_lighter_scene_lets_it_return():
     load = 20.0
 
     def frame_ms() -> float:
-        return load * (0.55 if steps["resolution scale"].told[-1:] == [1] else 1.0)
+        return load * (0.55 if steps["resolution scale"].raised[-1:] == [1] else 1.0)
 
     play.run(10.0, frame_ms)
     load = 12.0
@@ -152,7 +152,7 @@ def test_a_cost_learnt_while_the_load_fell_is_doubted_in_time():
 def test_doubts_come_ever_more_rarely():
     """9 ms below, 18 ms above: each doubt is a second too slow; ten minutes hold five of them at most."""
     play, steps, lines = _play(fixed=("shadow size", "shadows"))
-    play.run(600.0, lambda: 9.0 if steps["resolution scale"].told[-1:] == [1] else 18.0)
+    play.run(600.0, lambda: 9.0 if steps["resolution scale"].raised[-1:] == [1] else 18.0)
     ups = [line for line in lines if line["way"] == "up"]
     assert 1 <= len(ups) <= 5 and play.governor.state == "resolution scale 0.75"
 
@@ -160,11 +160,11 @@ def test_doubts_come_ever_more_rarely():
 def test_what_a_study_fixed_is_never_touched():
     play, steps, lines = _play(fixed=("shadow size", "resolution scale", "shadows"))
     play.run(20.0, 60.0)
-    assert not lines and all(not step.told for step in steps.values())
+    assert not lines and all(not step.raised for step in steps.values())
     assert play.governor.summary()["steps"] == []
     play, steps, lines = _play(fixed=("resolution scale",))
     play.run(20.0, 60.0)
-    assert {line["step"] for line in lines} == {"shadow size", "shadows"} and not steps["resolution scale"].told
+    assert {line["step"] for line in lines} == {"shadow size", "shadows"} and not steps["resolution scale"].raised
 
 
 def test_shares_count_every_frame_once():
@@ -182,7 +182,7 @@ def test_shares_count_every_frame_once():
 
 def _costs(steps: dict[str, Step], full_ms: float, saving: float) -> float:
     """What a frame takes: every level given up saves the same share of it."""
-    return full_ms * saving ** sum(step.told[-1] if step.told else 0 for step in steps.values())
+    return full_ms * saving ** sum(step.raised[-1] if step.raised else 0 for step in steps.values())
 
 
 def test_a_run_starts_from_a_quality_it_can_hold():
@@ -198,7 +198,7 @@ def test_a_run_starts_from_a_quality_it_can_hold():
 def test_a_light_scene_starts_in_full():
     play, steps, lines = _play()
     play.governor.settle(lambda: 15.0)
-    assert not lines and play.governor.state == FULL and all(not step.told for step in steps.values())
+    assert not lines and play.governor.state == FULL and all(not step.raised for step in steps.values())
 
 
 def test_what_was_held_is_where_the_next_run_starts(tmp_path):
@@ -221,7 +221,7 @@ def test_what_other_levels_held_is_passed_over():
     other, _, _ = _play()
     other.run(5.0, 40.0)
     assert not play.governor.start_from(other.governor.held)
-    assert not lines and all(not step.told for step in steps.values())
+    assert not lines and all(not step.raised for step in steps.values())
 
 
 @pytest.mark.parametrize("damage", [b"", b"{", b"[1]", b'{"tunnel": {"steps": 3}}', b"\xff\xfe"])
@@ -247,11 +247,11 @@ def test_a_last_level_that_buys_nothing_is_given_back_and_left_alone():
         play, steps, lines = _play()
 
         def frame_ms(steps: dict[str, Step] = steps) -> float:
-            return 60.0 * math.prod(cost[name][step.told[-1] if step.told else 0] for name, step in steps.items())
+            return 60.0 * math.prod(cost[name][step.raised[-1] if step.raised else 0] for name, step in steps.items())
 
         if early:
             play.governor.settle(frame_ms)
         play.run(30.0, frame_ms)
         assert play.governor.given_up == ["shadow size 256", "resolution scale 0.75", "resolution scale 0.5"]
-        assert steps["shadows"].told == [1, 0]
+        assert steps["shadows"].raised == [1, 0]
         assert [line["level"] for line in lines if line["step"] == "shadows"] == ["off", "on"]

@@ -50,17 +50,17 @@ def test_scene_is_right_after_every_piece(tmp_path):
 
 
 @pytest.mark.parametrize("i", [i for i, piece in enumerate(PIECES) if piece.purpose == "fault"])
-def test_fault_is_told_in_the_words_of_the_guide(tmp_path, i):
+def test_fault_is_reported_in_the_words_of_the_guide(tmp_path, i):
     whole = written_scene()
     whole["entities"].append(json.loads(PIECES[i].text))
-    told = PIECES[i + 1]
-    assert (told.language, told.purpose) == ("text", "")
+    reported = PIECES[i + 1]
+    assert (reported.language, reported.purpose) == ("text", "")
     with pytest.raises(SceneError) as caught:
         load_checked_scene(write(tmp_path, whole))
     own = [
         issue for issue in caught.value.issues if issue.pointer.startswith(f"/entities/{len(whole['entities']) - 1}/")
     ]
-    assert [f"{issue.what}; {issue.fix}" for issue in own] == [told.text.strip()]
+    assert [f"{issue.what}; {issue.fix}" for issue in own] == [reported.text.strip()]
 
 
 def test_force_of_your_own_is_the_force_it_says(field):

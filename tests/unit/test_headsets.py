@@ -88,7 +88,7 @@ def test_a_dropped_frame_is_shown_one_later_and_poses_are_for_then(tmp_path: Pat
     assert all(display_ns == located for display_ns, (located, _) in shown.items())
     assert [late for _, _, late in runtime.shown] == [frame == 4 for frame in range(8)]
     assert runtime.shown[4][0] == 6 * period
-    # Motion to display: the pose is that of the moment it is seen, not of when it was asked for.
+    # Motion to display: the pose is that of the moment it is seen, not of when it was requested.
     eyes = runtime.locate(30 * period)
     middle = 0.5 * (eyes[0].rest_from_eye[:3, 3] + eyes[1].rest_from_eye[:3, 3])
     assert middle[0] == pytest.approx(30 * period * 1e-9, abs=1e-9)

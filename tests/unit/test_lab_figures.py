@@ -49,13 +49,13 @@ def chart():
     return draw_chart(MeasuredGroup(group, 0.5, rows, {"absent": "no device"}))
 
 
-def outcome(simulated: float = 1.0, *, passed: bool = True) -> tuple[Experiment, Outcome]:
+def outcome(simulated: float = 1.0) -> tuple[Experiment, Outcome]:
     points = [(0.1, 2.0 * simulated), (1.0, 20.0 * simulated), (0.1, 3.0), (1.0, 30.0)]
     exact = [(0.1, 2.0), (1.0, 20.0), (0.1, 3.0), (1.0, 30.0)]
     rows = [{"rate_Hz": 60.0, "stable": True, "limit": None}, {"rate_Hz": 1000.0, "stable": False, "limit": 2.0}]
-    found = Outcome(rows, points, exact, {"a < b": exact[:2]}, abs(simulated - 1.0), passed, "What is to be seen.")
+    found = Outcome(rows, points, exact, {"a < b": exact[:2]}, abs(simulated - 1.0), note="What is to be seen.")
     made = Experiment("S99", "planted", "Claims.", "x", "y", "boundary", lambda _: found, 0.02, log_x=True, log_y=True)
-    return made, found
+    return made, made.run(4)
 
 
 def _read(folder: Path, stem: str) -> dict:
@@ -110,9 +110,9 @@ def test_curves_that_follow_or_take_turns_are_not_joined():
         assert len(re.findall(r'<path class="line s2 dashed"', svg)) == 2
 
 
-def test_caption_tells_the_disagreement_and_whether_it_is_allowed():
+def test_caption_says_the_disagreement_and_whether_it_is_allowed():
     assert "within the 2 % allowed" in draw_outcome(*outcome(1.01), 4).svg
-    assert "OUTSIDE" in draw_outcome(*outcome(1.5, passed=False), 4).svg
+    assert "OUTSIDE" in draw_outcome(*outcome(1.5), 4).svg
 
 
 def test_gallery_shows_every_figure_and_fetches_nothing(chart, tmp_path):
@@ -200,7 +200,7 @@ def test_a_word_beside_a_point_is_held_on_the_side_of_the_point():
         assert f'text-anchor="{anchor}">a long name' in panel.svg()
 
 
-def test_methods_without_any_error_stand_on_one_line_and_frames_are_told_in_milliseconds():
+def test_methods_without_any_error_stand_on_one_line_and_frames_are_reported_in_milliseconds():
     rows = [row("off", 20_000.0, 0.0), row("all", 11_000.0, 0.0, default=True)]
     drawing = draw_chart(MeasuredGroup(Group("g", "w", "m", "", lambda: 0.5), 0.5, rows)).svg
     assert "error [m]: none has any" in drawing and "(error 0)" not in drawing
@@ -232,7 +232,7 @@ def test_disagreement_is_by_the_exact_value_at_the_same_place():
 
 
 def _planted_catalogue(monkeypatch, *, passed: bool) -> None:
-    experiment, _ = outcome(1.0 if passed else 1.5, passed=passed)
+    experiment, _ = outcome(1.0 if passed else 1.5)
     module = ModuleType("mimics_app.lab.stability.s99_planted")
     vars(module)["EXPERIMENT"] = experiment
     monkeypatch.setitem(sys.modules, module.__name__, module)

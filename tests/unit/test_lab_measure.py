@@ -80,7 +80,7 @@ def test_a_method_that_is_lost_in_a_later_round_keeps_its_first():
     assert [(row.method.name, row.cost_us) for row in rows] == [("a", 3.0), ("b", 2.0)]
 
 
-def test_costs_are_told_against_the_reference_loop_beside_them():
+def test_costs_are_reported_against_the_reference_loop_beside_them():
     references = iter([2.0, 1.0, 4.0])  # before the first, between, after the last
     registry = Registry()
     registry.describe(Group(GROUP, "adding numbers", "m", "", lambda: next(references)))

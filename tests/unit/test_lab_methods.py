@@ -39,9 +39,9 @@ def test_what_a_rival_sets_is_plain_json_and_no_two_of_a_group_set_the_same():
         assert runnable and registry.default(group).runnable, group
         for method in runnable:
             assert json.loads(json.dumps(method.settings)) == method.settings
-        told = [json.dumps(method.settings, sort_keys=True) for method in runnable]
+        raised = [json.dumps(method.settings, sort_keys=True) for method in runnable]
         if group not in ("model reading", "bounding geometry"):  # kinds of files; meshes of two sizes
-            assert len(told) == len(set(told)), group
+            assert len(raised) == len(set(raised)), group
 
 
 def test_no_method_carries_a_function_that_nobody_calls():
@@ -63,9 +63,9 @@ def test_the_false_force_of_a_form_is_that_of_the_loops_own_tick():
 
 
 def test_a_group_that_is_not_there_is_named_with_the_nearest_one():
-    with pytest.raises(UsageError) as told:
+    with pytest.raises(UsageError) as raised:
         load_methods(["tunel projection"])
-    assert "tunnel projection" in told.value.fix
+    assert "tunnel projection" in raised.value.fix
 
 
 def test_all_fifteen_experiments_are_listed_and_each_knows_its_own_name():

@@ -151,7 +151,7 @@ def test_a_goal_that_cannot_be_is_refused(words: str) -> None:
         build_goal(words)
 
 
-def test_a_policy_that_is_not_there_is_told_with_the_nearest() -> None:
+def test_a_policy_that_is_not_there_is_reported_with_the_nearest() -> None:
     with pytest.raises(UsageError, match="kalman"):
         build_policy("kalmann")
     assert set(POLICIES) >= EXPLORERS

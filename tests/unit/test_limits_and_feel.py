@@ -1,4 +1,4 @@
-"""One truth for the parameters of the loop: defaults of the components, limits that nothing names, told as they ran."""
+"""One truth for the parameters of the loop: component defaults, limits that nothing names, shown as they ran."""
 
 from __future__ import annotations
 
@@ -111,11 +111,11 @@ def test_the_header_states_the_limits_that_run(scene: str):
     """The first has no `safety`: it ran 60 N, 2,000 N/s and 1.5 m/s, and stated 80 N, 20,000 N/s and 1.2 m/s."""
     parts = prepare(RunSettings(root() / f"scenes/{scene}.json"), live=False)
     parts.parameter_store.fit({**device_values(parts.plugin, parts.scene), "passivity": 0, "force_limit": 41.0})
-    told = describe_session(parts)["safety"]
+    reported = describe_session(parts)["safety"]
     record = parts.parameter_store.block[0]
     for name in ("force_limit", "force_rate_limit", "velocity_limit", "power_limit", "energy_limit", "arm_damping"):
-        assert told[name] == record[name], name
-    assert (told["force_limit"], told["passivity"], told["late_latches"]) == (41.0, False, False)
+        assert reported[name] == record[name], name
+    assert (reported["force_limit"], reported["passivity"], reported["late_latches"]) == (41.0, False, False)
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ def scores() -> dict[str, StateScore]:
     return state_study(shipped_people())
 
 
-def test_people_of_unseen_families_are_told(scores: dict[str, StateScore]) -> None:
+def test_people_of_unseen_families_are_reported(scores: dict[str, StateScore]) -> None:
     """Goals: three quarters right, five points more by following the person, ten more than every baseline."""
     fixed, adaptive = scores["fixed"].share, scores["adaptive"].share
     assert fixed >= 0.75
@@ -48,7 +48,7 @@ def test_the_default_is_the_best_that_a_session_can_run(scores: dict[str, StateS
     assert scores["adaptive, not asked"].share >= scores["fixed"].share + 0.05
 
 
-def test_no_leak_bodies_that_answer_to_something_else_are_told_by_chance() -> None:
+def test_no_leak_bodies_that_answer_to_something_else_are_reported_by_chance() -> None:
     """The classes of every person's trials are dealt anew: 480 trials, chance a third, 4 standard deviations 8.6 %."""
     people, rng = shipped_people(), np.random.default_rng(3)
     dealt = np.array([rng.permutation(classes) for classes in people.classes])
@@ -192,9 +192,9 @@ def test_the_shipped_people_are_what_the_simulation_gives() -> None:
 
 def test_the_same_people_come_to_every_policy_and_the_load_changes_what_follows() -> None:
     """The first demand is given; a policy that sees signals has their chance apart from that of the trials."""
-    told = {name: loop_study(name, n=1, trials=3).regret for name in ("kalman", "kalman_performance", "staircase")}
-    assert len({regret[0, 0] for regret in told.values()}) == 1
-    assert told["kalman"][0, 2] != told["kalman_performance"][0, 2]
+    reported = {name: loop_study(name, n=1, trials=3).regret for name in ("kalman", "kalman_performance", "staircase")}
+    assert len({regret[0, 0] for regret in reported.values()}) == 1
+    assert reported["kalman"][0, 2] != reported["kalman_performance"][0, 2]
 
 
 @pytest.mark.slow

@@ -166,7 +166,7 @@ def test_a_scene_says_what_its_models_do(tmp_path: Path) -> None:
         ({"transitions": [{"to": "x", "on": "goal"}]}, "/transitions/0/to", 'no state "x"'),
     ],
 )
-def test_what_a_scene_says_wrongly_is_told_with_its_place(
+def test_what_a_scene_says_wrongly_is_reported_with_its_place(
     tmp_path: Path, animation: Any, pointer: str, what: str
 ) -> None:
     with pytest.raises(SceneError) as refused:

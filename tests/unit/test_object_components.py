@@ -1,4 +1,4 @@
-"""Components of haptic objects: every fault is told with its pointer and what to do."""
+"""Components of haptic objects: every fault is reported with its pointer and what to do."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import pytest
 
 from mimics_app.world.components.registry import component_types
 from mimics_app.world.scene.schema import scene_schema
-from tests.support.object_scenes import CUBE, at, gltf_box, thing, told
+from tests.support.object_scenes import CUBE, at, gltf_box, reported, thing
 
 BALL = thing("ball_a", haptic_object={"shapes": [{"shape": "sphere", "radius": 0.05}]})
 PLACE = "scene.json#/entities/0/components/"
 
 
 def faulty(folder: Path, **component: object) -> list[str]:
-    return told(folder, thing("a", **component))
+    return reported(folder, thing("a", **component))
 
 
 @pytest.mark.parametrize(
@@ -127,7 +127,7 @@ def faulty(folder: Path, **component: object) -> list[str]:
         ("connections", {"wires": []}, "/wires", ""),
     ],
 )
-def test_fault_is_told_where_it_stands(tmp_path, component, values, pointer, says):
+def test_fault_is_reported_where_it_stands(tmp_path, component, values, pointer, says):
     lines = faulty(tmp_path, **{component: values})
     assert any(line.startswith(f"{PLACE}{component}{pointer}: ") and says in line for line in lines), lines
 
@@ -147,8 +147,8 @@ def test_fault_is_told_where_it_stands(tmp_path, component, values, pointer, say
         ({"from": "p_rob", "to": "ball_a.F_aux", "gain": [[1, 0, 0], [0, -1e7, 0], [0, 0, 1]]}, "gain", "1e+06"),
     ],
 )
-def test_wire_to_nowhere_is_told(tmp_path, wire, pointer, says):
-    lines = told(tmp_path, BALL, thing("wiring", connections={"wires": [wire]}))
+def test_wire_to_nowhere_is_reported(tmp_path, wire, pointer, says):
+    lines = reported(tmp_path, BALL, thing("wiring", connections={"wires": [wire]}))
     assert len(lines) == 1
     assert lines[0].startswith(f"scene.json#/entities/1/components/connections/wires/0/{pointer}: ")
     assert says in lines[0]
@@ -157,31 +157,31 @@ def test_wire_to_nowhere_is_told(tmp_path, wire, pointer, says):
 def test_body_too_light_for_what_it_meets_is_refused_with_the_formula(tmp_path):
     walls = thing("room", haptic_walls={"size": [1, 1, 1], "stiffness": 2000.0})
     light = thing("a", haptic_object={"shapes": [CUBE], "mass": 0.001})
-    lines = told(tmp_path, light, walls)
+    lines = reported(tmp_path, light, walls)
     assert len(lines) == 1
     assert lines[0].startswith("scene.json#/entities/0/components/haptic_object/mass: 0.001 kg is too light")
     assert "m > n (h^2 k + 2 h b)/4 =" in lines[0]
-    assert told(tmp_path, thing("a", haptic_object={"shapes": [CUBE], "mass": 0.1}), walls) == []
+    assert reported(tmp_path, thing("a", haptic_object={"shapes": [CUBE], "mass": 0.1}), walls) == []
 
 
 def test_scaled_object_is_refused_and_its_parent_too(tmp_path):
     parent = at(0, 0, 0, {"id": "base"}, scale=[2, 2, 2])
     child = {**BALL, "parent": "base"}
-    assert any("scaled by 2, 2, 2" in line for line in told(tmp_path, parent, child))
+    assert any("scaled by 2, 2, 2" in line for line in reported(tmp_path, parent, child))
 
 
 def test_open_surface_has_no_mass_of_its_own(tmp_path):
     gltf_box(tmp_path, (0.1, 0.1, 0.1), lid=False)
     shape = {"shape": "mesh", "source": "box"}
     parts = {"assets": {"box": {"uri": "box.gltf"}}}
-    lines = told(tmp_path, thing("a", haptic_object={"shapes": [shape]}), **parts)
+    lines = reported(tmp_path, thing("a", haptic_object={"shapes": [shape]}), **parts)
     assert len(lines) == 1
     assert "shapes/0: " in lines[0]
     assert "no closed surface" in lines[0]
     hull = thing("a", haptic_object={"shapes": [{**shape, "fit": "hull"}]})
     given = {"mass": 1.0, "inertia": [0.01, 0.01, 0.01], "centre": [0, 0, 0]}
-    assert told(tmp_path, hull, **parts) == []
-    assert told(tmp_path, thing("a", haptic_object={"shapes": [shape], **given}), **parts) == []
+    assert reported(tmp_path, hull, **parts) == []
+    assert reported(tmp_path, thing("a", haptic_object={"shapes": [shape], **given}), **parts) == []
 
 
 def test_fifth_different_force_field_is_refused(tmp_path):
@@ -192,8 +192,8 @@ def test_fifth_different_force_field_is_refused(tmp_path):
     for name in names:
         force_fields.add_field(name, no_field)
     fields = [thing(f"f{i}", force_field={"function": name}) for i, name in enumerate(names)]
-    assert told(tmp_path, *fields[:4]) == []
-    assert [line.split(": ")[0] for line in told(tmp_path, *fields)] == [
+    assert reported(tmp_path, *fields[:4]) == []
+    assert [line.split(": ")[0] for line in reported(tmp_path, *fields)] == [
         "scene.json#/entities/4/components/force_field/function"
     ]
 
@@ -207,8 +207,8 @@ def test_fifth_different_force_field_is_refused(tmp_path):
         ([at(1e5, 0, 0, BALL)], "0/transform/translation", "1 km"),
     ],
 )
-def test_object_that_stands_nowhere_is_told_in_one_line(tmp_path, entities, place, says):
-    lines = told(tmp_path, *entities)
+def test_object_that_stands_nowhere_is_reported_in_one_line(tmp_path, entities, place, says):
+    lines = reported(tmp_path, *entities)
     assert len(lines) == 1 and lines[0].startswith(f"scene.json#/entities/{place}: ") and says in lines[0]
 
 
@@ -216,10 +216,10 @@ def test_two_objects_that_drive_each_other_are_right(tmp_path):
     """A wire carries what its source was a tick ago, so that no loop of wires has to be solved."""
     wires = [{"from": "a.v_obj", "to": "b.F_aux"}, {"from": "b.v_obj", "to": "a.F_aux"}]
     pair = [thing(name, haptic_object={"shapes": [CUBE]}) for name in "ab"]
-    assert told(tmp_path, *pair, thing("w", connections={"wires": wires})) == []
+    assert reported(tmp_path, *pair, thing("w", connections={"wires": wires})) == []
 
 
-def test_a_fault_of_the_objects_own_surface_is_told_once_for_all_its_shapes(tmp_path):
+def test_a_fault_of_the_objects_own_surface_is_reported_once_for_all_its_shapes(tmp_path):
     lines = faulty(tmp_path, haptic_object={"shapes": [CUBE, CUBE, CUBE], "texture_height": 0.005})
     assert len(lines) == 1
 
@@ -250,7 +250,7 @@ def test_trimesh_is_imported_only_for_models(tmp_path):
     """A scene without mesh shapes is checked without it."""
     code = (
         "import sys; from pathlib import Path; from tests.support.object_scenes import *;"
-        "told(Path(sys.argv[1]), thing('a', haptic_object={'shapes': [CUBE]}));"
+        "reported(Path(sys.argv[1]), thing('a', haptic_object={'shapes': [CUBE]}));"
         "assert 'trimesh' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code, str(tmp_path)], check=True)

@@ -1,4 +1,4 @@
-"""The page of results in words, the history it compares with, and the words that ask for the same run again."""
+"""The page of results in words, the history it compares with, and the words that request the same run again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""P: the task and its clock stand still, the robot is held, and nothing that was measured knows of it."""
+"""P: the task and its clock are halted, the robot is held, and nothing that was measured knows of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a scene says of its picture, and what the renderer is told."""
+"""What a scene says of its picture, and what the renderer is given."""
 
 from __future__ import annotations
 

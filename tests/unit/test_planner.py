@@ -146,7 +146,7 @@ def test_tightening_one_tolerance_moves_exactly_the_methods_that_must_move(scene
     assert {group: method for group, method in tight.items() if loose[group] != method} == moved
 
 
-def test_scene_wins_over_planner_and_is_told(scene):
+def test_scene_wins_over_planner_and_is_reported(scene):
     scene.systems["haptic"] = HapticSettings(projection="newton warm")
     plan = plan_scene(accepting(scene, **LOOSE), "draft", planted())
     choice = plan.choices[0]
@@ -210,7 +210,7 @@ def test_the_form_that_is_chosen_is_what_runs(scene, word, form, monkeypatch):
 
 @pytest.mark.parametrize("word", ["exact_drag", "semi_implicit"])
 def test_the_integrator_that_is_chosen_is_what_runs(word):
-    """Also where the rows were worked out once already, before there was a plan."""
+    """Also where the rows were computed once already, before there was a plan."""
     scene = load_checked_scene(root() / "scenes" / "examples" / "free_objects.json")
     scene.methods = {"colliding bodies": {"integrator": word}}
     bodies = objects_of_scene(scene).rows.bodies
@@ -325,9 +325,9 @@ def test_sound_that_is_not_there_is_left_out_with_its_cost(scene):
 )
 def test_what_only_objects_need_is_left_out_where_none_is(name, ticks, left):
     scene = load_checked_scene(root() / "scenes" / f"{name}.json")
-    told = describe_plan(scene, plan_scene(scene, "training"))
-    assert [part["part"] for part in told["parts"] if part["group"] == TICK_GROUP] == ([ticks] if ticks else [])
-    assert len({*OF_OBJECTS.values()} & {part["part"] for part in told["left_out"]}) == left
+    reported = describe_plan(scene, plan_scene(scene, "training"))
+    assert [part["part"] for part in reported["parts"] if part["group"] == TICK_GROUP] == ([ticks] if ticks else [])
+    assert len({*OF_OBJECTS.values()} & {part["part"] for part in reported["left_out"]}) == left
 
 
 def test_shadow_is_measured_only_where_none_is_cast(scene):

@@ -228,15 +228,15 @@ def _standing(**moved: object) -> Trackers:
 
 def test_head_and_hands_are_where_they_are_tracked(animator: Animator) -> None:
     rig = animator.rig
-    told = _standing(
+    reported = _standing(
         head=(0.1, 1.5, 0.15, *turn("y", 20)),
         leftHand=(0.3, 1.2, 0.45, *turn("x", 30)),
         rightHand=(-0.1, 1.4, 0.5, *turn("z", 60)),
     )
-    UpperBody(rig, find_humanoid(rig), lambda: told)(animator.pose, 0.0)
+    UpperBody(rig, find_humanoid(rig), lambda: reported)(animator.pose, 0.0)
     chain = Chain(rig)
     chain.follow(animator.pose)
-    for name, wanted in (("head", told.head), ("leftHand", told.left), ("rightHand", told.right)):
+    for name, wanted in (("head", reported.head), ("leftHand", reported.left), ("rightHand", reported.right)):
         slot = rig.slot(name)
         assert np.allclose(chain.places[slot], wanted[:3], atol=1e-9), name
         assert abs(chain.turns[slot] @ wanted[3:]) == pytest.approx(1.0, abs=1e-9), name
@@ -267,14 +267,14 @@ def test_a_twin_mirrors_joints_later_whatever_its_bones_rest_like(tmp_path: Path
     second = _animator(
         tmp_path / "b.gltf", scale=0.9, turns={"leftUpperArm": turn("z", 40), "rightUpperArm": turn("x", -70)}
     )
-    told = [_standing()]
+    reported = [_standing()]
     maps = find_humanoid(first.rig), find_humanoid(second.rig)
-    first.steps.append(UpperBody(first.rig, maps[0], lambda: told[0]))
+    first.steps.append(UpperBody(first.rig, maps[0], lambda: reported[0]))
     second.steps.append(DelayedTwin(first, maps, second, mirrored=True, delay=0.5))
     seen, done = [], []
     a, b = Chain(first.rig), Chain(second.rig)
     for number in range(120):
-        told[0] = _standing(leftHand=(0.3, 1.2 + 0.2 * np.sin(0.1 * number), 0.4))
+        reported[0] = _standing(leftHand=(0.3, 1.2 + 0.2 * np.sin(0.1 * number), 0.4))
         for animator in (first, second):
             animator.step(1.0 / 60.0)
         a.follow(first.pose)

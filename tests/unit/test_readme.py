@@ -1,4 +1,4 @@
-"""What the README tells people to type is accepted, and what it points to is there."""
+"""What the README lets people type is accepted, and what it points to is there."""
 
 from __future__ import annotations
 

@@ -97,7 +97,7 @@ def test_a_flipped_bit_is_caught_by_the_checksum_or_changes_nothing(tmp_path: Pa
 
 
 @pytest.mark.parametrize("field", ["q", "dq", "f_meas", "grasp"])
-def test_one_flipped_bit_with_a_mended_checksum_changes_the_outputs(tmp_path: Path, field: str) -> None:
+def test_one_flipped_bit_with_a_repaired_checksum_changes_the_outputs(tmp_path: Path, field: str) -> None:
     """Somebody who writes the file anew passes the checksum, and fails the replay at that very tick."""
     data = gather(Run.open(_write_run(tmp_path)))
     samples = data.samples.copy()
@@ -209,13 +209,13 @@ def test_events_are_compared_up_to_the_last_row(
         _seq, offset, _length = np.fromfile(folder / "haptic.arrows.idx", np.int64).reshape(-1, 3)[until // 50].tolist()
         os.truncate(folder / "haptic.arrows", offset + 100)
     recover(folder)
-    samples, told = gather(Run.open(folder)).samples, events[events["tick"] < until]
-    again = SimpleNamespace(samples=samples, events=told, snapshots={})
+    samples, printed = gather(Run.open(folder)).samples, events[events["tick"] < until]
+    again = SimpleNamespace(samples=samples, events=printed, snapshots={})
     tick = SimpleNamespace(
         play_loop=lambda *_: again, play_task=lambda *_: (None, None)
     )  # the compiled one is not what is tested
     monkeypatch.setitem(sys.modules, "mimics_app.app.session.replay", tick)
     monkeypatch.setattr("mimics_app.app.terminal.first_start.say_if_cold", lambda: None)
     assert main(["replay", str(folder)]) == 0
-    told = capsys.readouterr().out
-    assert f"{until} ticks replayed, every output and 2 events equal" in told and said in told
+    printed = capsys.readouterr().out
+    assert f"{until} ticks replayed, every output and 2 events equal" in printed and said in printed

@@ -151,9 +151,9 @@ def test_stops_and_short_holds_are_counted_apart(tmp_path: Path) -> None:
         '{"source":"loop","kind":"%s","n":%d,"t_ns":0,"tick":%d,"body_a":0,"body_b":-1,"material_a":0,'
         '"material_b":0,"speed":0,"force":%d,"value":0,"position_world":[0,0,0],"normal_world":[0,0,0]}'
     )
-    told = [("state", SafetyState.DEGRADED), ("trip", TripCause.LATE_TICK)]
-    told += [("state", SafetyState.SAFE_STOP), ("trip", TripCause.STALE_DEVICE)]
-    lines = [line % (kind, i, 1000 + i, number) for i, (kind, number) in enumerate(told)]
+    reported = [("state", SafetyState.DEGRADED), ("trip", TripCause.LATE_TICK)]
+    reported += [("state", SafetyState.SAFE_STOP), ("trip", TripCause.STALE_DEVICE)]
+    lines = [line % (kind, i, 1000 + i, number) for i, (kind, number) in enumerate(reported)]
     (folder / "events.jsonl").write_text("\n".join(lines) + "\n")
     page = write_report(folder, report_sections()).read_text(encoding="utf-8")
     assert "<b>1</b><span>safety stops</span>" in page and "<b>1</b><span>short holds</span>" in page
@@ -179,7 +179,7 @@ def test_tunnel_is_drawn_where_it_is() -> None:
     assert tunnel_shape(block, None) is None
 
 
-def test_attempts_are_told_apart_by_the_parameter_blocks(folder: Path) -> None:
+def test_attempts_are_reported_apart_by_the_parameter_blocks(folder: Path) -> None:
     attempts = find_attempts(Run.open(folder))
     assert [attempt.number for attempt in attempts] == [1, 2]
     assert [len(attempt.samples) for attempt in attempts] == [12_000, 12_000]
@@ -254,7 +254,7 @@ def test_the_figure_that_was_markup(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("told", "said"),
+    ("reported", "said"),
     [
         ({}, "Figures are over finished trials"),
         ({"counted": "trials"}, "Figures are over finished trials"),
@@ -262,10 +262,10 @@ def test_the_figure_that_was_markup(tmp_path: Path) -> None:
         ({"counted": "under way"}, "figures are those of the one that was cut off"),
     ],
 )
-def test_the_note_says_what_the_figures_are_over(tmp_path: Path, told: dict[str, str], said: str) -> None:
+def test_the_note_says_what_the_figures_are_over(tmp_path: Path, reported: dict[str, str], said: str) -> None:
     write_synthetic_run(tmp_path, 2.0)
     manifest = json.loads((tmp_path / "manifest.json").read_text())
-    manifest["summary"]["task"] = {"completed": 0, "trials": 0, "time_s": 1.0, **told}
+    manifest["summary"]["task"] = {"completed": 0, "trials": 0, "time_s": 1.0, **reported}
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
     assert said in write_report(tmp_path, report_sections()).read_text()
 
@@ -297,7 +297,7 @@ def test_trials_come_first_with_units_and_within_the_page(tmp_path: Path) -> Non
     assert page.index("<h2>Trials") < page.index("<h2>Movement")
 
 
-def test_moments_of_a_long_run_are_told_to_the_millisecond() -> None:
+def test_moments_of_a_long_run_are_reported_to_the_millisecond() -> None:
     assert shown(Seconds(1583.1234)) == "1583.123" and shown(1583.1234) == "1583"
     assert (shown(None), shown(float("nan")), shown(True), shown([1, {"a": 2.5}])) == ("–", "–", "yes", "1, a 2.5")
 
@@ -328,7 +328,7 @@ def test_record_command_mends_and_verifies(tmp_path: Path, capsys: pytest.Captur
     lines = capsys.readouterr().out.splitlines()
     answer = json.loads(lines[-1])
     assert answer["status"] == "recovered" and answer["ticks"] == 4000
-    assert answer["problems"] == ["the run is recovered"] and "manifest.json" in answer["mended"]
+    assert answer["problems"] == ["the run is recovered"] and "manifest.json" in answer["repaired"]
     with (tmp_path / "trials.csv").open("a") as file:
         file.write("x")
     assert main(["record", "verify", str(tmp_path)]) == 6
@@ -393,7 +393,7 @@ def test_late_control_cycles_are_those_after_the_first_second(tmp_path: Path) ->
         assert not any("missed" in name for name in page.cards)
 
 
-def test_info_tells_the_length_of_the_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_info_says_the_length_of_the_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """It lasted as long as its ticks, the last one included."""
     write_synthetic_run(tmp_path, 2.0)
     assert main(["record", "info", "--json", str(tmp_path)]) == 0

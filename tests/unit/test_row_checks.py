@@ -38,14 +38,14 @@ def test_good_rows_pass():
     check_points(play.rows.points)
 
 
-@pytest.mark.parametrize("kind, fields, told", FAULTS)
-def test_bad_shapes_are_named(kind, fields, told):
+@pytest.mark.parametrize("kind, fields, reported", FAULTS)
+def test_bad_shapes_are_named(kind, fields, reported):
     play = new_touch_play()
     play.add_shape(ShapeKind.WALL, ())
     play.add_shape(kind, SOLIDS.get(kind, ()))
     for name, value in fields.items():
         play.rows.shapes[1][name] = value
-    with pytest.raises(ValueError, match=rf"shapes\[1\]\.{told}"):
+    with pytest.raises(ValueError, match=rf"shapes\[1\]\.{reported}"):
         check_shapes(play.rows.shapes[:2], meshes=1)
 
 

@@ -333,7 +333,7 @@ def test_trial_rows_read_back_as_they_were(tmp_path: Path) -> None:
 
 @pytest.fixture
 def synced(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Names of the files that were brought onto the medium, in order: the one place where it is asked for."""
+    """Names of the files that were brought onto the medium, in order: the one place where it is requested."""
     names: list[str] = []
     monkeypatch.setattr(append_file, "_sync", lambda fd: names.append(Path(os.readlink(f"/proc/self/fd/{fd}")).name))
     return names
@@ -486,7 +486,7 @@ def test_append_file_never_keeps_half_a_block(tmp_path: Path, monkeypatch: pytes
 
 
 def test_full_disk_stops_the_recording_and_nothing_else(tmp_path: Path) -> None:
-    """On a tmpfs of 3 MB: readable to the last block, trials kept, the app told, the ring drained on."""
+    """On a tmpfs of 3 MB: readable to the last block, trials kept, the app informed, the ring drained on."""
     disk = tmp_path / "disk"
     disk.mkdir()
     mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", str(disk)], capture_output=True)
@@ -548,7 +548,7 @@ def test_two_recordings_of_the_same_have_the_same_hash(tmp_path: Path) -> None:
         assert not (folder / ".reserve").exists()
     assert hashes[0] == hashes[1]
     recovery = recover(tmp_path / "a")
-    assert recovery.mended == () and recovery.verdict.whole and recovery.verdict.status == "clean"
+    assert recovery.repaired == () and recovery.verdict.whole and recovery.verdict.status == "clean"
     with (tmp_path / "a" / "trials.csv").open("a") as file:
         file.write("1,2,\n")
     assert len(Run.open(tmp_path / "a").disagreements()) == 2

@@ -1,4 +1,4 @@
-"""Stops and short holds as a run tells them: apart, with cause, time and advice; and a recorder that was replaced."""
+"""Stops and short holds as a run reports them: apart, with cause, time and advice; and a recorder that was replaced."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from mimics_app.contracts.haptic import EVENT, EventKind, SafetyState, TripCause
 from mimics_app.contracts.trips import Trip, TripReader
 
 
-def told(*trips: tuple[int, SafetyState, TripCause]) -> np.ndarray:
-    """Events of trips (tick, state they lead to, cause), as the loop tells them."""
+def reported(*trips: tuple[int, SafetyState, TripCause]) -> np.ndarray:
+    """Events of trips (tick, state they lead to, cause), as the loop publishes them."""
     events = np.zeros(2 * len(trips), EVENT)
     for i, (tick, state, cause) in enumerate(trips):
         events["tick"][2 * i : 2 * i + 2] = tick
@@ -32,8 +32,8 @@ def late(stops: int, holds: int) -> Any:
     return SimpleNamespace(stops=stops, holds=holds)
 
 
-def test_trips_are_told_apart_also_when_a_frame_comes_between_state_and_trip():
-    events = told(HOLD, STOP)
+def test_trips_are_reported_apart_also_when_a_frame_comes_between_state_and_trip():
+    events = reported(HOLD, STOP)
     reader = TripReader()
     found = [trip for event in events for trip in reader.take(event.reshape(1))]
     assert found == TripReader().take(events)
@@ -41,7 +41,7 @@ def test_trips_are_told_apart_also_when_a_frame_comes_between_state_and_trip():
 
 
 def test_a_cause_that_is_no_number_is_still_a_trip():
-    events = told(STOP)
+    events = reported(STOP)
     events["force"] = np.nan
     assert TripReader().take(events) == [Trip(12_345, TripCause.NONE, True)]
 
@@ -52,31 +52,31 @@ def test_every_cause_has_words_and_an_advice(cause: TripCause):
     assert trip.what and trip.advice
 
 
-def test_a_stop_is_told_with_time_cause_and_advice(capsys):
-    SafetyWatch().see(told(STOP))
+def test_a_stop_is_reported_with_time_cause_and_advice(capsys):
+    SafetyWatch().see(reported(STOP))
     line = capsys.readouterr().err
     assert line == (
         "mimics: 12.345 s: safety stop: the device sent nothing new for too long; look at its line and its power\n"
     )
 
 
-def test_holds_one_after_the_other_are_told_once_and_counted(capsys):
+def test_holds_one_after_the_other_are_reported_once_and_counted(capsys):
     watch = SafetyWatch()
     for tick in range(1000, 9000, 400):
-        watch.see(told((tick, SafetyState.DEGRADED, TripCause.LATE_TICK)))
+        watch.see(reported((tick, SafetyState.DEGRADED, TripCause.LATE_TICK)))
     lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 1 and "1.000 s: short hold 1, it goes on by itself: this computer was too busy" in lines[0]
-    watch.see(told((20_000, SafetyState.DEGRADED, TripCause.MISSED_IN_ROW)))
+    assert len(lines) == 1 and "1.000 s: short hold 1, it resumes on its own: this computer was too busy" in lines[0]
+    watch.see(reported((20_000, SafetyState.DEGRADED, TripCause.MISSED_IN_ROW)))
     assert "short hold 21" in capsys.readouterr().err
 
 
 def test_the_answer_counts_stops_and_holds_apart_and_names_the_last_stop(capsys):
     watch = SafetyWatch()
     assert watch.summary(SafetyState.ACTIVE, late(0, 0)) == {"state": "ACTIVE", "stops": 0, "holds": 0}
-    watch.see(told(HOLD))
+    watch.see(reported(HOLD))
     answer = watch.summary(SafetyState.ACTIVE, late(0, 1))
     assert (answer["stops"], answer["holds"], answer["cause"], answer["t_s"]) == (0, 1, "LATE_TICK", 0.7)
-    watch.see(told(STOP))
+    watch.see(reported(STOP))
     answer = watch.summary(SafetyState.SAFE_STOP, late(1, 1))
     assert (answer["state"], answer["cause"], answer["t_s"]) == ("SAFE_STOP", "STALE_DEVICE", 12.345)
     assert answer["what"] and answer["advice"]
@@ -87,7 +87,7 @@ def test_the_picture_says_that_a_busy_machine_pauses():
     assert {SafetyWatch.message(state) for state in SafetyState if state is not SafetyState.DEGRADED} == {""}
 
 
-def test_a_recorder_that_died_and_is_back_is_told_on_the_terminal(capsys):
+def test_a_recorder_that_died_and_is_back_is_reported_on_the_terminal(capsys):
     recorder: Any = SimpleNamespace(restarts=0, ready=True, problem="", holds_s=16.4)
     watch = RecorderWatch(recorder)
     watch.look()

@@ -26,7 +26,7 @@ def test_an_empty_scene_is_right(tmp_path):
     assert faults(write(tmp_path, scene())) == []
 
 
-def test_all_faults_are_told_at_once_each_with_its_place(tmp_path):
+def test_all_faults_are_reported_at_once_each_with_its_place(tmp_path):
     document = scene(
         thing("ball", bal={}, ball={"radius_mn": 0.1, "radius_max": -1}),
         {"id": "eye", "transfrom": {}, "components": {"camera": {"vertical_fov": "wide"}}},
@@ -67,14 +67,14 @@ def test_a_number_that_is_not_finite_gets_the_pointer_of_its_value(tmp_path, tok
     )
 
 
-def test_a_nan_where_a_range_is_checked_is_told_once(tmp_path):
+def test_a_nan_where_a_range_is_checked_is_reported_once(tmp_path):
     text = json.dumps(scene(thing("arm", admittance={"mass": "@"}))).replace('"@"', "NaN")
     assert the_fault(tmp_path, text) == (
         "scene.json#/entities/0/components/admittance/mass: nan is not a finite number; write a number"
     )
 
 
-def test_a_key_that_stands_twice_is_told_instead_of_dropped(tmp_path):
+def test_a_key_that_stands_twice_is_reported_instead_of_dropped(tmp_path):
     text = '{"format": "mimics-scene", "version": 1, "entities": [{"id": "a", "components": {"ball": {}, "ball": {}}}]}'
     assert the_fault(tmp_path, text) == 'scene.json#/entities/0/components/ball: the key "ball" stands here twice'
 
@@ -110,7 +110,7 @@ def test_bytes_that_are_no_utf8_are_placed_and_a_byte_order_mark_is_not_minded(t
     assert faults(path) == []
 
 
-def test_a_missing_file_and_a_folder_are_told(tmp_path):
+def test_a_missing_file_and_a_folder_are_reported(tmp_path):
     assert faults(tmp_path / "none.json") == ["none.json: no such file"]
     assert "cannot be read" in faults(tmp_path)[0]
 
@@ -140,7 +140,7 @@ def test_an_unknown_parent_gets_the_nearest_name(tmp_path):
 
 
 @pytest.mark.parametrize("names", ["a", "ab", "abc"])
-def test_entities_that_hang_on_themselves_are_told_once_with_the_loop(tmp_path, names):
+def test_entities_that_hang_on_themselves_are_reported_once_with_the_loop(tmp_path, names):
     entities = [{"id": name, "parent": names[(i + 1) % len(names)]} for i, name in enumerate(names)]
     entities.append({"id": "tail", "parent": "a"})
     found = the_fault(tmp_path, scene(*entities))
@@ -234,7 +234,7 @@ def picture(path, size=(2, 2)):
     Image.new("RGB", size, (255, 0, 0)).save(path)
 
 
-def test_assets_that_cannot_be_used_are_told_where_they_are_named(tmp_path):
+def test_assets_that_cannot_be_used_are_reported_where_they_are_named(tmp_path):
     picture(tmp_path / "red.png")
     (tmp_path / "cut.png").write_bytes((tmp_path / "red.png").read_bytes()[:40])
     (tmp_path / "fake.wav").write_bytes(b"RIFF....JUNK")
@@ -250,7 +250,7 @@ def test_assets_that_cannot_be_used_are_told_where_they_are_named(tmp_path):
     assert 'there is no folder "models"' in found[5]
 
 
-def test_a_missing_texture_is_told_where_it_is_named_and_where_it_is_not_even_an_asset(tmp_path):
+def test_a_missing_texture_is_reported_where_it_is_named_and_where_it_is_not_even_an_asset(tmp_path):
     picture(tmp_path / "red.png")
     document = scene(
         assets={"red": {"uri": "red.png"}, "gone": {"uri": "gone.png"}, "path": {"uri": "p.csv"}},
@@ -349,12 +349,12 @@ def test_shape_too_large_for_finite_vertices_is_refused(tmp_path, shape):
         (r'{"\ud800": 1}', ""),
     ],
 )
-def test_half_a_character_is_told_with_its_place(tmp_path, text, place):
+def test_half_a_character_is_reported_with_its_place(tmp_path, text, place):
     """A lone surrogate passes JSON and then breaks whatever writes, shows or hashes the text."""
     (tmp_path / "scene.json").write_text(text)
-    with pytest.raises(SceneError) as told:
+    with pytest.raises(SceneError) as raised:
         load_scene(tmp_path / "scene.json")
-    said = [str(issue) for issue in told.value.issues if "half of a character" in str(issue)]
+    said = [str(issue) for issue in raised.value.issues if "half of a character" in str(issue)]
     assert len(said) == 1
     assert f"scene.json{place}: " in said[0]
     assert said[0].encode()

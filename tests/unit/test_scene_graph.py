@@ -76,7 +76,7 @@ def test_a_child_attached_to_a_later_row_is_sorted_behind_it_at_the_frames_end()
     world.update()
     late.attach(early)
     assert early.parent == late  # structure at once
-    assert early.world_matrix()[0, 3] == 5.0  # and what is asked for by hand is up to date
+    assert early.world_matrix()[0, 3] == 5.0  # and what is requested by hand is up to date
     world.update()
     assert_sorted(world)
     assert matrix_of(world, early)[0, 3] == 5.0

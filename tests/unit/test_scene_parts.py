@@ -26,7 +26,7 @@ def path_of(height):
     return "x,y,z\n" + "".join(f"{i / 100},{height},0\n" for i in range(30))
 
 
-def test_an_included_file_adds_its_parts_and_its_faults_are_told_in_its_own_name(tmp_path):
+def test_an_included_file_adds_its_parts_and_its_faults_are_reported_in_its_own_name(tmp_path):
     write(tmp_path, scene(thing("sun", light={"kindd": "point"}), materials={"red": {}}), "parts/sky.json")
     path = write(
         tmp_path,
@@ -73,7 +73,7 @@ def test_ids_of_two_files_that_collide_name_the_other_file(tmp_path):
 
 
 @pytest.mark.parametrize("uri", ["../out.json", "none.json", "http://x/y.json"])
-def test_includes_that_cannot_be_read_are_told_at_their_place(tmp_path, uri):
+def test_includes_that_cannot_be_read_are_reported_at_their_place(tmp_path, uri):
     inside = tmp_path / "inside"
     write(tmp_path, scene(), "out.json")
     assert faults(write(inside, scene(include=[uri])))[0].startswith("scene.json#/include/0: ")
@@ -117,7 +117,7 @@ def test_an_instance_has_what_its_prefab_says_and_changes_what_it_says_itself(tm
     assert "hud" not in second.components
 
 
-def test_a_fault_is_told_where_the_value_stands_in_prefab_instance_or_override(tmp_path):
+def test_a_fault_is_reported_where_the_value_stands_in_prefab_instance_or_override(tmp_path):
     prefabs = {
         "arm": {
             "components": {"ball": {"radius_max": -1}},
@@ -191,7 +191,7 @@ def test_prefabs_that_multiply_beyond_all_bounds_are_stopped(tmp_path, monkeypat
     assert found[0].endswith("more than 1000 entities, prefabs unfolded")
 
 
-def test_an_override_that_names_nothing_gets_told(tmp_path):
+def test_an_override_that_names_nothing_gets_reported(tmp_path):
     prefabs = {"arm": {"children": [{"id": "hand"}]}}
     instance = {"id": "left", "prefab": "arm", "overrides": {"hnd": {}}}
     found = faults(write(tmp_path, scene(instance, prefabs=prefabs)))
@@ -219,7 +219,7 @@ def test_components_of_a_models_extras_become_entities_and_the_scene_wins(tmp_pa
     assert (ball.radius_min, ball.radius_max) == (0.02, 0.03)
 
 
-def test_a_fault_in_a_models_extras_is_told_in_the_models_name(tmp_path):
+def test_a_fault_in_a_models_extras_is_reported_in_the_models_name(tmp_path):
     document = arm_model()
     document["nodes"][1]["extras"]["mimics"]["components"]["ball"]["radius_mx"] = 1
     write_gltf(tmp_path / "arm.gltf", document)
@@ -257,7 +257,7 @@ def test_references_into_a_model_are_by_name_and_unambiguous(tmp_path, source, w
         assert what in found[0]
 
 
-def test_a_wrong_model_is_told_once_in_its_own_name_and_not_again_where_it_is_used(tmp_path):
+def test_a_wrong_model_is_reported_once_in_its_own_name_and_not_again_where_it_is_used(tmp_path):
     document = square()
     document["nodes"][0]["mesh"] = 7
     write_gltf(tmp_path / "arm.gltf", document)
@@ -327,7 +327,7 @@ def test_a_key_with_a_slash_is_located_by_its_escaped_pointer(tmp_path):
     assert origins.locate("/elsewhere").file == "main"
 
 
-def test_first_component_settings_and_section_are_told_by_type_or_missed(tmp_path):
+def test_first_component_settings_and_section_are_reported_by_type_or_missed(tmp_path):
     """Nothing there is None, and the first of two is the file's first."""
     lights = thing("a", light={"intensity": 2.0}), thing("b", light={})
     said = {"systems": {"haptic": {"projection": "newton warm"}}, "task": {"time_limit_s": 7.0}}

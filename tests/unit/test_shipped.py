@@ -1,4 +1,4 @@
-"""The scenes that come with the product: found by name, told in words, each with a picture of its own."""
+"""The scenes that come with the product: found by name, described in words, each with a picture of its own."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ def test_trials_are_counted_as_in_json_and_practice_apart():
     assert "carried" not in said
 
 
-def test_what_does_not_apply_is_not_told_as_zero():
+def test_what_does_not_apply_is_not_reported_as_zero():
     said = lines({"completed": 0, "trials": 0, "time_s": 5.0, "contacts": 1})
     assert said["task"] == "no trial ended; 5.0 s under way"
     assert said["contacts"] == "1" and "path" not in said  # there is no way that it could have been touched on
@@ -34,7 +34,7 @@ def test_what_does_not_apply_is_not_told_as_zero():
     assert not any("0.0" in line for line in said.values() if not line.startswith("simulated"))
 
 
-def test_figures_of_practice_are_told_as_those_of_practice():
+def test_figures_of_practice_are_reported_as_those_of_practice():
     task = {"completed": 0, "trials": 0, "practice": {"completed": 1, "trials": 1}, "counted": "practice"}
     said = lines({**task, "score": 71.0, "time_s": 8.8, "path_error_m": 0.0092, "contacts": 5})
     assert said["task"] == "no trial ended"
@@ -44,14 +44,14 @@ def test_figures_of_practice_are_told_as_those_of_practice():
     assert under_way["task"] == "no trial ended; 2.0 s under way"
 
 
-def test_a_live_run_tells_its_late_cycles():
+def test_a_live_run_says_its_late_cycles():
     task = {"completed": 1, "trials": 1, "score": 81.0, "time_s": 9.0, "path_error_m": 0.001, "contacts": 0}
     assert lines(task, missed=1)["touch"] == "34.0 s at 1 kHz (virtual), 1 late control cycle; robot at rest"
     assert "no late control cycles" in lines(task, missed=0)["touch"]
     assert lines(task)["task"] == "1 of 1 trial finished; score 81 of 100; time 9.0 s"
 
 
-def test_stops_and_holds_are_told_only_where_there_were_some():
+def test_stops_and_holds_are_reported_only_where_there_were_some():
     task = {"completed": 1, "trials": 1, "contacts": 0}
     assert "safety" not in lines(task)
     safety = {"state": "SAFE_STOP", "stops": 1, "holds": 2}

@@ -59,7 +59,7 @@ def test_examples_are_right():
         ({}, {"sample": {"points": 0}}, "#/sample/points"),
     ],
 )
-def test_faults_are_told_with_their_place(tmp_path, parameters, parts, said):
+def test_faults_are_reported_with_their_place(tmp_path, parameters, parts, said):
     with pytest.raises(SceneError) as caught:
         load(spec(tmp_path, parameters, **parts))
     assert said in str(caught.value)

@@ -21,7 +21,7 @@ def centroid(samples: np.ndarray) -> float:
     return float(np.sum(power * np.fft.rfftfreq(len(samples), 1 / RATE)) / np.sum(power))
 
 
-def test_surfaces_are_told_apart_by_their_brightness():
+def test_surfaces_are_reported_apart_by_their_brightness():
     """Grass rustles, asphalt grits, wood knocks, earth is dull: each at least half as bright again as the next."""
     means = [
         np.mean([centroid(synth_scene.synthesise_step(s, take)) for take in range(4)])

@@ -1,4 +1,4 @@
-"""System packages: asked of the loader and of PATH, told as one line to type."""
+"""System packages: asked of the loader and of PATH, shown as one line to type."""
 
 from __future__ import annotations
 

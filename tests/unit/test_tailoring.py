@@ -1,4 +1,4 @@
-"""Difficulty and number of trials, as the launcher and `mimics run` ask for them."""
+"""Difficulty and number of trials, as the launcher and `mimics run` request them."""
 
 from __future__ import annotations
 

@@ -329,10 +329,10 @@ def test_a_task_without_a_way_has_no_progress_no_path_error_and_no_score():
     spec = task(goals=[{"kind": "duration", "seconds": 1.0}])
     player = Player(TaskManager(spec, TaskContext(START), 1))
     player.until("travel")
-    assert not player.orders[-1].view.on_a_way
+    assert not player.orders[-1].view.measures_progress
     for _ in range(31):
         player.step()
-    assert player.orders[-1].view.progress == pytest.approx(0.5, abs=0.05)  # of the time its goal asks for
+    assert player.orders[-1].view.progress == pytest.approx(0.5, abs=0.05)  # of the time its goal requests
     player.until("done")
     (row,) = player.manager.rows
     assert {row[name] for name in ("path_error_rms_m", "path_error_max_m", "progress", "score")} == {None}
@@ -443,7 +443,7 @@ def test_action_for_a_trial_waits_for_it():
     assert [row["parameter.radius"] for row in player.manager.rows] == [1.0, 1.5]
 
 
-def test_action_beyond_the_limits_is_clipped_and_told():
+def test_action_beyond_the_limits_is_clipped_and_reported():
     events = []
     spec = two_trials(parameters=RADIUS)
     player = Player(make_manager(spec, on_event=lambda kind, data: events.append((kind, data))))

@@ -164,6 +164,6 @@ def test_a_run_that_was_cut_off_is_compared_up_to_its_last_frame() -> None:
         (_line("frame", frame=0, tick=0, t_ns=0, action={"values": "x"}), "frame 0 is damaged"),
     ],
 )
-def test_frames_that_are_not_there_are_told(line: dict[str, Any], said: str) -> None:
+def test_frames_that_are_not_there_are_reported(line: dict[str, Any], said: str) -> None:
     with pytest.raises(PartialDataError, match=said):
         gather_task(_run([line]))

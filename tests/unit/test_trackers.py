@@ -236,7 +236,7 @@ def test_a_tracker_on_a_serial_line_follows_its_person(kind: str) -> None:
     assert tracker.problem == ""
 
 
-def test_a_line_that_goes_away_is_told_and_ends_nothing() -> None:
+def test_a_line_that_goes_away_is_reported_and_ends_nothing() -> None:
     line = emulated_fastrak()
     tracker, taken = fastrak("desk", line.port), []
     tracker.start(taken.append)
@@ -275,7 +275,7 @@ def test_vrpn_from_our_server_to_our_client() -> None:
     assert [s.device_ns for s in taken] == [k * MS for k in range(1, 100)]
 
 
-def test_a_server_that_speaks_something_else_is_told() -> None:
+def test_a_server_that_speaks_something_else_is_reported() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         tracker = VrpnTracker("v", f"a@127.0.0.1:{server.getsockname()[1]}")
         tracker.start(print)
@@ -353,7 +353,7 @@ def test_the_hub_brings_sensors_into_the_room_and_falls_back_to_whoever_still_se
     np.testing.assert_allclose(hub.pose("head", 500 * MS).pose[:3, 3], [0.0, 1.7, 0.0], atol=1e-12)
 
 
-class Told(PointerTracker):
+class Scripted(PointerTracker):
     """A tracker that reports what a test hands it."""
 
     def report(self, sensor: str, t_ns: int, rotation: tuple[float, float, float, float]) -> None:
@@ -361,8 +361,8 @@ class Told(PointerTracker):
         self._sink(TrackerSample(sensor, t_ns, (0.0, 1.7, 0.0), rotation))
 
 
-def test_a_head_upside_down_and_one_asked_for_too_late_are_told_once_by_name() -> None:
-    source = Told("desk")
+def test_a_head_upside_down_and_one_asked_for_too_late_are_reported_once_by_name() -> None:
+    source = Scripted("desk")
     hub = TrackerHub([Placed(source, {"1": "head", "2": "hand_left"})])
     hub.start()
     for t in (0, 10 * MS):
@@ -381,9 +381,9 @@ def test_a_head_upside_down_and_one_asked_for_too_late_are_told_once_by_name() -
     assert hub.take_problems() == []
 
 
-def test_a_calibration_of_a_tracker_that_hangs_upside_down_is_told() -> None:
+def test_a_calibration_of_a_tracker_that_hangs_upside_down_is_reported() -> None:
     seen = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
-    hub = TrackerHub([Placed(Told("ceiling"), {}, calibration=fit_room(seen, seen * [1.0, -1.0, -1.0]))])
+    hub = TrackerHub([Placed(Scripted("ceiling"), {}, calibration=fit_room(seen, seen * [1.0, -1.0, -1.0]))])
     (said,) = hub.take_problems()
     assert "ceiling" in said and "upside down" in said
 

@@ -83,11 +83,11 @@ def test_recorder_writes_seals_and_reports(tmp_path: Path):
 def test_report_names_and_draws_the_trips_of_a_run_that_has_no_logs(tmp_path: Path):
     folder = write_synthetic_run(tmp_path)
     run = Run.open(folder)
-    told = [int(t) for t in run.events["tick"][run.events["kind"] == EventKind.TRIP]]
-    assert told, "the run this test is about has a trip"
+    reported = [int(t) for t in run.events["tick"][run.events["kind"] == EventKind.TRIP]]
+    assert reported, "the run this test is about has a trip"
     page = write_report(folder, report_sections()).read_text()
     assert "trips/trip_000.arrows" in page and "Speed before the trip" in page
     found = complete_trips(run)
-    assert [tick for tick, _ in found] == told
-    assert read_trip(found[0][1])["tick"][-1] == told[0]
+    assert [tick for tick, _ in found] == reported
+    assert read_trip(found[0][1])["tick"][-1] == reported[0]
     assert "trips/trip_000.arrows" in hash_files(folder)

@@ -19,7 +19,7 @@ from mimics_app.contracts.window_input import InputEvent
 
 
 class Picture:
-    """As much of a picture as is asked for here."""
+    """As much of a picture as is requested here."""
 
     def __init__(self, issues: list[Issue] | None = None) -> None:
         self.layers: set[str] = set()
@@ -101,7 +101,7 @@ def test_arrows_are_laid_out_only_while_they_are_looked_at(tmp_path):
     assert len(picture.renderer.overlay.arrows) == 1 and picture.layers == {"forces"}
 
 
-def test_pictures_are_kept_in_the_run_and_told(tmp_path, capsys):
+def test_pictures_are_kept_in_the_run_and_reported(tmp_path, capsys):
     keys = ViewKeys(make_session(tmp_path, Picture(), press("f12")))
     keys.step(make_frames())
     keys.step(make_frames())
@@ -114,7 +114,7 @@ def test_without_a_picture_nothing_is_done(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_picture_that_is_lost_is_told_and_journalled(tmp_path, capsys):
+def test_a_picture_that_is_lost_is_reported_and_journalled(tmp_path, capsys):
     picture = Picture()
     session = make_session(tmp_path, picture)
     ViewKeys(session).give_up(DeviceError("no context"))
@@ -124,7 +124,7 @@ def test_a_picture_that_is_lost_is_told_and_journalled(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("issues", [[], [Issue("lit.frag", "line 7", "`what' undeclared")]])
-def test_a_broken_shader_is_told_over_the_picture_and_on_stderr(tmp_path, capsys, issues):
+def test_a_broken_shader_is_reported_over_the_picture_and_on_stderr(tmp_path, capsys, issues):
     reload = SceneReload(make_session(tmp_path, Picture(issues)))
     reload.look()
     wanted = "lit.frag#line 7: `what' undeclared"

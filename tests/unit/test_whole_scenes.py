@@ -83,7 +83,7 @@ def test_costs_carry_their_spread_over_the_rounds() -> None:
 
 
 def _once(registry: Registry) -> Registry:
-    """The same group with costs that can be asked for."""
+    """The same group with costs that can be requested."""
     again = Registry()
     again.describe(registry.described("planted"))
     for method in registry.rivals("planted"):

@@ -1,4 +1,4 @@
-"""Posed vertices against Blender's evaluation of the same file and time, where a Python with bpy is at hand.
+"""Posed vertices against Blender's evaluation of the same file and time, where a Python with bpy is available.
 
 At a clip's keys both say the same, vertex by vertex. Between keys glTF turns joints along the shortest arc (slerp),
 Blender goes straight through the four numbers of the quaternion; with these numbers written into our clip both agree
@@ -33,10 +33,10 @@ Places = dict[str, np.ndarray]
 
 
 def _blender() -> str:
-    told = os.environ.get("BLENDER_PYTHON")
-    if told is None and importlib.util.find_spec("bpy") is None:
+    reported = os.environ.get("BLENDER_PYTHON")
+    if reported is None and importlib.util.find_spec("bpy") is None:
         pytest.skip("no bpy here; BLENDER_PYTHON may name a Python that has it")
-    return told or sys.executable
+    return reported or sys.executable
 
 
 def _by_blender(file: Path, asked: list[tuple[str, float]], folder: Path) -> list[Places]:

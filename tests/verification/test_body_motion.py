@@ -207,7 +207,7 @@ def test_changed_mass_keeps_the_speed_of_turning():
     assert play.motions[k]["momentum"] == pytest.approx([0.0, 0.12, 0.0], abs=1e-12)
 
 
-def test_force_that_is_not_finite_moves_nothing_and_is_told():
+def test_force_that_is_not_finite_moves_nothing_and_is_reported():
     play = new_play()
     k = play.add_body(velocity=(0.1, 0.0, 0.0))
     play.fly(10)
@@ -241,7 +241,7 @@ def test_shapes_are_carried_by_their_bodies():
     assert work.bounds[3, wall] == math.inf
 
 
-def test_motion_beyond_all_numbers_leaves_the_body_where_it_was_and_is_told():
+def test_motion_beyond_all_numbers_leaves_the_body_where_it_was_and_is_reported():
     """A turning no number can hold: the pose of before stays, nobody is drawn nowhere, and the tick says so."""
     play = new_play()
     k = play.add_body(position=(0.1, 0.2, 0.3), omega=(0.0, 3.0, 0.0))

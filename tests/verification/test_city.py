@@ -131,7 +131,7 @@ def test_chance_is_pcg_as_published() -> None:
 
 
 def test_triangles_as_in_the_source(built: Built) -> None:
-    """363,173 within the 1 % asked for: cars fill what is left, so that less than one car is missing."""
+    """363,173 within the 1 % requested: cars fill what is left, so that less than one car is missing."""
     count = {
         index: sum(p.mesh.triangle_count for p in mesh.primitives) for index, mesh in enumerate(built.document.meshes)
     }
@@ -214,9 +214,9 @@ def test_boxes_that_stick_out_are_found() -> None:
 
 def test_nodes_say_their_boxes(built: Built) -> None:
     solid = {house.kind.name: house.solid for house in houses_of(built.seed)}
-    told = [node for node in built.document.nodes if "mimics" in node.extras]
-    assert len(told) > 500
-    for node in told:
+    reported = [node for node in built.document.nodes if "mimics" in node.extras]
+    assert len(reported) > 500
+    for node in reported:
         assert node.mesh is not None
         box = node.extras["mimics"]["occluder"]
         name = built.document.meshes[node.mesh].name.split("/")[0]

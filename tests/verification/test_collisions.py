@@ -83,7 +83,7 @@ def test_17_spheres_bounce_by_the_closed_form(zeta):
 @pytest.mark.parametrize("first, second", PAIRS)
 @pytest.mark.parametrize("seed", [0, 1])
 def test_17_every_pair_keeps_momentum_and_loses_energy(first, second, seed):
-    """Thrown at each other in any attitude, with friction: what both have together stays to rounding, energy falls."""
+    """Flung at each other in any attitude, with friction: what both have together stays to rounding, energy falls."""
     random = np.random.default_rng(17 * seed + 1)
     play = new_play(dt=1e-4)
     surface = {**ROUGH, "stiffness": 4000.0, "damping": 8.0}
@@ -221,7 +221,7 @@ def stack(play, n=5):
 
 
 def test_stack_of_five_stands_60_s_and_a_push_topples_it():
-    """Drift < 0.1 mm (seen: below 1 nm); 5 N for 0.2 s at the top box throws it down."""
+    """Drift < 0.1 mm (seen: below 1 nm); 5 N for 0.2 s at the top box overturns it."""
     play = new_play()
     boxes = stack(play)
     play.run(4000)
@@ -271,21 +271,21 @@ def test_pair_order_does_not_matter():
     assert abs(ends[0]["omega"]).max() > 0.1
 
 
-def test_impact_tells_the_hardest_new_contact_once():
+def test_impact_says_the_hardest_new_contact_once():
     play = new_play()
     play.add_floor(**SOLID)
     ball = play.add_ball(surface=SOLID, position=(0.1, 0.0205, 0.0), velocity=(0.0, -0.8, 0.0))
     play.add_ball(surface=SOLID, position=(-0.1, 0.0203, 0.0), velocity=(0.0, -0.3, 0.0))
-    told = []
+    reported = []
     for _ in range(300):
         play.run(1)
         totals = play.work.totals[0]
         if totals["impact"] > 0.0:
-            told.append((float(totals["impact"]), int(totals["impact_a"]), int(totals["impact_b"])))
+            reported.append((float(totals["impact"]), int(totals["impact_a"]), int(totals["impact_b"])))
             assert totals["impact_normal"] == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)
             assert totals["impact_position"][1] == pytest.approx(0.0, abs=1e-3)
             assert totals["impact_force"] > 0.0
-    assert told == [(pytest.approx(0.8), ball, STATIC)] or (len(told) == 2 and told[0][1] == ball)
+    assert reported == [(pytest.approx(0.8), ball, STATIC)] or (len(reported) == 2 and reported[0][1] == ball)
 
 
 def test_shapes_of_one_body_do_not_collide_and_all_of_it_does():

@@ -58,7 +58,7 @@ def play_mujoco(bodies, m_eff, plane=False, k=K, b=B):
 
 
 def bounce(play, n):
-    """The same from here; turning in the body's own axes, as MuJoCo tells it."""
+    """The same from here; turning in the body's own axes, as MuJoCo gives it."""
     met = False
     for _ in range(TICKS):
         play.run(1)

@@ -105,7 +105,7 @@ def test_9_restitution_converges_to_first_order():
 
 
 def test_9_printed_is_sticky():
-    """Without clamp e = exp(-pi zeta/sqrt(1 - zeta^2)): .443 against .505 at zeta = .251 tells a missing clamp."""
+    """Without clamp e = exp(-pi zeta/sqrt(1 - zeta^2)): .443 against .505 at zeta = .251 shows a missing clamp."""
     zeta = 0.251
     sticky = math.exp(-math.pi * zeta / math.sqrt(1.0 - zeta * zeta))
     assert sticky == pytest.approx(0.443, abs=5e-4)

@@ -1,4 +1,4 @@
-"""Coarser forms of meshes: what is exact stays exact, what is lost is told, nothing tears, folds or loses its seams."""
+"""Coarser forms of meshes: exact stays exact, what is lost is stated, nothing tears, folds or loses its seams."""
 
 from __future__ import annotations
 

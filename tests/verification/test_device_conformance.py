@@ -22,7 +22,7 @@ NEEDS_FAULTS = {
     "is silent when nothing comes",
     "finds its place after garbage",
     "bears lost bytes",
-    "tells a pulled plug",
+    "reports a pulled plug",
     "comes back when plugged in",
 }
 
@@ -168,8 +168,8 @@ def read_keeping_poison(memory, inbox, data, tick):
     [
         (read_nan, "gives finite data"),
         (read_nothing, "answers"),
-        (read_unknown_status, "tells a known status"),
-        (read_older_and_older, "tells an age"),
+        (read_unknown_status, "reports a known status"),
+        (read_older_and_older, "reports an age"),
         (read_allocating, "allocates nothing"),
         (read_raising, "gives finite data"),
         (read_slow, "is short"),

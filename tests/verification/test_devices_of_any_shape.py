@@ -107,7 +107,7 @@ def test_an_inverse_worked_out_by_steps_finds_the_place(descriptor: DeviceDescri
     assert reached >= 57, "but for a few next to a singular pose"
 
 
-def test_leg_that_is_stretched_is_told_singular_and_moves_boundedly():
+def test_leg_that_is_stretched_is_reported_singular_and_moves_boundedly():
     scene, bare = _record(LEG), _bare(LEG)
     q, dq = _joints(0.1, STRETCHED), np.zeros(MAX_JOINTS)
     x, v = np.zeros(12), np.zeros(12)
@@ -121,7 +121,7 @@ def test_leg_that_is_stretched_is_told_singular_and_moves_boundedly():
     assert np.allclose(x[:3], v[:3], atol=1e-4)
 
 
-def test_a_place_out_of_reach_is_told_and_the_nearest_one_taken():
+def test_a_place_out_of_reach_is_reported_and_the_nearest_one_taken():
     scene, bare, q = _record(LEG), _bare(LEG), _joints(0.3, 0.8)
     x, there = _rows(0.0, 0.0, -1.2), np.zeros(12)
     assert joints_of(bare, scene, x, _work(), q) == KinematicsStatus.UNREACHABLE
@@ -230,7 +230,7 @@ def test_joint_limits_scale_the_motion_and_the_seed_clamps_each_joint():
     changed, dq = _limited((2.0, 2.0, 0.5), last=(1.0, 1.0, 0.25))
     assert changed and np.allclose(dq, (1.0, 1.0, 0.25)), "half of it: the first joint is at its limit"
     changed, dq = _limited((2.0, 2.0, 0.5), last=(1.0, 1.99, 0.49), each=True)
-    assert changed and np.allclose(dq, (1.0, 2.0, 0.5)), "each by itself: the motion is turned"
+    assert changed and np.allclose(dq, (1.0, 2.0, 0.5)), "each on its own: the motion is turned"
 
 
 def test_joint_acceleration_limits_the_change_within_a_tick():

@@ -41,6 +41,6 @@ def test_the_covered_share_is_that_of_a_line():
 
 
 def test_the_filter_is_best_where_edges_are_nearly_level():
-    """Four samples know five shares; a long step tells the filter where between two rows an edge is."""
+    """Four samples know five shares; a long step shows the filter where between two rows an edge is."""
     angle = (0.06,)
     assert edge_error(replace(PLAIN, fxaa=True), angle) < 0.7 * edge_error(replace(PLAIN, msaa=4), angle)

@@ -306,7 +306,7 @@ class TestFields:
         )
         assert bench.force(np.array(PLACE) + [0.02, 0, 0], (1.0, 0.0, 0.0)) == pytest.approx([-2.0, 0.5, 0.0])
 
-    def test_field_that_is_not_finite_is_put_away_and_told(self):
+    def test_field_that_is_not_finite_is_put_away_and_reported(self):
         """It does not stop the loop; disabling and enabling it tries again."""
         bench = Bench(
             effect(EffectKind.SPRING, stiffness=100.0),
@@ -318,7 +318,7 @@ class TestFields:
         assert bench.force((0.06, 0, 0)) == pytest.approx([-6.0, 0.0, 0.0])
         assert (bench.totals["quarantined"], bench.totals["status"]) == (1, 0)
         assert bench.force((0.01, 0, 0)) == pytest.approx([-1.0, 0.0, 0.0]), "it stays away"
-        assert bench.totals["quarantined"] == -1, "told once"
+        assert bench.totals["quarantined"] == -1, "reported once"
         bench.rows.effects["enabled"][1] = 0
         bench.force((0.01, 0, 0))
         bench.rows.effects["enabled"][1] = 1
@@ -330,7 +330,7 @@ class TestFields:
 
 
 @pytest.mark.parametrize("kind", [kind for kind in EffectKind if kind != EffectKind.FIELD])
-def test_hand_that_is_nowhere_feels_nothing_and_is_told(kind):
+def test_hand_that_is_nowhere_feels_nothing_and_is_reported(kind):
     """NaN in: no force out; the tick stops by totals.status, or there was no force to give."""
     row = effect(kind, stiffness=100.0, damping=1.0, slip=0.01, force=2.0, frequency=50.0, radius=0.0, path=0)
     row["direction"] = (1.0, 0.0, 0.0)

@@ -42,7 +42,7 @@ def test_where_the_bisector_is_straight_frenet_has_no_normal_and_the_carried_one
     assert np.isfinite(one).all() and np.array_equal(one, other)
 
 
-def test_the_force_does_not_care_which_frame_tells_it():
+def test_the_force_does_not_care_which_frame_says_it():
     off = WAVY.point(S) + [0.0, 0.0, 0.022]
     one, other = (walk(record_of(WAVY, frenet=frenet, stiffness=1000.0), off) for frenet in (1, 0))
     assert np.array_equal(one["force_world"], other["force_world"]) and np.abs(one["force_world"]).max() > 1.0

@@ -189,7 +189,7 @@ def test_a_shaken_body_takes_energy_and_gives_none():
 
 
 def test_finger_that_slips_stays_on_a_soft_and_heavily_damped_body():
-    """b/k = 0.5 s: a lead of so long would take it half a metre ahead at 1 m/s, with arms that throw the body about."""
+    """b/k = 0.5 s: a lead of so long would take it half a metre ahead at 1 m/s, with arms that fling the body about."""
     hold = Hold(mass=2.0, gravity=0.0, stiffness=20.0, damping=10.0)
     hold.carry(lambda t: (0.0, 1.0 * t, 0.0), 5.0, 0.025)
     grip = hold.work.grip[0]
@@ -248,7 +248,7 @@ def test_body_that_is_put_back_is_let_go():
     assert hold.held[0] == -1
 
 
-def test_crushing_is_told_and_not_below_its_force():
+def test_crushing_is_reported_and_not_below_its_force():
     hold = Hold()
     hold.rows.bodies[0]["crush_force"] = 25.0
     hold.carry((0.0, 0.0, 0.0), 25.0, 0.05)

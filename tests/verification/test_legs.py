@@ -64,7 +64,7 @@ def test_inverse_finds_both_sides_of_the_stretched_knee():
 
 
 @pytest.mark.parametrize("place", [(0.0, 0.0, -REACH - 0.01), (0.0, 0.0, -0.01), (0.4, 0.05, -0.6)])
-def test_leg_places_that_cannot_be_reached_are_told_and_approached(place):
+def test_leg_places_that_cannot_be_reached_are_reported_and_approached(place):
     """Beyond the stretched leg, nearer to the hip than the folded one comes, and beside its plane."""
     found, q = _joints(place)
     assert not found and np.isfinite(q).all()

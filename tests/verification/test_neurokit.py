@@ -30,8 +30,8 @@ def ours_at(ecg: Any) -> list[tuple[float, float, float, float]]:
 
 def theirs(peaks: Any, first: float, last: float) -> tuple[float, float]:
     window = peaks[(peaks / RATE > first - 0.05) & (peaks / RATE < last + 0.05)]
-    told = nk.hrv_time(window, sampling_rate=RATE)
-    return float(told.HRV_RMSSD[0]), float(told.HRV_SDNN[0])
+    reported = nk.hrv_time(window, sampling_rate=RATE)
+    return float(reported.HRV_RMSSD[0]), float(reported.HRV_SDNN[0])
 
 
 def ecg_of(kind: str) -> Any:

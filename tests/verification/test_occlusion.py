@@ -96,7 +96,7 @@ def test_from_inside_a_body_nothing_is_hidden_by_it():
 
 
 @pytest.mark.parametrize(("gap", "hidden"), [(0.0, False), (0.05, False), (5.0, True)])
-def test_what_a_depth_buffer_cannot_tell_apart_stays(gap, hidden):
+def test_what_a_depth_buffer_cannot_say_apart_stays(gap, hidden):
     """At 100 m and a near plane of 0.1 m a step of 24 bits is 6 mm, and 64 of them 0.4 m."""
     half = np.array([[20.0, 20.0, 0.1], [1.0, 1.0, 0.1]])
     world = np.array([compose((0.0, 0.0, -100.0)), compose((0.0, 0.0, -100.2 - gap))])

@@ -7,7 +7,7 @@ import pytest
 
 from mimics_app.contracts.haptic import Controller, EventKind, SafetyState
 from mimics_app.contracts.loop_ports import DATA_LENGTH, INBOX_ACTIVE, INBOX_LENGTH, INBOX_TRIAL
-from mimics_app.rendering.haptic.devices.patients import PRESETS, impairment_of, lay_way, write_arm
+from mimics_app.rendering.haptic.devices.patients import PRESETS, impairment_of, lay_path, write_arm
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.kernels import arm
 from mimics_app.rendering.haptic.kernels.noise import gauss, seed_noise, uniform
@@ -23,7 +23,7 @@ def _travel(preset: str, seed: int) -> dict[str, float]:
     while bench.engine.snapshot().state != SafetyState.READY:
         bench.engine.advance(100)
     bench.publish(controller=Controller.ADMITTANCE, trial=1)
-    bench.tell(active=1, trial=1)
+    bench.send(active=1, trial=1)
     start = bench.engine.ticks
     while bench.engine.snapshot().progress < 0.98 and bench.engine.ticks < start + 60_000:
         bench.engine.advance(100)
@@ -63,7 +63,7 @@ def test_seeds_differ_and_repeat(runs):
 
 
 def _pull(seed: int, preset: str = "moderate", device: str = "simulated_hapticmaster") -> np.ndarray:
-    """Force of the hand on the handle [N], robot frame, for 4 s of a device without noise that stands still."""
+    """Force of the hand on the handle [N], robot frame, for 4 s of a device without noise that does not move."""
     way = np.array([[0.0, 0.0, 0.0], [0.15, 0.1, 0.0]])
     robot = Robot(device=device, sensor_noise=0.0, sensor_quantum=0.0)
     plugin = build_device(robot, Patient(preset=preset), way, seed)
@@ -120,12 +120,12 @@ def test_minimum_jerk_profile():
 
 def test_way_is_evenly_spaced_and_goes_a_little_beyond_the_end():
     corners = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.1, 0.2, 0.0]])
-    way, step = lay_way(corners)
+    way, step = lay_path(corners)
     assert np.allclose(np.linalg.norm(np.diff(way, axis=0), axis=1)[:120], step, rtol=1e-9)
     assert way[-1] == pytest.approx([0.1, 0.212, 0.0]) and np.all(way[0] == 0.0)
-    assert lay_way(corners[:1])[0].shape == (0, 3)
-    assert lay_way(corners[[0, 0, 0]])[0].shape == (0, 3), "a way that leads nowhere"
-    assert np.array_equal(lay_way(np.repeat(corners, 2, axis=0))[0], way)
+    assert lay_path(corners[:1])[0].shape == (0, 3)
+    assert lay_path(corners[[0, 0, 0]])[0].shape == (0, 3), "a way that leads nowhere"
+    assert np.array_equal(lay_path(np.repeat(corners, 2, axis=0))[0], way)
 
 
 def test_component_values_go_over_the_preset():
@@ -146,7 +146,7 @@ def test_random_numbers_are_uniform_normal_and_depend_on_every_seed():
 
 
 def _reach(preset: str, seed: int, target: tuple[float, float, float], load: float = 0.0, **changes: float):
-    """A person without a way on a handle that follows at once; positions per tick [n, 3], grasp [n]."""
+    """A person without a path on a handle that follows at once; positions per tick [n, 3], grasp [n]."""
     memory = np.zeros(arm.ARM_LENGTH)
     seed_noise(memory, arm.GENERATOR, seed)
     write_arm(memory, impairment_of(Patient(preset=preset, tremor=0.0, **changes)), np.zeros((0, 3)), intent=True)

@@ -17,10 +17,10 @@ STIFFNESS = 2000.0
 
 
 def _frames(bench: Bench, target, frames: int) -> np.ndarray:
-    """Tell a target 60 times a second and return the samples."""
+    """Send a target 60 times a second and return the samples."""
     rows = []
     for f in range(frames):
-        bench.tell(target_world=target(f), active=1, grasp=20.0)
+        bench.send(target_world=target(f), active=1, grasp=20.0)
         rows.append(bench.advance(ticks_until_frame(f + 1) - ticks_until_frame(f)))
     return np.concatenate(rows)
 
@@ -72,9 +72,9 @@ def test_60_hz_steps_become_smooth_forces(held: Bench):
 
 
 def test_pointer_let_go_leaves_no_force(held: Bench):
-    held.tell(target_world=(0.05, 0.0, 0.0), active=1, grasp=20.0)
+    held.send(target_world=(0.05, 0.0, 0.0), active=1, grasp=20.0)
     held.advance(100)
-    held.tell(active=0, grasp=0.0)
+    held.send(active=0, grasp=0.0)
     samples = held.advance(3000)
     assert np.abs(samples["f_meas"][5:]).max() < 0.1  # sensor noise only
     assert np.linalg.norm(samples["v_world"][-1]) < 0.01

@@ -164,7 +164,7 @@ def test_a_stop_takes_the_force_off_every_foot():
     assert not _felt(after).any() and not after["torque_command"].any()
 
 
-def test_what_can_only_vibrate_is_told_how_strongly_at_each_foot():
+def test_what_can_only_vibrate_is_reported_how_strongly_at_each_foot():
     floor = _heights((*LEFT, *RIGHT)).min() + 0.08
     bench = _bench(_rows(1500), height=floor, follows="vibration", force_limit=60.0)
     last = bench.advance(1400)[-1]
@@ -219,10 +219,10 @@ def test_a_layout_is_read_back_from_its_schema(extent: Extent):
     assert np.array_equal(layout.places, current_layout(extent).places)
 
 
-@pytest.mark.parametrize("told", [b'{"joints": []}', b'{"joints": ["mm"]}', b'{"contacts": 9}', b"[]", b"{"])
-def test_a_damaged_device_in_a_schema_is_named(told: bytes):
+@pytest.mark.parametrize("reported", [b'{"joints": []}', b'{"joints": ["mm"]}', b'{"contacts": 9}', b"[]", b"{"])
+def test_a_damaged_device_in_a_schema_is_named(reported: bytes):
     schema = samples_schema(LEGS.extent)
-    damaged = schema.with_metadata({**schema.metadata, b"device": told})
+    damaged = schema.with_metadata({**schema.metadata, b"device": reported})
     layout, problem = layout_of(damaged)
     assert problem and layout.extent == Extent()
 
@@ -265,7 +265,7 @@ def test_a_recorder_that_was_replaced_goes_on_with_the_columns_of_the_device(tmp
     assert run.layout.extent == extent and run.haptic.tobytes() == samples.tobytes()
 
 
-def test_a_leg_told_torques_is_driven_to_its_start_through_the_stretched_pose(tmp_path):
+def test_a_leg_reported_torques_is_driven_to_its_start_through_the_stretched_pose(tmp_path):
     """Forces at the foot cannot bend a stretched knee; torques at the joints do."""
     document = json.loads(KICKING.read_text(encoding="utf-8"))
     robot = next(entity for entity in document["entities"] if entity["id"] == "robot")

@@ -18,7 +18,7 @@ def test_egl_answers_with_a_context() -> None:
     assert found["renderer"]
 
 
-def test_scheduler_tells_its_recipe_and_leaves_this_process_alone() -> None:
+def test_scheduler_says_its_recipe_and_leaves_this_process_alone() -> None:
     import os
 
     before = os.sched_getscheduler(0)

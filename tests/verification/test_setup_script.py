@@ -1,6 +1,6 @@
 """`.ci/dev.sh` with stand-ins for uv, apt, sudo and id: what it installs, when, and what it says where it may not.
 
-The real thing, on bare machines, is told in docs/decisions; here is what must not rot.
+The real thing, on bare machines, is described in docs/decisions; here is what must not rot.
 """
 
 from __future__ import annotations
@@ -220,7 +220,7 @@ def test_root_installs_required_and_optional_packages_apart(bench: Bench) -> Non
     assert any(line.endswith("--no-install-recommends --no-remove libegl1") for line in installs)
     assert all(not ("libegl1" in line and "optmesa" in line) for line in installs)
     bench.word("run", LACKING="optmesa", FAKE_UID="0")
-    assert "apt-get" not in bench.called, "what the distribution does not have is asked for once"
+    assert "apt-get" not in bench.called, "what the distribution does not have is requested once"
 
 
 def test_sudo_without_a_password_is_used(bench: Bench) -> None:
@@ -238,8 +238,8 @@ def test_packages_that_apt_does_not_bring_end_in_the_line(bench: Bench) -> None:
 
 def test_settings_of_other_tools_stay_outside(bench: Bench) -> None:
     """ROS sets PYTHONPATH for every shell; its pytest plug-ins break ours. Byte code is what a start saves time by."""
-    told = 'echo "uv PYTHONPATH=${PYTHONPATH:-unset} bare=${PYTHONDONTWRITEBYTECODE:-unset} $*"'
-    bench.stand_in("uv", _UV.replace('echo "uv $*"', told))
+    reported = 'echo "uv PYTHONPATH=${PYTHONPATH:-unset} bare=${PYTHONDONTWRITEBYTECODE:-unset} $*"'
+    bench.stand_in("uv", _UV.replace('echo "uv $*"', reported))
     bench.word("setup", PYTHONPATH="/elsewhere/ros", PYTHONHOME="/elsewhere", PYTHONDONTWRITEBYTECODE="1")
     assert "PYTHONPATH=unset bare=unset" in bench.called
     assert "/elsewhere" not in bench.called

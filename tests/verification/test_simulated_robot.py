@@ -108,7 +108,7 @@ def test_patient_reaches_the_robot_only_through_the_force_sensor():
         plugin.memory[place.SENSOR_GAIN] = gain
         plugin.memory[place.SENSOR_NOISE] = 0.0
         bench.publish(controller=Controller.ADMITTANCE, trial=1, tunnel__pieces=0, virtual_damping=100.0)
-        bench.tell(active=1, trial=1)
+        bench.send(active=1, trial=1)
         bench.advance(600)
         start = plugin.memory[place.Q : place.Q + 3].copy()
         samples = bench.advance(4000)
@@ -124,7 +124,7 @@ def test_robot_given_way_feels_like_the_virtual_mass():
     bench.publish(virtual_damping=0.0)
     bench.advance(200)
     bench.engine.plugin.memory[place.ROBOT_LENGTH + 13] = 6.0  # hand limit [N]
-    bench.tell(target_world=(0.0, 10.0, 0.0), active=1)
+    bench.send(target_world=(0.0, 10.0, 0.0), active=1)
     samples = bench.advance(200)
     v = samples["v_world"][:, 1]
     assert (v[190] - v[90]) / 0.1 == pytest.approx(6.0 / 3.0, rel=0.01)
@@ -150,7 +150,7 @@ def test_intent_off_never_completes():
     bench = patient_bench(intent=False)
     bench.advance(2200)
     bench.publish(controller=Controller.ADMITTANCE, trial=1)
-    bench.tell(active=1, trial=1)
+    bench.send(active=1, trial=1)
     bench.engine.advance(20_000)
     assert bench.engine.snapshot().progress < 0.05
     assert Patient(preset="healthy").intent

@@ -1,4 +1,4 @@
-"""Every sound begins at its exact sample, in the place and at the level that physics asks for."""
+"""Every sound begins at its exact sample, in the place and at the level that physics requests."""
 
 from __future__ import annotations
 

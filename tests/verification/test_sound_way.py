@@ -205,7 +205,7 @@ def test_peaks_are_bent_after_all_groups_and_the_master(tmp_path):
 
 
 def test_a_room_answers_for_as_long_as_it_says():
-    """Level of the tail at two times: 60 dB in the time that was asked for, low tones, within a tenth."""
+    """Level of the tail at two times: 60 dB in the time that was requested, low tones, within a tenth."""
     burst = np.zeros(RATE)
     burst[:4800] = TONE[:4800] * np.hanning(4800)
     burst = np.convolve(burst, np.hanning(97) / 48.0)[:RATE]

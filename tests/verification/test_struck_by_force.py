@@ -90,7 +90,7 @@ class Session:
 
 
 def heard(mixer: str, force: np.ndarray, frame_ms: int = 16, seconds: float = 0.8) -> np.ndarray:
-    """The left channel of a contact with these forces, told and mixed a frame at a time."""
+    """The left channel of a contact with these forces, sent and mixed a frame at a time."""
     session = Session(mixer)
     followed = np.concatenate((force[1:], np.zeros(FOLLOWED - len(force) + 1)))
     for end in range(frame_ms * MS, round(seconds * 1e9), frame_ms * MS):
@@ -174,7 +174,7 @@ def test_a_library_without_shared_memory_of_sounds_plays_recordings(monkeypatch)
     session.close()
 
 
-def test_the_head_of_the_spectral_mixer_is_told_once_and_not_by_the_live_sounds():
+def test_the_head_of_the_spectral_mixer_is_reported_once_and_not_by_the_live_sounds():
     """Live sounds are among those that the mixer packs: their rows are written, no other sound's."""
     session = Session("spectral")
     before = session.mixer._bank.samples.copy()

@@ -95,7 +95,7 @@ def test_contact_whose_end_was_lost_does_not_last_for_ever():
 
 
 def test_contact_whose_event_comes_a_frame_late_is_not_counted_twice():
-    """Told again from before the frame that found nothing touched: no instant belongs to two contacts."""
+    """Published again from before the frame that found nothing touched: no instant belongs to two contacts."""
     tally = Tally(frame(0, penetration=0.001))
     tally.add(frame(10 * MS))
     tally.add(frame(12 * MS, (4 * MS, EventKind.CONTACT_BEGIN, 1.0), penetration=0.001))

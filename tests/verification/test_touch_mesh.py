@@ -134,7 +134,7 @@ def test_fine_ball_comes_to_the_sphere(n):
         assert n_out @ force / np.linalg.norm(force) > np.cos(1.6 * np.pi / n)
 
 
-def random_way(seed, ticks=4000):
+def random_path(seed, ticks=4000):
     """Up to 2 mm a tick about the surface of a ball of RIM, seldom deeper than half its radius."""
     rng = np.random.default_rng(seed)
     place, speed, path = np.array([0.03, 0.0, 0.0]), np.zeros(3), np.empty((ticks, 3))
@@ -150,7 +150,7 @@ def random_way(seed, ticks=4000):
 @pytest.mark.parametrize("bump", [0.0, 0.15])
 def test_nothing_falls_through_a_ball(seed, bump):
     """Over and through edges and corners of a smooth and of a bumpy one: whoever is inside is held."""
-    path = random_way(seed)
+    path = random_path(seed)
     far = np.linalg.norm(path, axis=1)
     held = follow(one_mesh(ball(RIM, 24, bump)), path).any(axis=1)
     inside = far < 0.98 * (1.0 - bump) * RIM
@@ -244,7 +244,7 @@ def test_mesh_that_moves_over_a_resting_point_takes_its_stand_in_along():
 
 
 @pytest.mark.parametrize(
-    "vertices, triangles, told",
+    "vertices, triangles, reported",
     [
         (np.zeros((3, 3)), [[0, 1, 2]], "area"),
         (np.eye(3), [], "no triangles"),
@@ -254,8 +254,8 @@ def test_mesh_that_moves_over_a_resting_point_takes_its_stand_in_along():
         (np.vstack([np.eye(3), np.zeros((1, 3))]), [[0, 1, 2], [0, 1, 3]], "opposite ways"),
     ],
 )
-def test_meshes_that_cannot_be_walked_are_refused_by_name(vertices, triangles, told):
-    with pytest.raises(ValueError, match=told):
+def test_meshes_that_cannot_be_walked_are_refused_by_name(vertices, triangles, reported):
+    with pytest.raises(ValueError, match=reported):
         build_mesh_table([(vertices, np.asarray(triangles, np.int64).reshape(-1, 3))])
 
 

@@ -69,8 +69,8 @@ def short_bench(monkeypatch):
 
 def test_bench_rows_say_what_was_measured(short_bench):
     """MuJoCo comes with the tests, CHAI3D does not, Bullet may be there: no figure of what is absent."""
-    told = []
-    found = haptic_bench.measure_haptic(told.append)
+    reported = []
+    found = haptic_bench.measure_haptic(reported.append)
     assert found["reference_ns"] > 0.0
     rows = found["rows"]
     assert {row["work"] for row in rows} == {
@@ -90,7 +90,7 @@ def test_bench_rows_say_what_was_measured(short_bench):
         assert beside <= set(row) if row["work"] in haptic_bench.BODY_WORKLOADS else not beside & set(row)
     peers = {row["peer"].split()[0] for row in rows if row["work"] == "bodies box"}
     assert "MuJoCo" in peers and peers <= {"MuJoCo", "Bullet"}
-    assert len(told) == len({(row["work"], row["n"]) for row in rows})
+    assert len(reported) == len({(row["work"], row["n"]) for row in rows})
 
 
 def test_bench_without_peers_has_no_figures_of_theirs(short_bench, monkeypatch):
@@ -141,10 +141,10 @@ def test_harness_is_run_and_ours_is_timed_by_its_numbers(tmp_path, short_bench, 
     (tmp_path / "haptics" / "bench_peer.py").write_text(writes)
     (tmp_path / "haptics" / "bench_absent.py").write_text("import a_peer_that_is_not_installed\n")
     (tmp_path / "haptics" / "bench_odd.py").write_text("import sys\nopen(sys.argv[1], 'w').write('[]')\n")
-    told, timed = [], []
-    found = run_harnesses(tmp_path, told.append)
+    reported, timed = [], []
+    found = run_harnesses(tmp_path, reported.append)
     assert found == [HarnessRow("peer 3", "box", 1, 7.5, 30, 4)]
-    assert any("bench_odd is not measured" in line for line in told)
+    assert any("bench_odd is not measured" in line for line in reported)
     monkeypatch.setattr(haptic_bench, "PEERS", {})
     monkeypatch.setattr(haptic_bench, "shortest_us", lambda work, calls, rounds: timed.append((calls, rounds)) or 2.0)
     rows = list(haptic_bench._body_rows(lambda _: None, 1.0, found))
@@ -153,7 +153,7 @@ def test_harness_is_run_and_ours_is_timed_by_its_numbers(tmp_path, short_bench, 
     ]
     assert timed == [(30, 4)]
     with pytest.raises(UsageError, match="no harness"):
-        run_harnesses(tmp_path / "haptics", told.append)
+        run_harnesses(tmp_path / "haptics", reported.append)
 
 
 def test_whole_tick_is_that_of_the_live_loop(monkeypatch):

@@ -136,7 +136,7 @@ def test_deeper_than_the_object_the_face_of_entry_pushes_on():
 
 @pytest.mark.parametrize("kind", [ShapeKind.SPHERE, ShapeKind.CYLINDER, ShapeKind.CAPSULE])
 def test_through_the_middle_the_last_normal_is_kept(kind):
-    """Within one tick from one side of centre or axis to the other: pushed back, not thrown out behind."""
+    """Within one tick from one side of centre or axis to the other: pushed back, not flung out behind."""
     play = one_shape(kind)
     path = [(0.0, 0.0, 0.03), (0.0, 0.0, 0.002), (0.0, 0.0, -0.002)]
     force = at_rest(play, *path)
@@ -284,7 +284,7 @@ def test_a_box_that_moves_over_a_resting_point_is_entered_by_its_leading_face(fa
     assert force[inside[0]] == NEAR(np.array([0.0, 0.0, K * depth]), abs=1e-6)
 
 
-def test_nonsense_gives_no_force_and_is_told():
+def test_nonsense_gives_no_force_and_is_reported():
     play = one_shape(ShapeKind.SPHERE)
     play.rows.shapes[0]["stiffness"] = math.nan
     play.change()

@@ -1,4 +1,4 @@
-"""Several tunnels in a scene: which holds the ball, what the sample tells, and what one does to the other: nothing."""
+"""Several tunnels in a scene: which holds the ball, what the sample holds, and what one does to the other: nothing."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ STIFF, SOFT = 2000.0, 300.0
 WAY = 0.1
 """How far the scripted hand goes along an axis [m]."""
 
-TOLD = ("s", "progress", "distance", "offset_n", "offset_b", "tunnel_radius")
+OWN_TUNNEL = ("s", "progress", "distance", "offset_n", "offset_b", "tunnel_radius")
 
 ROOM = {"objects": ObjectCapacities(tunnels=2)}
 
@@ -80,7 +80,7 @@ def test_each_feels_as_in_a_scene_of_its_own(row: int):
         own = 0 if bench is alone else row
         put(bench, *rows, own_tunnel=own)
         drive = bench.advance(2000)
-        bench.tell(active=1, grasp=10.0)
+        bench.send(active=1, grasp=10.0)
         bench.publish(controller=Controller.ADMITTANCE, trial=1)
         samples.append(np.concatenate([drive, bench.advance(4000)]))
     assert np.abs(samples[0]["f_user_world"]).max() > 1.0 and samples[0]["penetration"].max() > 0.0
@@ -103,20 +103,20 @@ def test_the_ball_stays_in_its_tunnel_and_the_wall_of_the_other_is_not_there():
     assert np.linalg.norm(walled["f_virt_world"][-1]) == pytest.approx(SOFT * depth, rel=1e-9)
 
 
-def test_the_sample_tells_of_the_task_s_own_tunnel_wherever_the_ball_is():
+def test_the_sample_says_of_the_task_s_own_tunnel_wherever_the_ball_is():
     own = led_along(UP, along_x(), along_y(), own_tunnel=1)
     alone = led_along(UP, along_y())
     other = led_along(UP, along_x(), along_y(), own_tunnel=0)
-    assert [name for name in TOLD if own[name].tobytes() != alone[name].tobytes()] == []
+    assert [name for name in OWN_TUNNEL if own[name].tobytes() != alone[name].tobytes()] == []
     assert np.abs(other["distance"] - alone["distance"]).max() > 0.9 * WAY
     assert other["distance"][-1] == pytest.approx(WAY, abs=1e-9), "the way it missed"
-    assert own["f_virt_world"].tobytes() == other["f_virt_world"].tobytes(), "what is told changes no force"
+    assert own["f_virt_world"].tobytes() == other["f_virt_world"].tobytes(), "what is reported changes no force"
 
 
-def test_the_force_of_another_tunnel_is_not_told_as_the_own_one_s():
-    told = led_along(0, along_x(), far_away(), own_tunnel=1)
-    assert np.abs(told["f_virt_world"]).max() > 10.0 and np.all(told["f_tunnel"] == 0.0)
-    assert np.all(told["penetration"] == 0.0)
+def test_the_force_of_another_tunnel_is_not_reported_as_the_own_one_s():
+    reported = led_along(0, along_x(), far_away(), own_tunnel=1)
+    assert np.abs(reported["f_virt_world"]).max() > 10.0 and np.all(reported["f_tunnel"] == 0.0)
+    assert np.all(reported["penetration"] == 0.0)
 
 
 def test_cap_and_margin_are_those_of_the_tunnel_that_holds_the_ball():

@@ -26,7 +26,7 @@ def _session(frames: list[int], seed: int = 1) -> tuple[Bench, np.ndarray]:
     for i, ticks in enumerate(frames):
         if sum(frames[:i]) == 2200:
             bench.publish(controller=Controller.ADMITTANCE, trial=1)
-            bench.tell(active=1, trial=1)
+            bench.send(active=1, trial=1)
         rows.append(bench.advance(ticks))
     return bench, np.concatenate(rows)
 
@@ -47,7 +47,7 @@ def test_the_seed_and_one_ulp_of_stiffness_change_the_run():
     first = bench.advance(2200)
     stiffness = np.nextafter(bench.tunnel["stiffness"], np.inf)
     bench.publish(controller=Controller.ADMITTANCE, trial=1, tunnel__stiffness=stiffness)
-    bench.tell(active=1, trial=1)
+    bench.send(active=1, trial=1)
     assert _bits(np.concatenate([first, bench.advance(4000)])) != _bits(whole)
 
 
@@ -78,7 +78,7 @@ def test_one_tick_of_delay_is_found():
     assert _bits(bench.engine.replay_ticks(late, bench.blocks, bench.row_blocks)) != _bits(samples)
 
 
-def test_a_missing_parameter_block_is_told():
+def test_a_missing_parameter_block_is_reported():
     bench, samples = _session([100])
     with pytest.raises(KeyError):
         bench.engine.replay_ticks(samples, {7: bench.scene})
@@ -91,7 +91,7 @@ def _live(bench: Bench, seconds: float) -> np.ndarray:
     k = 0
     while clock.now_ns() < end:
         k += 1
-        bench.tell(target_world=(0.05 * np.sin(k / 20), 0.03 * np.sin(k / 13), 0.0), active=1, grasp=10.0)
+        bench.send(target_world=(0.05 * np.sin(k / 20), 0.03 * np.sin(k / 13), 0.0), active=1, grasp=10.0)
         if k % 7 == 0:
             bench.publish(tunnel__stiffness=1000.0 + k)
         clock.sleep_until_ns(clock.now_ns() + 16_000_000)
@@ -110,7 +110,7 @@ def test_live_thread_replays_bit_equal():
 
 
 def test_live_and_virtual_loop_give_the_same_device_the_same_run():
-    """Nothing told, nothing changed, no late ticks: the simulated robot and person do the same on both clocks."""
+    """Nothing sent, nothing changed, no late ticks: the simulated robot and person do the same on both clocks."""
     live, virtual = pointer_bench(), pointer_bench()
     live.engine.start()
     clock = MonotonicClock()

@@ -46,7 +46,7 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
         the device had taken every block: the null device takes several at once where its own thread was held up.
 
     Raises:
-        DeviceError: There is no OpenAL library, or the audio process ended by itself.
+        DeviceError: There is no OpenAL library, or the audio process ended on its own.
     """
     names = [f"hum_{k}" for k in range(_VOICES)]
     sounds = {name: SoundSpec(recipe="scrape", gain=0.02, loop=True) for name in names}
@@ -67,7 +67,7 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
     finally:
         report = audio.stop()
     if report.crashed:
-        raise DeviceError("the audio process ended by itself")
+        raise DeviceError("the audio process ended on its own")
     return {
         "seconds": seconds,
         "voices": _VOICES,
@@ -86,7 +86,7 @@ def _begin_load(scene: Path, seconds: float) -> subprocess.Popen[bytes]:
 
 
 def _move_voices(memory: SessionMemory, clock: Clock, seconds: float) -> None:
-    """All voices circle about the head, a frame at a time, as a session's main thread tells them."""
+    """All voices circle about the head, a frame at a time, as a session's main thread sends them."""
     now = np.zeros(1, SOUND_SCENE)
     fill_defaults(now)
     angle = np.arange(_VOICES) * (2.0 * math.pi / _VOICES)

@@ -48,44 +48,44 @@ _SETTLE = 10
 """Frames that are not counted: buffers grow, the driver compiles."""
 
 
-def measure_displays(scene: Path, size: Size, frames: int, tell: Callable[[str], None]) -> Row:
+def measure_displays(scene: Path, size: Size, frames: int, report: Callable[[str], None]) -> Row:
     """Ratios of one pass to two, by workload, and times from pose to submission.
 
     Args:
         scene: Whose frames a simulated headset is given.
         size: Of both eyes' pictures together [px].
         frames: How many are timed.
-        tell: Called with what is measured next.
+        report: Called with what is measured next.
 
     Raises:
         DeviceError: there is no way to draw without a display.
     """
     rows = []
     for workload in WORKLOADS:
-        tell(f"displays: one pass against two, {workload}")
+        report(f"displays: one pass against two, {workload}")
         two, one = turns(workload, "two_pass", "clip_distance")
         ratios = [a / b for a, b in zip(one, two, strict=True)]
         rows.append({"workload": workload, "two_pass_ms": median(two) * 1e-3, "ratio": median(ratios)})
-    tell(f"displays: from pose to submission, {frames} frames of {scene.stem}")
+    report(f"displays: from pose to submission, {frames} frames of {scene.stem}")
     motion = _measure_motion(scene, size, frames)
     with _driver_that_draws_nothing() as spawned:
         undrawn = spawned.submit(_measure_undrawn, scene, size, frames).result()
     motion |= {} if undrawn is None else {"undrawn": undrawn}
-    tell(f"displays: what comes before drawing, for one eye and for two, {frames} frames of {scene.stem}")
+    report(f"displays: what comes before drawing, for one eye and for two, {frames} frames of {scene.stem}")
     queueing = _measure_queueing(scene, size, frames)
     records = measure_records()
     return {"stereo": rows, "motion_to_submit_ms": motion, "before_drawing": queueing, "record_to_pose_ms": records}
 
 
 class MotionTimes(SimulatedRuntime):
-    """A simulated headset that looks at a clock when it is asked for poses and when it is given the frame.
+    """A simulated headset that looks at a clock when poses are requested and when it is given the frame.
 
     Args:
         spec: What it is.
         clock: Which.
 
     Attributes:
-        asked_ns: When poses were asked for in this frame, and when they were there [ns].
+        asked_ns: When poses were requested in this frame, and when they were there [ns].
         given_ns: When the frame was handed over [ns].
     """
 

@@ -19,7 +19,7 @@ from mimics_app.rendering.visual.surfaces.raster_floor import measure_floor
 __all__ = ["measure_frames", "shipped_scenes"]
 
 Row = dict[str, Any]
-Tell = Callable[[str], None]
+Report = Callable[[str], None]
 
 
 def shipped_scenes() -> list[Path]:
@@ -29,7 +29,7 @@ def shipped_scenes() -> list[Path]:
 
 
 def measure_frames(
-    scenes: Sequence[Path], size: tuple[int, int], surface: str, seconds: float, tell: Tell
+    scenes: Sequence[Path], size: tuple[int, int], surface: str, seconds: float, report: Report
 ) -> dict[str, Any]:
     """A reference, what pixels alone take, and for every scene a row as well as it may look and one at full quality.
 
@@ -38,15 +38,15 @@ def measure_frames(
         size: Of the picture [px].
         surface: "window" or "egl".
         seconds: Length of each measurement [s].
-        tell: Called with what is measured next.
+        report: Called with what is measured next.
     """
     rows = []
     for scene in [find_scene(path) for path in scenes] or shipped_scenes():
         for quality in QUALITIES:
-            tell(f"frame: {scene.stem}, quality {quality}")
+            report(f"frame: {scene.stem}, quality {quality}")
             rows.append({**_measure_apart(scene, size, surface, seconds, quality), "asked": quality})
-    tell("frame: the pixels alone")
-    return {"reference": _reference(tell), "floor": measure_floor(size), "scenes": rows}
+    report("frame: the pixels alone")
+    return {"reference": _reference(report), "floor": measure_floor(size), "scenes": rows}
 
 
 def _measure_apart(scene: Path, size: tuple[int, int], surface: str, seconds: float, quality: str) -> Row:
@@ -59,9 +59,9 @@ def _measure_apart(scene: Path, size: tuple[int, int], surface: str, seconds: fl
     return row
 
 
-def _reference(tell: Tell) -> Row:
+def _reference(report: Report) -> Row:
     """OGRE's frame of the peers' city where it is installed; else the reference loop of `mimics bench haptic`."""
-    ogre = measure_ogre("city", (1280, 720), tell)
+    ogre = measure_ogre("city", (1280, 720), report)
     if ogre is not None:
         return {"name": "OGRE city 1280x720", "ms": ogre}
     from mimics_app.lab.haptic_bench import reference_us

@@ -108,7 +108,7 @@ def draw_counts(folder: Path) -> Path:
 
 
 def _figure() -> Figure:
-    ways: tuple[Callable[[int], FrameCounts], ...] = (
+    counters: tuple[Callable[[int], FrameCounts], ...] = (
         count_nodes,
         count_materials,
         lambda count: count_cards(count, changing=False),
@@ -116,7 +116,7 @@ def _figure() -> Figure:
     )
     counted = {
         name: [(float(count), count_of(count)) for count in counts]
-        for (name, counts), count_of in zip(_COUNTS.items(), ways, strict=True)
+        for (name, counts), count_of in zip(_COUNTS.items(), counters, strict=True)
     }
     lines = {name: [(x, float(each.calls)) for x, each in rows] for name, rows in counted.items()}
     rows = [

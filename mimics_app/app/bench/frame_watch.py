@@ -40,7 +40,7 @@ class FrameWatch:
     Attributes:
         watched: Whose frames.
         seconds: Length of the measurement [s].
-        from_ns, stages_ns: When frames count, and when stages are timed instead; told by the first frame, which the
+        from_ns, stages_ns: When frames count, and when stages are timed instead; set by the first frame, which the
             governor may have kept waiting.
         frames_ms: Of whole frames [ms].
         stages: Times of each stage [ms].

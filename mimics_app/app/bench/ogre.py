@@ -22,21 +22,21 @@ _PYTHON = "/usr/bin/python3"
 
 
 def measure_ogre(
-    workload: str, size: tuple[int, int], tell: Callable[[str], None], *, msaa: int = 0, more: Sequence[str] = ()
+    workload: str, size: tuple[int, int], report: Callable[[str], None], *, msaa: int = 0, more: Sequence[str] = ()
 ) -> float | None:
-    """Median frame of OGRE [ms]; None, and a line to `tell`, where harness, data, Xvfb or OGRE is missing.
+    """Median frame of OGRE [ms]; None, and a line to `report`, where harness, data, Xvfb or OGRE is missing.
 
     Args:
         workload: One of `OGRE_WORKLOADS`.
         size: Of the picture [px].
-        tell: Called with why it was not measured.
+        report: Called with why it was not measured.
         msaa: Samples per pixel.
         more: Further arguments, as the harness takes them.
     """
     folder = os.environ.get("PEERS")
     program = Path(folder or "") / "render" / "run_ogre.py"
     if folder is None or not program.is_file() or "RENDER_DATA" not in os.environ or not shutil.which("xvfb-run"):
-        tell("peer: OGRE is not measured: PEERS, RENDER_DATA and xvfb-run are needed")
+        report("peer: OGRE is not measured: PEERS, RENDER_DATA and xvfb-run are needed")
         return None
     width, height = size
     screen = ("xvfb-run", "-a", "-s", f"-screen 0 {max(width, 640)}x{max(height, 480)}x24")
@@ -47,5 +47,5 @@ def measure_ogre(
         line = next(line for line in done.stdout.splitlines() if line.startswith("RESULT "))
         return float(json.loads(line.removeprefix("RESULT "))["ms_median"])
     except (OSError, subprocess.SubprocessError, StopIteration, ValueError, KeyError, TypeError) as failure:
-        tell(f"peer: OGRE is not measured: {failure}")
+        report(f"peer: OGRE is not measured: {failure}")
         return None

@@ -22,7 +22,7 @@ _RATE_HZ = 120.0
 _UNIT = 0.01
 """Of the line's numbers [m]."""
 _AHEAD_NS = 10_000_000
-"""How far ahead a pose is asked for [ns]."""
+"""How far ahead a pose is requested [ns]."""
 _GOAL_MS = 1.0
 
 

@@ -80,8 +80,8 @@ def _levels(args: argparse.Namespace) -> int:
         return 0
     for each in levels:
         steps = zip(each.triangles, each.errors, each.coverages, strict=True)
-        told = ", ".join(f"{n} triangles ({error:.2g} m, from {100.0 * c:.2g} %)" for n, error, c in steps)
-        print(f"{each.name}: {told}")
+        steps_text = ", ".join(f"{n} triangles ({error:.2g} m, from {100.0 * c:.2g} %)" for n, error, c in steps)
+        print(f"{each.name}: {steps_text}")
     none = "" if levels else ": each has levels already, or gets no smaller without a visible error"
     print(f"{out}: levels made for {counted(len(levels), 'meshes')}{none}")
     return 0

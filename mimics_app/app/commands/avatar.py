@@ -35,8 +35,8 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         from mimics_app.app.terminal.output import write_object
 
-        told = {"file": str(args.file), "bones": found.names, "guessed": found.guesses, "missing": list(found.missing)}
-        write_object("avatar", {**told, "clips": clips, "morphs": sorted(set(animators[0].rig.morph_names) - {""})})
+        bones = {"file": str(args.file), "bones": found.names, "guessed": found.guesses, "missing": list(found.missing)}
+        write_object("avatar", {**bones, "clips": clips, "morphs": sorted(set(animators[0].rig.morph_names) - {""})})
     else:
         for line in report_lines(found, [f"clips: {', '.join(clips)}"] if clips else []):
             print(line)

@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Do what was asked for."""
+    """Do what was requested."""
     if args.action == "list":
         return _list(args)
     if not args.device:
@@ -109,7 +109,7 @@ def _list(args: argparse.Namespace) -> int:
 def find_all() -> dict[str, Any]:
     """Everything found, as the object of `--json`.
 
-    Displays, gamepads and the sound output are asked for in processes of their own: their drivers may crash.
+    Displays, gamepads and the sound output are looked for in processes of their own: their drivers may crash.
     """
     from mimics_app.app.installation.display_files import find_display_files
     from mimics_app.app.installation.probes import probe

@@ -73,10 +73,10 @@ def _say(answer: dict[str, Any], plan: Plan) -> None:
         if refused:
             print(f"          cheaper but refused: {refused['method']}, error {refused['error']:.2g} {part['unit']}")
         if part["too_dear"]:
-            print(f"          better but too dear: {_too_dear(part['too_dear'], part['unit'])}")
-    told = [part["tick_us"] for part in answer["parts"] if part["tick_us"] is not None]
-    if told:
-        print(f"in all    a tick of the haptic loop, bodies at rest: {_time_of(sum(told))}")
+            print(f"          better but too costly: {_too_dear(part['too_dear'], part['unit'])}")
+    costs = [part["tick_us"] for part in answer["parts"] if part["tick_us"] is not None]
+    if costs:
+        print(f"in all    a tick of the haptic loop, bodies at rest: {_time_of(sum(costs))}")
     for left in answer["left_out"]:
         saved = "" if left["saved_us"] is None else f" ({_time_of(left['saved_us'])} saved)"
         print(f"not used  {left['part']}: {left['why']}{saved}")
@@ -102,9 +102,11 @@ def _time_of(us: float) -> str:
     return f"{us:.3f} us" if us < 1000.0 else f"{1e-3 * us:.3g} ms"
 
 
-def _too_dear(dearer: dict[str, Any], unit: str) -> str:
-    more, room = dearer["more_ms"], dearer["room_ms"]
-    return f"{dearer['method']}, error {dearer['error']:.2g} {unit}: {more:.3g} ms a frame more, of {room:.3g} ms left"
+def _too_dear(costlier: dict[str, Any], unit: str) -> str:
+    more, room = costlier["more_ms"], costlier["room_ms"]
+    return (
+        f"{costlier['method']}, error {costlier['error']:.2g} {unit}: {more:.3g} ms a frame more, of {room:.3g} ms left"
+    )
 
 
 def _error_of(part: dict[str, Any]) -> str:

@@ -32,17 +32,17 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.recording.run import Run
     from mimics_app.recording.verdict import judge
 
-    mended: dict[str, Any] = {}
+    repaired: dict[str, Any] = {}
     if args.action == "recover":
         from mimics_app.recording.recover import recover
 
         recovery = recover(args.folder)
         opened, verdict = Run.open(args.folder), recovery.verdict
-        mended = {"mended": list(recovery.mended)}
+        repaired = {"repaired": list(recovery.repaired)}
     else:
         opened = Run.open(args.folder)
         verdict = judge(opened)
-    answer = {**_describe(opened), **mended}
+    answer = {**_describe(opened), **repaired}
     if args.action == "verify":
         answer["verified"] = opened.manifest is not None and verdict.whole
     answer["verdict"] = verdict.word
@@ -53,7 +53,7 @@ def run(args: argparse.Namespace) -> int:
 
         write_object("record", {"action": args.action, **answer})
     else:
-        lines = _info(answer) if args.action == "info" else _told(opened, verdict, answer.get("mended"))
+        lines = _info(answer) if args.action == "info" else _verdict_lines(opened, verdict, answer.get("repaired"))
         lines += [("note", note) for note in answer["notes"]]
         sys.stdout.write("".join(f"{name:14} {text}\n" for name, text in lines))
     return 0 if verdict.whole else PartialDataError.exit_code
@@ -74,11 +74,11 @@ def _describe(opened: Run) -> dict[str, Any]:
     }
 
 
-def _told(opened: Run, verdict: Verdict, mended: list[str] | None) -> list[tuple[str, str]]:
+def _verdict_lines(opened: Run, verdict: Verdict, repaired: list[str] | None) -> list[tuple[str, str]]:
     """The verdict in one line, alike for `verify` and `recover`; what was repaired; each thing that is not whole."""
     lines = [(verdict.word, f"{opened.folder}: {_verdict(opened, verdict)}")]
-    if mended is not None:
-        lines.append(("repaired", ", ".join(mended) or _nothing(verdict)))
+    if repaired is not None:
+        lines.append(("repaired", ", ".join(repaired) or _nothing(verdict)))
     return lines + [("problem", sentence) for sentence in verdict.losses]
 
 

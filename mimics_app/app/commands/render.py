@@ -92,12 +92,12 @@ def run(args: argparse.Namespace) -> int:
 
 def _lay_out(args: argparse.Namespace) -> int:
     """Draw the sheet of a folder and say how the light of each scene is."""
-    from mimics_app.app.play.scene_sheet import draw_scene_sheet, scenes_in, told
+    from mimics_app.app.play.scene_sheet import draw_scene_sheet, light_rows, scenes_in
     from mimics_app.app.terminal import output
 
     lights = draw_scene_sheet(scenes_in(args.scene), args.sheet, backend=args.backend)
     if args.json:
-        output.write_object("render", {"files": [args.sheet], "scenes": told(lights)})
+        output.write_object("render", {"files": [args.sheet], "scenes": light_rows(lights)})
         return 0
     for light in lights:
         shade = "-" if light.shade is None else f"{light.shade:.0%}"

@@ -38,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
     data, end = gather(recorded), recorded.comparable_end
     replayed = play_loop(recorded, data)
     difference = compare(data.samples, replayed.samples) or compare_events(recorded.events, replayed.events, end)
-    told, task_difference = (None, None) if difference else play_task(recorded, replayed.snapshots)
+    task, task_difference = (None, None) if difference else play_task(recorded, replayed.snapshots)
     if difference or task_difference:
         raise PartialDataError(
             f"{args.run_folder} replays differently: {difference or task_difference}",
@@ -55,23 +55,23 @@ def run(args: argparse.Namespace) -> int:
     ticks, events = len(data.samples), int((recorded.events["tick"] < end).sum())
     left = len(recorded.events) - events
     if args.json:
-        answer = {"ticks": ticks, "events": events, "events_not_compared": left, "task": told, "equal": True}
+        answer = {"ticks": ticks, "events": events, "events_not_compared": left, "task": task, "equal": True}
         if body is not None:
             answer |= {"features": body.features, "states": body.states, "choices": body.choices}
         output.write_object("replay", {"run_dir": args.run_folder, **answer})
     else:
         print(f"{ticks} ticks replayed, every output and {events} events equal bit for bit{_left_out(left, end)}")
-        print(_task_line(told))
+        print(_task_line(task))
         if body is not None:
             print(f"{body.features} frames of features, {body.states} states and {body.choices} choices equal")
     return 0
 
 
-def _task_line(told: dict[str, int] | None) -> str:
+def _task_line(task: dict[str, int] | None) -> str:
     """What was compared of the task."""
-    if told is None:
+    if task is None:
         return "its task is not compared: the recording does not say what it was given"
-    return f"its task: {told['events']} events and {counted(told['rows'], 'rows')} of trials.csv equal"
+    return f"its task: {task['events']} events and {counted(task['rows'], 'rows')} of trials.csv equal"
 
 
 def _left_out(events: int, end: int) -> str:

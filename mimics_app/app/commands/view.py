@@ -149,8 +149,8 @@ def _draw(args: argparse.Namespace, shown: Shown) -> int:
         caption=args.caption,
         video=args.video,
     )
-    told = drawn.as_dict()
-    _answer(args, {**_describe(shown), **told, "files": [*told["files"], *files]})
+    facts = drawn.as_dict()
+    _answer(args, {**_describe(shown), **facts, "files": [*facts["files"], *files]})
     return 0
 
 

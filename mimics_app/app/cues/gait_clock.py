@@ -46,12 +46,12 @@ class GaitClock:
         if before is None or t_ns <= before[0]:
             return []
         begin_ns, (x, y, z) = before
-        way = hypot(place[0] - x, place[2] - z)
+        distance = hypot(place[0] - x, place[2] - z)
         span_ns = t_ns - begin_ns
-        speed = way / (span_ns * 1e-9)
+        speed = distance / (span_ns * 1e-9)
         if speed < _SLOWEST:
             return []
-        advance = way / (_LENGTH_AT_ONE * sqrt(speed))  # in steps
+        advance = distance / (_LENGTH_AT_ONE * sqrt(speed))  # in steps
         done, self._phase = self._phase, self._phase + advance
         triggers = []
         for number in range(int(done) + 1, int(self._phase) + 1):

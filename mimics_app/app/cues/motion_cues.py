@@ -1,4 +1,4 @@
-"""Models that move by themselves as the frame drives them: the time, and what happens in the task and the loop."""
+"""Models that move on their own as the frame drives them: the time, and what happens in the task and the loop."""
 
 from __future__ import annotations
 

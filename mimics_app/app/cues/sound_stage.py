@@ -71,7 +71,7 @@ class SoundStage:
         for order in orders.sounds:
             self.output.play(order)
         self.output.advance(now_ns)
-        self._tell_notice()
+        self._show_notice()
 
     def stop(self) -> AudioReport:
         """End the sound."""
@@ -99,8 +99,8 @@ class SoundStage:
         self._memory.sound_scenes[slot : slot + 1] = now
         triple_buffer.publish(self._memory.sound_scene_words)
 
-    def _tell_notice(self) -> None:
-        """One line when sound is not, or no longer, what was asked for."""
+    def _show_notice(self) -> None:
+        """One line when sound is not, or no longer, what was requested."""
         status = self.output.ready
         if status is not None and status.notice != self._notice:
             self._notice = status.notice

@@ -1,4 +1,4 @@
-"""What of a scene sounds by itself, what lies between it and the listener, and the listener's room, frame by frame."""
+"""What of a scene sounds on its own, what lies between it and the listener, and the listener's room, frame by frame."""
 
 from __future__ import annotations
 

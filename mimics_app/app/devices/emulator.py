@@ -62,7 +62,7 @@ class EmulatorSettings:
     """Who is on the emulated robot.
 
     Attributes:
-        scene: Scene whose way the person knows and whose robot it is; None: a relaxed arm on the usual robot.
+        scene: Scene whose path the person knows and whose robot it is; None: a relaxed arm on the usual robot.
         patient: Preset instead of the scene's; "" keeps it.
         seed: Of everything random.
         port: A hapticmaster listens on; 0: any that is free.
@@ -178,7 +178,7 @@ def _open(name: str, request: DeviceRequest, folder: Path, settings: EmulatorSet
 
 
 def _request(settings: EmulatorSettings) -> DeviceRequest:
-    """Robot, person and way of the scene."""
+    """Robot, person and path of the scene."""
     if settings.scene is None:
         return DeviceRequest(Robot(delay_ticks=0), None, seed=settings.seed)
     scene = load_checked_scene(settings.scene)
@@ -186,5 +186,5 @@ def _request(settings: EmulatorSettings) -> DeviceRequest:
     robot, patient = scene.first(Robot) or Robot(), scene.first(Patient) or Patient()
     if settings.patient:
         patient = msgspec.structs.replace(patient, preset=settings.patient)
-    way = robot_from_world(robot, scenario.via_points_world)
-    return DeviceRequest(msgspec.structs.replace(robot, delay_ticks=0), patient, way, settings.seed)
+    via_points = robot_from_world(robot, scenario.via_points_world)
+    return DeviceRequest(msgspec.structs.replace(robot, delay_ticks=0), patient, via_points, settings.seed)

@@ -83,7 +83,7 @@ NEEDS: tuple[SystemNeed, ...] = (
     SystemNeed("pulseaudio", "tests that listen to a live sound server", kind="test-optional", program="pulseaudio"),
     SystemNeed("pulseaudio-utils", "tests that listen to a live sound server", kind="test-optional", program="parec"),
 )
-"""Everything asked for, in the order it is reported."""
+"""Everything requested, in the order it is reported."""
 
 
 def missing(kinds: Iterable[str]) -> list[SystemNeed]:

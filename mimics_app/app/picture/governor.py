@@ -48,7 +48,7 @@ class QualityStep(Protocol):
 
     @property
     def order(self) -> int:
-        """Steps of a lower order are given up first, and taken back last."""
+        """Steps of a lower order are given up first, and restored last."""
         ...
 
     @property
@@ -189,7 +189,7 @@ class FrameGovernor:
         return self._times_ms[-1] if self._times_ms else 0.0
 
     def note(self, frame_ms: float, now_ns: int) -> None:
-        """Count a frame that took `frame_ms` [ms] and ended at `now_ns`, and give up or take back one level."""
+        """Count a frame that took `frame_ms` [ms] and ended at `now_ns`, and give up or restore one level."""
         self._counts[self.state] = self._counts.get(self.state, 0) + 1
         self._times_ms.append(frame_ms)
         self._frames.append((now_ns, frame_ms))
@@ -264,12 +264,12 @@ class FrameGovernor:
         self._before_ms = None
         self._moved(move, move.level - 1, "up", now_ms, now_ns)
 
-    def _moved(self, move: _Move, level: int, way: str, now_ms: float, now_ns: int) -> None:
+    def _moved(self, move: _Move, level: int, direction: str, now_ms: float, now_ns: int) -> None:
         self._moves += 1
         self._frames.clear()
         self._moved_ns = now_ns
         self._since_over = self._since_under = self._since_ease = None
-        line = {"step": move.step.name, "level": move.step.levels[level], "way": way, "frame_ms": now_ms}
+        line = {"step": move.step.name, "level": move.step.levels[level], "way": direction, "frame_ms": now_ms}
         self._log("governor", {**line, "t_ns": now_ns})
 
 

@@ -32,7 +32,7 @@ def with_methods(settings: RenderSettings, methods: Mapping[str, Settings]) -> R
     """Settings in which each group's method is the one that was chosen.
 
     Args:
-        settings: What the scene asks for.
+        settings: What the scene requests.
         methods: Settings of the chosen method by group of the laboratory; groups of something else than the picture are
             passed over, and a method that says nothing of a field leaves it to the scene.
     """

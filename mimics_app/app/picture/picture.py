@@ -169,7 +169,7 @@ class Picture:
             self.presenter.present()
         else:
             self.presenter.skip()
-        self.tell_issues()
+        self.report_issues()
         return self.stats
 
     def begin_frame(self) -> StageTimer:
@@ -230,14 +230,14 @@ class Picture:
             self.surface.swap()
         done_ns = clock.now_ns() if self._software else waited_ns
         self._take_to_film(done_ns)
-        self.tell_issues()
+        self.report_issues()
         return done_ns
 
     def _take_to_film(self, t_ns: int) -> None:
         if self.film is not None:
             self.film.take(t_ns)
 
-    def tell_issues(self) -> None:
+    def report_issues(self) -> None:
         """Say on stderr what was drawn otherwise than the scene asks, a line for each fault, once."""
         for issue in self.renderer.take_issues():
             sys.stderr.write(f"mimics: {issue}\n")

@@ -1,4 +1,4 @@
-"""Which display a session's picture is shown on: what was asked for, else what the scene says."""
+"""Which display a session's picture is shown on: what was requested, else what the scene says."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def open_display(scene: Scene, asked: str, surface: Surface) -> Display:
     """The display of a session; where another has to do in its place, one line on stderr says so.
 
     Args:
-        scene: Its `systems.display` holds what was not asked for.
+        scene: Its `systems.display` holds what was not requested.
         asked: KIND or KIND:FILE, "" for the scene's.
         surface: Whose context it is given.
 
@@ -39,7 +39,7 @@ def open_display(scene: Scene, asked: str, surface: Surface) -> Display:
 
 
 def check_display(scene: Scene, asked: str) -> None:
-    """Look at the file of a display, so that a wrong one is told before anything begins.
+    """Look at the file of a display, so that a wrong one is reported before anything begins.
 
     Raises:
         SceneError: the scene's display needs a file, or its file is wrong.
@@ -52,7 +52,7 @@ def check_display(scene: Scene, asked: str) -> None:
 
 
 def chosen_display(scene: Scene, asked: str) -> DisplayChoice:
-    """Kind and file: as asked for, else as the scene says, its file looked for beside it."""
+    """Kind and file: as requested, else as the scene says, its file looked for beside it."""
     if asked:
         return parse_display(asked)
     settings = scene.system(DisplaySettings) or DisplaySettings()

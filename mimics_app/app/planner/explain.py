@@ -9,7 +9,7 @@ from typing import Any
 
 import msgspec
 
-from mimics_app.app.planner.plan import Choice, Dearer, Plan
+from mimics_app.app.planner.plan import Choice, Costlier, Plan
 from mimics_app.app.planner.uses import (
     TOUCH,
     WHOLE_TICK,
@@ -114,7 +114,7 @@ def describe_plan(scene: Scene, plan: Plan) -> dict[str, Any]:
 
 
 def _part(scene: Scene, choice: Choice, plan: Plan) -> Part:
-    taken, refused, dearer = choice.taken, choice.refused, choice.dearer
+    taken, refused, costlier = choice.taken, choice.refused, choice.costlier
     timed = bool(plan.pixels and uses()[choice.group].pixels)
     return Part(
         part=choice.what,
@@ -125,7 +125,7 @@ def _part(scene: Scene, choice: Choice, plan: Plan) -> Part:
         unit=taken.unit,
         tolerance=choice.tolerance,
         next_cheaper=None if refused is None else {"method": refused.method, "error": refused.error},
-        too_dear=None if dearer is None else _too_dear(dearer),
+        too_dear=None if costlier is None else _too_dear(costlier),
         more_ms=choice.more_ms if timed else None,
         note=_note(scene, choice, plan),
         within=uses()[choice.group].within,
@@ -152,9 +152,9 @@ def _seen_to(scene: Scene) -> str:
     return f"seen to {distance:.3g} m from the eye in {maps}: {reason}"
 
 
-def _too_dear(dearer: Dearer) -> dict[str, Any]:
-    row = dearer.row
-    return {"method": row.method, "error": row.error, "more_ms": dearer.more_ms, "room_ms": dearer.room_ms}
+def _too_dear(costlier: Costlier) -> dict[str, Any]:
+    row = costlier.row
+    return {"method": row.method, "error": row.error, "more_ms": costlier.more_ms, "room_ms": costlier.room_ms}
 
 
 def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
@@ -216,7 +216,7 @@ def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -
     left += _filters_left_out(scene, plan)
     if not _has_objects(scene):
         left += [LeftOut(part, _NO_OBJECT, _cheapest(table, group)) for group, part in OF_OBJECTS.items()]
-    left.append(LeftOut("body signals and the person's state", "mimics run --physio SOURCE asks for them", None))
+    left.append(LeftOut("body signals and the person's state", "mimics run --physio SOURCE requests them", None))
     if not task_of(scene).learn:
         left.append(LeftOut("learned adaptation", "neither task.learn nor mimics run --learn POLICY", None))
     return left
@@ -243,7 +243,7 @@ def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
 
 
 def _extra_us(plan: Plan, group: str) -> float | None:
-    """What the dearest way costs more than the cheapest in the plan's picture [us]; None where none is timed."""
+    """What the costliest method costs more than the cheapest in the plan's picture [us]; None where none is timed."""
     costs = [row.cost_us for row in plan.table.groups.get(group, [])]
     return (max(costs) - min(costs)) * plan.pixels / uses()[group].pixels if costs and plan.pixels else None
 

@@ -22,7 +22,7 @@ from mimics_app.contracts.methods import Settings
 from mimics_app.world.scene.method_plugins import Use, method_plugins
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["ROOM", "Choice", "Dearer", "Plan", "choose", "load_table", "plan_scene", "settle"]
+__all__ = ["ROOM", "Choice", "Costlier", "Plan", "choose", "load_table", "plan_scene", "settle"]
 
 
 ROOM = 0.5
@@ -30,7 +30,7 @@ ROOM = 0.5
 
 
 @dataclass(frozen=True, slots=True)
-class Dearer:
+class Costlier:
     """A more accurate rival that the frame's time does not bear.
 
     Attributes:
@@ -55,7 +55,7 @@ class Choice:
         tolerance: Largest accepted error, in the unit of the figures.
         refused: The nearest cheaper rival, whose error is beyond the tolerance; None where nothing cheaper is.
         planner: What the planner would take where the scene names another; None where they agree.
-        dearer: What would be taken if the frame had the time; None where that does not decide.
+        costlier: What would be taken if the frame had the time; None where that does not decide.
         more_ms: What a frame takes longer than with the group's cheapest [ms]; 0 where no frame has to keep time.
     """
 
@@ -65,7 +65,7 @@ class Choice:
     tolerance: float
     refused: Row | None
     planner: Row | None = None
-    dearer: Dearer | None = None
+    costlier: Costlier | None = None
     more_ms: float = 0.0
 
 
@@ -192,17 +192,17 @@ def _choice(
         tolerance=tolerance,
         refused=max(cheaper, key=lambda rival: rival.cost_us, default=None),
         planner=None if best == taken else best,
-        dearer=None
+        costlier=None
         if named is not None or wanted == best
-        else Dearer(wanted, budget.more_ms(wanted, rivals), budget.room_ms),
+        else Costlier(wanted, budget.more_ms(wanted, rivals), budget.room_ms),
         more_ms=budget.more_ms(taken, rivals if named is None else rows),
     )
 
 
 def _row_of(named: Settings, rows: Sequence[Row]) -> Row:
     """The row of what a scene names; without figures where the table knows none: it runs all the same."""
-    told = ", ".join(f"{field} {value}" for field, value in named.items())
-    unknown = Row(told, math.nan, math.nan, math.nan, rows[0].unit, named)
+    label = ", ".join(f"{field} {value}" for field, value in named.items())
+    unknown = Row(label, math.nan, math.nan, math.nan, rows[0].unit, named)
     return next((row for row in rows if row.settings == named), unknown)
 
 

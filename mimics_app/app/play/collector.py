@@ -1,7 +1,7 @@
 """Python's garbage collector, with what is here to stay kept out of it.
 
 A full round over all that imports, compiled code and a scene leave behind takes 0.1 to 0.2 s, and the first seconds of
-a session, which make much that is kept, ask for several: so long no frame is made. What exists when the session begins
+a session, which make much that is kept, take several: so long no frame is made. What exists when the session begins
 lives as long as the session, so it is swept once and then left out of every further round.
 """
 

@@ -50,8 +50,8 @@ class JourneyLog:
 
 def read_journey(path: Path) -> dict[str, object]:
     """The newest value of each key so far; a line that is still being written is left for the next call."""
-    told: dict[str, object] = {}
+    noted: dict[str, object] = {}
     for line in path.read_text(encoding="utf-8").splitlines(keepends=True):
         if line.endswith("\n"):
-            told |= json.loads(line)
-    return told
+            noted |= json.loads(line)
+    return noted

@@ -52,8 +52,12 @@ _SIMULATED = tuple(name for name in ADDRESSES if name.startswith("simulated"))
 
 def launcher_settings() -> list[Setting]:
     """Settings of the launcher: what is installed here."""
+    return [*_person_settings(), *_task_settings(), *_output_settings()]
+
+
+def _person_settings() -> list[Setting]:
+    """Who plays, on what, and under which code."""
     players = {**_PLAYERS, **{name: name for name in device_names() if name not in (POINTER, REPLAY, *_PLAYERS)}}
-    displays = {"": "", **{kind: kind for kind, wants in DISPLAY_KINDS.items() if wants != "must"}}
     return [
         Setting(
             "device", "Who plays", "A person at this computer, a robot, or a simulated patient.", _choices(players)
@@ -81,6 +85,12 @@ def launcher_settings() -> list[Setting]:
             typed=True,
             empty="none",
         ),
+    ]
+
+
+def _task_settings() -> list[Setting]:
+    """How hard and how long."""
+    return [
         Setting(
             "difficulty",
             "Difficulty",
@@ -93,6 +103,13 @@ def launcher_settings() -> list[Setting]:
             "How many trials count; practice comes before them as ever.",
             _choices({"": "as the scene says", **{str(n): str(n) for n in (1, 2, 3, 5, 10, 20)}}),
         ),
+    ]
+
+
+def _output_settings() -> list[Setting]:
+    """Picture and sound."""
+    displays = {"": "", **{kind: kind for kind, wants in DISPLAY_KINDS.items() if wants != "must"}}
+    return [
         Setting(
             "profile",
             "Quality",

@@ -46,7 +46,7 @@ def run_virtual(session: Session, frames: Frames, after_frame: Progress) -> None
 def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
     """Frames beside the live loop until the person leaves, the task is done, or the run's time is over.
 
-    A haptic loop that ended by itself ends the run too; stopping the session then says why. So does a picture that is
+    A haptic loop that ended on its own ends the run too; stopping the session then says why. So does a picture that is
     lost for good.
     """
     governor = session.governor = _govern(session)

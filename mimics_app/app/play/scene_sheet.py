@@ -25,7 +25,7 @@ from mimics_app.world.scene.scene import Scene
 if TYPE_CHECKING:
     from PIL import Image
 
-__all__ = ["SceneLight", "draw_scene_sheet", "measure_light", "scenes_in", "shade_share", "told"]
+__all__ = ["SceneLight", "draw_scene_sheet", "light_rows", "measure_light", "scenes_in", "shade_share"]
 
 U1 = NDArray[np.uint8]
 
@@ -124,7 +124,7 @@ def shade_share(scene: Scene) -> float | None:
     return shade / (sun + shade) if lighting.sun_casts_shadow and sun > 0.0 else None
 
 
-def told(lights: Sequence[SceneLight]) -> list[dict[str, object]]:
+def light_rows(lights: Sequence[SceneLight]) -> list[dict[str, object]]:
     """The same as objects for JSON, shares rounded to a thousandth."""
     rows = [asdict(light) for light in lights]
     return [

@@ -98,7 +98,7 @@ def _draw(
     else:
         made = draw_film(picture.renderer, picture.surface, frames, views, video, picture.presenter)
     drawn = Drawn.on(picture.surface, made)
-    picture.tell_issues()
+    picture.report_issues()
     picture.close()
     return drawn
 
@@ -130,7 +130,7 @@ def _moments(scene: Scene, settings: RunSettings, frames: int, seconds: float) -
 
 
 class _Standing:
-    """A world in which nothing happens but what moves by itself; it starts at time 0."""
+    """A world in which nothing happens but what moves on its own; it starts at time 0."""
 
     def __init__(self, world: World, seed: int, frames: int, seconds: float) -> None:
         self.world = world

@@ -51,7 +51,7 @@ class ViewKeys:
             picture.renderer.overlay.arrows = self._arrows.of(frames.snapshot, frames.events, now_ns)
 
     def _show_keys(self, picture: Picture, orders: TaskOrders, *, asked: bool) -> None:
-        """The page of keys: before the first trial by itself, later when it is asked for."""
+        """The page of keys: before the first trial on its own, later when it is requested."""
         if self._introduces:
             view = orders.view
             picture.keys = (*self._page, _BEGIN) if view.reading else self._page

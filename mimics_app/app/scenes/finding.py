@@ -39,7 +39,7 @@ def find_scene(path: Path) -> Path:
 
 
 def _shipped(path: Path) -> Path | None:
-    """The installation's scene that is asked for by its name, or by its place below `scenes`."""
+    """The installation's scene that is requested by its name, or by its place below `scenes`."""
     scene = find_shipped(path.stem) if path.suffix in ("", ".json") else None
     if scene is None:
         return None

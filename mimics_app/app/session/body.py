@@ -44,7 +44,7 @@ class Body:
 
 
 def open_body(settings: RunSettings, task: TaskSpec, preset: str = "") -> Body:
-    """What a run asks for, the null stages where it asks for nothing.
+    """What a run requests, the null stages where it requests nothing.
 
     Args:
         settings: Of the run.
@@ -127,7 +127,7 @@ def _header(settings: RunSettings, task: TaskSpec, learn: str) -> Mapping[str, o
 
 
 def _sources(settings: RunSettings, preset: str) -> tuple[SignalSource, ...]:
-    """The movement, and where body signals were asked for, those."""
+    """The movement, and where body signals were requested, those."""
     from mimics_app.inputs.physio.movement import Movement
 
     if not settings.physio:

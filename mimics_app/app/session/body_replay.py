@@ -67,10 +67,10 @@ def replay_body(run: Run) -> BodyReplay | None:
         features = stages.dsp.process(blocks, now_ns)
         state = stages.estimation.update(features)
         result = results.get(number)
-        for told in (None, result) if number == 0 else (result,):
-            state = state if told is None else stages.estimation.judge(told)
-            reward = stages.goal.reward(state, told)
-            tap.choice(number, told, reward, stages.learning.choose(state, told, reward, now_ns))
+        for ended in (None, result) if number == 0 else (result,):
+            state = state if ended is None else stages.estimation.judge(ended)
+            reward = stages.goal.reward(state, ended)
+            tap.choice(number, ended, reward, stages.learning.choose(state, ended, reward, now_ns))
         tap.step(number, (), features, state)
     compared = [kind for kind in _COMPARED if kind != "choice" or header.get("learn")]
     recorded = {kind: run.lines_of("app", kind) for kind in compared}

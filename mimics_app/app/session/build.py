@@ -27,7 +27,7 @@ __all__ = ["build_session", "start_loop"]
 def build_session(settings: RunSettings, *, live: bool) -> Session:
     """Load the scene, build the loop and the stages, start the recorder and the sound. Nothing moves yet.
 
-    A device with a time of its own makes the session live, whatever was asked for.
+    A device with a time of its own makes the session live, whatever was requested.
 
     What can be wrong with files and devices is found before the first process starts and the run folder is made.
 

@@ -52,7 +52,7 @@ class SessionCore:
 
     Attributes:
         side: What of the scene can be touched, as it was when the loop was built.
-        tell: Says a line to the person at it; nobody is, unless it is a run.
+        report: Says a line to the person at it; nobody is, unless it is a run.
         live: True when the haptic loop runs in real time; False on the virtual clock.
     """
 
@@ -91,7 +91,7 @@ class SessionCore:
         self.goal: Goal = body.goal
         self.recorder = recorder
         self.tap = Tap(recorder)
-        self.tell: Callable[[str], None] = _say_nothing
+        self.report: Callable[[str], None] = _say_nothing
         self.sound = sound
         self.tactile = _open_tactile(parts.scene, live=parts.live)
 
@@ -154,7 +154,7 @@ def _say_nothing(text: str) -> None:
 def simulated_person(scene: Scene, scenario: Scenario) -> SimulatedPatient:
     """What a simulated person does with what the scene asks: the run's own, or one on an emulated robot."""
     patient = scene.first(Patient) or Patient()
-    return SimulatedPatient(intent=patient.intent, follows_way=len(scenario.via_points_world) > 1)
+    return SimulatedPatient(intent=patient.intent, follows_path=len(scenario.via_points_world) > 1)
 
 
 def _open_tactile(scene: Scene, *, live: bool) -> Vibrators:

@@ -58,10 +58,10 @@ class Frames:
         self.number = 0
         self.orders = TaskOrders()
         self.snapshot: HapticSnapshot | None = None
-        self.losses = LossWatch(core.side.effect_entities, core.tell)
-        self.safety = SafetyWatch(core.tell)
-        self._recorder = RecorderWatch(core.recorder, core.tell)
-        self._signals = SignalWatch(core.inputs.signals, core.recorder, core.tell)
+        self.losses = LossWatch(core.side.effect_entities, core.report)
+        self.safety = SafetyWatch(core.report)
+        self._recorder = RecorderWatch(core.recorder, core.report)
+        self._signals = SignalWatch(core.inputs.signals, core.recorder, core.report)
         self.events: NDArray[Any] = np.zeros(0, EVENT)
 
     @property
@@ -90,7 +90,7 @@ class Frames:
         """Do one frame at the session's present time.
 
         What the learning system chooses after a frame takes effect in the next one, so that it can go by what the task
-        came to; before the first frame it is asked for what the session begins with.
+        came to; before the first frame it gives what the session begins with.
         """
         core, stage = self._core, self.timer.stage
         now_ns = core.clock.now_ns()
@@ -118,7 +118,7 @@ class Frames:
         with stage("scenario"):
             core.trackers.poll(now_ns)
             for problem in core.trackers.take_problems():
-                core.tell(problem)
+                core.report(problem)
             core.scenario.see_body(core.part_of_body, now_ns)
             core.scenario.apply(orders, snapshot)
             core.parameter_store.change(core.scenario.haptic_orders())
@@ -139,7 +139,7 @@ class Frames:
     def _tell_of_cords(self) -> None:
         for name, cord in self._core.world.cords.items():
             for fault in cord.take_faults():
-                self._core.tell(f'cord "{name}": {fault}')
+                self._core.report(f'cord "{name}": {fault}')
 
     def _feel(self, orders: TaskOrders, now_ns: int) -> None:
         """Hand the task's taps to the vibrators, and keep when each is felt."""
@@ -182,7 +182,7 @@ class Frames:
             x, y, z = snapshot.hip_world
             core.inputs.hold_at((float(x), float(y), float(z)))
         trial = int(core.parameter_store.block["trial"][0])
-        self._inbox.tell(vr.pointer, trial=trial, may_act=orders.person_may_act)
+        self._inbox.send(vr.pointer, trial=trial, may_act=orders.person_may_act)
 
 
 def experience_of(orders: TaskOrders, snapshot: HapticSnapshot, now_ns: int) -> Experience:

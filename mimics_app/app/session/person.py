@@ -22,7 +22,7 @@ def person_inputs(session: Session) -> Inputs:
     """The input stage of a window; the cursor moves in the frontal plane through the robot's centre.
 
     On a robot with a time of its own the person leads by the robot, and the mouse by nothing but its stops: one who is
-    simulated, on an emulated robot, does what the screen asks for.
+    simulated, on an emulated robot, does what the screen requests.
     """
     picture = session.picture
     if picture is None:

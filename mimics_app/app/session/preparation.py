@@ -42,7 +42,7 @@ class Preparation:
     """The parts.
 
     Attributes:
-        settings: What was asked for.
+        settings: What was requested.
         live: True when the haptic loop will run in real time.
         scene: The checked scene, its plan settled.
         plan: Which methods run, and why.
@@ -86,7 +86,7 @@ class Preparation:
 def prepare(settings: RunSettings, *, live: bool) -> Preparation:
     """Read the scene, plan it, and open the device. Nothing moves, no process runs, and nothing is written.
 
-    A device with a time of its own makes the session live, whatever was asked for.
+    A device with a time of its own makes the session live, whatever was requested.
 
     Raises:
         SceneError: the scene, the action file or the file of the display is wrong.
@@ -105,7 +105,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
 
     Args:
         scene: What is played.
-        settings: What was asked for.
+        settings: What was requested.
         live: Whether the haptic loop is to run in real time.
         plan: What runs; None: what the planner chooses for the profile.
 
@@ -125,12 +125,14 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
         task = repeated(task, settings.seconds)
     robot, patient = _who_moves(settings, scene, live=live)
     body = open_body(settings, task, patient.preset)
-    way, objects = scenario.via_points_world, side.for_robot(robot)
+    points, objects = scenario.via_points_world, side.for_robot(robot)
     recorded = _recorded(settings)
     if recorded is None:
         check_shape(robot.device, scene)
     descriptor = None if recorded is None else descriptor_of((scene.first(Robot) or Robot()).device)
-    plugin = build_device(robot, patient, way, settings.seed, samples=recorded, descriptor=descriptor, objects=objects)
+    plugin = build_device(
+        robot, patient, points, settings.seed, samples=recorded, descriptor=descriptor, objects=objects
+    )
     return Preparation(
         settings=settings,
         live=live or plugin.real_time,

@@ -7,7 +7,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from mimics_app.app.terminal.output import tell
+from mimics_app.app.terminal.output import say
 from mimics_app.contracts.clock import TICKS_PER_SECOND
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.trips import Trip, TripReader
@@ -18,22 +18,22 @@ __all__ = ["SafetyWatch"]
 _QUIET_TICKS = 5 * TICKS_PER_SECOND
 """A busy machine holds again and again: one line on the terminal in so many ticks is enough."""
 
-_PAUSED = "Paused: this computer is too busy. It goes on by itself"
+_PAUSED = "Paused: this computer is too busy. It resumes on its own"
 
 
 class SafetyWatch:
     """Remembers what tripped.
 
     Args:
-        tell: Says a line to the person.
+        report: Says a line to the person.
 
     Attributes:
         stop: The newest stop that was latched, None while there was none.
         hold: The newest short hold, None while there was none.
     """
 
-    def __init__(self, tell: Callable[[str], None] = tell) -> None:
-        self._tell = tell
+    def __init__(self, report: Callable[[str], None] = say) -> None:
+        self._report = report
         self._reader = TripReader()
         self._holds = 0
         self.stop: Trip | None = None
@@ -51,11 +51,11 @@ class SafetyWatch:
     def _note_hold(self, trip: Trip) -> None:
         self._holds += 1
         if self.hold is None or trip.tick - self.hold.tick > _QUIET_TICKS:
-            self._say(trip, f"short hold {self._holds}, it goes on by itself")
+            self._say(trip, f"short hold {self._holds}, it resumes on its own")
         self.hold = trip
 
     def _say(self, trip: Trip, kind: str) -> None:
-        self._tell(f"{trip.seconds:.3f} s: {kind}: {trip.what}; {trip.advice}")
+        self._report(f"{trip.seconds:.3f} s: {kind}: {trip.what}; {trip.advice}")
 
     @staticmethod
     def message(state: int) -> str:

@@ -27,7 +27,7 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
     Args:
         parts: Of the session.
         memory: Where the loop leaves what is to be heard.
-        folder: Of the run; sound.wav goes there where it is asked for. What nobody hears is not written by itself.
+        folder: Of the run; sound.wav goes there where it is requested. What nobody hears is not written on its own.
         file: Instead of it.
     """
     scene, wanted = parts.scene, parts.settings.sound
@@ -72,7 +72,7 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
 
 
 def _sink(written: Path | None, *, live: bool) -> Sink:
-    """A file where one is asked for, else the device; without a person what would be heard is mixed and not kept."""
+    """A file where one is requested, else the device; without a person what would be heard is mixed and not kept."""
     if written is not None:
         return "file"
     return "device" if live else "null"

@@ -98,7 +98,7 @@ class NullRecorder:
         return self._drained[:count].copy()
 
     def wait_for_room(self, ticks: int) -> None:
-        """Forget what nobody asked for."""
+        """Forget what nobody requested."""
         ring.drain(self._memory.sample_words, self._memory.samples, self._drained)
 
     def journal(self, kind: str, data: Mapping[str, object]) -> None:

@@ -24,7 +24,7 @@ TAPE = "trackers.jsonl"
 
 
 def make_hub(scene: Scene, clock: Clock, seed: int, folder: Path | None = None) -> TrackerHub:
-    """The trackers a scene asks for; not listening yet.
+    """The trackers a scene requests; not listening yet.
 
     Args:
         scene: Which.

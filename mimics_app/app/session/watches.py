@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from mimics_app.app.session.switched_off import RecorderPort
-from mimics_app.app.terminal.output import tell
+from mimics_app.app.terminal.output import say
 from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.loop_ports import DevicePlugin
 
@@ -17,11 +17,11 @@ class RecorderWatch:
 
     Args:
         recorder: Of the session.
-        tell: Says a line to the person.
+        report: Says a line to the person.
     """
 
-    def __init__(self, recorder: RecorderPort, tell: Callable[[str], None] = tell) -> None:
-        self._tell = tell
+    def __init__(self, recorder: RecorderPort, report: Callable[[str], None] = say) -> None:
+        self._report = report
         self._recorder = recorder
         self._restarts = 0
         self._away = False
@@ -33,13 +33,13 @@ class RecorderWatch:
         if recorder.restarts != self._restarts:
             self._restarts, self._away = recorder.restarts, True
             held = f"what happens meanwhile is kept for {recorder.holds_s:.0f} s"
-            self._tell(f"the recorder died and is replaced (number {self._restarts}); {held}")
+            self._report(f"the recorder died and is replaced (number {self._restarts}); {held}")
         if self._away and recorder.ready:
             self._away = False
-            self._tell("the recorder is back")
+            self._report("the recorder is back")
         if recorder.problem != self._problem:
             self._problem = recorder.problem
-            self._tell(self._problem or "the recorder goes on")
+            self._report(self._problem or "the recorder goes on")
 
 
 class SignalWatch:
@@ -48,25 +48,25 @@ class SignalWatch:
     Args:
         sources: Of the session; one that can be lost says why in its `lost`, "" while it is there.
         recorder: Keeps a line of each change.
-        tell: Says a line to the person.
+        report: Says a line to the person.
     """
 
-    def __init__(self, sources: Sequence[SignalSource], recorder: RecorderPort, tell: Callable[[str], None]) -> None:
-        self._told: list[tuple[SignalSource, str]] = [(source, "") for source in sources if hasattr(source, "lost")]
-        self._recorder, self._tell = recorder, tell
+    def __init__(self, sources: Sequence[SignalSource], recorder: RecorderPort, report: Callable[[str], None]) -> None:
+        self._known: list[tuple[SignalSource, str]] = [(source, "") for source in sources if hasattr(source, "lost")]
+        self._recorder, self._report = recorder, report
 
     def look(self, now_ns: int) -> None:
         """Report what changed since the last frame."""
-        for i, (source, told) in enumerate(self._told):
+        for i, (source, known) in enumerate(self._known):
             lost: str = getattr(source, "lost", "")
-            if lost != told:
-                self._told[i] = (source, lost)
-                self._tell(f"body signals end: {lost}" if lost else "body signals are back")
+            if lost != known:
+                self._known[i] = (source, lost)
+                self._report(f"body signals end: {lost}" if lost else "body signals are back")
                 self._recorder.journal("signal_source", {"t_ns": now_ns, "lost": lost})
 
 
 class DeviceWatch:
-    """What is wrong with the device: told to the recording, on the terminal, and over the picture.
+    """What is wrong with the device: sent to the recording, on the terminal, and over the picture.
 
     Args:
         device: Of the loop.
@@ -75,13 +75,13 @@ class DeviceWatch:
 
     def __init__(self, device: DevicePlugin, recorder: RecorderPort) -> None:
         self._device, self._recorder = device, recorder
-        self._told = ""
+        self._known = ""
 
     def look(self) -> str:
         """What a person should read over the picture now, "" when nothing is wrong."""
         trouble = self._device.trouble()
-        if trouble != self._told:
-            self._told = trouble
+        if trouble != self._known:
+            self._known = trouble
             self._recorder.journal("device", {"trouble": trouble})
-            tell(trouble or "the device is back: R goes on")
+            say(trouble or "the device is back: R goes on")
         return trouble

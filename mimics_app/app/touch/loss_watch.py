@@ -7,7 +7,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from mimics_app.app.terminal.output import tell
+from mimics_app.app.terminal.output import say
 from mimics_app.contracts.haptic import EventKind
 
 __all__ = ["LossWatch"]
@@ -18,11 +18,11 @@ class LossWatch:
 
     Args:
         effect_entities: Id of the entity of each row of effects.
-        tell: Says a line to the person.
+        report: Says a line to the person.
     """
 
-    def __init__(self, effect_entities: Sequence[str], tell: Callable[[str], None] = tell) -> None:
-        self._tell = tell
+    def __init__(self, effect_entities: Sequence[str], report: Callable[[str], None] = say) -> None:
+        self._report = report
         self._names = effect_entities
         self._pairs = 0
         self._fields: list[str] = []
@@ -42,10 +42,10 @@ class LossWatch:
     def _leave_out(self, pairs: int) -> None:
         if self._pairs == 0:
             what = f"{pairs} pair{'' if pairs == 1 else 's'} of shapes near each other cannot be looked at"
-            self._tell(f"{what}: they do not collide; spread the objects, or give them fewer shapes")
+            self._report(f"{what}: they do not collide; spread the objects, or give them fewer shapes")
         self._pairs = max(self._pairs, pairs)
 
     def _put_away(self, row: int) -> None:
         name = self._names[row] if row < len(self._names) else f"effect {row + 1}"
-        self._tell(f'the force field of "{name}" gave a number that is not finite: it acts no more')
+        self._report(f'the force field of "{name}" gave a number that is not finite: it acts no more')
         self._fields.append(name)

@@ -25,7 +25,7 @@ class PersonInbox:
         self._haptics = haptics
         self._record: NDArray[Any] = np.zeros(1, INBOX)
 
-    def tell(self, pointer: PointerState | None, *, trial: int, may_act: bool) -> None:
+    def send(self, pointer: PointerState | None, *, trial: int, may_act: bool) -> None:
         """Hand over a frame's pointer; None leaves the hand where it was, and nobody acts.
 
         Args:
@@ -38,4 +38,4 @@ class PersonInbox:
         record["trial"] = trial
         if pointer is not None:
             record["target_world"], record["grasp"] = pointer.target_world, pointer.grasp
-        self._haptics.tell(self._record)
+        self._haptics.send(self._record)

@@ -69,12 +69,12 @@ class ViewerControls:
         keys = self._viewport.surface.keys
         if keys & _CONTROL:
             return
-        way = np.sum([step for key, step in _FLIGHT.items() if key in keys] or [(0, 0, 0)], axis=0)
-        if not way.any():
+        direction = np.sum([step for key, step in _FLIGHT.items() if key in keys] or [(0, 0, 0)], axis=0)
+        if not direction.any():
             return
         orbit = self._viewport.orbit
         step = _FLY_PER_S * seconds * orbit.distance * (_FASTER if keys & _SHIFT else 1.0)
-        orbit.fly(*(step * way / np.linalg.norm(way)).tolist())
+        orbit.fly(*(step * direction / np.linalg.norm(direction)).tolist())
         self.dirty = True
 
     def _press_key(self, name: str) -> None:

@@ -21,7 +21,7 @@ F8 = NDArray[np.float64]
 _STEEPEST = math.radians(89.0)
 _FOV = math.radians(40.0)
 _WHOLE_TURN_PX = 1200.0
-"""Pixels of the pointer's way for a whole turn."""
+"""Pixels of the pointer's travel for a whole turn."""
 _PER_STEP = 0.87
 """Factor on the distance for one step of the wheel."""
 _NEAREST, _FARTHEST = 1e-5, 1e7

@@ -51,17 +51,17 @@ def draw_caption(hud: Hud, title: str, lines: Sequence[str], notes: Sequence[str
         notes: What is to be known about it; of many the first ones.
         scale: Of the letters.
     """
-    told = list(notes[:_MOST_NOTES])
+    shown_notes = list(notes[:_MOST_NOTES])
     if len(notes) > _MOST_NOTES:
-        told[-1] = f"{told[-1]}, and {len(notes) - _MOST_NOTES} more"
+        shown_notes[-1] = f"{shown_notes[-1]}, and {len(notes) - _MOST_NOTES} more"
     small, large, step = 15.0 * scale, 22.0 * scale, _LINE * scale
     widest = hud.width - 2.0 * (_MARGIN + _PAD)
-    wanted = [hud.measure(title, large, bold=True), *(hud.measure(line, small) for line in (*lines, *told))]
-    width, height = min(max(wanted), widest) + 2.0 * _PAD, 2.0 * _PAD + large + step * (len(lines) + len(told))
+    wanted = [hud.measure(title, large, bold=True), *(hud.measure(line, small) for line in (*lines, *shown_notes))]
+    width, height = min(max(wanted), widest) + 2.0 * _PAD, 2.0 * _PAD + large + step * (len(lines) + len(shown_notes))
     hud.box(_MARGIN, _MARGIN, width, height, _PANEL, radius=12.0)
     x, y = _MARGIN + _PAD, _MARGIN + height - _PAD - 0.8 * large
     hud.text(x, y, title, large, INK, bold=True, width=widest)
-    for number, line in enumerate((*lines, *told)):
+    for number, line in enumerate((*lines, *shown_notes)):
         ink = FAINT if number < len(lines) else _WARN
         hud.text(x, y - step * (number + 1), line, small, ink, width=widest)
 

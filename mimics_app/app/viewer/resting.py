@@ -30,16 +30,16 @@ def rest(scene: Scene, world: World) -> None:
 
 
 def _resting_hand(scene: Scene, scenario: Scenario) -> HapticSnapshot:
-    """The state of a hand that rests at the beginning of the way, or in the middle of the robot's room.
+    """The state of a hand that rests at the beginning of the path, or in the middle of the robot's room.
 
     No body has a pose yet, which leaves each where it is.
     """
     values: dict[str, Any] = {
         field.name: 0 if field.type in ("int", "float") else np.zeros(3) for field in fields(HapticSnapshot)
     }
-    way = scenario.via_points_world
+    via_points = scenario.via_points_world
     middle = (scene.first(Robot) or Robot()).robot_to_world.translation
-    values["hip_world"] = np.array(way[0] if len(way) else middle, np.float64)
+    values["hip_world"] = np.array(via_points[0] if len(via_points) else middle, np.float64)
     values["others_seen"] = np.tile(values["hip_world"], (MAX_CONTACTS - 1, 1))
     values["ball_radius"] = (scene.first(Ball) or Ball()).radius_max
     values["poses"] = np.zeros((len(scene.entities), 7))

@@ -75,7 +75,7 @@ def draw_turntable(
 
 
 def _draw_files(viewport: Viewport, frames: int, views: Callable[[int], list[View]], output: Path) -> FrameSet:
-    """One PNG file a frame: of one alone the very file that was asked for."""
+    """One PNG file a frame: of one alone the very file that was requested."""
     files, spent = [], []
     for number in range(frames):
         spent.append(viewport.renderer.draw_finished(views(number)).cpu_ms)

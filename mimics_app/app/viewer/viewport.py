@@ -84,11 +84,11 @@ class Viewport:
             DeviceError: it was lost, and there is no other.
         """
         self.renderer.set_quality(msaa=self._samples if smooth else 0)
-        return draw_or_recover(self.surface, lambda: self._tell(self.renderer.draw(self.views())), self._recover)
+        return draw_or_recover(self.surface, lambda: self._report(self.renderer.draw(self.views())), self._recover)
 
     def draw_finished(self) -> FrameStats:
         """As `draw`, but return only when the driver has drawn all of it."""
-        return self._tell(self.renderer.draw_finished(self.views()))
+        return self._report(self.renderer.draw_finished(self.views()))
 
     def release(self) -> None:
         """Free everything but the surface."""
@@ -104,7 +104,7 @@ class Viewport:
         self.renderer.hud.width = CANVAS_HEIGHT * width / height
         return [self.orbit.view(self.surface.size)]
 
-    def _tell(self, stats: FrameStats) -> FrameStats:
+    def _report(self, stats: FrameStats) -> FrameStats:
         """Say on stderr what was drawn otherwise than the file asks, a line for each fault, once."""
         for issue in self.renderer.take_issues():
             sys.stderr.write(f"mimics: {issue}\n")

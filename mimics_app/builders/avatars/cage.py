@@ -85,13 +85,13 @@ def make_cage(person: Person, bones: Skeleton, flesh: Flesh) -> Cage:
     return Cage(places, sheet.faces, trunk, arms, legs)
 
 
-def reach(field: Field, start: F8, ways: F8, first: float = 0.012) -> F8:
-    """Where rays that begin inside a field leave it, [n, 3]: starts [n, 3] or [3], unit ways [n, 3]."""
-    far = np.full(len(ways), first)
+def reach(field: Field, start: F8, directions: F8, first: float = 0.012) -> F8:
+    """Where rays that begin inside a field leave it, [n, 3]: starts [n, 3] or [3], unit directions [n, 3]."""
+    far = np.full(len(directions), first)
     for _ in range(40):
-        far -= 0.85 * field.at(start + far[:, None] * ways)
+        far -= 0.85 * field.at(start + far[:, None] * directions)
         far = np.clip(far, 1e-3, 0.4)
-    result: F8 = start + far[:, None] * ways
+    result: F8 = start + far[:, None] * directions
     return result
 
 
@@ -104,16 +104,16 @@ def _level(heights: tuple[float, float, float], turn: F8) -> F8:
 def _trunk_rings(sheet: Sheet, person: Person, flesh: Flesh) -> I8:
     h = person.body.stature
     turn = 2.0 * math.pi * np.arange(AROUND) / AROUND
-    ways = np.stack([1.35 * np.sin(turn), np.zeros(AROUND), np.cos(turn)], axis=1)
-    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    directions = np.stack([1.35 * np.sin(turn), np.zeros(AROUND), np.cos(turn)], axis=1)
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
 
     def ring(heights: tuple[float, float, float], aim: F8, back: float) -> F8:
         start = np.stack([np.zeros(AROUND), _level(heights, turn) * h, np.full(AROUND, back)], axis=1)
         return reach(flesh.trunk, start, aim)
 
-    rows = [ring(heights, ways, -0.012) for heights in TRUNK_ROWS]
-    round_ways = np.stack([np.sin(turn), np.zeros(AROUND), np.cos(turn)], axis=1)
-    base, top = ring(NECK_BASE, round_ways, -0.030), ring(_NECK_TOP, round_ways, -0.018)
+    rows = [ring(heights, directions, -0.012) for heights in TRUNK_ROWS]
+    around = np.stack([np.sin(turn), np.zeros(AROUND), np.cos(turn)], axis=1)
+    base, top = ring(NECK_BASE, around, -0.030), ring(_NECK_TOP, around, -0.018)
     rows += [(1.0 - share) * rows[-1] + share * base for share in _YOKE] + [base, top]
     trunk = np.full((len(rows), AROUND), -1, np.int64)
     hole = np.zeros_like(trunk, np.bool_)
@@ -140,12 +140,12 @@ def _hole_ring(trunk: I8, side: int) -> I8:
     """Rim of an armhole, from its lowest corner to the back, over the top and down the front, [20]."""
     low, high = _HOLE
     middle = (low + high) // 2
-    way = [(_HOLE_LOW, column) for column in range(middle, high + 1)]
-    way += [(row, high) for row in range(_HOLE_LOW + 1, _HOLE_HIGH + 1)]
-    way += [(_HOLE_HIGH, column) for column in range(high - 1, low - 1, -1)]
-    way += [(row, low) for row in range(_HOLE_HIGH - 1, _HOLE_LOW - 1, -1)]
-    way += [(_HOLE_LOW, column) for column in range(low + 1, middle)]
-    return np.array([trunk[row, column if side > 0 else -column % AROUND] for row, column in way])
+    rim = [(_HOLE_LOW, column) for column in range(middle, high + 1)]
+    rim += [(row, high) for row in range(_HOLE_LOW + 1, _HOLE_HIGH + 1)]
+    rim += [(_HOLE_HIGH, column) for column in range(high - 1, low - 1, -1)]
+    rim += [(row, low) for row in range(_HOLE_HIGH - 1, _HOLE_LOW - 1, -1)]
+    rim += [(_HOLE_LOW, column) for column in range(low + 1, middle)]
+    return np.array([trunk[row, column if side > 0 else -column % AROUND] for row, column in rim])
 
 
 def _arm_rings(sheet: Sheet, trunk: I8, bones: Skeleton, field: Field, side: int) -> I8:
@@ -153,13 +153,13 @@ def _arm_rings(sheet: Sheet, trunk: I8, bones: Skeleton, field: Field, side: int
     along, back, thumb = arm_axes(side)
     joints = [bones.place(f"{word}{name}") for name in ("UpperArm", "LowerArm", "Hand")]
     turn = 2.0 * math.pi * np.arange(LIMB_AROUND) / LIMB_AROUND
-    ways = -np.cos(turn)[:, None] * back - np.sin(turn)[:, None] * thumb
+    directions = -np.cos(turn)[:, None] * back - np.sin(turn)[:, None] * thumb
     rings = [_hole_ring(trunk, side)]
     for row in ARM_ROWS:
         part = min(int(row), 1)
         middle = joints[part] + (row - part) * (joints[part + 1] - joints[part])
         lean = 0.75 * max(1.0 - row / 0.40, 0.0)  # near the shoulder the rings turn towards the armhole
-        places = reach(field, middle, ways)
+        places = reach(field, middle, directions)
         places += lean * ((places - middle) @ back)[:, None] * along * -0.55
         rings.append(sheet.add(places))
     for lower, upper in itertools.pairwise(rings):
@@ -181,7 +181,7 @@ def _leg_rings(sheet: Sheet, trunk: I8, crotch: I8, bones: Skeleton, field: Fiel
     word = "left" if side > 0 else "right"
     joints = [bones.place(f"{word}{name}") for name in ("UpperLeg", "LowerLeg", "Foot")]
     turn = 0.5 * math.pi + 2.0 * math.pi * (np.arange(LIMB_AROUND) - 8.0) / LIMB_AROUND
-    ways = np.stack([side * np.sin(turn), np.zeros(LIMB_AROUND), np.cos(turn)], axis=1)
+    directions = np.stack([side * np.sin(turn), np.zeros(LIMB_AROUND), np.cos(turn)], axis=1)
     half = AROUND // 2
     outer = [trunk[0, column if side > 0 else -column % AROUND] for column in range(half + 1)]
     rings = [np.array([*outer, *crotch])]
@@ -191,7 +191,7 @@ def _leg_rings(sheet: Sheet, trunk: I8, crotch: I8, bones: Skeleton, field: Fiel
         if part == 0:  # the first row lies below the crotch
             begin = begin - [0.0, 0.105 * (joints[0][1] - joints[1][1]) + 0.012, 0.0]
         middle = begin + (row - part) * (joints[part + 1] - begin)
-        rings.append(sheet.add(reach(field, middle, ways)))
+        rings.append(sheet.add(reach(field, middle, directions)))
     for lower, upper in itertools.pairwise(rings):
         sheet.join(lower, upper, flip=side > 0)
     return np.array(rings)

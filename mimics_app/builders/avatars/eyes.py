@@ -39,10 +39,10 @@ def make_eyes(head: Head, bones: Skeleton) -> Piece:
         rim = None
         for angle in _RINGS[1:]:
             far = EYE_RADIUS + _BULGE * float(step(0.50, 0.0, np.array([angle]))[0])
-            way = np.stack(
+            direction = np.stack(
                 [np.sin(angle) * np.cos(turn), np.sin(angle) * np.sin(turn), np.full(_AROUND, np.cos(angle))], 1
             )
-            ring = sheet.add(eye + far * way)
+            ring = sheet.add(eye + far * direction)
             size = 0.5 * min(angle / 1.75, 1.0)
             uvs += [(0.5 + size * math.cos(t), 0.5 - size * math.sin(t)) for t in turn]
             if rim is None:

@@ -117,6 +117,6 @@ def _slopes(along: F8, down: F8, normals: F8, form: F8) -> F8:
     longest = np.maximum(longest, 1e-12)[:, None]
     frames = np.stack([one / longest, -two / longest, normals], axis=2)
     frames[np.abs(np.linalg.det(frames)) < 1e-3] = np.eye(3)
-    told = np.linalg.solve(frames, form[:, :, None])[:, :, 0]
-    result: F8 = np.clip(told[:, :2] / np.maximum(told[:, 2:], 0.1), -_STEEPEST, _STEEPEST)
+    seen = np.linalg.solve(frames, form[:, :, None])[:, :, 0]
+    result: F8 = np.clip(seen[:, :2] / np.maximum(seen[:, 2:], 0.1), -_STEEPEST, _STEEPEST)
     return result

@@ -88,9 +88,9 @@ class _Skin:
         matrix[count:, :count] = rows[:, count:].T
         self._weights = np.linalg.solve(matrix, np.concatenate([away, np.zeros(4)]))
 
-    def _rows(self, ways: F8) -> F8:
-        apart = np.maximum(2.0 - 2.0 * ways @ self._knots.T, 0.0)  # squared distances of unit vectors
-        return np.concatenate([apart * np.log(np.maximum(apart, 1e-12)), np.ones((len(ways), 1)), ways], axis=1)
+    def _rows(self, units: F8) -> F8:
+        apart = np.maximum(2.0 - 2.0 * units @ self._knots.T, 0.0)  # squared distances of unit vectors
+        return np.concatenate([apart * np.log(np.maximum(apart, 1e-12)), np.ones((len(units), 1)), units], axis=1)
 
     def at(self, places: F8) -> F8:
         """As `Field`."""

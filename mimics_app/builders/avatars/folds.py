@@ -45,8 +45,8 @@ def _elbow(bones: Skeleton, side: int) -> Pose:
     return Pose(bones).arm(side, (side * s, -s, 0.0), (side * s * c, -s * c, h))
 
 
-def _raised(bones: Skeleton, side: int, collar: float, way: tuple[float, float, float]) -> Pose:
-    x, y, z = way
+def _raised(bones: Skeleton, side: int, collar: float, direction: tuple[float, float, float]) -> Pose:
+    x, y, z = direction
     pose = Pose(bones).turn(_of(side, "Shoulder"), (Z, side * collar))
     return pose.arm(side, (side * x, y, z), (side * x, y, 0.1))
 

@@ -196,9 +196,9 @@ def _tube(
     radius = shaping.size * _RADII[name]
     turn = 2.0 * math.pi * np.arange(_ROUND) / _ROUND
     for bone, share, wide, thick, carried in stations:
-        way = joints[bone + 1] - joints[bone]
-        axis = way / np.linalg.norm(way)
-        before = joints[bone] - joints[max(bone - 1, 0)] if bone else way
+        span = joints[bone + 1] - joints[bone]
+        axis = span / np.linalg.norm(span)
+        before = joints[bone] - joints[max(bone - 1, 0)] if bone else span
         if share < 0.3:
             axis = axis + before / max(float(np.linalg.norm(before)), 1e-9)
             axis /= np.linalg.norm(axis)
@@ -212,7 +212,7 @@ def _tube(
         else:
             flat = np.where(np.cos(turn) < -0.5, thick, thick * 1.04)
             places = radius * (-(flat * np.cos(turn))[:, None] * top - (wide * np.sin(turn))[:, None] * beside)
-        middle = joints[bone] + share * way
+        middle = joints[bone] + share * span
         low = min(int(carried), 1)
         shares = {indices[low]: 1.0 - (carried - low), indices[low + 1]: carried - low}
         ring = shaping.add(middle + places, shares, finger, bone + share)

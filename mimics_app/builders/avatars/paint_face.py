@@ -20,7 +20,7 @@ _SIZE = 512
 _LEAST_PITCH, _MOST_PITCH = 3e-4, 2e-3
 """Of texels where slopes are taken [m]."""
 _HAIRS = 75.0
-"""Hairs beside each other at the line of the hair that are told apart [1/rad]."""
+"""Hairs beside each other at the line of the hair that are distinguished [1/rad]."""
 _ENCODED = 1.0 / 2.2
 """Power that does to an encoded colour what a factor does to the linear one."""
 

@@ -64,8 +64,8 @@ def _finger(
 ) -> tuple[F8, F8]:
     """Creases over the joints of a finger, redder knuckles and tips, and its nail."""
     points = [joints[f"{finger}{number}"] for number in range(4)]
-    way = points[3] - points[2]
-    axis = way[[0, 2]] / np.linalg.norm(way[[0, 2]])
+    direction = points[3] - points[2]
+    axis = direction[[0, 2]] / np.linalg.norm(direction[[0, 2]])
     flat = at[:, [0, 2]]
     near = np.linalg.norm(flat - points[3][[0, 2]], axis=1) < 0.035
     for number in (1, 2):

@@ -82,7 +82,7 @@ class Pose:
         """Lay an arm along directions in the chest's frame; the elbow is a hinge, the forearm rolls [degrees]."""
         word = "left" if side > 0 else "right"
         along, _, thumb = arm_axes(side)
-        u, f = (np.asarray(way, float) / np.linalg.norm(way) for way in (upper, lower))
+        u, f = (np.asarray(direction, float) / np.linalg.norm(direction) for direction in (upper, lower))
         hinge = np.cross(u, f)
         bend = math.atan2(float(np.linalg.norm(hinge)), float(u @ f))
         if bend < 0.05:

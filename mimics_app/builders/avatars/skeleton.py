@@ -98,17 +98,17 @@ def _add_arm(joints: dict[str, tuple[str, F8]], body: Body, side: int, word: str
     joints[f"{word}LowerArm"] = (f"{word}UpperArm", elbow)
     joints[f"{word}Hand"] = (f"{word}LowerArm", wrist)
     size = body.hand / 0.190
-    for name, (base, ways) in _finger_ways(size).items():
+    for name, (base, steps) in _finger_steps(size).items():
         parent, place = f"{word}Hand", wrist + base[0] * along + base[1] * back + base[2] * thumb
         kinds = _THUMB_JOINTS if name == "Thumb" else _FINGER_JOINTS
-        for kind, way in zip((*kinds, "Tip"), (None, *ways), strict=True):
-            if way is not None:
-                place = place + way[0] * along + way[1] * back + way[2] * thumb
+        for kind, step in zip((*kinds, "Tip"), (None, *steps), strict=True):
+            if step is not None:
+                place = place + step[0] * along + step[1] * back + step[2] * thumb
             joints[f"{word}{name}{kind}"] = (parent, place)
             parent = f"{word}{name}{kind}"
 
 
-def _finger_ways(size: float) -> dict[str, tuple[Place, tuple[Place, Place, Place]]]:
+def _finger_steps(size: float) -> dict[str, tuple[Place, tuple[Place, Place, Place]]]:
     """Of each finger where it begins and its three bones: along the arm, towards the back, towards the thumb [m]."""
     plain = {
         # name: knuckle from the wrist, spread towards the thumb, lengths of the three bones
@@ -117,14 +117,14 @@ def _finger_ways(size: float) -> dict[str, tuple[Place, tuple[Place, Place, Plac
         "Ring": ((0.086, 0.004, -0.0155), -0.05, (0.043, 0.027, 0.025)),
         "Little": ((0.078, 0.000, -0.034), -0.13, (0.033, 0.020, 0.022)),
     }
-    ways: dict[str, tuple[Place, tuple[Place, Place, Place]]] = {}
+    steps: dict[str, tuple[Place, tuple[Place, Place, Place]]] = {}
     for name, (base, spread, lengths) in plain.items():
         bones = []
         for length, droop in zip(lengths, (0.10, 0.26, 0.36), strict=True):  # a hand at rest is never flat
             level = size * length * math.cos(droop)
             bones.append((level * math.cos(spread), -size * length * math.sin(droop), level * math.sin(spread)))
-        ways[name] = (_sized(base, size), (bones[0], bones[1], bones[2]))
-    ways["Thumb"] = (
+        steps[name] = (_sized(base, size), (bones[0], bones[1], bones[2]))
+    steps["Thumb"] = (
         _sized((0.018, -0.006, 0.020), size),
         (
             _sized((0.036, -0.012, 0.026), size),
@@ -132,7 +132,7 @@ def _finger_ways(size: float) -> dict[str, tuple[Place, tuple[Place, Place, Plac
             _sized((0.024, -0.006, 0.007), size),
         ),
     )
-    return ways
+    return steps
 
 
 def _sized(place: Place, size: float) -> Place:

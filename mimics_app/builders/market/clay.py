@@ -266,7 +266,7 @@ def capsule_bar(points: F8, radius: float | F8, sides: int = 14, cap: int = 5) -
 
 
 def planked(colour: Colour, axis: int, width: float, seed: int, spread: float = 0.16) -> Painter:
-    """Paint of planks side by side along an axis, grain along the longest way, darker towards the ground."""
+    """Paint of planks side by side along an axis, grain along the longest side, darker towards the ground."""
 
     def paint(at: F8, normals: F8) -> F8:
         plank = np.floor(at[:, axis] / width)

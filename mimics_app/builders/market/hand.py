@@ -89,10 +89,10 @@ def _bent(radius: float, z: float, long: float, out: float) -> tuple[MeshData, F
         (radius, 0.006 - 0.010 * long, 0.8 * z),
     )
     a, b, c, d = (np.array(corner) for corner in corners)
-    way = (1 - t) ** 3 * a + 3 * t * (1 - t) ** 2 * b + 3 * t * t * (1 - t) * c + t**3 * d
+    curve = (1 - t) ** 3 * a + 3 * t * (1 - t) ** 2 * b + 3 * t * t * (1 - t) * c + t**3 * d
     joints = sum(np.exp(-(((t[:, 0] - middle) / 0.055) ** 2)) for middle in (0.36, 0.66, 0.86))
     girth = radius * (1.08 - 0.20 * t[:, 0] + 0.07 * np.asarray(joints))
-    return capsule_bar(way, girth, 16, 5), way[-1]
+    return capsule_bar(curve, girth, 16, 5), curve[-1]
 
 
 def _skin(seed: int) -> Painter:

@@ -23,8 +23,8 @@ def spring() -> Clay:
     turn = 2.0 * math.pi * 11.0 * t
     ends = np.clip(np.minimum(t, 1.0 - t) / 0.04, 0.0, 1.0)
     radius = 0.020 * (0.35 + 0.65 * ends)
-    way = np.stack([radius * np.cos(turn), 0.012 + (SPRING_LENGTH - 0.012) * t, -radius * np.sin(turn)], 1)
-    return Clay().add(bar(way, np.full(len(t), 0.0024), 8), plain(STEEL, 1, 0.75))
+    helix = np.stack([radius * np.cos(turn), 0.012 + (SPRING_LENGTH - 0.012) * t, -radius * np.sin(turn)], 1)
+    return Clay().add(bar(helix, np.full(len(t), 0.0024), 8), plain(STEEL, 1, 0.75))
 
 
 def spring_foot() -> Clay:

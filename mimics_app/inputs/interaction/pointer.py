@@ -69,9 +69,9 @@ class PointerSettings:
 class Pointer:
     """A `PointerSource` for a person at a window.
 
-    The mouse points: the cursor is where its ray meets the plane. Where the scene asks for something, the plane lies at
+    The mouse points: the cursor is where its ray meets the plane. Where the scene requests something, the plane lies at
     the depth of that, so that a flat device reaches everything that is to be reached. Arrow keys and sticks move: the
-    cursor travels at a speed, within reach. Whichever acts last has it. Space or gamepad B asks for a stop in the frame
+    cursor travels at a speed, within reach. Whichever acts last has it. Space or gamepad B requests a stop in the frame
     it goes down, and for as long as it is held. Nobody is there (`active` False) before the first movement.
 
     Args:

@@ -13,12 +13,12 @@ class SimulatedPatient:
 
     Args:
         intent: False: the person takes the handle but wants nothing.
-        follows_way: The device was given a way to follow; else the person acts only while there is something to do.
+        follows_path: The device was given a path to follow; else the person acts only while there is something to do.
     """
 
-    def __init__(self, *, intent: bool = True, follows_way: bool = True) -> None:
+    def __init__(self, *, intent: bool = True, follows_path: bool = True) -> None:
         self._intent = intent
-        self._follows_way = follows_way
+        self._follows_path = follows_path
         self._point: Vec3 = (0.0, 0.0, 0.0)
         self._aim: Aim | None = None
 
@@ -28,7 +28,7 @@ class SimulatedPatient:
         The grasp is 1 where the hand is to close, else 0: the force comes from the device's own profile.
         """
         aim = self._aim
-        active = self._intent and (self._follows_way or aim is not None)
+        active = self._intent and (self._follows_path or aim is not None)
         if aim is None:
             return PointerState(self._point, 0.0, active)
         return PointerState(aim.target_world, 1.0 if aim.close else 0.0, active)
@@ -38,5 +38,5 @@ class SimulatedPatient:
         self._point = point_world
 
     def aim(self, aim: Aim | None) -> None:
-        """Take what the scene asks for; it is seen from the next frame on."""
+        """Take what the scene requests; it is seen from the next frame on."""
         self._aim = aim

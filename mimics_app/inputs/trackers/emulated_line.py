@@ -31,7 +31,7 @@ class EmulatedLine:
         records: What it reports.
         start: Byte that makes it report continuously.
         stop: Byte that ends that.
-        once: Byte that asks for one report.
+        once: Byte that requests one report.
         baud: [bit/s]; a record goes out no faster than the line would carry it.
         rate: Reports a second.
         lose: Share of bytes that are lost on the way.

@@ -66,7 +66,7 @@ class TrackerHub:
         """What has gone wrong with trackers since the last call, a line each; each is reported once."""
         for each in self._trackers:
             self._note(each, each.source.problem or each.calibration.fault)
-        new = [what for what, told in self._problems.items() if not told]
+        new = [what for what, taken in self._problems.items() if not taken]
         self._problems = dict.fromkeys(self._problems, True)
         return new
 
@@ -79,7 +79,7 @@ class TrackerHub:
         if found.capped and not found.stale:
             least_ms = MAX_PREDICTION_NS // 1_000_000
             self._note(
-                tracker, f"the {role} is asked for past {least_ms} ms after a report; it is predicted no farther"
+                tracker, f"the {role} is requested past {least_ms} ms after a report; it is predicted no farther"
             )
         if role == "head" and found.pose[1, 1] < _UPSIDE_DOWN:
             self._note(tracker, "the head is upside down: turn its sensor over, or correct `axes` or its `offset`")

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import threading
 from typing import Protocol
 
-from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
+from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink
 from mimics_app.inputs.trackers.ascension import FlockParser
 from mimics_app.inputs.trackers.calibration import UNITS
-from mimics_app.inputs.trackers.plausibility import Plausibility
 from mimics_app.inputs.trackers.polhemus import FastrakParser
+from mimics_app.inputs.trackers.threaded_tracker import ThreadedTracker
 
 __all__ = ["SerialTracker", "fastrak", "flock_of_birds"]
 
@@ -25,7 +24,7 @@ class _Parser(Protocol):
     def feed(self, data: bytes, t_ns: int) -> list[TrackerSample]: ...
 
 
-class SerialTracker(TrackerSource):
+class SerialTracker(ThreadedTracker):
     """One device on a port; see `fastrak` and `flock_of_birds`.
 
     Args:
@@ -48,21 +47,12 @@ class SerialTracker(TrackerSource):
         end: bytes,
         clock: Clock | None = None,
     ) -> None:
-        self.name, self.problem = name, ""
+        super().__init__(name, clock)
         self._port, self._baud, self._parser = port, baud, parser
         self._begin, self._end = begin, end
-        self._clock = clock or MonotonicClock()
-        self._believed: dict[str, Plausibility] = {}
-        self._unlikely = 0
-        self._stopping = threading.Event()
-        self._thread: threading.Thread | None = None
+        self._broken = 0
 
-    @property
-    def rejected(self) -> int:  # type: ignore[override]  # read only here
-        """Reports that were not whole or not possible."""
-        return self._parser.rejected + self._unlikely
-
-    def start(self, sink: TrackerSink) -> None:
+    def _open(self) -> None:
         import serial
 
         try:
@@ -71,17 +61,8 @@ class SerialTracker(TrackerSource):
         except (OSError, ValueError) as error:
             what = f"the tracker {self.name} on {self._port} cannot be opened: {error}"
             raise DeviceError(what, "mimics devices lists the serial ports") from None
-        self._thread = threading.Thread(target=self._read, args=(sink,), name=f"tracker {self.name}", daemon=True)
-        self._thread.start()
 
-    def poll(self, now_ns: int) -> None:
-        """It has a thread."""
-
-    def stop(self) -> None:
-        self._stopping.set()
-        if self._thread is None:
-            return
-        self._thread.join()
+    def _close(self) -> None:
         try:
             self._line.write(self._end)
             self._line.close()
@@ -100,10 +81,9 @@ class SerialTracker(TrackerSource):
 
     def _hand_on(self, data: bytes, sink: TrackerSink) -> None:
         for sample in self._parser.feed(data, self._clock.now_ns()):
-            if self._believed.setdefault(sample.sensor, Plausibility()).admits(sample):
-                sink(sample)
-            else:
-                self._unlikely += 1
+            self._pass_on(sample, sink)
+        self.rejected += self._parser.rejected - self._broken
+        self._broken = self._parser.rejected
 
 
 def fastrak(name: str, port: str, baud: int = 115200, clock: Clock | None = None) -> SerialTracker:

@@ -6,10 +6,10 @@ import select
 import socket
 import threading
 
-from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
-from mimics_app.inputs.trackers.plausibility import Plausibility
+from mimics_app.contracts.tracker_port import TrackerSink
+from mimics_app.inputs.trackers.threaded_tracker import ThreadedTracker
 from mimics_app.inputs.trackers.vrpn_wire import (
     COOKIE,
     DEFAULT_PORT,
@@ -31,7 +31,7 @@ _LOOK_S = 0.05
 """How often a waiting thread asks whether it is to end [s]."""
 
 
-class VrpnTracker(TrackerSource):
+class VrpnTracker(ThreadedTracker):
     """One tracker of a server; its sensors are called by their numbers.
 
     Args:
@@ -41,18 +41,14 @@ class VrpnTracker(TrackerSource):
     """
 
     def __init__(self, name: str, address: str, clock: Clock | None = None) -> None:
-        self.name, self.problem, self.rejected = name, "", 0
+        super().__init__(name, clock)
         self._tracker, _, place = address.partition("@")
         host, _, port = place.partition(":")
         self._place = (host or "127.0.0.1", int(port) if port.isdigit() else DEFAULT_PORT)
-        self._clock = clock or MonotonicClock()
         self._senders: dict[int, str] = {}
         self._types: dict[int, str] = {}
-        self._believed: dict[int, Plausibility] = {}
-        self._stopping = threading.Event()
-        self._thread: threading.Thread | None = None
 
-    def start(self, sink: TrackerSink) -> None:
+    def _open(self) -> None:
         try:
             self._line = open_socket(socket.create_connection(self._place, _PATIENCE_S))
             greeting = COOKIE + announcement(SENDER_DESCRIPTION, 0, self._tracker)
@@ -61,17 +57,9 @@ class VrpnTracker(TrackerSource):
             what = f"no VRPN server at {self._place[0]}:{self._place[1]}: {error.strerror or error}"
             raise DeviceError(what, "start it, or correct the tracker's address") from None
         self._line.settimeout(_LOOK_S)
-        self._thread = threading.Thread(target=self._read, args=(sink,), name=f"tracker {self.name}", daemon=True)
-        self._thread.start()
 
-    def poll(self, now_ns: int) -> None:
-        """It has a thread."""
-
-    def stop(self) -> None:
-        self._stopping.set()
-        if self._thread is not None:
-            self._thread.join()
-            self._line.close()
+    def _close(self) -> None:
+        self._line.close()
 
     def _read(self, sink: TrackerSink) -> None:
         reader = MessageReader()
@@ -108,17 +96,8 @@ class VrpnTracker(TrackerSource):
         if pose is None:
             self.rejected += 1
             return
-        sensor, (x, y, z, qx, qy, qz, qw) = pose
-        length = (qx * qx + qy * qy + qz * qz + qw * qw) ** 0.5
-        if not 0.9 < length < 1.1:
-            self.rejected += 1
-            return
-        rotation = (qx / length, qy / length, qz / length, qw / length)
-        sample = TrackerSample(str(sensor), t_ns, (x, y, z), rotation, message.t_ns)
-        if self._believed.setdefault(sensor, Plausibility()).admits(sample):
-            sink(sample)
-        else:
-            self.rejected += 1
+        sensor, numbers = pose
+        self._pass_pose(str(sensor), numbers, t_ns, sink, message.t_ns)
 
 
 class VrpnServer:

@@ -26,7 +26,7 @@ _POINTS = 4096
 
 @dataclass(frozen=True, slots=True)
 class HearingErrors:
-    """Of a way to render against a reference.
+    """Of a method to render against a reference.
 
     Attributes:
         itd_median: Of the delay between the ears [us].
@@ -73,7 +73,7 @@ def compare(
         rendered: Shape [n, 2, taps].
         rate: Of those.
         reference: The head.
-        sweep: Renders directions, shape [m, 3], to responses [m, 2, taps]: asked for half degrees in front.
+        sweep: Renders directions, shape [m, 3], to responses [m, 2, taps]: requested half degrees in front.
     """
     delays = delays_between_ears(rendered, rate) - delays_between_ears(reference.responses, reference.rate)
     levels = np.abs(level_differences(rendered, rate) - level_differences(reference.responses, reference.rate))

@@ -1,3 +1,3 @@
-"""Rival ways to render touch, with their cost and error. Importing a module registers its groups."""
+"""Rival methods to render touch, with their cost and error. Importing a module registers its groups."""
 
 __all__: list[str] = []

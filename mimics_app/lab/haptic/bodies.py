@@ -1,4 +1,4 @@
-"""Ways to advance colliding bodies, with their cost and the error of a bounce.
+"""Methods to advance colliding bodies, with their cost and the error of a bounce.
 
 Importing this module registers them. Cost: one tick of boxes that rest on a floor, all awake, four points of contact
 and friction each. Error: a ball of 0.2 kg dropped on 2 kN/m at zeta = 0.3 and 1 ms; restitution against the closed form
@@ -22,7 +22,7 @@ from mimics_app.lab.haptic.body_worlds import BodyWorld, new_world, rest_on_floo
 from mimics_app.lab.haptic.contact import restitution_spring_damper
 from mimics_app.lab.haptic.probe import SIZES, reference_us
 
-__all__ = ["GROUP", "REST_GROUP", "WAYS", "bounce_error", "rest_drift", "rest_us", "step_us"]
+__all__ = ["GROUP", "METHODS", "REST_GROUP", "bounce_error", "rest_drift", "rest_us", "step_us"]
 
 GROUP = "colliding bodies"
 REST_GROUP = "resting bodies"
@@ -32,7 +32,7 @@ _PHASES = 8
 _SETTLE = 500
 _TICKS = 20_000
 
-WAYS: dict[str, tuple[ObjectIntegrator, int]] = {
+METHODS: dict[str, tuple[ObjectIntegrator, int]] = {
     "semi-implicit": (ObjectIntegrator.SEMI_IMPLICIT, 1),
     "explicit": (ObjectIntegrator.EXPLICIT, 1),
     "exact drag": (ObjectIntegrator.EXACT_DRAG, 1),
@@ -60,9 +60,9 @@ _RANGES = {
 }
 
 
-def _bounce(way: str, phase: float) -> float:
+def _bounce(method: str, phase: float) -> float:
     """Restitution of the probe ball that meets the floor at a phase 0..1 of the tick."""
-    integrator, steps = WAYS[way]
+    integrator, steps = METHODS[method]
     world = new_world(1, 2, dt=1e-3 / steps)
     damping = 2.0 * _ZETA * math.sqrt(_STIFFNESS * _MASS)
     world.add_floor(stiffness=1e15, damping=0.0)
@@ -80,15 +80,15 @@ def _bounce(way: str, phase: float) -> float:
     return float(world.motions[0]["velocity"][1]) / _SPEED
 
 
-def bounce_error(way: str) -> float:
+def bounce_error(method: str) -> float:
     """Worst difference of the restitution from the closed form over the phases of the touch."""
     exact = restitution_spring_damper(_ZETA)
-    return max(abs(_bounce(way, float(phase)) - exact) for phase in np.arange(1, _PHASES + 1) / _PHASES)
+    return max(abs(_bounce(method, float(phase)) - exact) for phase in np.arange(1, _PHASES + 1) / _PHASES)
 
 
-def step_us(way: str, bodies: int) -> float:
+def step_us(method: str, bodies: int) -> float:
     """Cost of a tick of so many boxes at rest on a floor [us]."""
-    integrator, steps = WAYS[way]
+    integrator, steps = METHODS[method]
     world = rest_on_floor(bodies, integrator=integrator)
     world.dt /= steps
     world.run(_SETTLE)
@@ -138,19 +138,19 @@ def _register_rest(name: str, source: str, *, sleeps: bool) -> None:
     )
 
 
-def _register(way: str) -> None:
+def _register(method: str) -> None:
     registry.register(
         Method(
             group=GROUP,
-            name=way,
-            source=_SOURCES[way],
-            cost=lambda: step_us(way, 1),
-            error=lambda: bounce_error(way),
+            name=method,
+            source=_SOURCES[method],
+            cost=lambda: step_us(method, 1),
+            error=lambda: bounce_error(method),
             unit="restitution",
-            valid_range=_RANGES[way],
-            settings={"integrator": WAYS[way][0].name.lower()} if WAYS[way][1] == 1 else None,
-            default=way == "semi-implicit",
-            growth=lambda bodies: step_us(way, bodies),
+            valid_range=_RANGES[method],
+            settings={"integrator": METHODS[method][0].name.lower()} if METHODS[method][1] == 1 else None,
+            default=method == "semi-implicit",
+            growth=lambda bodies: step_us(method, bodies),
             sizes=SIZES,
         )
     )
@@ -177,5 +177,5 @@ registry.describe(
 )
 _register_rest("asleep", "left out of the work until something touches it", sleeps=True)
 _register_rest("awake", "contacts, friction and motion of every tick", sleeps=False)
-for _way in WAYS:
+for _way in METHODS:
     _register(_way)

@@ -12,7 +12,7 @@ import numpy as np
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.lab.haptic.probe import reference_us
-from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, slide_way, touch_scene
+from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, slide_path, touch_scene
 
 __all__ = ["GROUP", "false_force"]
 
@@ -23,12 +23,12 @@ _MESH_COUNTS = (1, 10, 100)
 
 
 def false_force(kind: ShapeKind, triangles: int = 0) -> float:
-    """Greatest difference [N] from the force of a frictionless ball of RADIUS on the way of the probe."""
-    way = slide_way(np.array([0.0, 0.0, RADIUS]))[0]
-    far = np.linalg.norm(way, axis=1)
+    """Greatest difference [N] from the force of a frictionless ball of RADIUS on the path of the probe."""
+    path = slide_path(np.array([0.0, 0.0, RADIUS]))[0]
+    far = np.linalg.norm(path, axis=1)
     scene = touch_scene(kind, 1, triangles, friction=0.0)
     scene.rows.shapes["damping"] = 0.0
-    expected = STIFFNESS * (np.maximum(0.0, RADIUS - far) / far)[:, None] * way
+    expected = STIFFNESS * (np.maximum(0.0, RADIUS - far) / far)[:, None] * path
     return float(np.linalg.norm(scene.forces() - expected, axis=1).max())
 
 

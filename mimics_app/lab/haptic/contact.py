@@ -71,7 +71,7 @@ _LAW_SETTINGS: dict[str, Settings | None] = {
     "Hunt-Crossley, n = 1": {"law": "hunt_crossley", "exponent": 1.0},
     "Hunt-Crossley, n = 1.5": {"law": "hunt_crossley", "exponent": 1.5},
 }
-"""As a surface of a scene states them; a law that pulls cannot be asked for."""
+"""As a surface of a scene states them; a law that pulls cannot be requested."""
 
 _NUMBERS = {name: number for number, name in enumerate(LAWS)}
 

@@ -1,4 +1,4 @@
-"""Rival ways to find the shapes a point may touch. Importing this module registers them.
+"""Rival methods to find the shapes a point may touch. Importing this module registers them.
 
 Probe: spheres of 2 cm on a square grid of 6 cm, and two thousand points anywhere in their plane. Error: points with a
 shape too many or too few.

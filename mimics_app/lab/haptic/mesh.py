@@ -17,7 +17,7 @@ from mimics_app.contracts.methods import Group
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.haptic.numbered import NumberedRival, register_numbered
 from mimics_app.lab.haptic.probe import reference_us
-from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, ball_mesh, slide_way
+from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, ball_mesh, slide_path
 from mimics_app.rendering.haptic.kernels.objects.contact_scratch import CONTACT_SCRATCH
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     ANYWHERE,
@@ -69,7 +69,7 @@ def _hold_nearest(
 def _slide_finger(
     number: int,
     meshes: MeshTable,
-    way: Array,
+    path: Array,
     scratches: Table[ContactScratchRecord],
     memories: Table[MemoryRecord],
     vectors: Array,
@@ -77,21 +77,21 @@ def _slide_finger(
 ) -> None:
     scratch, contact = scratches[0], memories[0].contact
     out, n = vectors[0], vectors[1]
-    for tick in range(way.shape[0]):
+    for tick in range(path.shape[0]):
         if number > 0:
-            _hold_nearest(meshes, meshes.rows[0], way[tick], number == 2, out, n, forces[tick])
+            _hold_nearest(meshes, meshes.rows[0], path[tick], number == 2, out, n, forces[tick])
             continue
         for i in range(3):
-            scratch.p[i] = way[tick, i]
+            scratch.p[i] = path[tick, i]
         probe_mesh(meshes, 0, scratch, contact)
         for i in range(3):
             forces[tick, i] = STIFFNESS * contact.depth * contact.normal[i]
 
 
-def _slide(number: int, meshes: MeshTable, way: Array) -> tuple[Array, Callable[[], None]]:
-    forces, vectors = np.zeros_like(way), np.zeros((2, 3))
+def _slide(number: int, meshes: MeshTable, path: Array) -> tuple[Array, Callable[[], None]]:
+    forces, vectors = np.zeros_like(path), np.zeros((2, 3))
     scratches, memories = np.zeros(1, CONTACT_SCRATCH), np.zeros(1, MEMORY)
-    return forces, lambda: _slide_finger(number, meshes, way, scratches, memories, vectors, forces)
+    return forces, lambda: _slide_finger(number, meshes, path, scratches, memories, vectors, forces)
 
 
 def false_slide(number: int) -> float:
@@ -100,21 +100,21 @@ def false_slide(number: int) -> float:
     squares = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
     block = np.array([face for a, b, c, d in squares for face in ((a, b, c), (a, c, d))], np.int32)
     down, along = np.linspace(0.021, 0.017, 201), np.linspace(0.0, 0.0195, 1951)
-    way = np.zeros((len(down) + len(along), 3))
-    way[:, 1] = 0.003
-    way[: len(down), 2], way[len(down) :, 2], way[len(down) :, 0] = down, down[-1], along
-    forces, run = _slide(number, build_mesh_table([(corners, block)]), way)
+    path = np.zeros((len(down) + len(along), 3))
+    path[:, 1] = 0.003
+    path[: len(down), 2], path[len(down) :, 2], path[len(down) :, 0] = down, down[-1], along
+    forces, run = _slide(number, build_mesh_table([(corners, block)]), path)
     run()
-    forces[:, 2] -= STIFFNESS * np.maximum(0.0, RADIUS - way[:, 2])
+    forces[:, 2] -= STIFFNESS * np.maximum(0.0, RADIUS - path[:, 2])
     return float(np.linalg.norm(forces, axis=1).max())
 
 
 def _finger_us(number: int, triangles: int) -> float:
-    way = slide_way(np.array([0.0, 0.0, RADIUS]))[0]
+    path = slide_path(np.array([0.0, 0.0, RADIUS]))[0]
     if number == 2:
-        way = way[: max(110, min(len(way), 10_000_000 // triangles))]
-    _, run = _slide(number, build_mesh_table([ball_mesh(triangles)]), way)
-    return shortest_us(run, len(way))
+        path = path[: max(110, min(len(path), 10_000_000 // triangles))]
+    _, run = _slide(number, build_mesh_table([ball_mesh(triangles)]), path)
+    return shortest_us(run, len(path))
 
 
 register_numbered(

@@ -34,7 +34,7 @@ def register_numbered(
     error: Callable[[int], float],
     typical: int,
 ) -> None:
-    """Describe a group and register its rivals; the first is the one the product uses by itself.
+    """Describe a group and register its rivals; the first is the one the product uses by default.
 
     Args:
         group: What they are for.

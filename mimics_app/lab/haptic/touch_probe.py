@@ -1,4 +1,4 @@
-"""Points on a prescribed way through many shapes: what the cost of touch is measured on.
+"""Points on a prescribed path through many shapes: what the cost of touch is measured on.
 
 As the peers were measured: shapes of 2 cm on a square grid of 6 cm, and a point that presses 1 mm into the middle one
 while it slides +-4 mm, with friction.
@@ -27,7 +27,7 @@ from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import ObjectCountsRecord, ObjectWork, Rows
 
-__all__ = ["DT", "RADIUS", "STIFFNESS", "TouchScene", "ball_mesh", "slide_way", "touch_scene"]
+__all__ = ["DT", "RADIUS", "STIFFNESS", "TouchScene", "ball_mesh", "slide_path", "touch_scene"]
 
 Array = NDArray[np.float64]
 
@@ -52,19 +52,19 @@ _SIZES = {
 
 @kernel
 def _touch_often(
-    rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, way: Array, velocities: Array, dt: float, forces: Array
+    rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, path: Array, velocities: Array, dt: float, forces: Array
 ) -> None:
-    _touch_borrowed(borrowed(rows), borrowed(work), counts, way, velocities, dt, forces)
+    _touch_borrowed(borrowed(rows), borrowed(work), counts, path, velocities, dt, forces)
 
 
 @kernel
 def _touch_borrowed(
-    rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, way: Array, velocities: Array, dt: float, forces: Array
+    rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, path: Array, velocities: Array, dt: float, forces: Array
 ) -> None:
     pose_shapes(rows, work, counts)
-    for tick in range(way.shape[0]):
+    for tick in range(path.shape[0]):
         clear_totals(work.totals[0])
-        place_points(rows, work, counts, way[tick], velocities[tick])
+        place_points(rows, work, counts, path[tick], velocities[tick])
         touch_points(rows, work, counts, dt)
         for i in range(3):
             forces[tick, i] = work.totals[0].shape_force[i]
@@ -72,35 +72,35 @@ def _touch_borrowed(
 
 @dataclass(frozen=True, eq=False)
 class TouchScene:
-    """Shapes, and the way of a point through one of them.
+    """Shapes, and the path of a point through one of them.
 
     Attributes:
         rows: Tables of objects.
         work: What the loop makes of them.
         counts: OBJECT_COUNTS, shape [1].
-        way: HIP at every tick [m], shape [ticks, 3]; the first hundred lead into the shape.
+        path: HIP at every tick [m], shape [ticks, 3]; the first hundred lead into the shape.
         velocities: Its velocity [m/s], shape [ticks, 3].
     """
 
     rows: Rows
     work: ObjectWork
     counts: NDArray[Any]
-    way: Array
+    path: Array
     velocities: Array
 
     def forces(self) -> Array:
-        """Force on the user at every tick of the way [N], shape [ticks, 3]."""
-        forces = np.zeros_like(self.way)
-        _touch_often(self.rows, self.work, self.counts[0], self.way, self.velocities, DT, forces)
+        """Force on the user at every tick of the path [N], shape [ticks, 3]."""
+        forces = np.zeros_like(self.path)
+        _touch_often(self.rows, self.work, self.counts[0], self.path, self.velocities, DT, forces)
         return forces
 
     def cost_us(self) -> float:
         """Cull, narrow, force and friction of one tick in contact [us], the shortest of a few runs."""
         self.forces()
-        way, velocities = self.way[_APPROACH:], self.velocities[_APPROACH:]
-        forces = np.zeros_like(way)
-        args = (self.rows, self.work, self.counts[0], way, velocities, DT, forces)
-        return shortest_us(lambda: _touch_often(*args), len(way), _RUNS)
+        path, velocities = self.path[_APPROACH:], self.velocities[_APPROACH:]
+        forces = np.zeros_like(path)
+        args = (self.rows, self.work, self.counts[0], path, velocities, DT, forces)
+        return shortest_us(lambda: _touch_often(*args), len(path), _RUNS)
 
 
 def ball_mesh(triangles: int) -> tuple[Array, NDArray[np.int32]]:
@@ -115,15 +115,15 @@ def ball_mesh(triangles: int) -> tuple[Array, NDArray[np.int32]]:
     return RADIUS * np.stack(directions, -1).reshape(-1, 3), np.concatenate([upper, lower]).astype(np.int32)
 
 
-def slide_way(top: Array) -> tuple[Array, Array]:
-    """(way, velocities): down along z to 1 mm under `top` [m] in 0.1 s, then about it for 5 s."""
+def slide_path(top: Array) -> tuple[Array, Array]:
+    """(path, velocities): down along z to 1 mm under `top` [m] in 0.1 s, then about it for 5 s."""
     ticks = np.arange(_APPROACH + _TICKS)
     t = DT * ticks
     depth = np.where(ticks < _APPROACH, 0.01 - 1.1e-4 * ticks, -1e-3 + 3e-4 * np.sin(2.0 * np.pi * 3.0 * t))
-    way = top + np.stack([4e-3 * np.sin(2.0 * np.pi * t), 3e-3 * np.cos(2.0 * np.pi * t), depth], 1)
-    velocities = np.gradient(way, DT, axis=0)
+    path = top + np.stack([4e-3 * np.sin(2.0 * np.pi * t), 3e-3 * np.cos(2.0 * np.pi * t), depth], 1)
+    velocities = np.gradient(path, DT, axis=0)
     velocities[: _APPROACH + 1] = (0.0, 0.0, -0.11)
-    return way, velocities
+    return path, velocities
 
 
 def touch_scene(kind: ShapeKind, count: int = 1, triangles: int = 0, friction: float = 0.4) -> TouchScene:
@@ -144,4 +144,4 @@ def touch_scene(kind: ShapeKind, count: int = 1, triangles: int = 0, friction: f
     counts = np.zeros(1, OBJECT_COUNTS)
     counts["shapes"], counts["points"] = count, 1
     top = shapes["position"][count // 2] + (0.0, 0.0, RADIUS)
-    return TouchScene(rows, work, counts, *slide_way(top))
+    return TouchScene(rows, work, counts, *slide_path(top))

@@ -1,4 +1,4 @@
-"""Rival ways to estimate the load of a person, with their cost an update and how often they err on unseen families.
+"""Rival methods to estimate the load of a person, with their cost an update and how often they err on unseen families.
 
 Importing this module registers them. The people are the simulated ones that come with the product: no clinical
 evidence.
@@ -56,7 +56,7 @@ def _study_us(rival: str) -> float:
 
 
 def _add(name: str, rival: str, source: str, valid_range: str, estimator: str = "") -> None:
-    """Register a way; one without an estimator is a yardstick: measured, and nothing a session can take."""
+    """Register a method; one without an estimator is a yardstick: measured, and nothing a session can take."""
     registry.register(
         Method(
             group=GROUP,

@@ -94,11 +94,11 @@ def _play(rng: np.random.Generator, family: Family, gap: float) -> tuple[Floats,
     slope, right = rng.uniform(*_SLOPES), rng.uniform(*_RIGHT)
     order = np.concatenate([rng.permutation(3) for _ in range(_ROUNDS)])
     session.live(_REST_S, np.nan, 0.0)
-    rows, told = [], []
+    rows, loads = [], []
     for label in order.tolist():
         off, people = gap * (label - 1), session.people
         view, load = session.live(_TRIAL_S, float(people.skill[0] - 0.2 * people.fatigue[0]) + off, _POWER_W)
         succeeds = 1.0 / (1.0 + (1.0 / right - 1.0) * np.exp(slope * off))
         rows.append(view.features(float(rng.binomial(_REPETITIONS, succeeds)) / _REPETITIONS))
-        told.append(load)
-    return np.array(rows), order, np.array(told)
+        loads.append(load)
+    return np.array(rows), order, np.array(loads)

@@ -1,6 +1,6 @@
 """The whole loop on simulated people: raw signals, features, the estimator that a session takes, and a policy.
 
-A trial is a minute and a half; what a policy sees of the load is what the estimator told when the trial ended. Only the
+A trial is a minute and a half; what a policy sees of the load is what the estimator gave when the trial ended. Only the
 scorer knows how hard the task should have been. A simulation is no clinical evidence.
 """
 
@@ -102,7 +102,7 @@ class _Person:
         self._generator, self._dsp, self._second = SignalGenerator(self._body), PhysioDsp(), 0
 
     def play(self, policy: Policy, trials: int, *, sees: bool) -> Floats:
-        """Regret of each trial, shape [trials]; `sees`: signals are made and the load is told."""
+        """Regret of each trial, shape [trials]; `sees`: signals are made and the load is estimated."""
         estimation = build_estimation(DEFAULT, _BASELINE_S) if sees else None
         policy.begin(np.full(1, 0.5), self._choice)
         self._live(_REST_S, np.nan, 0.0, estimation)
@@ -134,7 +134,7 @@ class _Person:
 
 
 def _outcome(demand: float, share: float, state: UserState | None) -> Outcome:
-    """As a session's agent tells it to a policy."""
+    """As a session's agent passes it to a policy."""
     load, spread = np.nan, np.nan
     if state is not None and state.load is not None and state.arousal is not None:
         load, spread = state.load[2] - state.load[0], state.arousal.variance

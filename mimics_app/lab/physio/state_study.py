@@ -47,7 +47,7 @@ class StateScore:
 def _follow(build: Callable[[LoadModel], Lda], columns: slice, *, asked: bool) -> Callable[[LoadPeople], StateScore]:
     """A discriminant over some of the features, trained without the family of the person it is tested on."""
 
-    def told(people: LoadPeople) -> StateScore:
+    def estimated(people: LoadPeople) -> StateScore:
         seen = people.features[:, :, columns]
         probable = np.empty((*people.classes.shape, 3))
         for family in np.unique(people.family):
@@ -60,7 +60,7 @@ def _follow(build: Callable[[LoadModel], Lda], columns: slice, *, asked: bool) -
                     lda.learn(seen[i, t], label if asked else None)
         return _scored(probable, people.classes)
 
-    return told
+    return estimated
 
 
 def _scored(probable: Floats, classes: Classes) -> StateScore:
@@ -81,8 +81,8 @@ def _by_threshold(people: LoadPeople) -> StateScore:
     for heart, classes in zip(np.nan_to_num(people.features[:, :, 0]), people.classes, strict=True):
         means = [heart[:3][classes[:3] == k].mean() for k in range(3)]
         low, high = (means[0] + means[1]) / 2.0, (means[1] + means[2]) / 2.0
-        told = np.where(heart[3:] < low, 0, np.where(heart[3:] > high, 2, 1))
-        hits.append(float(np.mean(told == classes[3:])))
+        estimated = np.where(heart[3:] < low, 0, np.where(heart[3:] > high, 2, 1))
+        hits.append(float(np.mean(estimated == classes[3:])))
     return StateScore(np.array(hits))
 
 
@@ -110,4 +110,4 @@ RIVALS: dict[str, Callable[[LoadPeople], StateScore]] = {
 
 def state_study(people: LoadPeople) -> dict[str, StateScore]:
     """The score of each rival."""
-    return {name: told(people) for name, told in RIVALS.items()}
+    return {name: estimated(people) for name, estimated in RIVALS.items()}

@@ -1,4 +1,4 @@
-"""The experiments: a module `sNN_noun` holds one `EXPERIMENT` and is imported when it is asked for."""
+"""The experiments: a module `sNN_noun` holds one `EXPERIMENT` and is imported when it is requested."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _MODULES = {
     "S3R": "s03_wall_rate",
     "S4": "s04_quantised_wall",
     "S5": "s05_energy_leak",
-    "S5B": "s05b_energy_taken_back",
+    "S5B": "s05b_energy_dissipated",
     "S6": "s06_virtual_mass",
     "S6B": "s06_virtual_damping",
     "S7": "s07_joint_pd",

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.stability.growth import dies_away, note_peak
 from mimics_app.lab.stability.linear import find_limit, hold, spectral_radius
+from mimics_app.lab.stability.wall_loop import APART, DEPTH, LARGE, LONGEST, PRECISION, SHORTEST, SOFT
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.directions import SPAN, add_contact, begin_span, needed_damping
 from mimics_app.rendering.haptic.kernels.directions import worst_direction as find_worst_direction
@@ -37,20 +38,9 @@ __all__ = [
 Vec = NDArray[np.float64]
 Mat = NDArray[np.float64]
 
-_DEPTH = 1000.0
-"""Rest inside every contact [m], absurdly deep, so that no surface is reached and no law is clamped."""
-
-_APART = 1e-3
-"""First distance from rest along each normal [m]."""
-
-_LARGE = 1.0
-"""A swing [m] from which a motion does not come back; the laws are still linear there."""
-
-_SHORTEST = 8_000
-_LONGEST = 400_000
-_PRECISION = 4e-3
-_SOFT = 1.0
 _HARD = 1e6
+"""The stiffest of them that is looked at [N/m]."""
+
 _SLOW = 1e-9
 """What an eigenvalue may come short of 1: the slow motion of a soft contact dies by more in a tick."""
 
@@ -111,14 +101,14 @@ def stiffer(contacts: Contacts, first: float) -> Contacts:
 
 @kernel
 def _feel(normals: Mat, k: Vec, B: Vec, x: Vec, last: Vec, dt: float, force: Vec) -> None:
-    """Force [N] of all contacts on the device, less what holds it at rest _DEPTH inside of each."""
+    """Force [N] of all contacts on the device, less what holds it at rest DEPTH inside of each."""
     force[:] = 0.0
     for c in range(k.shape[0]):
-        depth, rate = _DEPTH, 0.0
+        depth, rate = DEPTH, 0.0
         for i in range(3):
             depth -= normals[c, i] * x[i]
             rate -= normals[c, i] * (x[i] - last[i]) / dt
-        push = spring_damper(depth, rate, k[c], B[c]) - k[c] * _DEPTH
+        push = spring_damper(depth, rate, k[c], B[c]) - k[c] * DEPTH
         for i in range(3):
             force[i] += push * normals[c, i]
 
@@ -145,7 +135,7 @@ def press_contacts(
     x, last, v = np.zeros(3), np.zeros(3), np.zeros(3)
     for c in range(k.shape[0]):
         for j in range(3):
-            x[j] += _APART * normals[c, j]
+            x[j] += APART * normals[c, j]
             last[j] = x[j]
     peaks[:] = 0.0
     for i in range(ticks):
@@ -156,7 +146,7 @@ def press_contacts(
             x[j], v[j] = step_free(x[j], v[j], line[(i + 1) % (delay + 1), j], m, b, dt)
             size += x[j] * x[j]
         note_peak(np.sqrt(size), i, ticks, peaks)
-        if not size < _LARGE * _LARGE:
+        if not size < LARGE * LARGE:
             peaks[3] = np.inf
             return
 
@@ -173,12 +163,12 @@ def _is_stable(device: Device, contacts: Contacts) -> bool:
         press_contacts(normals, k, B, device.mass, device.damping, 1.0 / device.rate, device.delay, ticks, line, peaks)
         return peaks
 
-    return dies_away(run, _SHORTEST, _LONGEST)
+    return dies_away(run, SHORTEST, LONGEST)
 
 
 def simulated_limit(device: Device, contacts: Contacts) -> float:
     """Largest stable stiffness [N/m] of the first contact beside the others, by simulation."""
-    return find_limit(lambda first: _is_stable(device, stiffer(contacts, first)), _SOFT, _HARD, _PRECISION)
+    return find_limit(lambda first: _is_stable(device, stiffer(contacts, first)), SOFT, _HARD, PRECISION)
 
 
 def exact_matrix(device: Device, contacts: Contacts) -> Mat:
@@ -214,7 +204,7 @@ def exact_limit(device: Device, contacts: Contacts) -> float:
     def is_contracting(first: float) -> bool:
         return spectral_radius(exact_matrix(device, stiffer(contacts, first))) < 1.0 - _SLOW
 
-    return find_limit(is_contracting, _SOFT, _HARD)
+    return find_limit(is_contracting, SOFT, _HARD)
 
 
 def _span_of(contacts: Contacts) -> NDArray[np.void]:
@@ -239,7 +229,7 @@ def needed(device: Device, contacts: Contacts, margin: float = 0.0) -> float:
 
 def rule_limit(device: Device, contacts: Contacts) -> float:
     """Largest stiffness [N/m] of the first contact by the worst direction: what the loop goes by."""
-    return find_limit(lambda first: needed(device, stiffer(contacts, first)) < device.damping, _SOFT, _HARD)
+    return find_limit(lambda first: needed(device, stiffer(contacts, first)) < device.damping, SOFT, _HARD)
 
 
 def sum_limit(device: Device, contacts: Contacts) -> float:

@@ -1,6 +1,6 @@
 """Deciding by simulation whether a motion dies away, and how fast it grows.
 
-Two ways. Peaks: how far the motion swings in the second and in the fourth quarter of a run; the run is made longer
+Two methods. Peaks: how far the motion swings in the second and in the fourth quarter of a run; the run is made longer
 until the answer is plain. Exponents: two neighbours of a motion are followed and kept square to each other (Benettin
 et al. 1980); each tick's stretching adds up to the growth per tick, exact also where the motion turns as it grows.
 """

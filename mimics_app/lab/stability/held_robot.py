@@ -40,7 +40,7 @@ _GRIP_STIFFNESS = 4000.0
 _GRIP_DAMPING = 50.0
 
 _SPEED_SHARE = 0.1
-"""Way [m] that a speed [m/s] counts as, where it is asked how far a motion is from rest [s]."""
+"""Distance [m] that a speed [m/s] counts as, where it is asked how far a motion is from rest [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +81,7 @@ def _robot_memory(loop: Hold) -> Vec:
 
 
 def _arm_memory(hand: Arm) -> Vec:
-    """A person who wants to stay where they are: a way of two equal points, no tremor, no error of aim."""
+    """A person who wants to stay where they are: a path of two equal points, no tremor, no error of aim."""
     memory = np.zeros(arm.ARM_LENGTH)
     memory[arm.ARM_MASS] = hand.mass
     memory[arm.ARM_DAMPING] = hand.damping
@@ -112,7 +112,7 @@ def _rigid_force(machine: Vec, hand: Vec) -> float:
 
 @kernel
 def _hold_rigidly(machine: Vec, hand: Vec, mass: float, damping: float, ticks: int, peaks: Vec) -> None:
-    """Simulate the rigid hand; peaks of the handle's way from rest by quarter, shape [4]."""
+    """Simulate the rigid hand; peaks of the handle's distance from rest by quarter, shape [4]."""
     dt = machine[robot.TICK]
     scratch, v, dq, f, data = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(DATA_LENGTH)
     machine[robot.Q + _AXIS] = _APART

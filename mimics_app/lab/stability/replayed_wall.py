@@ -1,6 +1,6 @@
-"""A wall stroked at constant speed while ticks come late or not at all: the energy it gives away, by the loop's tick.
+"""A wall stroked at constant speed while ticks come late or not at all: the energy it generates, by the loop's tick.
 
-Between ticks the force is held, so that a stroke through depths x_i costs sum f_i (x_{i+1} - x_i): a spring gives away
+Between ticks the force is held, so that a stroke through depths x_i costs sum f_i (x_{i+1} - x_i): a spring generates
 K/2 sum (x_{i+1} - x_i)^2 and a damper takes b v |x_{i+1} - x_i|. At constant speed both sums are of holds h_i, and
 
     b needed = K/2 sum(h_i^2) / sum(h_i)
@@ -111,9 +111,9 @@ class Stroke:
         moving = (phase >= 0.0) & (phase < 2 * self.count)
         inward = np.floor(phase) % 2 == 0
         share = np.where(inward, phase % 1.0, 1.0 - phase % 1.0)
-        way = np.where(moving, share, 0.0) * (self.depth + self.gap)
+        moved = np.where(moving, share, 0.0) * (self.depth + self.gap)
         rate = np.where(moving, np.where(inward, self.speed, -self.speed), 0.0)
-        return way - self.gap, rate
+        return moved - self.gap, rate
 
 
 @dataclass(frozen=True, slots=True)
@@ -265,7 +265,7 @@ def classes_of(wakes: Wakes, policy: bool) -> NDArray[np.int64]:
 
 
 def energy_of(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Stroke()) -> float:
-    """Energy [J] that the wall has taken from the user in the end, by the tick and the observer; < 0: given away."""
+    """Energy [J] that the wall has taken from the user in the end, by the tick and the observer; < 0: generated."""
     depth, rate = stroke.at(wakes.t)
     out = np.zeros(len(wakes.t))
     held = classes_of(wakes, policy)
@@ -278,7 +278,7 @@ def energy_of(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Strok
 
 
 def exact_energy(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Stroke()) -> float:
-    """The same as a sum of held forces times ways, without any loop.
+    """The same as a sum of held forces times displacements, without any loop.
 
     Raises:
         ValueError: The policy would ramp the force down, which this sum does not know.

@@ -81,12 +81,11 @@ def _row(stiffness: float, rate: float) -> dict[str, Any]:
     }
 
 
-def _run(points: int) -> Outcome:
+def _simulate_grid(points: int) -> Outcome:
     rates = np.geomspace(_LOWEST_RATE, _HIGHEST_RATE, points)
     rows = [_row(stiffness, float(rate)) for stiffness in _STIFFNESSES for rate in rates]
     simulated: Points = [(row["rate_hz"], row["simulated_1_s"]) for row in rows]
     exact: Points = [(row["rate_hz"], row["exact_1_s"]) for row in rows]
-    disagreement = largest_disagreement(simulated, exact)
     low, high = min(y for _, y in exact), max(y for _, y in exact)
     first_order = [(float(rate), 2000.0 / (4.0 * _MASS * float(rate))) for rate in rates]
     return Outcome(
@@ -94,8 +93,7 @@ def _run(points: int) -> Outcome:
         simulated=simulated,
         exact=exact,
         rules={"K T / 4 m at 2000 N/m": first_order, "500 Hz (D2.1 4.3.1)": [(500.0, low), (500.0, high)]},
-        disagreement=disagreement,
-        passed=disagreement <= EXPERIMENT.tolerance,
+        disagreement=largest_disagreement(simulated, exact),
         note=f"A mass of {_MASS:g} kg on 500, 2000 and 5000 N/m (lowest to highest curve). Without damping no rate is "
         "fast enough; at 500 Hz nothing changes but the time it takes.",
     )
@@ -108,7 +106,7 @@ EXPERIMENT = Experiment(
     x_label="rate of the wall [Hz]",
     y_label="growth of the swing [1/s]",
     kind="invariant",
-    run=_run,
+    simulate=_simulate_grid,
     tolerance=1e-4,
     log_x=True,
     log_y=True,

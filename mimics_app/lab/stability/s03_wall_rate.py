@@ -20,7 +20,7 @@ _LOWEST_RATE = 60.0
 _HIGHEST_RATE = 4000.0
 
 
-def _run(points: int) -> Outcome:
+def _simulate_grid(points: int) -> Outcome:
     rates = [float(rate) for rate in np.geomspace(_LOWEST_RATE, _HIGHEST_RATE, points)]
     rows = [compare("rate", Wall(device_damping=b, rate=rate)) for b in _DAMPINGS for rate in rates]
     simulated: Points = [(row["rate_hz"], row["simulated_n_m"]) for row in rows]
@@ -32,14 +32,12 @@ def _run(points: int) -> Outcome:
         for b in _DAMPINGS
     }
     rules["500 Hz (D2.1 4.3.1)"] = [(500.0, min(y for _, y in exact)), (500.0, max(y for _, y in exact))]
-    disagreement = max(row["difference"] for row in rows)
     return Outcome(
         rows=rows,
         simulated=simulated,
         exact=exact,
         rules=rules,
-        disagreement=disagreement,
-        passed=disagreement <= EXPERIMENT.tolerance,
+        disagreement=max(row["difference"] for row in rows),
         note="A device of 3 kg with 2, 5 and 15 N s/m of its own (lowest to highest curve). The 500 Hz of D2.1 are no "
         "limit of their own: the stiffest wall grows with rate times damping, 5000 N/m at 500 Hz and 5 N s/m.",
     )
@@ -52,7 +50,7 @@ EXPERIMENT = Experiment(
     x_label="rate of the wall [Hz]",
     y_label="stiffest stable wall [N/m]",
     kind="boundary",
-    run=_run,
+    simulate=_simulate_grid,
     tolerance=0.02,
     log_x=True,
     log_y=True,

@@ -17,25 +17,43 @@ from mimics_app.lab.stability.linear import find_limit, hold, is_contracting
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.integrators import step_free
 
-__all__ = ["Wall", "exact_limit", "exact_matrix", "is_stable", "press_wall", "rule_limit", "simulated_limit"]
+__all__ = [
+    "APART",
+    "DEPTH",
+    "LARGE",
+    "LONGEST",
+    "PRECISION",
+    "SHORTEST",
+    "SOFT",
+    "Wall",
+    "exact_limit",
+    "exact_matrix",
+    "is_stable",
+    "press_wall",
+    "rule_limit",
+    "simulated_limit",
+]
 
 Vec = NDArray[np.float64]
 Mat = NDArray[np.float64]
 
-_DEPTH = 1000.0
-"""Rest inside the wall [m], absurdly deep, so that the surface is never reached and the law is never clamped."""
+DEPTH = 1000.0
+"""Rest inside a wall [m], absurdly deep, so that its surface is never reached and its law is never clamped."""
 
-_APART = 1e-3
-"""First distance from rest [m]."""
+APART = 1e-3
+"""First distance from rest, along the normal [m]."""
 
-_LARGE = 1.0
+LARGE = 1.0
 """A swing [m] from which a motion does not come back; the law is still linear there."""
 
-_SHORTEST = 8_000
-_LONGEST = 400_000
-_PRECISION = 4e-3
-_SOFT = 1.0
-_HARD = 1e7
+SHORTEST, LONGEST = 8_000, 400_000
+"""Ticks of a simulation: where peaks do not decide it is made longer, up to the second."""
+
+PRECISION = 4e-3
+"""Of a simulated limit, relative."""
+
+SOFT, _HARD = 1.0, 1e7
+"""Stiffnesses between which the limit is looked for [N/m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,18 +93,18 @@ def press_wall(
         peaks: Receives the peaks of |depth - rest| [m] by quarter of the run, shape [4]; the last infinite where it
             does not come back.
     """
-    line[: delay + 1] = k * _DEPTH
+    line[: delay + 1] = k * DEPTH
     peaks[:] = 0.0
-    x = _DEPTH + _APART
+    x = DEPTH + APART
     last = x
     v = 0.0
     for i in range(ticks):
         line[i % (delay + 1)] = spring_damper(x, (x - last) / dt, k, B)
         last = x
-        x, v = step_free(x, v, k * _DEPTH - line[(i + 1) % (delay + 1)], m, b, dt)
-        size = abs(x - _DEPTH)
+        x, v = step_free(x, v, k * DEPTH - line[(i + 1) % (delay + 1)], m, b, dt)
+        size = abs(x - DEPTH)
         note_peak(size, i, ticks, peaks)
-        if not size < _LARGE:
+        if not size < LARGE:
             peaks[3] = np.inf
             return
 
@@ -100,13 +118,13 @@ def is_stable(wall: Wall, stiffness: float) -> bool:
         press_wall(stiffness, B, m, b, dt, wall.delay, ticks, np.zeros(wall.delay + 1), peaks)
         return peaks
 
-    return dies_away(run, _SHORTEST, _LONGEST)
+    return dies_away(run, SHORTEST, LONGEST)
 
 
 def simulated_limit(wall: Wall, extra_delay: int = 0) -> float:
     """Largest stable stiffness [N/m] by simulation; `extra_delay` ticks are a fault the exact side does not know."""
     late = replace(wall, delay=wall.delay + extra_delay)
-    return find_limit(lambda stiffness: is_stable(late, stiffness), _SOFT, _HARD, _PRECISION)
+    return find_limit(lambda stiffness: is_stable(late, stiffness), SOFT, _HARD, PRECISION)
 
 
 def exact_matrix(wall: Wall, stiffness: float) -> Mat:
@@ -131,7 +149,7 @@ def exact_matrix(wall: Wall, stiffness: float) -> Mat:
 
 def exact_limit(wall: Wall) -> float:
     """Largest stable stiffness [N/m] by eigenvalues."""
-    return find_limit(lambda stiffness: is_contracting(exact_matrix(wall, stiffness)), _SOFT, _HARD)
+    return find_limit(lambda stiffness: is_contracting(exact_matrix(wall, stiffness)), SOFT, _HARD)
 
 
 def rule_limit(wall: Wall) -> float:

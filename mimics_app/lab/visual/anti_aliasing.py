@@ -105,7 +105,7 @@ def _straight(size: tuple[int, int]) -> View:
 
 
 def given_samples(samples: int) -> int:
-    """Samples a pixel that the driver really takes when it is asked for so many: an edge shows one level more.
+    """Samples a pixel that the driver really takes when so many are requested: an edge shows one level more.
 
     Raises:
         DeviceError: there is no way to draw without a display.
@@ -120,7 +120,7 @@ def given_samples(samples: int) -> int:
 
 def _cost_us(settings: RenderSettings) -> float:
     if settings.msaa and (given := given_samples(settings.msaa)) != settings.msaa:
-        raise DeviceError(f"the driver takes {given} samples a pixel where {settings.msaa} are asked for", "")
+        raise DeviceError(f"the driver takes {given} samples a pixel where {settings.msaa} are requested", "")
     with open_offscreen("auto", _FRAME) as surface:
         renderer, views = Renderer(surface, _boxes(), settings), [_straight(_FRAME)]
         renderer.draw_finished(views)

@@ -43,9 +43,9 @@ def link_rope(iterations: int, seconds: float = _SECONDS) -> F8:
 def _relax(points: F8, rest: float) -> None:
     for odd in (0, 1):
         a, b = points[odd:-1:2], points[odd + 1 :: 2]
-        way = b - a
-        length = np.linalg.norm(way, axis=1, keepdims=True)
-        shift = 0.5 * (1.0 - rest / np.maximum(length, 1e-9)) * way
+        span = b - a
+        length = np.linalg.norm(span, axis=1, keepdims=True)
+        shift = 0.5 * (1.0 - rest / np.maximum(length, 1e-9)) * span
         a += shift
         b -= shift
         points[0], points[-1] = _ENDS

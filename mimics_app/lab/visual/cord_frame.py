@@ -1,4 +1,4 @@
-"""Ways to carry a frame along a cord: what each costs for the drawn rings, and by how much it twists the surface.
+"""Methods to carry a frame along a cord: what each costs for the drawn rings, and by how much it twists the surface.
 
 Importing this module registers them, each on a hanging cord, on one that bends to both sides, and on a helix. Error:
 the largest angle to a frame that does not turn about the cord at all, followed in steps 32 times finer.
@@ -42,7 +42,7 @@ def _helix(t: F8) -> F8:
 
 
 CURVES: dict[str, Callable[[F8], F8]] = {"hanging": _hanging, "bent to both sides": _both_sides, "helix": _helix}
-"""Places of a cord at shares of its way [m], [n] -> [n, 3]."""
+"""Places of a cord at shares of its length [m], [n] -> [n, 3]."""
 
 
 def constant_binormal(places: F8, tangents: F8) -> F8:
@@ -68,10 +68,10 @@ def double_reflection(places: F8, tangents: F8) -> F8:
     side = np.eye(3)[np.argmin(np.abs(tangents[0]))]
     normals[0] = np.cross(tangents[0], side) / np.linalg.norm(np.cross(tangents[0], side))
     for k in range(len(places) - 1):
-        way = places[k + 1] - places[k]
-        share = 2.0 / (way @ way)
-        normal = normals[k] - share * (way @ normals[k]) * way
-        tangent = tangents[k] - share * (way @ tangents[k]) * way
+        chord = places[k + 1] - places[k]
+        share = 2.0 / (chord @ chord)
+        normal = normals[k] - share * (chord @ normals[k]) * chord
+        tangent = tangents[k] - share * (chord @ tangents[k]) * chord
         second = tangents[k + 1] - tangent
         square = second @ second
         normals[k + 1] = normal if square < 1e-24 else normal - 2.0 / square * (second @ normal) * second

@@ -1,4 +1,4 @@
-"""Rival ways to find what is in a view, with their cost and the nodes they lose.
+"""Rival methods to find what is in a view, with their cost and the nodes they lose.
 
 Importing this module registers them. Probe: boxes of 1 m on a square, 10 m apart, on nodes in groups of neighbours, as
 a scene's author hangs them; from the middle a view of 90 degrees reaches 200 m. Nothing moves, so that bounds stand.

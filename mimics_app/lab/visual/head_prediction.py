@@ -33,7 +33,7 @@ def prediction_error(horizon_s: float, *, hold: bool = False) -> float:
     """Largest error over two seconds [rad].
 
     Args:
-        horizon_s: From the newest report to the time asked for [s].
+        horizon_s: From the newest report to the time requested [s].
         hold: True takes the newest report as it is.
     """
     track, worst = Track(), 0.0

@@ -1,4 +1,4 @@
-"""Ways to bend a picture for a lens: asked per pixel, or by a mesh; a panel of 1080 pixels, the default lens.
+"""Methods to bend a picture for a lens: asked per pixel, or by a mesh; a panel of 1080 pixels, the default lens.
 
 Importing this module registers them. Error: the largest distance on the panel from where it should be; cost: of working
 out where an eye's picture is looked up, on the processor.

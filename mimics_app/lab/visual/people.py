@@ -119,15 +119,15 @@ def _cost_us(crowd: Crowd) -> float:
 
 
 def crowd_error(crowd: Crowd, whole: Crowd) -> float:
-    """Share of the pixels that differ between two ways to draw the crowd, the mean of some frames."""
+    """Share of the pixels that differ between two methods to draw the crowd, the mean of some frames."""
     pictures = []
-    for way in (crowd, whole):
-        world, step = way.start()
+    for variant in (crowd, whole):
+        world, step = variant.start()
         shown = []
         for frame in range(_FRAMES):
             view = step(frame)
             if frame % 3 == 1:
-                shown.append(show_picture(world, _SIZE, way.settings, view))
+                shown.append(show_picture(world, _SIZE, variant.settings, view))
         pictures.append(shown)
     shares = [differing_pixels(one, other, level=_LEVEL) for one, other in zip(pictures[0], pictures[1], strict=True)]
     return float(np.mean(shares))

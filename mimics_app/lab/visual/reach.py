@@ -1,4 +1,4 @@
-"""Rival ways for a limb of two bones to reach a point, with their cost and how far the hand stays away.
+"""Rival methods for a limb of two bones to reach a point, with their cost and how far the hand stays away.
 
 Importing this module registers them. Probe: arms of 0.30 and 0.27 m whose targets lie anywhere below the zone in which
 the reach gives way; the elbow points to a pole.
@@ -34,17 +34,17 @@ Solve = Callable[[F8, F8, F8], None]
 def arms(count: int) -> tuple[F8, F8]:
     """Shoulder, target and pole [m], [n, 9], and figures of limbs, [n, 4]."""
     rng = np.random.default_rng(1)
-    shoulder, way = rng.normal(size=(count, 3)), rng.normal(size=(count, 3))
-    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    shoulder, direction = rng.normal(size=(count, 3)), rng.normal(size=(count, 3))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     longest, shortest = UPPER + LOWER, UPPER - LOWER
     reach = rng.uniform(shortest + SOFT * longest + 1e-3, (1.0 - SOFT) * longest - 1e-3, (count, 1))
-    asked = np.concatenate([shoulder, shoulder + reach * way, shoulder + rng.normal(size=(count, 3))], axis=1)
+    asked = np.concatenate([shoulder, shoulder + reach * direction, shoulder + rng.normal(size=(count, 3))], axis=1)
     return asked, np.tile([UPPER, LOWER, SOFT, np.inf], (count, 1))
 
 
 @cache
 def _kept(count: int) -> tuple[F8, NDArray[np.int32]]:
-    """What limbs keep from step to step, and their cases; here every pole tells a side, so that nothing kept counts."""
+    """What limbs keep from step to step, and their cases; here every pole states a side, so that no memory counts."""
     return np.zeros((count, 7)), np.zeros(count, np.int32)
 
 

@@ -1,6 +1,6 @@
 """How far a ripple's crest is from where it ought to be on a bent cord, against how sharply it is bent.
 
-Importing this module registers the ways to compute the distance from a tap. Error: a crest after a way of two radii, in
+Importing this module registers the methods to compute the distance from a tap. Error: a crest after two radii, in
 any direction from a tap inside, beside or outside of the bend, against geodesics followed on the tube [m]; cost: of the
 distances of a drawn cord's vertices.
 """
@@ -48,8 +48,8 @@ def crest_error(distance: Distance, bend: float) -> float:
     worst = 0.0
     for tap in _TAPS:
         along, around = _follow(bend, tap).T
-        told = distance(along, around - tap, bend, tap) * _RADIUS
-        worst = max(worst, float(np.abs(told - _WAY).max()))
+        estimated = distance(along, around - tap, bend, tap) * _RADIUS
+        worst = max(worst, float(np.abs(estimated - _WAY).max()))
     return worst
 
 
@@ -97,7 +97,7 @@ for _bend in BENDS:
             cost=partial(_cost_us, straight, _bend),
             error=partial(crest_error, straight, _bend),
             unit="m",
-            valid_range="exact on a straight cord, whatever the way; else where its error does",
+            valid_range="exact on a straight cord, whatever the distance; else where its error does",
             settings={} if _bend == 0.0 else None,
             default=_bend == 0.0,
         )

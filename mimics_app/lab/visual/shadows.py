@@ -1,4 +1,4 @@
-"""Rival ways to the sun's shadows, with the cost of a frame and how far their edges lie from where the ray ends.
+"""Rival methods to the sun's shadows, with the cost of a frame and how far their edges lie from where the ray ends.
 
 Importing this module registers them. Probe: a yard of posts with one that turns, so that no map can be kept, and a
 plate above the floor whose shadow's edges are known. Error: mean distance of an edge from the closed form, along the
@@ -49,7 +49,7 @@ _FRAMES = 6
 
 @dataclass(frozen=True)
 class _Kind:
-    """A way to make shadows."""
+    """A method to make shadows."""
 
     name: str
     source: str

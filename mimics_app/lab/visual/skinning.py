@@ -1,4 +1,4 @@
-"""Rival ways to bend a body with its joints: what a vertex costs, how far it is off, and what is left of its volume.
+"""Rival methods to bend a body with its joints: what a vertex costs, how far it is off, and what is left of its volume.
 
 Importing this module registers them. Probe of "skinning": a figure of 2 m whose vertices follow four of 64 joints each,
 turned and shifted at random. Probe of "joint mixing": a tube whose lower half is turned about its own axis.

@@ -1,4 +1,4 @@
-"""Ways to draw the two eyes before a picture: one after the other, or both at once.
+"""Methods to draw the two eyes before a picture: one after the other, or both at once.
 
 Importing this module registers them. Cost: processor time of finished frames of both eyes side by side, of a thousand
 small bodies that each have a material of their own, so that calls to the driver are what costs, and of fewer and larger
@@ -117,7 +117,7 @@ def show_stereo(world: World, eye_size: Size, *passes: StereoPasses) -> list[NDA
 def turns(workload: str, *passes: StereoPasses) -> list[list[float]]:
     """Processor time of frames of a workload in each way [us], frame by frame in turns, all threads together.
 
-    Not the time on the wall: whatever else a machine does falls on one way more than on another.
+    Not the time on the wall: whatever else a machine does falls on one method more than on another.
 
     Raises:
         DeviceError: there is no way to draw without a display.

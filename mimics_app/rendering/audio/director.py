@@ -104,7 +104,7 @@ class SoundDirector:
         return self._settings.sound_of_touch(cause, bodies, (int(event["material_b"]), int(event["material_a"])))
 
     def play_order(self, order: SoundEvent) -> None:
-        """Start a sound the task asked for; a name the bank does not know is ignored, the app has refused it before."""
+        """Start a sound the task requested; a name the bank does not know is ignored, the app has refused it before."""
         if order.sound not in self._bank:
             return
         if self._clock.now_ns() - order.t_ns > 10 * _STALE_NS:

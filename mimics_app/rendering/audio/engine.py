@@ -1,4 +1,4 @@
-"""Opens the output a session asked for, or the next one down the ladder, and keeps it fed.
+"""Opens the output a session requested, or the next one down the ladder, and keeps it fed.
 
     device  -> a live device, drawn by the library's own thread
     file    -> a loopback, rendered on the clock in blocks and written to a wave file
@@ -107,7 +107,7 @@ def open_engine(settings: AudioSettings, clock: Clock, prepared: Callable[[], No
 
 
 def fall_back(settings: AudioSettings, bank: SoundBank, clock: Clock, why: str) -> Engine:
-    """A file where one is named, else nothing; `why` begins the line the person reads, "" when it was asked for."""
+    """A file where one is named, else nothing; `why` begins the line the person reads, "" when it was requested."""
     if settings.file is None:
         return _dropped(f"{why}: sound is dropped; picture and touch run on")
     try:
@@ -132,7 +132,7 @@ def open_engine_in_step(
     """A mixer that renders on demand, whose sounds start `latency` frames after their events, into `file` or nowhere.
 
     Raises:
-        DeviceError: No library for the mixer that is asked for.
+        DeviceError: No library for the mixer that is requested.
         OSError: The file cannot be written.
     """
     origin = clock.now_ns() if origin_ns is None else origin_ns

@@ -151,7 +151,7 @@ def _prefer(process: subprocess.Popen[bytes]) -> None:
     """Put it before ordinary work where the system allows it: it stands for a sound card, which no load holds up.
 
     A server that is held up longer than two periods takes what it missed for the past and drops it; PulseAudio gives
-    precedence to its sinks by itself, but not to the thread that takes the sound from its clients.
+    precedence to its sinks on its own, but not to the thread that takes the sound from its clients.
     """
     ask_for_fifo(process.pid, FIFO_PRIORITY + 1)
 

@@ -1,7 +1,7 @@
 """What boxes between a sound and the listener let through: around their edges and through their walls.
 
 Around: Maekawa (1968), attenuation 10 log10(3 + 20 N) dB, N = 2 (detour) / wavelength, negative N before the shadow so
-that nothing snaps. Through: the mass law for all directions, 20 log10(f m) - 47 dB. The louder way counts; five rays to
+that nothing snaps. Through: the mass law for all directions, 20 log10(f m) - 47 dB. The louder counts; five rays to
 points around the source make it as wide as it is.
 """
 
@@ -82,20 +82,20 @@ def passes_of(listener: Floats, source: Floats, boxes: list[Box]) -> Floats:
 
 
 def _around(listener: Floats, source: Floats) -> list[Floats]:
-    """The source and four points beside it, across the way to it."""
-    way = source - listener
-    distance = float(np.linalg.norm(way))
+    """The source and four points beside it, across the path to it."""
+    between = source - listener
+    distance = float(np.linalg.norm(between))
     if distance < _SPREAD:
         return [source]
-    least = np.eye(3)[int(np.argmin(np.abs(way)))]
-    across = np.cross(way, least)
+    least = np.eye(3)[int(np.argmin(np.abs(between)))]
+    across = np.cross(between, least)
     across *= _SPREAD / np.linalg.norm(across)
-    other = np.cross(way / distance, across)
+    other = np.cross(between / distance, across)
     return [source, source + across, source - across, source + other, source - other]
 
 
 def _detour(listener: Floats, source: Floats, box: Box) -> float:
-    """Length of the shortest way around the box less that of the straight one [m]; negative where that is free."""
+    """Length of the shortest path around the box less that of the straight one [m]; negative where that is free."""
     turn, place = box.world_from_box[:3, :3], box.world_from_box[:3, 3]
     scale = np.linalg.norm(turn, axis=0)
     a, b = ((point - place) @ (turn / scale) for point in (listener, source))
@@ -123,7 +123,7 @@ def _length(a: Floats, b: Floats) -> float:
 
 
 def _bends(a: Floats, b: Floats, half: Floats) -> list[Floats]:
-    """On each edge the point by which the way from a to b is shortest."""
+    """On each edge the point by which the path from a to b is shortest."""
     points = []
     for corner, axis in _EDGES:
         start = corner * half
@@ -137,15 +137,15 @@ def _bends(a: Floats, b: Floats, half: Floats) -> list[Floats]:
 
 
 def _hits(a: Floats, b: Floats, half: Floats) -> bool:
-    """Whether the way from a to b goes through the box (slabs)."""
-    way = b - a
+    """Whether the path from a to b goes through the box (slabs)."""
+    between = b - a
     with np.errstate(divide="ignore", invalid="ignore"):
-        near, far = (-half - a) / way, (half - a) / way
-    low = np.where(way == 0.0, np.where(np.abs(a) <= half, -np.inf, np.inf), np.minimum(near, far))
-    high = np.where(way == 0.0, np.where(np.abs(a) <= half, np.inf, -np.inf), np.maximum(near, far))
+        near, far = (-half - a) / between, (half - a) / between
+    low = np.where(between == 0.0, np.where(np.abs(a) <= half, -np.inf, np.inf), np.minimum(near, far))
+    high = np.where(between == 0.0, np.where(np.abs(a) <= half, np.inf, -np.inf), np.maximum(near, far))
     return bool(max(low.max(), 0.0) < min(high.min(), 1.0))
 
 
 def _cut(a: Floats, b: Floats, half: Floats) -> bool:
-    """The same for a way that touches the box at one of its edges: a little less of the box."""
+    """The same for a path that touches the box at one of its edges: a little less of the box."""
     return _hits(a, b, half * (1.0 - 1e-6))

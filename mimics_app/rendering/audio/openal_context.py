@@ -1,4 +1,4 @@
-"""One OpenAL output: a live device, or a loopback whose samples we ask for ourselves."""
+"""One OpenAL output: a live device, or a loopback whose samples we request ourselves."""
 
 from __future__ import annotations
 

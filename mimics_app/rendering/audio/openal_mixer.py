@@ -1,7 +1,7 @@
-"""The mixer on OpenAL: named sounds in, positional sound out, with sample-exact starts where we ask for the samples.
+"""The mixer on OpenAL: named sounds in, positional sound out, with sample-exact starts where we request the samples.
 
 A loopback starts a sound at `round((t - origin) * rate) + latency` frames, late ones at once: `render` cuts its block
-at every start, because the library begins a sound only at the head of a render. A live device draws by itself; there
+at every start, because the library begins a sound only at the head of a render. A live device draws on its own; there
 a start is a start at the next period.
 The library of the stable distributions cuts a stopped sound off with a click (-23 dBFS), so a stop is a fade to zero
 over one mix and the cut comes when nothing is heard any more.

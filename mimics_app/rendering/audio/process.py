@@ -120,12 +120,12 @@ class AudioProcess:
         """
         if event.sound not in self._settings.sounds:
             raise MimicsError(f'no sound "{event.sound}"', nearest(event.sound, self._settings.sounds))
-        if not self._tell("play", event):
+        if not self._send("play", event):
             self._orders_dropped += 1
 
     def master(self, gain: float) -> None:
         """Set the linear gain of everything; never waits."""
-        self._tell("master", gain)
+        self._send("master", gain)
 
     def advance(self, now_ns: int) -> None:
         """Do nothing: the process keeps its own time."""
@@ -139,7 +139,7 @@ class AudioProcess:
     def _close(self) -> AudioReport:
         if self._process is None:
             return AudioReport(self._status or _SILENT)
-        self._tell("stop", None)
+        self._send("stop", None)
         if self._orders is not None:
             self._orders.close()
             self._orders = None
@@ -199,7 +199,7 @@ class AudioProcess:
             self._hung_up = True  # its end of the pipe is closed: it is gone, or about to be
             return None
 
-    def _tell(self, what: str, content: object) -> bool:
+    def _send(self, what: str, content: object) -> bool:
         if self._orders is None:
             return False
         try:

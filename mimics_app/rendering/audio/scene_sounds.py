@@ -29,7 +29,7 @@ def settings_from_components(
     scene_file: str,
     **changes: Any,
 ) -> AudioSettings | None:
-    """The audio a scene asks for.
+    """The audio a scene requests.
 
     Args:
         sounds: (entity id, component, JSON pointer) of every `sound`; the id is the sound's name.

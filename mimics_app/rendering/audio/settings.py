@@ -106,11 +106,11 @@ class AudioSettings:
         speakers: Arrangement of the loudspeakers where `hrtf` is off; beyond stereo only "spectral" has them.
         sofa: SOFA file of a measured head; None: a computed one of `head_width`. Of "spectral" only.
         head_width: Between the ears of the computed head [m].
-        rate: Samples per second asked for.
+        rate: Samples per second requested.
         period: Frames per period of a live device, two periods queued; 128 or 256 keep contact to sound below 20 ms.
         block: Frames per block of a file.
         voices: Most sounds at once.
-        realtime: Ask for the first-in-first-out scheduler below the haptic loop, where the system grants it.
+        realtime: Request the first-in-first-out scheduler below the haptic loop, where the system grants it.
         start_timeout_s: After this time without an answer the app reports that there is no sound [s].
         stop_timeout_s: After this time without a report the process is ended by force [s].
         driver: Backend of OpenAL Soft ("pulse", "alsa", ...); "" lets the library choose.

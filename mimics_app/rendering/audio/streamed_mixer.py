@@ -64,8 +64,8 @@ class StreamedMixer:
         self._source, self._free = source.value, list(buffers)
         self._call.alSourcei(self._source, AL.DIRECT_CHANNELS, 1)
         context.library.check("make a stream")
-        self._told_ns = clock.now_ns()
-        mixer.timing = Timing(self._told_ns, LIVE_LATENCY, mixer.timing.pipeline)
+        self._set_ns = clock.now_ns()
+        mixer.timing = Timing(self._set_ns, LIVE_LATENCY, mixer.timing.pipeline)
         self.render(LIVE_BLOCK)
 
     @property
@@ -154,7 +154,7 @@ class StreamedMixer:
         """Set when frame 0 was taken: each reading says too late a time, or the right one; the lowest counts."""
         now, timing = self._clock.now_ns(), self._mixer.timing
         read = now - (self.position - _QUEUED * frames) * 1_000_000_000 // self.rate
-        slack = round((now - self._told_ns) * _DRIFT)
-        self._told_ns = now
+        slack = round((now - self._set_ns) * _DRIFT)
+        self._set_ns = now
         origin = read if ran_empty else min(read, timing.origin_ns + slack)
         self._mixer.timing = Timing(origin, timing.latency, timing.pipeline)

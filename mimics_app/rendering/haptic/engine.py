@@ -132,7 +132,7 @@ class HapticEngine:
             slot_of(memory.rows, slot, rows, scene[0]["objects"])
         triple_buffer.publish(memory.scene_words)
 
-    def tell(self, inbox: Records) -> None:
+    def send(self, inbox: Records) -> None:
         """Hand the pointing device's newest state (INBOX record, shape [1]) to the device plug-in."""
         memory = self._memory
         memory.inboxes[triple_buffer.back_slot(memory.inbox_words)] = inbox[0]
@@ -205,7 +205,7 @@ class HapticEngine:
             raise DeviceError(f"the haptic loop ended with an error: {self._failure}")
 
     def stop_key(self) -> None:
-        """Ask for E_STOP: zero force within two ticks, latched until a block with another count of resets."""
+        """Request E_STOP: zero force within two ticks, latched until a block with another count of resets."""
         self._memory.control[ControlWord.STOP] = 1
 
     def histogram(self) -> LatenessReport:

@@ -29,10 +29,10 @@ ENTRY_POINT_GROUP = "mimics_app.force_fields"
 
 
 _BUILT_IN = ("cord", "curl", "saddle", "well")
-"""Fields of `cord_field` and `standard_fields`, which are imported and compiled when one of theirs is asked for."""
+"""Fields of `cord_field` and `standard_fields`, which are imported and compiled when one of theirs is requested."""
 
 _FIELDS: dict[str, Field] = {}
-"""Fields that were added, or asked for, by name."""
+"""Fields that were added, or requested, by name."""
 
 
 def add_field(name: str, field: Field) -> None:
@@ -46,7 +46,7 @@ def add_field(name: str, field: Field) -> None:
 
 
 def field_names() -> list[str]:
-    """Names of all fields that can be asked for."""
+    """Names of all fields that can be requested."""
     return sorted({*_BUILT_IN, *_FIELDS, *(point.name for point in entry_points(group=ENTRY_POINT_GROUP))})
 
 

@@ -60,7 +60,7 @@ class LatenessReport:
         held: Ticks whose output was held because they came late.
         stale: Ticks with old device data.
         stops: Stops that were latched.
-        holds: Times the force was ramped down for late ticks, and came back by itself.
+        holds: Times the force was ramped down for late ticks, and came back on its own.
         ticks: Ticks done, all of them.
         recipe: How the thread was scheduled.
     """

@@ -72,7 +72,7 @@ class _Outlets(NamedTuple):
 
 
 @kernel
-def _tell(outlets: _Outlets, kind: int, force: float) -> None:
+def _publish(outlets: _Outlets, kind: int, force: float) -> None:
     """Send the event being filled to its three consumers."""
     event = outlets.event
     event[0].kind = kind
@@ -118,11 +118,11 @@ def _begin(event: EventRecord, state: StateRecord, t_ns: int, body_a: int, body_
 def _publish_monitor(outlets: _Outlets, state: StateRecord) -> None:
     """What the monitors of stability and of the device's data report."""
     if state.margin_lost == 1:
-        _tell(outlets, _MARGIN, state.told_margin)
+        _publish(outlets, _MARGIN, state.reported_margin)
     if state.cap_began == 1:
-        _tell(outlets, _CAP, state.told_share)
+        _publish(outlets, _CAP, state.reported_share)
     if state.stale_began == 1:
-        _tell(outlets, _STALE, state.age)
+        _publish(outlets, _STALE, state.age)
 
 
 @kernel
@@ -139,16 +139,16 @@ def _publish_tick(outlets: _Outlets, state: StateRecord, t_ns: int) -> None:
         event.position_world[i] = state.hip_world[i] - state.ball_radius * normal
         event.normal_world[i] = normal
     if state.parameters_taken == 1:
-        _tell(outlets, _PARAMETERS, float(state.sequence))
+        _publish(outlets, _PARAMETERS, float(state.sequence))
     if state.state_changed == 1:
-        _tell(outlets, _STATE, float(state.safety))
+        _publish(outlets, _STATE, float(state.safety))
     if state.tripped == 1:
-        _tell(outlets, _TRIP, float(state.cause))
+        _publish(outlets, _TRIP, float(state.cause))
     _publish_monitor(outlets, state)
     if state.contact_change == CONTACT_BEGAN:
-        _tell(outlets, _CONTACT_BEGIN, norm(state.f_user_world))
+        _publish(outlets, _CONTACT_BEGIN, norm(state.f_user_world))
     elif state.contact_change == CONTACT_ENDED:
-        _tell(outlets, _CONTACT_END, norm(state.f_user_world))
+        _publish(outlets, _CONTACT_END, norm(state.f_user_world))
 
 
 @kernel
@@ -175,7 +175,7 @@ def _publish_touches(
             event.position_world[i] = state.hip_world[i]
             event.normal_world[i] = totals.normal[i]
         kind = _CONTACT_BEGIN if change == CONTACT_BEGAN else _CONTACT_END
-        _tell(outlets, kind, norm(totals.shape_force))
+        _publish(outlets, kind, norm(totals.shape_force))
 
 
 @kernel
@@ -192,7 +192,7 @@ def _publish_impact(outlets: _Outlets, state: StateRecord, totals: TotalsRecord,
     for i in range(3):
         event.position_world[i] = totals.impact_position[i]
         event.normal_world[i] = totals.impact_normal[i]
-    _tell(outlets, _IMPACT, totals.impact_force)
+    _publish(outlets, _IMPACT, totals.impact_force)
 
 
 @kernel
@@ -208,6 +208,6 @@ def _publish_losses(outlets: _Outlets, state: StateRecord, totals: TotalsRecord,
         event.position_world[i] = state.hip_world[i]
         event.normal_world[i] = 0.0
     if totals.left_out > 0:
-        _tell(outlets, _LEFT_OUT, float(totals.left_out))
+        _publish(outlets, _LEFT_OUT, float(totals.left_out))
     if totals.quarantined >= 0:
-        _tell(outlets, _QUARANTINE, float(totals.quarantined))
+        _publish(outlets, _QUARANTINE, float(totals.quarantined))

@@ -41,7 +41,7 @@ class Replayed:
     Attributes:
         samples: SAMPLE rows, shape [n], with timing fields 0.
         events: EVENT records, shape [m], in order.
-        snapshots: What was newest after each tick that was asked for, by tick.
+        snapshots: What was newest after each tick that was requested, by tick.
     """
 
     samples: Records
@@ -88,15 +88,9 @@ def replay_run(
             are counted that are not in `rows`.
     """
     numbers = sorted({int(sequence) for sequence in np.unique(inputs["sequence"])})
-    blocks = np.zeros(len(numbers), SCENE)
-    for i, number in enumerate(numbers):
-        if number != 0:
-            blocks[i] = np.asarray(scenes[number]).reshape(-1)[0]
+    blocks = _blocks_of(scenes, numbers)
     capacities = _room_for(blocks, 1 if statics is None else max(1, len(statics.paths)))
-    stack = new_rows(capacities, len(numbers))
-    for i, number in enumerate(numbers):
-        if any(count_rows(blocks[i]["objects"]).values()):
-            slot_of(stack, i, (rows or {})[number], blocks[i]["objects"])
+    stack = _stack_of(rows or {}, numbers, blocks, capacities)
     which = np.searchsorted(np.array(numbers, np.int64), inputs["sequence"].astype(np.int64)).astype(np.int64)
     memory = SessionMemory(Capacities(capacities, samples=1, events=_EVENTS, lateness_bins=1))
     channels = channels_of(memory)
@@ -127,6 +121,24 @@ def replay_run(
         if part.stop - 1 in looked:
             snapshots[part.stop - 1] = newest_snapshot(memory, int(blocks[-1]["joints"]))
     return Replayed(outputs, np.concatenate([np.zeros(0, EVENT), *events]), snapshots)
+
+
+def _blocks_of(scenes: Mapping[int, Records], numbers: Sequence[int]) -> Records:
+    """The SCENE blocks of sequence numbers, one after the other; zeros for 0, before the first block."""
+    blocks = np.zeros(len(numbers), SCENE)
+    for i, number in enumerate(numbers):
+        if number != 0:
+            blocks[i] = np.asarray(scenes[number]).reshape(-1)[0]
+    return blocks
+
+
+def _stack_of(rows: Mapping[int, Rows], numbers: Sequence[int], blocks: Records, capacities: ObjectCapacities) -> Rows:
+    """The tables of objects beside each block."""
+    stack = new_rows(capacities, len(numbers))
+    for i, number in enumerate(numbers):
+        if any(count_rows(blocks[i]["objects"]).values()):
+            slot_of(stack, i, rows[number], blocks[i]["objects"])
+    return stack
 
 
 def _parts(ticks: int, looked: set[int]) -> list[slice]:

@@ -76,13 +76,13 @@ def _ridges(points: Array, corners: NDArray[Any], neighbours: NDArray[Any]) -> A
 
 def _straight_runs(points: Array, heads: list[int], tails: list[int], outward: Array) -> Iterator[tuple[int, int, int]]:
     """(one of its edges, vertex at one end, vertex at the other) of each straight run of edges."""
-    ways = points[tails] - points[heads]
-    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    directions = points[tails] - points[heads]
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
     at: dict[int, list[int]] = {}
     for k, ends in enumerate(zip(heads, tails, strict=True)):
         for vertex in ends:
             at.setdefault(vertex, []).append(k)
-    through = {vertex: pair for vertex, pair in at.items() if _is_straight(pair, ways, outward)}
+    through = {vertex: pair for vertex, pair in at.items() if _is_straight(pair, directions, outward)}
     seen = [False] * len(heads)
     for k, ends in enumerate(zip(heads, tails, strict=True)):
         if not seen[k]:
@@ -91,12 +91,12 @@ def _straight_runs(points: Array, heads: list[int], tails: list[int], outward: A
             yield k, first, last
 
 
-def _is_straight(pair: list[int], ways: Array, outward: Array) -> bool:
+def _is_straight(pair: list[int], directions: Array, outward: Array) -> bool:
     """Whether the edges that meet at a vertex are two and go on as one ridge."""
     if len(pair) != 2:
         return False
     one, two = pair
-    bend, roll = np.cross(ways[one], ways[two]), np.cross(outward[one], outward[two])
+    bend, roll = np.cross(directions[one], directions[two]), np.cross(outward[one], outward[two])
     return bool(np.linalg.norm(bend) < _STRAIGHT and np.linalg.norm(roll) < _STRAIGHT)
 
 

@@ -152,7 +152,7 @@ def apply_safety(block: Block, safety: Safety) -> None:
 
 
 def safety_of(block: Block) -> Safety:
-    """The limits and thresholds of block[0] as the component that asks for them: what a report states."""
+    """The limits and thresholds of block[0] as the component that requests them: what a report states."""
     record = block[0]
     values: dict[str, object] = {
         name: record[name].item() for name in Safety.__struct_fields__ if name in (SCENE.names or ())

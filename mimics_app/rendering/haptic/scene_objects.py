@@ -130,7 +130,7 @@ def objects_of_scene(scene: Scene) -> SceneObjects:
 
 
 def _contacts_of(scene: Scene) -> tuple[str, ...]:
-    """Points of contact of the scene's device; a hand of one that nobody has: reported where it is asked for."""
+    """Points of contact of the scene's device; a hand of one that nobody has: reported where it is requested."""
     try:
         return descriptor_of((scene.first(Robot) or Robot()).device).contacts
     except DeviceError:

@@ -1,4 +1,4 @@
-"""What the loop tells the sound of contacts that have begun: their force in every tick, for a quarter of a second."""
+"""What the loop sends to the sound of contacts that began: their force in every tick, for a quarter of a second."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def _force_of(struck: StruckRecord, state: StateRecord, objects: ObjectWork) -> 
         return norm(objects.motions[struck.body_b - 1].force_user)
     totals = objects.totals[0]
     walls = norm(totals.shape_force) if totals.static_touching > 0 else 0.0
-    return walls + norm(state.told.force_tnb)
+    return walls + norm(state.own_tunnel.force_tnb)
 
 
 @kernel
@@ -85,7 +85,7 @@ def _begin(work: Work, counts: ObjectCountsRecord) -> None:
 
 @kernel
 def publish_forces(channels: Channels, work: Work, counts: ObjectCountsRecord, t_ns: int) -> None:
-    """Tell the force of every contact that is followed, then follow those that have begun in this tick.
+    """Send the force of every contact that is followed, then follow those that have begun in this tick.
 
     Args:
         channels: Arrays of the session.

@@ -13,7 +13,7 @@ class FrameStats:
 
     Attributes:
         cpu_ms: From the call to its return [ms]; a software renderer draws within it, a GPU mostly after it.
-        gpu_ms: The driver's own time for the frame [ms], or None where it is not asked for or not measured.
+        gpu_ms: The driver's own time for the frame [ms], or None where it is not requested or not measured.
         triangles: Sent to the driver, shadow pass included.
         draws: Calls to the driver.
         items: Sub-entities that could be drawn, all views together.

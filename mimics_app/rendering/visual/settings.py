@@ -28,7 +28,7 @@ BendBy = Literal["processor", "feedback"]
 """Who bends what follows joints: compiled loops, or the driver by a shader whose vertices are fed back."""
 
 Culling = Literal["auto", "flat", "tree"]
-"""How the items in a view are found: each tested by itself, groups of the scene graph first, or by their number."""
+"""How the items in a view are found: each tested on its own, groups of the scene graph first, or by their number."""
 
 StereoPasses = Literal["two_pass", "viewports", "clip_distance"]
 """How the two eyes before a picture are drawn: one after the other; or together, every second instance for the other

@@ -45,7 +45,7 @@ class PictureTarget:
 
     @property
     def samples(self) -> int:
-        """Samples per pixel in use; what was asked for, or the most the driver has."""
+        """Samples per pixel in use; what was requested, or the most the driver has."""
         return min(self.settings.msaa, self._most_samples)
 
     @property

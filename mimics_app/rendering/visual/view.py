@@ -33,7 +33,7 @@ class View:
         part_of: Tangents of the picture this is a part of, by which levels of detail go; None: it is the whole.
         queued_at: Where places are relative to [m], float64 [3]: where the eye was when the frame was queued, if the
             head has moved since, or between two eyes that share a queue. None: where the eye is.
-        pair: Views of one number are the two eyes before one picture and are queued together; -1: an eye by itself.
+        pair: Views of one number are the two eyes before one picture and are queued together; -1: an eye on its own.
     """
 
     world_from_eye: F8

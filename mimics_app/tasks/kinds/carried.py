@@ -18,7 +18,7 @@ _LOST_S = 2.0
 _NEAR = 0.02
 """A hand this near to the middle of the thing may close on it [m]."""
 _SHARE_OF_REACH = 0.3
-"""Of the way that is done when the thing is in the hand."""
+"""Of the path that is done when the thing is in the hand."""
 _FIRST_SPAWN = 2
 """Bodies begin with spawn 1: where the scene has them."""
 
@@ -45,8 +45,8 @@ class CarriedFrame:
         dropped: It was lost since the last frame.
         held: It is in the hand.
         grasp_error: Of the grasp force from what is right, while it is held [N].
-        progress: Share of the way, 0-1.
-        distance: Level distance from the straight way [m], while it is held.
+        progress: Share of the path, 0-1.
+        distance: Level distance from the straight path [m], while it is held.
         stage: What the person is to do next.
     """
 
@@ -73,11 +73,10 @@ class Carried:
 
     Attributes:
         within: Largest level distance from the mark that counts as placed now [m].
-        usual_within: As the scene has it.
     """
 
     def __init__(self, spec: CarrySpec, target: Vec3, seed: int) -> None:
-        self.within = self.usual_within = spec.within
+        self.within = spec.within
         self._spec = spec
         self._target = target
         self._source = random.Random(seed * 1_000_003 + 11)
@@ -158,7 +157,7 @@ class Carried:
         return _SHARE_OF_REACH + (1.0 - _SHARE_OF_REACH) * min(max(share, 0.0), 0.99)
 
     def _off_line(self, place: Vec3) -> float:
-        """Level distance from the straight way between where it was picked up and the mark [m]."""
+        """Level distance from the straight path between where it was picked up and the mark [m]."""
         if self._picked_at is None:
             return 0.0
         (x0, _, z0), (x1, _, z1) = self._picked_at, self._target

@@ -132,12 +132,12 @@ class Asking:
         assert asked is not None, "an item is of a questionnaire"
         return asked
 
-    def _move(self, way: float) -> None:
+    def _move(self, steps: float) -> None:
         asked = self._left[0]
         if isinstance(asked, ProbeSpec):
-            self._value = min(max(self._value + way * asked.step_m, 0.0), self.distance)
+            self._value = min(max(self._value + steps * asked.step_m, 0.0), self.distance)
         else:
-            self._value = min(max(self._value + way, self._questionnaire.least), self._questionnaire.most)
+            self._value = min(max(self._value + steps, self._questionnaire.least), self._questionnaire.most)
 
     def _answer(self, value: float) -> Answer:
         asked = self._left.pop(0)

@@ -27,7 +27,7 @@ __all__ = ["KIND", "ProgressGoal", "TunnelTask", "has_tunnel", "own_tunnel"]
 
 _PROMPT = "Lead the ball through the tunnel to its end"
 _UNDER_WAY = 0.1
-"""Share of the way from which nobody needs a prompt [-]."""
+"""Share of the path from which nobody needs a prompt [-]."""
 
 
 class ProgressGoal(Component, frozen=True, tag="progress", tag_field="kind"):

@@ -49,7 +49,7 @@ class Deed(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Alley:
-    """The way, along one axis [m]: its ends, where the walker begins, the place to come to, how near it counts."""
+    """The alley, along one axis [m]: its ends, where the walker begins, the place to come to, how near it counts."""
 
     low: float = -2.5
     high: float = 4.0
@@ -121,5 +121,5 @@ class Guide:
         elif deed is Deed.STEP_ASIDE:
             self.x = walker - side * max(_PASSING, self.nearest)
         self.x = float(np.clip(self.x, self._alley.low - 1.5, self._alley.high + 1.5))
-        if abs(self.x - walker) < self.nearest:  # the walker came to the end of the alley, or nearer by themselves
+        if abs(self.x - walker) < self.nearest:  # the walker came to the end of the alley, or nearer on their own
             self.x = float(walker + side * self.nearest)

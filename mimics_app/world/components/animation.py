@@ -1,4 +1,4 @@
-"""Component types of what moves by itself: the clips of a model, what starts them, and where its head and hands go.
+"""Component types of what moves on its own: the clips of a model, what starts them, and where its head and hands go.
 
 Units are SI, angles radians.
 """
@@ -92,7 +92,7 @@ class Animation(Component, frozen=True):
     ] = ()
     root_motion: Annotated[
         Name | None,
-        Meta(description="Node whose way over the ground moves the entity itself; absent: clips play on the spot"),
+        Meta(description="Node whose path over the ground moves the entity itself; absent: clips play on the spot"),
     ] = None
     skinning: Annotated[
         Literal["linear", "dual"],
@@ -147,13 +147,13 @@ def _check_animation(animation: Animation, pointer: str, scene: Scene) -> list[I
         ]
     clips = [clip.name for clip in model.clips]
     nodes = [node.name for node in model.nodes if node.name]
-    told = [(f"{pointer}/layers/{i}", layer.clip) for i, layer in enumerate(animation.layers)]
-    told += [(f"{pointer}/states/{name}", state.clip) for name, state in animation.states.items()]
+    named = [(f"{pointer}/layers/{i}", layer.clip) for i, layer in enumerate(animation.layers)]
+    named += [(f"{pointer}/states/{name}", state.clip) for name, state in animation.states.items()]
     issues = [
         scene.issue(
             f"{where}/clip", f'the model has no clip "{clip}"', nearest(clip, clips) if clips else "it has none"
         )
-        for where, clip in told
+        for where, clip in named
         if clip not in clips
     ]
     masks = [
@@ -171,17 +171,17 @@ def _check_animation(animation: Animation, pointer: str, scene: Scene) -> list[I
 
 
 def _check_states(animation: Animation, pointer: str, scene: Scene) -> list[Issue]:
-    told = [(f"{pointer}/start", animation.start)]
-    told += [(f"{pointer}/states/{name}/next", state.next) for name, state in animation.states.items()]
+    named = [(f"{pointer}/start", animation.start)]
+    named += [(f"{pointer}/states/{name}/next", state.next) for name, state in animation.states.items()]
     for i, transition in enumerate(animation.transitions):
-        told += [
+        named += [
             (f"{pointer}/transitions/{i}/to", transition.target),
             (f"{pointer}/transitions/{i}/from", transition.source),
         ]
     known = animation.states
     return [
         scene.issue(where, f'there is no state "{name}"', nearest(name, known) if known else "give `states`")
-        for where, name in told
+        for where, name in named
         if name is not None and name not in known
     ]
 

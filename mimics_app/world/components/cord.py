@@ -25,7 +25,7 @@ class CordComponent(Component, frozen=True):
     to: Annotated[str, Meta(description="Id of the entity it ends at")]
     offset: Annotated[Point, Meta(description="Where on this entity it begins, in its frame [m]")] = (0.0, 0.0, 0.0)
     to_offset: Annotated[Point, Meta(description="Where on the other it ends, in its frame [m]")] = (0.0, 0.0, 0.0)
-    length: Annotated[float, Meta(gt=0.0, le=50.0, description="[m]; shorter than the way: taut")] = 1.4
+    length: Annotated[float, Meta(gt=0.0, le=50.0, description="[m]; shorter than the distance: taut")] = 1.4
     radius: Annotated[float, Meta(gt=0.0, le=1.0, description="[m]")] = 0.025
     colour: Annotated[tuple[_Share, _Share, _Share], Meta(description="Linear RGB")] = (0.75, 0.25, 0.2)
     roughness: Annotated[_Share, Meta(description="Of its surface; 0: a mirror")] = 0.45

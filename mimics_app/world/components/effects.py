@@ -35,7 +35,7 @@ _WIDEST_CAPTION = 20
 
 @component("billboard")
 class Billboard(Component, frozen=True):
-    """A picture, or a caption, that turns to each eye by itself; never rolls with the head."""
+    """A picture, or a caption, that turns to each eye on its own; never rolls with the head."""
 
     texture: Annotated[str | None, Meta(description="Of the scene's `assets`, a picture; absent: `shape`")] = None
     text: Annotated[

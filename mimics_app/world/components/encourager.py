@@ -39,13 +39,13 @@ def _check(wanted: Encourager, pointer: str, scene: Scene) -> list[Issue]:
     if model is None:
         return [scene.issue(pointer, "the entity shows no model that could react", 'give it a "mesh" with a "source"')]
     clips = [clip.name for clip in model.clips]
-    told = [(name, getattr(wanted, name)) for name in ("idle", "greet", "cheer", "console", "farewell")]
-    told += [(f"praise/{k}", clip) for k, clip in enumerate(wanted.praise)]
+    named = [(name, getattr(wanted, name)) for name in ("idle", "greet", "cheer", "console", "farewell")]
+    named += [(f"praise/{k}", clip) for k, clip in enumerate(wanted.praise)]
     return [
         scene.issue(
             f"{pointer}/{where}", f'the model has no clip "{clip}"', nearest(clip, clips) if clips else "it has none"
         )
-        for where, clip in told
+        for where, clip in named
         if clip not in clips
     ]
 

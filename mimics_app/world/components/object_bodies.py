@@ -151,7 +151,7 @@ def _of_primitive(scene: Scene, entity: str) -> Solid:
 
 
 def _fitted(scene: Scene, shape: Solid, place: str) -> Solid:
-    """A mesh that asks for a box or a sphere as that; the rest as it is."""
+    """A mesh that requests a box or a sphere as that; the rest as it is."""
     if not isinstance(shape, MeshSolid) or shape.fit not in ("box", "sphere"):
         return shape
     vertices = mesh_of(scene, shape, place).vertices

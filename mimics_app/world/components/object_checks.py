@@ -145,18 +145,18 @@ def _check_surface(layers: Sequence[Layer], scene: Scene) -> list[Issue]:
     surface = surface_of(*(layer for layer, _ in layers))
     issues = []
 
-    def tell(field: str, what: str, fix: str = "") -> None:
+    def report(field: str, what: str, fix: str = "") -> None:
         place = next(pointer for layer, pointer in layers if getattr(layer, field) is not None)
         issues.append(scene.issue(f"{place}/{field}", what, fix))
 
     static, dynamic = surface.friction_static or 0.0, surface.friction_dynamic or 0.0
     if static < dynamic:
         what = f"{static:g} is below friction_dynamic, {dynamic:g}: it would slide more easily at rest"
-        tell("friction_static", what)
+        report("friction_static", what)
     height, length = surface.texture_height or 0.0, surface.texture_length or 0.0
     if length < math.pi * height:
         what = f"ripples {height:g} m high and {length:g} m long are steeper than 45 degrees"
-        tell("texture_height", what, f"stay below texture_length / pi = {length / math.pi:.3g} m")
+        report("texture_height", what, f"stay below texture_length / pi = {length / math.pi:.3g} m")
     return issues
 
 

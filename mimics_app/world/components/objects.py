@@ -117,7 +117,7 @@ _EVERY_WALL = Wall()
 
 @component("haptic_walls")
 class HapticWalls(TouchSurface, frozen=True):
-    """Six walls that bound a room, fixed to the scene; each can be placed, changed and disabled by itself (4.2.8.6)."""
+    """Six walls that bound a room, fixed to the scene; each can be placed, changed and disabled (4.2.8.6)."""
 
     size: Annotated[
         tuple[Positive, Positive, Positive] | None,

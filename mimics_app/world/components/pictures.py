@@ -45,7 +45,7 @@ class Screen(Component, frozen=True):
     every: Every = 1
     shows: Annotated[
         Literal["light", "paint"],
-        Meta(description="light: it shines by itself, as a monitor; paint: it is lit as the mesh's material is"),
+        Meta(description="light: it shines on its own, as a monitor; paint: it is lit as the mesh's material is"),
     ] = "light"
     brightness: Annotated[float, Meta(gt=0, le=100, description="Factor on the picture's light")] = 1.0
 

@@ -182,7 +182,7 @@ class Admittance(Component, frozen=True):
         Rates | None, Meta(description="Per joint [m/s^2, rad/s^2], the last for all behind; absent: the robot's")
     ] = None
     max_joint_velocity: Annotated[
-        Rates | None, Meta(description="Per joint [m/s, rad/s], likewise; the form seed clamps every joint by itself")
+        Rates | None, Meta(description="Per joint [m/s, rad/s], likewise; the form seed clamps every joint on its own")
     ] = None
     form: Annotated[
         Literal["auto", "cartesian", "polar", "seed"],
@@ -271,7 +271,7 @@ class Safety(Component, frozen=True):
     ] = 60.0
     position_jump: Annotated[
         Reach,
-        Meta(description="Way beyond what velocity_limit allows in the time passed, before SAFE_STOP [m]"),
+        Meta(description="Distance beyond what velocity_limit allows in the time passed, before SAFE_STOP [m]"),
     ] = 0.001
     energy_limit: Annotated[float, Meta(gt=0, le=100, description="One contact may give before SAFE_STOP [J]")] = 1.0
     stiffness_cap: Annotated[
@@ -282,7 +282,7 @@ class Safety(Component, frozen=True):
         float, Meta(ge=0, le=10, description="Stability margin that a softened contact keeps [-]")
     ] = 0.2
     passivity: Annotated[
-        bool, Meta(description="Whether energy that a contact has made is taken back; it is counted in any case")
+        bool, Meta(description="Whether energy that a contact has made is dissipated; it is counted in any case")
     ] = True
     passivity_damping: Annotated[Damping, Meta(description="Most that taking it back may add [N s/m]")] = 300.0
     tank_size: Annotated[

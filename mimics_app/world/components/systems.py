@@ -33,7 +33,7 @@ class VisualSettings(Component, frozen=True):
     ] = "auto"
     samples: Annotated[
         Literal["auto", 0, 2, 4, 8],
-        Meta(description="Of multisample anti-aliasing; 0: none; auto: 4 where `anti_aliasing` asks for them"),
+        Meta(description="Of multisample anti-aliasing; 0: none; auto: 4 where `anti_aliasing` requests them"),
     ] = "auto"
     skinning: Annotated[
         Literal["auto", "processor", "feedback"],

@@ -145,7 +145,7 @@ class Sound(Component, frozen=True):
     trigger: Annotated[
         Annotated[str, Meta(pattern="^[a-z][a-z0-9_]{0,39}$")] | None,
         Meta(
-            description="Kind of event that starts it by itself: contact, contact_end, impact (of the haptic loop), "
+            description="Kind of event that starts it on its own: contact, contact_end, impact (of the haptic loop), "
             "goal, start (of the task), step and others (of avatars and scenarios)",
         ),
     ] = None

@@ -39,14 +39,14 @@ def missing_joints(model: GltfDocument, made: Made) -> list[int]:
     wanted: dict[int, None] = {}
     for skin in skins:
         for joint in model.skins[skin].joints if skin is not None else ():
-            way, at = list[int](), joint
+            chain, at = list[int](), joint
             while at not in made and at not in wanted:
-                way.append(at)
+                chain.append(at)
                 above = model.nodes[at].parent
                 if above is None:
                     break
                 at = above
-            wanted |= dict.fromkeys(reversed(way))
+            wanted |= dict.fromkeys(reversed(chain))
     return list(wanted)
 
 

@@ -66,7 +66,7 @@ def _decoded(picture: Image.Image) -> NDArray[np.uint8]:
 
 
 class GltfImages:
-    """Reads textures by index; only those asked for are decoded."""
+    """Reads textures by index; only those requested are decoded."""
 
     def __init__(self, source: GltfSource, buffers: GltfBuffers) -> None:
         self._source = source

@@ -182,11 +182,11 @@ class GltfNodes:
         if len(node.levels) >= MAX_LEVELS:
             source.fail(where, f"{len(node.levels)} coarser levels are more than {MAX_LEVELS - 1}")
         extras = item.get("extras")
-        told = extras.get("MSFT_screencoverage") if isinstance(extras, dict) else None
-        if isinstance(told, list) and told:
-            numbers = [float(part) for part in told if isinstance(part, int | float) and 0.0 <= part <= 1.0]
+        coverages = extras.get("MSFT_screencoverage") if isinstance(extras, dict) else None
+        if isinstance(coverages, list) and coverages:
+            numbers = [float(part) for part in coverages if isinstance(part, int | float) and 0.0 <= part <= 1.0]
             falling = all(after < before for before, after in itertools.pairwise(numbers))
-            if len(numbers) != len(told) or len(told) != len(node.levels) + 1 or not falling:
+            if len(numbers) != len(coverages) or len(coverages) != len(node.levels) + 1 or not falling:
                 what = f"is not {len(node.levels) + 1} falling numbers from 1 to 0"
                 source.fail(f"{place}/extras/MSFT_screencoverage", what)
             node.coverages = numbers

@@ -156,7 +156,7 @@ class _Reader:
         return None
 
     def source(self, number: int, item: dict[str, Any], count: int) -> GltfEmitter | None:
-        """A source as it plays by itself, of so many sounds; None for one that is wrong."""
+        """A source as it plays on its own, of so many sounds; None for one that is wrong."""
         source, place = self._source, f"{_PLACE}/sources/{number}"
         found: GltfEmitter | None = None
         with source.collecting():

@@ -1,4 +1,4 @@
-"""Techniques: ways to draw a surface, each a list of passes, and what a graphics driver must have for them."""
+"""Techniques: methods to draw a surface, each a list of passes, and what a graphics driver must have for them."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class PassSpec(Component, frozen=True):
 
 
 class TechniqueSpec(Component, frozen=True):
-    """A way to draw a surface; where the driver or the profile cannot have it, its fallback is tried."""
+    """A method to draw a surface; where the driver or the profile cannot have it, its fallback is tried."""
 
     inherits: Annotated[str | None, Meta(description="Technique whose keys it takes over where it has none")] = None
     passes: Annotated[tuple[PassSpec, ...], Meta(max_length=16, description="In the order they are drawn")] = ()

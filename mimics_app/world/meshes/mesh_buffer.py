@@ -74,7 +74,7 @@ class MeshBuffer:
         for array in (self.positions, self.normals, self.uvs, self.colours):
             if array is not None and not np.isfinite(array[first:end]).all():
                 raise ValueError(f"vertices {first} to {end - 1}: not all numbers are finite")
-        self._tell("vertices", first, end - first)
+        self._note_change("vertices", first, end - first)
 
     def update_indices(self, first: int = 0, count: int | None = None) -> None:
         """Announce that indices were written.
@@ -90,14 +90,14 @@ class MeshBuffer:
         most = int(self.indices[first:end].max(initial=0))
         if most >= len(self.positions):
             raise ValueError(f"indices: {most} points past the {len(self.positions)} vertices")
-        self._tell("indices", first, end - first)
+        self._note_change("indices", first, end - first)
 
     def changes_since(self, revision: int) -> list[MeshChange] | None:
         """What changed after a revision of the mesh, oldest first; None where that is not remembered."""
         known = self._first if len(self._changes) < _REMEMBERED else self._changes[0][0] - 1
         return [change for change in self._changes if change[0] > revision] if revision >= known else None
 
-    def _tell(self, what: Literal["vertices", "indices"], first: int, count: int) -> None:
+    def _note_change(self, what: Literal["vertices", "indices"], first: int, count: int) -> None:
         # The same arrays in a new mesh: bounds and whatever else was computed for the old one are gone with it.
         self.mesh = replace(self.mesh)
         self._changes.append((self._publish(self), what, first, count))

@@ -74,7 +74,7 @@ class Animator:
 
     Attributes:
         clips: By name.
-        layers: Lowest first; what is faded out leaves by itself.
+        layers: Lowest first; what is faded out leaves on its own.
         directors: Called with the seconds before each step: they decide what plays.
         steps: Called in order after the clips: reaching, looking, blinking, what a tracker says.
         pose: As of the last step.

@@ -93,7 +93,7 @@ class Gait:
     Attributes:
         phase: Of the left foot, 0: its heel touches.
         contacts: Points of contact of both feet in the model's frame [m], [2, 3]; rows of a foot in the air are nan.
-        way: How far the model went ahead in this step [m].
+        advance: How far the model went ahead in this step [m].
         hip, knee, ankle: Angles of both sides in the plane ahead, flexion positive, the hip's against the vertical
             [rad], [2] each.
         correction: Root mean square of what given angles of hip and knee were changed by so far [rad].
@@ -102,7 +102,7 @@ class Gait:
 
     phase: float
     contacts: F8
-    way: float
+    advance: float
     hip: F8
     knee: F8
     ankle: F8
@@ -179,12 +179,12 @@ class Walk:
         if wanted is not None:
             self._sum += float(((np.stack([hip, knee], 1).ravel() - wanted) ** 2).sum())
             self._count += wanted.size
-        way = pace.speed * seconds
+        advance = pace.speed * seconds
         if self._move is not None:
-            self._move(way)
+            self._move(advance)
         correction = math.sqrt(self._sum / self._count) if self._count else 0.0
         touched = self._touched(before, pace.stance, backwards)
-        self.gait = Gait(self._phase, self._contacts(), way, hip, knee, ankle, correction, touched)
+        self.gait = Gait(self._phase, self._contacts(), advance, hip, knee, ankle, correction, touched)
 
     def _leg_shape(self) -> F8:
         """Leg and foot as `place_feet` wants them."""

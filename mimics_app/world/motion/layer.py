@@ -88,10 +88,10 @@ class Layer:
     def step(self, seconds: float) -> list[ClipEvent]:
         """Let time go by; returns the events of the clip that were passed."""
         self._left -= abs(seconds)
-        way = self._goal - self.weight
-        if way:
+        change = self._goal - self.weight
+        if change:
             reach = self._rate * abs(seconds)
-            self.weight = self._goal if abs(way) <= reach else self.weight + math.copysign(reach, way)
+            self.weight = self._goal if abs(change) <= reach else self.weight + math.copysign(reach, change)
         before = self.at
         self._way = (before, before)
         after, duration = before + seconds * self.speed, self.clip.duration
@@ -125,10 +125,10 @@ class Layer:
         duration = self.clip.duration
         turns = math.floor(after / duration) - math.floor(before / duration) if self.loop and duration > 0.0 else 0
         reached = after % duration if turns else min(max(after, 0.0), duration)
-        way = self._place(slot, reached, scratch) - self._place(slot, before, scratch)
+        change = self._place(slot, reached, scratch) - self._place(slot, before, scratch)
         if turns:
-            way += turns * (self._place(slot, duration, scratch) - self._place(slot, 0.0, scratch))
-        return way
+            change += turns * (self._place(slot, duration, scratch) - self._place(slot, 0.0, scratch))
+        return change
 
     def _place(self, slot: int, at: float, scratch: Pose) -> F8:
         self.sample(at, scratch)

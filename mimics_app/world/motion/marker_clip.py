@@ -1,8 +1,8 @@
 """A clip of a model out of the markers of a take: each bone is turned to lie as the markers say.
 
-Pelvis, chest and head are turned as bodies with three axes, told from the frame in which the person stands most
+Pelvis, chest and head are turned as bodies with three axes, taken from the frame in which the person stands most
 upright; limbs are laid along the lines between their joints. Turns of a limb about its own length markers of this kind
-do not tell: it takes those of what it hangs on.
+do not give: it takes those of what it hangs on.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def marker_clip(take: MarkerTake, name: str, target: Rig, bones: HumanoidMap) ->
         bones: Its bones.
 
     Raises:
-        SceneError: the markers do not tell where legs and shoulders are.
+        SceneError: the markers do not show where legs and shoulders are.
     """
     body = find_points(take, name)
     poser = _Poser(body, target, bones)
@@ -84,8 +84,8 @@ class _Poser:
         self._scale, self._height = own / theirs, float(self._middle[upright, 1])
         self.moved: set[int] = set()
         self.report = [
-            f"lengths scaled by {self._scale:.3f}; turns are told from frame {upright}, the most upright",
-            "left out: turns of limbs about their own length, which these markers do not tell",
+            f"lengths scaled by {self._scale:.3f}; turns are taken from frame {upright}, the most upright",
+            "left out: turns of limbs about their own length, which these markers do not give",
         ]
         if "head" not in self._turns:
             self.report.append("left out: the head, which has no four markers")
@@ -134,13 +134,13 @@ class _Poser:
         multiply(turn, self._rest.turns[slot], wanted)
         self._set(slot, wanted)
 
-    def _lay(self, bone: str, after: str, way: F8) -> None:
+    def _lay(self, bone: str, after: str, direction: F8) -> None:
         """Turn a bone by the shortest arc so that it lies along a line to the one after it."""
         if bone not in self._slots or after not in self._slots:
             return
         slot, turn, wanted = self._slots[bone], np.empty(4), np.empty(4)
         self._chain.follow(self._pose)
-        arc(self._chain.places[self._slots[after]] - self._chain.places[slot], np.ascontiguousarray(way), turn)
+        arc(self._chain.places[self._slots[after]] - self._chain.places[slot], np.ascontiguousarray(direction), turn)
         multiply(turn, self._chain.turns[slot], wanted)
         self._set(slot, wanted)
 

@@ -163,5 +163,5 @@ def _check(body: BodyPoints, file: str) -> None:
     needed = [f"{word}{part}" for part in ("Hip", "Knee", "Ankle", "Shoulder") for word in ("left", "right")]
     missing = [name for name in needed if name not in body.points]
     if missing:
-        what = f"no marker tells where {', '.join(missing)} are"
+        what = f"no marker shows where {', '.join(missing)} are"
         raise SceneError(Issue(file, "/POINT/LABELS", what, "labels as of Plug-in Gait: LASI, LKNE, LANK, LSHO ..."))

@@ -1,4 +1,4 @@
-"""All that moves by itself in a world: models that play clips, and bodies that bend with them."""
+"""All that moves on its own in a world: models that play clips, and bodies that bend with them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the vertices of a body that bends are, in double precision: for rays, for files, to check the quick ways."""
+"""Where the vertices of a body that bends are, in double precision: for rays, for files, to check the quick methods."""
 
 from __future__ import annotations
 

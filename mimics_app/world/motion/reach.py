@@ -133,8 +133,8 @@ class LimbReach:
 
 def _way_down(rig: Rig, above: int, slot: int) -> list[int]:
     """Slots from below one down to another, nearest first."""
-    way = list[int]()
+    chain = list[int]()
     while slot not in (-1, above):
-        way.insert(0, slot)
+        chain.insert(0, slot)
         slot = int(rig.parents[slot])
-    return way
+    return chain

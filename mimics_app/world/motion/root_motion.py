@@ -1,4 +1,4 @@
-"""The way a clip walks over the ground taken from a joint and given to what the model stands on."""
+"""The path a clip walks over the ground taken from a joint and given to what the model stands on."""
 
 from __future__ import annotations
 
@@ -25,26 +25,26 @@ class RootMotion:
         entity: Index of what the model stands on.
 
     Attributes:
-        way: How far the model went in the last step, in its own frame [m], [3].
+        travel: How far the model went in the last step, in its own frame [m], [3].
     """
 
     def __init__(self, animator: Animator, slot: int, transforms: TransformTable, entity: int) -> None:
         self._animator, self._slot = animator, slot
         self._transforms, self._entity = transforms, entity
         self._scratch = animator.rig.rest.copy()
-        self.way: F8 = np.zeros(3)
+        self.travel: F8 = np.zeros(3)
 
     def __call__(self, pose: Pose, seconds: float) -> None:
-        way, share = np.zeros(3), 0.0
+        travel, share = np.zeros(3), 0.0
         for layer in self._animator.layers:
             if layer.weight > 0.0 and layer.moves(self._slot) and not layer.additive:
-                way = (1.0 - layer.weight) * way + layer.weight * layer.travel(self._slot, self._scratch)
+                travel = (1.0 - layer.weight) * travel + layer.weight * layer.travel(self._slot, self._scratch)
                 share = max(share, layer.weight)
-        way[1] = 0.0
+        travel[1] = 0.0
         rest = self._animator.rig.rest.translations[self._slot]
         pose.translations[self._slot, [0, 2]] = rest[[0, 2]]
-        self.way = way
-        if share > 0.0 and way.any():
+        self.travel = travel
+        if share > 0.0 and travel.any():
             moved, table, index = np.empty(3), self._transforms, self._entity
-            rotate(table.rotation(index), way * table.scale(index), moved)
+            rotate(table.rotation(index), travel * table.scale(index), moved)
             table.set_translation(index, table.translation(index) + moved)

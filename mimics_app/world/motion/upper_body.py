@@ -124,12 +124,12 @@ class UpperBody:
         self.weight = 1.0
 
     def __call__(self, pose: Pose, seconds: float) -> None:
-        told = self._source()
-        if told is None or self.weight <= 0.0:
+        tracked = self._source()
+        if tracked is None or self.weight <= 0.0:
             return
         before = pose.copy() if self.weight < 1.0 else None
-        self._head[:] = self._joint(told.head, 0)
-        for side, hand in enumerate((told.left, told.right)):
+        self._head[:] = self._joint(tracked.head, 0)
+        for side, hand in enumerate((tracked.left, tracked.right)):
             self._tracked[side] = hand is not None
             if hand is not None:
                 self._hands[side] = self._joint(hand, 1 + side)
@@ -153,16 +153,16 @@ class UpperBody:
         if before is not None:
             self._blend(before, pose)
 
-    def _joint(self, told: F8, which: int) -> F8:
+    def _joint(self, joint: F8, which: int) -> F8:
         """Place and rotation of a joint out of what its tracker says."""
         fit = self._calibration
         if fit is None:
-            return told
-        place = fit.origin + fit.scale * told[:3]
+            return joint
+        place = fit.origin + fit.scale * joint[:3]
         if which:
             head = self._head[:3]
             place = head + fit.arm * (place - head)
-        return np.concatenate([place + _turned(told[3:], fit.offsets[which]), _product(told[3:], fit.turns[which])])
+        return np.concatenate([place + _turned(joint[3:], fit.offsets[which]), _product(joint[3:], fit.turns[which])])
 
     def _blend(self, before: Pose, pose: Pose) -> None:
         for slot in self._bones[self._bones >= 0].tolist():

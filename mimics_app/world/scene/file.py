@@ -87,8 +87,8 @@ def load_scene(path: Path, root: Path | None = None, before: Scene | None = None
     if issues:
         places = {(issue.file, issue.pointer) for issue in unusable}
         known = set(unusable)
-        told = [issue for issue in issues if issue in known or (issue.file, issue.pointer) not in places]
-        raise SceneError(dict.fromkeys(told))
+        listed = [issue for issue in issues if issue in known or (issue.file, issue.pointer) not in places]
+        raise SceneError(dict.fromkeys(listed))
     scene.hash = _hash(scene)
     return scene
 

@@ -31,7 +31,7 @@ def set_moving(world: World, scene: Scene, entity: SceneEntity) -> None:
     """Have the model of an entity do what its components say, in place of what it did before.
 
     Raises:
-        SceneError: the model has no skeleton of a person, and the components ask for one.
+        SceneError: the model has no skeleton of a person, and the components request one.
     """
     node = world.find(entity.id)
     animator = world.motion.animators.get(node.index)

@@ -168,7 +168,7 @@ def _refresh(world: World, scene: Scene, entity: SceneEntity, types: set[str]) -
 
 
 def _refresh_living(world: World, scene: Scene, entity: SceneEntity, types: set[str]) -> None:
-    """What shows the world itself, what moves by itself, and effects."""
+    """What shows the world itself, what moves on its own, and effects."""
     if types & {*_SHOWN, "inset"}:
         show_live_pictures(world, entity)
     if types & {*_SHOWN, "animation", "avatar"}:

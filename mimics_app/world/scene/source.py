@@ -1,4 +1,4 @@
-"""The files of a scene: the one asked for and all it includes, each decoded and its shape checked."""
+"""The files of a scene: the one requested and all it includes, each decoded and its shape checked."""
 
 from __future__ import annotations
 

@@ -164,7 +164,7 @@ class SceneSpec(Component, frozen=True):
     )
     assets: Annotated[dict[str, AssetSpec], Meta(description="Files by id")] = msgspec.field(default_factory=dict)
     materials: Annotated[dict[str, MaterialSpec], Meta(description="By id")] = msgspec.field(default_factory=dict)
-    techniques: Annotated[dict[str, TechniqueSpec], Meta(description="Further ways to draw surfaces, by id")] = (
+    techniques: Annotated[dict[str, TechniqueSpec], Meta(description="Further techniques to draw surfaces, by id")] = (
         msgspec.field(default_factory=dict)
     )
     prefabs: Annotated[dict[str, PrefabSpec], Meta(description="By id")] = msgspec.field(default_factory=dict)

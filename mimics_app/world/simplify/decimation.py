@@ -61,7 +61,7 @@ def decimate(
             square; the farthest corner that was taken away can lie several times as far.
 
     Returns:
-        What is left; more triangles than asked for where no collapse is left that neither folds nor tears.
+        What is left; more triangles than requested where no collapse is left that neither folds nor tears.
     """
     places, corner_of = _weld(np.asarray(positions, np.float64))
     wedges = np.ascontiguousarray(indices, np.int64).reshape(-1, 3).copy()

@@ -24,7 +24,7 @@ from mimics_app.world.simplify.decimation import decimate
 __all__ = ["SHARES", "MeshLevels", "add_levels", "write_levels"]
 
 SHARES = (0.5, 0.2, 0.06)
-"""Of a mesh's triangles, level after level, unless others are asked for."""
+"""Of a mesh's triangles, level after level, unless others are requested."""
 
 _PICTURE = (1920, 1080)
 _TRIANGLES = 4

@@ -31,7 +31,7 @@ DELAYS_PER_SAMPLE = 32
 """Rows of the table of delays per sample of half the delay: 1.3 us between the ears."""
 
 TAPS = 200
-"""Of the minimum-phase part. With the delays and the shapes of the way it must fit into what a block leaves, 273."""
+"""Of the minimum-phase part. With the delays and the shapes of the path it must fit into what a block leaves, 273."""
 
 DRY, FIRST_CELL = 0, 3
 """Cells 0 to 2: as it is in both ears, left ear alone, right ear alone; then the directions."""

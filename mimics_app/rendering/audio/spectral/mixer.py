@@ -46,9 +46,9 @@ Vec3 = tuple[float, float, float]
 Floats = NDArray[np.float32]
 
 _SPARE = 16
-"""Rows beyond the voices asked for, where stolen ones fade out."""
+"""Rows beyond the voices requested, where stolen ones fade out."""
 
-# Azimuth to the right [degrees] of each channel in the order of wave files; None: bass, which gets nothing by itself.
+# Azimuth to the right [degrees] of each channel in the order of wave files; None: bass, which gets nothing on its own.
 # ITU-R BS.775 for 5.1, and 90 and 150 degrees for the sides and the back of 7.1.
 _ARRANGEMENTS: Mapping[Speakers, tuple[float | None, ...]] = {
     "stereo": (-30.0, 30.0),
@@ -123,13 +123,13 @@ class SpectralMixer:
         head.axes[1], head.axes[2] = heard.head_up, -heard.head_forward
         self._room.set(heard.room_level, heard.room_time)
         known = self._store.rows_of(heard.handles)
-        told = known >= 0
-        rows = known[told]
-        self._store.gain[rows], places.passes[rows] = heard.gain[told], heard.passes[told]
-        told &= np.isfinite(heard.position).all(axis=1) & np.isfinite(heard.velocity).all(axis=1)
-        rows = known[told]
-        places.position[rows], places.velocity[rows] = heard.position[told], heard.velocity[told]
-        places.forward[rows] = heard.forward[told]
+        heard_of = known >= 0
+        rows = known[heard_of]
+        self._store.gain[rows], places.passes[rows] = heard.gain[heard_of], heard.passes[heard_of]
+        heard_of &= np.isfinite(heard.position).all(axis=1) & np.isfinite(heard.velocity).all(axis=1)
+        rows = known[heard_of]
+        places.position[rows], places.velocity[rows] = heard.position[heard_of], heard.velocity[heard_of]
+        places.forward[rows] = heard.forward[heard_of]
 
     def stop(self, handle: int) -> None:
         """Fade a sound out over the next block; one that has not begun does not begin."""

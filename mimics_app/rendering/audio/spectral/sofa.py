@@ -71,8 +71,8 @@ def _text(value: object) -> str:
 def _check_convention(path: Path, file: h5py.File) -> None:
     convention = _text(file.attrs.get("SOFAConventions", ""))
     if convention not in ("SimpleFreeFieldHRIR", "SimpleFreeFieldSOS"):
-        told = f'is of the convention "{convention}"' if convention else "names no SOFA convention"
-        raise _refused(path, told, "a head is SimpleFreeFieldHRIR")
+        convention_text = f'is of the convention "{convention}"' if convention else "names no SOFA convention"
+        raise _refused(path, convention_text, "a head is SimpleFreeFieldHRIR")
     if "Data.IR" not in file:
         raise _refused(path, "has no impulse responses (Data.IR)", "export it as SimpleFreeFieldHRIR")
 

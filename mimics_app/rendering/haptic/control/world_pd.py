@@ -1,4 +1,4 @@
-"""World space PD controller (D2.1 4.2.6): the seed's way through the joints, and the straight way."""
+"""World space PD controller (D2.1 4.2.6): the seed's way through the joints, and the straight path."""
 
 from __future__ import annotations
 

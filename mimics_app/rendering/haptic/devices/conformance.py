@@ -102,9 +102,9 @@ def _answers(bench: DeviceBench, robot: Robot) -> None:
     raise Failed(f"no fresh data in {_PATIENCE} ticks; {bench.plugin.trouble()}")
 
 
-def _tells_a_known_status(bench: DeviceBench, robot: Robot) -> None:
-    told = set(bench.run(100).status.tolist())
-    must(told <= {0, 1, 2}, f"statuses {sorted(told)}")
+def _reports_a_known_status(bench: DeviceBench, robot: Robot) -> None:
+    reported = set(bench.run(100).status.tolist())
+    must(reported <= {0, 1, 2}, f"statuses {sorted(reported)}")
 
 
 def _gives_finite_data(bench: DeviceBench, robot: Robot) -> None:
@@ -135,14 +135,14 @@ def _has_sane_grasp_and_buttons(bench: DeviceBench, robot: Robot) -> None:
     must(bool(np.all((track.buttons >= 0.0) & (track.buttons == np.floor(track.buttons)))), "buttons are no bits")
 
 
-def _tells_an_age(bench: DeviceBench, robot: Robot) -> None:
+def _reports_an_age(bench: DeviceBench, robot: Robot) -> None:
     track = bench.run(300)
     must(bool(np.all((track.age >= 0.0) & (track.age < _STALE_S))), "age below 0 or stale although fresh")
     taken = track.ticks * _DT - track.age
     must(bool(np.all(np.diff(taken) > -1e-9)), "data is older than the data before it")
 
 
-def _tells_a_delay(bench: DeviceBench, robot: Robot) -> None:
+def _reports_a_delay(bench: DeviceBench, robot: Robot) -> None:
     delay = bench.run(100).delay
     must(bool(np.all((delay >= 0.0) & (delay < 1.0))), "measured delay below 0 or beyond 1 s")
 
@@ -180,12 +180,12 @@ def _follows_its_command(bench: DeviceBench, robot: Robot) -> None:
     must(moved[-1] > 0.5 * wanted, f"its last joint moved {moved[-1]:.4f} instead of {wanted:.4f}")
 
 
-def _tells_the_speed_it_moves_with(bench: DeviceBench, robot: Robot) -> None:
+def _reports_the_speed_it_moves_with(bench: DeviceBench, robot: Robot) -> None:
     _needs_motion(bench)
     track = _lift(bench)
     moved = track.q[-1] - track.q[0]
-    told = float(np.mean(track.dq[:, -1])) * (track.ticks[-1] - track.ticks[0]) * _DT
-    must(abs(told - moved[-1]) < 0.2 * abs(moved[-1]) + 1e-3, "its velocities are not the change of its joints")
+    reported = float(np.mean(track.dq[:, -1])) * (track.ticks[-1] - track.ticks[0]) * _DT
+    must(abs(reported - moved[-1]) < 0.2 * abs(moved[-1]) + 1e-3, "its velocities are not the change of its joints")
 
 
 def _comes_to_rest(bench: DeviceBench, robot: Robot) -> None:
@@ -273,7 +273,7 @@ def _bears_lost_bytes(bench: DeviceBench, robot: Robot) -> None:
     _survives(bench, "drop 0.02", "drop 0")
 
 
-def _tells_a_pulled_plug(bench: DeviceBench, robot: Robot) -> None:
+def _reports_a_pulled_plug(bench: DeviceBench, robot: Robot) -> None:
     _needs_other_side(bench)
     bench.spoil("unplug")
     bench.run(1)
@@ -308,18 +308,18 @@ CHECKS: dict[str, Callable[[DeviceBench, Robot], None]] = {
         _states_its_delay,
         _has_the_signatures,
         _answers,
-        _tells_a_known_status,
+        _reports_a_known_status,
         _gives_finite_data,
         _stays_in_its_limits,
         _keeps_to_its_speed,
         _measures_a_force,
         _has_sane_grasp_and_buttons,
-        _tells_an_age,
-        _tells_a_delay,
+        _reports_an_age,
+        _reports_a_delay,
         _allocates_nothing,
         _is_short,
         _follows_its_command,
-        _tells_the_speed_it_moves_with,
+        _reports_the_speed_it_moves_with,
         _comes_to_rest,
         _lets_go_when_not_enabled,
         _leaves_what_is_not_its_own,
@@ -328,7 +328,7 @@ CHECKS: dict[str, Callable[[DeviceBench, Robot], None]] = {
         _is_silent_when_nothing_comes,
         _finds_its_place_after_garbage,
         _bears_lost_bytes,
-        _tells_a_pulled_plug,
+        _reports_a_pulled_plug,
         _comes_back_when_plugged_in,
         *KINEMATICS_CHECKS,
         _closes_twice,
@@ -362,6 +362,6 @@ def _try(name: str, check: Callable[[DeviceBench, Robot], None], bench: DeviceBe
         return Finding(name, "not applicable", str(reason))
     except Failed as fault:
         return Finding(name, "failed", str(fault))
-    except Exception as failure:  # noqa: BLE001  whatever a third party's code throws is its finding
+    except Exception as failure:  # noqa: BLE001  whatever a third party's code raises is its finding
         return Finding(name, "failed", f"{type(failure).__name__}: {failure}")
     return Finding(name, "passed")

@@ -26,7 +26,7 @@ def _legs() -> DeviceDescriptor:
 
 
 _OTHERS: dict[str, Callable[[], DeviceDescriptor]] = {"simulated_leg": _leg, "simulated_legs": _legs}
-"""Built-in devices that are no HapticMaster; their descriptors are imported when asked for."""
+"""Built-in devices that are no HapticMaster; their descriptors are imported when requested."""
 
 
 def descriptor_of(device: str) -> DeviceDescriptor:

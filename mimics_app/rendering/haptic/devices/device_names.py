@@ -1,4 +1,4 @@
-"""The names a device can be asked for by, and what may follow them. It imports no device.
+"""The names a device can be requested by, and what may follow them. It imports no device.
 
 A command asks here before it imports compiled code: a name that leads nowhere is refused at once.
 """
@@ -52,7 +52,7 @@ take one of these names, and judges its addresses itself."""
 
 
 def device_names() -> list[str]:
-    """Names of all devices that can be asked for: built-in first, then installed plug-ins."""
+    """Names of all devices that can be requested: built-in first, then installed plug-ins."""
     return [*ADDRESSES, *sorted(set(_installed()) - set(ADDRESSES))]
 
 
@@ -73,7 +73,7 @@ def find_plugin(name: str) -> DeviceBuilder:
 
 
 def check_device_name(text: str) -> None:
-    """Whether NAME or NAME:ADDRESS, as `robot.device` and `--device` have it, can be asked for. Opens nothing.
+    """Whether NAME or NAME:ADDRESS, as `robot.device` and `--device` have it, can be requested. Opens nothing.
 
     Raises:
         DeviceError: No device of that name, its plug-in cannot be imported, or the address is missing or one too many.

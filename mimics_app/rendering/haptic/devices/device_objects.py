@@ -1,4 +1,4 @@
-"""Objects that a robot renders by itself, in words of no robot in particular, and in the HapticMaster's commands.
+"""Objects that a robot renders on its own, in words of no robot in particular, and in the HapticMaster's commands.
 
 Places are in the robot frame (x radial, y lateral, z up), metres; boxes and cylinders stand upright in it.
 """

@@ -1,4 +1,4 @@
-"""A HapticMaster on the network (hapticmaster:HOST[:PORT]): the loop's side, sending and receiving by itself.
+"""A HapticMaster on the network (hapticmaster:HOST[:PORT]): the loop's side, sending and receiving on its own.
 
 The machine runs its own admittance control at 2500 Hz: it moves the virtual mass that was set by the force it measures
 and by a bias force that comes from here each tick.
@@ -186,8 +186,8 @@ def _take_frames(memory: Vec, tick: int) -> int:
     status = _NO_DATA
     length = frame_length(buffer, begin, end)
     while length > 0:
-        told = _take_text(memory, begin + HEADER, begin + length)
-        status = told if told == _FAULT or status == _NO_DATA else status
+        taken = _take_text(memory, begin + HEADER, begin + length)
+        status = taken if taken == _FAULT or status == _NO_DATA else status
         memory[ANSWERED] += 1.0
         note_answer(memory[TRIPS : TRIPS + TRIP_LENGTH], int(memory[ANSWERED]), tick)
         begin += length

@@ -35,7 +35,7 @@ Vec = NDArray[np.float64]
 
 HEADER = 8
 LARGEST_TEXT = 255
-"""Longest text sent: byte 3 alone can tell it."""
+"""Longest text sent: byte 3 alone can state it."""
 
 _LONGEST_ANSWER = 1900
 

@@ -1,4 +1,4 @@
-"""The inverse kinematics of a device without a closed form, for Python: imported where one is asked for."""
+"""The inverse kinematics of a device without a closed form, for Python: imported where one is requested."""
 
 from __future__ import annotations
 

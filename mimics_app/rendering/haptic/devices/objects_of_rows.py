@@ -1,4 +1,4 @@
-"""The fixed objects of a scene as objects that a robot renders by itself (mode "objects" of the hapticmaster)."""
+"""The fixed objects of a scene as objects that a robot renders on its own (mode "objects" of the hapticmaster)."""
 
 from __future__ import annotations
 

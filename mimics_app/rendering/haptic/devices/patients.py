@@ -13,7 +13,7 @@ from mimics_app.rendering.haptic.kernels import arm
 if TYPE_CHECKING:
     from mimics_app.world.components.robot import Patient
 
-__all__ = ["PRESETS", "Impairment", "impairment_of", "lay_way", "write_arm"]
+__all__ = ["PRESETS", "Impairment", "impairment_of", "lay_path", "write_arm"]
 
 _BEYOND_END = 0.012
 """The person means to pass the last point by this much [m], as one walks through a finish."""
@@ -75,14 +75,14 @@ def impairment_of(patient: Patient) -> Impairment:
     return Impairment(**{name: getattr(preset, name) if value is None else value for name, value in values.items()})
 
 
-def lay_way(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+def lay_path(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
     """Equally spaced points along a way, led a little beyond its end.
 
     Args:
         points: Corner points, shape [n, 3], [m]; fewer than two different ones: no way.
 
     Returns:
-        (points of shape [m, 3], m at most arm.MAX_WAY, distance between them along the way [m]).
+        (points of shape [m, 3], m at most arm.PATH_POINTS, distance between them along the way [m]).
     """
     points = points[np.append(True, np.any(np.diff(points, axis=0) != 0.0, axis=1))] if len(points) else points
     if len(points) < 2:
@@ -90,12 +90,12 @@ def lay_way(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
     last = points[-1] - points[-2]
     corners = np.vstack([points, points[-1] + _BEYOND_END * last / np.linalg.norm(last)])
     arcs = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
-    even = np.linspace(0.0, arcs[-1], arm.MAX_WAY)
+    even = np.linspace(0.0, arcs[-1], arm.PATH_POINTS)
     laid = np.stack([np.interp(even, arcs, corners[:, i]) for i in range(3)], axis=1)
     return laid, float(even[1])
 
 
-def write_arm(memory: NDArray[np.float64], person: Impairment, way: NDArray[np.float64], intent: bool) -> None:
+def write_arm(memory: NDArray[np.float64], person: Impairment, via_points: NDArray[np.float64], intent: bool) -> None:
     """Fill an arm's memory, shape [arm.ARM_LENGTH]; the generator is seeded by the caller."""
     values: dict[int, Any] = {
         arm.ARM_MASS: person.arm_mass,
@@ -115,7 +115,7 @@ def write_arm(memory: NDArray[np.float64], person: Impairment, way: NDArray[np.f
     }
     for place, value in values.items():
         memory[place] = value
-    laid, step = lay_way(way)
+    laid, step = lay_path(via_points)
     memory[arm.WAY_POINTS] = laid.shape[0]
     memory[arm.WAY_STEP] = step
-    memory[arm.WAY : arm.WAY + laid.size] = laid.ravel()
+    memory[arm.PATH : arm.PATH + laid.size] = laid.ravel()

@@ -105,7 +105,7 @@ def build_device(
     descriptor: DeviceDescriptor | None = None,
     objects: tuple[DeviceObject, ...] = (),
 ) -> DevicePlugin:
-    """Build the device a scene asks for.
+    """Build the device a scene requests.
 
     Args:
         robot: The scene's robot component; `device` is NAME or NAME:ADDRESS.
@@ -114,7 +114,7 @@ def build_device(
             lines between them are good enough (the bisector at 50 or more parameters).
         seed: Of all random numbers.
         samples: SAMPLE rows, for the replay device.
-        objects: What a robot that renders objects by itself should make, robot frame.
+        objects: What a robot that renders objects on its own should make, robot frame.
         descriptor: Of the device whose samples are replayed; None: the one of the name.
 
     Raises:
@@ -126,7 +126,7 @@ def build_device(
     request = DeviceRequest(
         robot=robot,
         patient=patient,
-        way_robot=robot_from_world(robot, points),
+        path_robot=robot_from_world(robot, points),
         seed=seed,
         samples=samples,
         address=split_device(robot.device).address,

@@ -32,19 +32,19 @@ class DeviceRequest:
     Attributes:
         robot: The scene's robot component.
         patient: The scene's patient component; None: nobody on the simulated robot.
-        way_robot: Points a simulated person means to pass, in order, robot frame [m], shape [n, 3].
+        path_robot: Points a simulated person means to pass, in order, robot frame [m], shape [n, 3].
         seed: Of all random numbers of the device.
         rate: Ticks per second.
         start_joints: Where a simulated robot stands at first [m or rad].
         samples: SAMPLE rows for the replay device.
         address: Where the device is, as the person wrote it after the name's colon; "" when nothing was said.
-        objects: What a robot that renders objects by itself should make, robot frame.
+        objects: What a robot that renders objects on its own should make, robot frame.
         descriptor: Joints, points of contact and kinematics of the device.
     """
 
     robot: Robot
     patient: Patient | None = None
-    way_robot: NDArray[np.float64] = field(default_factory=_nowhere)
+    path_robot: NDArray[np.float64] = field(default_factory=_nowhere)
     seed: int = 0
     rate: int = 1000
     start_joints: tuple[float, ...] = (0.0, 0.0, 0.0)

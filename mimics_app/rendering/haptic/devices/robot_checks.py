@@ -20,7 +20,7 @@ _PER_JOINT = ("joint_min", "joint_max", "velocity_limit", "acceleration_limit")
 
 
 def check_robot(robot: Robot, pointer: str, scene: Scene) -> list[Issue]:
-    """Faults of the joints; a device that cannot be had is reported where it is asked for."""
+    """Faults of the joints; a device that cannot be had is reported where it is requested."""
     try:
         descriptor = descriptor_of(robot.device)
     except DeviceError:

@@ -103,5 +103,5 @@ def worst_trip(trips: Vec) -> float:
 
 @kernel
 def delay_of(trips: Vec, own: float, dt: float) -> float:
-    """Delay for the stability limit [s]; `own` is what the device adds by itself [s]."""
+    """Delay for the stability limit [s]; `own` is what the device adds on its own [s]."""
     return own + dt * (max(0.0, trips[_WORST] - 1.0) + 0.5 * max(0.0, trips[_HELD] - 1.0))

@@ -55,6 +55,6 @@ def write_person(memory: Vec, request: DeviceRequest) -> None:
     if request.patient is None:
         memory[arm.ARM_MASS] = _RELAXED_MASS
         return
-    write_arm(memory, impairment_of(request.patient), request.way_robot, request.patient.intent)
+    write_arm(memory, impairment_of(request.patient), request.path_robot, request.patient.intent)
     for axis in range(3):
         memory[arm.TREMOR_PHASE + axis] = 2.0 * math.pi * uniform(memory, arm.GENERATOR)

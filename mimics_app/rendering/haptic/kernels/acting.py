@@ -39,7 +39,7 @@ ACTING = np.dtype(
         ("known", "i8"),  # 1 once `position` means something
         ("position", "f8", (3,)),  # of the last tick, world [m]
         ("v", "f8", (3,)),  # of what the forces act on, world [m/s]: virtual mass or device
-        ("way", "f8", (3,)),  # what it has gone since the last tick [m]
+        ("displacement", "f8", (3,)),  # what it has gone since the last tick [m]
         ("contact", "f8", (3,)),  # share of the contacts in the force on the user, held since then, world [N]
         ("active", "f8", (3,)),  # share of the active forces in it [N]
         ("contacts", "f8", (_LINE, 3)),  # `contact` of the last ticks, by tick
@@ -90,11 +90,11 @@ def own_damping(scene: SceneRecord) -> float:
 
 
 @kernel
-def _find_way(scene: SceneRecord, state: StateRecord, dt: float) -> None:
+def _find_displacement(scene: SceneRecord, state: StateRecord, dt: float) -> None:
     """How far what the forces act on has gone since the last tick, exactly for a force held meanwhile.
 
     The virtual mass goes (v_{k-1} + v_k) T / 2 under a constant force, the device from one position to the next. A
-    position that jumped is no way: it stops the loop by itself.
+    position that jumped is no displacement: it stops the loop on its own.
     """
     acting = state.acting
     admittance = scene.controller == _ADMITTANCE
@@ -102,10 +102,11 @@ def _find_way(scene: SceneRecord, state: StateRecord, dt: float) -> None:
         rotate(scene.R_world_from_robot, state.v_virtual, state.work_a)
     for i in range(3):
         if admittance:
-            acting.way[i] = 0.5 * (acting.v[i] + state.work_a[i]) * dt
+            acting.displacement[i] = 0.5 * (acting.v[i] + state.work_a[i]) * dt
             acting.v[i] = state.work_a[i]
         else:
-            acting.way[i] = state.hip_world[i] - acting.position[i] if acting.known + state.jumped == 1 else 0.0
+            gone = state.hip_world[i] - acting.position[i]
+            acting.displacement[i] = gone if acting.known + state.jumped == 1 else 0.0
             acting.v[i] = state.v_world[i]
         acting.position[i] = state.hip_world[i]
 
@@ -161,15 +162,15 @@ def account(scene: SceneRecord, state: StateRecord, dt: float) -> None:
         acting.wall_share = 1.0
         acting.shape_share = 1.0
         acting.both_share = 1.0
-    _find_way(scene, state, dt)
+    _find_displacement(scene, state, dt)
     acting.known = 1
     active = 0.0
     acted = state.tick - 1 - delay_ticks(scene, state, dt)
     if acted >= 0:
         slot = acted % _LINE
         for i in range(3):
-            acting.credit -= acting.contacts[slot, i] * acting.way[i]
-            active += acting.actives[slot, i] * acting.way[i]
+            acting.credit -= acting.contacts[slot, i] * acting.displacement[i]
+            active += acting.actives[slot, i] * acting.displacement[i]
     speed = norm(acting.v)
     acting.inflow = scene.tank_refill + scene.tank_return * scene.virtual_damping * speed * speed
     acting.tank = settle_account(acting.tank, active, acting.inflow, scene.tank_size, dt)

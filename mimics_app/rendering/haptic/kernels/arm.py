@@ -4,7 +4,7 @@ The hand is a mass held to the handle by a stiff grip. Muscles pull it towards t
 stiffness and damping. The intention is a chain of minimum-jerk movements (Flash and Hogan 1985) along the way: each
 starts where the last one meant to end, aims at the point of the way that lies one reach ahead of where the hand is
 now, and misses it by a random error that shrinks with the length of the movement (Fitts 1954, Schmidt et al. 1979).
-Between its ends a movement follows the way, but cuts its corners by a share of what the straight line would.
+Between its ends a movement follows the path, but cuts its corners by a share of what the straight line would.
 
 Without a way the person goes after a target that is given (where the scene's task asks the hand to be), as far as it is
 seen: a movement towards it no longer than a reach, a pause, a look at what is still missing, the next movement. What
@@ -37,14 +37,14 @@ __all__ = [
     "GRASP_VARIATION",
     "GRIP_FORCE",
     "INTENT",
-    "MAX_WAY",
+    "PATH",
+    "PATH_POINTS",
     "PEAK_SPEED",
     "REACH",
     "REACTION",
     "TREMOR",
     "TREMOR_HZ",
     "TREMOR_PHASE",
-    "WAY",
     "WAY_POINTS",
     "WAY_STEP",
     "min_jerk",
@@ -53,7 +53,7 @@ __all__ = [
 
 Vec = NDArray[np.float64]
 
-MAX_WAY = 400
+PATH_POINTS = 400
 
 HAND = 0  # position 0:3 [m] and velocity 3:6 [m/s], robot frame
 PLACED = 6  # 1 once the hand has taken the handle
@@ -65,7 +65,7 @@ ELAPSED = 22  # [s] in the movement and the pause after it
 DURATION = 23  # [s] of the movement
 ACTING = 24  # 1 while the person acts
 TRIAL = 25
-INDEX = 26  # nearest way point at the start of the movement
+INDEX = 26  # nearest via points at the start of the movement
 TIME = 27  # [s] acting, for tremor
 GRASP_DRIFT = 28  # slow noise of the grasp force, deviation 1
 ARM_MASS = 29
@@ -83,16 +83,16 @@ GRASP_VARIATION = 42
 INTENT = 43  # 0: never acts
 GENERATOR = 44
 WAY_POINTS = 45  # number in use
-WAY_STEP = 46  # arc length between way points [m]
-FROM_INDEX = 47  # way point at the start of the movement
+WAY_STEP = 46  # arc length between via points [m]
+FROM_INDEX = 47  # via points at the start of the movement
 TO_INDEX = 48  # and at its end
-CORNER_CUTTING = 49  # 0: follows the way, 1: straight lines
+CORNER_CUTTING = 49  # 0: follows the path, 1: straight lines
 SPEED = 50  # velocity 50:53 of the wish when the present movement to a target began [m/s]
 CLOSED = 53  # how far the hand is closed, 0-1, as a share of the closing time
 CONTENT = 54  # a target nearer than this is reached [m]
 SETTLED = 55  # 1 once the target was reached and as long as it stays about there
-WAY = 56
-ARM_LENGTH = WAY + 3 * MAX_WAY
+PATH = 56
+ARM_LENGTH = PATH + 3 * PATH_POINTS
 
 _GRIP_STIFFNESS = 4000.0
 _GRIP_DAMPING = 50.0
@@ -115,21 +115,21 @@ _SHORTEST_REACH, _REACH_SPREAD = 0.8, 0.4
 
 @kernel
 def min_jerk(share: float) -> float:
-    """Minimum-jerk profile: share of the way done at a share 0-1 of the duration; at rest at both ends."""
+    """Minimum-jerk profile: share of the path done at a share 0-1 of the duration; at rest at both ends."""
     u = min(1.0, max(0.0, share))
     return u * u * u * (10.0 + u * (-15.0 + 6.0 * u))
 
 
 @kernel
 def _nearest_way_point(arm: Vec) -> int:
-    """Index of the way point nearest to the hand, looked for around the last one: folds of the way do not confuse."""
+    """Index of the via point nearest to the hand, looked for around the last one: folds of the way do not confuse."""
     last = int(arm[INDEX])
     best = last
     best_square = math.inf
     for k in range(max(0, last - _LOOK_BEHIND), min(int(arm[WAY_POINTS]), last + _LOOK_AHEAD)):
         square = 0.0
         for i in range(3):
-            gap = arm[WAY + 3 * k + i] - arm[HAND + i]
+            gap = arm[PATH + 3 * k + i] - arm[HAND + i]
             square += gap * gap
         if square < best_square:
             best_square = square
@@ -150,7 +150,7 @@ def _plan_movement(arm: Vec) -> None:
     length = 0.0
     for i in range(3):
         arm[FROM + i] = arm[WISH + i]
-        arm[TO + i] = arm[WAY + 3 * there + i] + error * gauss(arm, GENERATOR)
+        arm[TO + i] = arm[PATH + 3 * there + i] + error * gauss(arm, GENERATOR)
         length += (arm[TO + i] - arm[FROM + i]) ** 2
     arm[DURATION] = max(_SHORTEST_MOVEMENT, _PEAK_OF_MIN_JERK * math.sqrt(length) / arm[PEAK_SPEED])
     arm[ELAPSED] = 0.0
@@ -158,7 +158,7 @@ def _plan_movement(arm: Vec) -> None:
 
 @kernel
 def _begin(arm: Vec, target: Vec) -> None:
-    """Start acting: from where the hand is, at the beginning of the way, or towards the target, the hand open."""
+    """Start acting: from where the hand is, at the beginning of the path, or towards the target, the hand open."""
     copy(arm[HAND : HAND + 3], arm[WISH : WISH + 3])
     arm[INDEX] = 0.0
     arm[TIME] = 0.0
@@ -177,19 +177,19 @@ def _wish(arm: Vec, dt: float) -> None:
     arm[ELAPSED] += dt
     if arm[ELAPSED] >= arm[DURATION] + arm[REACTION]:
         _plan_movement(arm)
-    way = min_jerk(arm[ELAPSED] / arm[DURATION])
+    progress = min_jerk(arm[ELAPSED] / arm[DURATION])
     first = int(arm[FROM_INDEX])
     last = int(arm[TO_INDEX])
-    place = first + way * (last - first)
+    place = first + progress * (last - first)
     below = min(int(place), int(arm[WAY_POINTS]) - 2)
     cut = arm[CORNER_CUTTING]
     for i in range(3):
-        low = arm[WAY + 3 * below + i]
-        along = low + (place - below) * (arm[WAY + 3 * below + 3 + i] - low)
-        error_from = arm[FROM + i] - arm[WAY + 3 * first + i]
-        error_to = arm[TO + i] - arm[WAY + 3 * last + i]
-        curved = along + (1.0 - way) * error_from + way * error_to
-        straight = arm[FROM + i] + way * (arm[TO + i] - arm[FROM + i])
+        low = arm[PATH + 3 * below + i]
+        along = low + (place - below) * (arm[PATH + 3 * below + 3 + i] - low)
+        error_from = arm[FROM + i] - arm[PATH + 3 * first + i]
+        error_to = arm[TO + i] - arm[PATH + 3 * last + i]
+        curved = along + (1.0 - progress) * error_from + progress * error_to
+        straight = arm[FROM + i] + progress * (arm[TO + i] - arm[FROM + i])
         wish = cut * straight + (1.0 - cut) * curved
         arm[WISH + 3 + i] = (wish - arm[WISH + i]) / dt
         arm[WISH + i] = wish
@@ -229,9 +229,9 @@ def _go_after(arm: Vec, target: Vec, dt: float) -> None:
         _aim(arm, target)
     u = min(1.0, arm[ELAPSED] / arm[DURATION])
     for i in range(3):
-        way = arm[TO + i] - arm[FROM + i]
+        span = arm[TO + i] - arm[FROM + i]
         begun = arm[SPEED + i] * arm[DURATION]
-        curve = 10.0 * way - 6.0 * begun + u * (-15.0 * way + 8.0 * begun + u * (6.0 * way - 3.0 * begun))
+        curve = 10.0 * span - 6.0 * begun + u * (-15.0 * span + 8.0 * begun + u * (6.0 * span - 3.0 * begun))
         wish = arm[FROM + i] + u * (begun + u * u * curve)
         arm[WISH + 3 + i] = (wish - arm[WISH + i]) / dt
         arm[WISH + i] = wish
@@ -267,7 +267,7 @@ def step_arm(arm: Vec, handle: Vec, active: bool, trial: float, target: Vec, clo
         handle: Position [m] and velocity [m/s] of the handle, robot frame, shape [6].
         active: Whether the person may act; otherwise the arm hangs on the handle and follows.
         trial: Counts trials; a change starts the way over.
-        target: Where a person without a way is to bring the hand, robot frame [m].
+        target: Where a person without a path is to bring the hand, robot frame [m].
         close: Above 0: that person is to close the hand.
         dt: Tick [s].
 

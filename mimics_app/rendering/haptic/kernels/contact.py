@@ -9,7 +9,7 @@ What is printed and why it is changed:
 - (8) gives the position only; the rate of depth needs the velocity too, including the object's turning.
 - (13) `|HIP'| - r` and (16) `HIP'(z)` are negative inside: their springs would pull in.
 - (14) `min(HIP' - dim/2)` has no absolute value, the wrong sign and the wrong end: inside all differences are negative
-  and the least one belongs to the FARTHEST face. Nor does it remember the face of entry that Figure 27 asks for.
+  and the least one belongs to the FARTHEST face. Nor does it remember the face of entry that Figure 27 requires.
 - The rule of Figure 27, "force cannot change direction", holds for flat faces; on a sphere the feature is held and its
   normal follows the HIP.
 """

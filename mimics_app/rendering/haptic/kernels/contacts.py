@@ -53,18 +53,18 @@ def virtual_forces(scene: SceneRecord, states: Table[StateRecord], totals: Table
 def collect(scene: SceneRecord, states: Table[StateRecord]) -> None:
     """What happened at other points that concerns all: a stop, a margin below 0, a cap that began."""
     state = states[0]
-    state.told_margin = state.margin
-    state.told_share = state.stiffness_share
+    state.reported_margin = state.margin
+    state.reported_share = state.stiffness_share
     for c in range(1, scene.contacts):
         other = states[c]
         if other.safety >= _SAFE_STOP and state.safety < _SAFE_STOP:
             latch(state, _SAFE_STOP, _NOT_FINITE)
         if other.margin_lost == 1 and state.margin_lost == 0:
             state.margin_lost = 1
-            state.told_margin = other.margin
+            state.reported_margin = other.margin
         if other.cap_began == 1 and state.cap_began == 0:
             state.cap_began = 1
-            state.told_share = other.stiffness_share
+            state.reported_share = other.stiffness_share
 
 
 @kernel

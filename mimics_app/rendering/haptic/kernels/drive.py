@@ -79,7 +79,7 @@ def _share_below(scene: SceneRecord, velocities: Vec, most: float) -> float:
 
 @kernel
 def _wish(kin: Kin, scene: SceneRecord, state: StateRecord) -> None:
-    """joint_work.wish: joint velocities that the PD controller asks for."""
+    """joint_work.wish: joint velocities that the PD controller requests."""
     work = state.joint_work
     if scene.controller == _JOINT_PD:
         joint_pd(state.q, state.dq, scene.target, scene.kp, scene.kd, work.wish)

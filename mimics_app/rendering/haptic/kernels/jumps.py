@@ -37,10 +37,10 @@ def note_jump(scene: SceneRecord, state: StateRecord, status: int, last_age: flo
     if status != _FRESH or state.readable == 0:
         return
     if state.placed == 1:
-        way = 0.0
+        square = 0.0
         for i in range(3):
-            way += (state.hip[i] - state.last_hip[i]) ** 2
+            square += (state.hip[i] - state.last_hip[i]) ** 2
         reach = scene.velocity_limit * (last_age + dt + NANOSECOND * scene.late_hold_ns) + scene.position_jump
-        state.jumped = 0 if way <= reach * reach else 1
+        state.jumped = 0 if square <= reach * reach else 1
     state.placed = 1
     copy(state.hip, state.last_hip)

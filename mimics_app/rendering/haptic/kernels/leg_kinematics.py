@@ -80,7 +80,7 @@ def foot_torques(geometry: Vec, q: Vec, f: Vec, tau: Vec) -> None:
 
 @kernel
 def leg_joints(geometry: Vec, leg: int, x: Vec, q: Vec) -> bool:
-    """Joints q of one leg that bring its foot to x [m]; False where none do, then to the nearest place along the way.
+    """Joints q of one leg that bring its foot to x [m]; False where none do, then to the nearest place along the path.
 
     On entry q holds the last joints: the knee stays on its side of the stretched pose.
     """

@@ -44,7 +44,7 @@ def limit_force(
     """Bring the wanted virtual force inside its limits; directions are kept, whole vectors are scaled.
 
     Args:
-        wanted: Force the virtual environment asks for [N], shape [3], any frame.
+        wanted: Force the virtual environment requests [N], shape [3], any frame.
         ramp: Soft-start factor, clipped to [0, 1].
         force_limit: Largest magnitude [N].
         rise_limit: Largest rise of the magnitude in this tick [N]; falling is free.
@@ -134,7 +134,7 @@ def limit_joints(last: Vec, velocity: Limits, acceleration: Limits, each: bool, 
         last: Joint velocities sent in the last tick.
         velocity: Largest velocity per joint [m/s, rad/s].
         acceleration: Largest acceleration per joint [m/s^2, rad/s^2].
-        each: True: every joint is clamped by itself, as the mask of D2.1 4.2.7 has it, which turns the motion; False:
+        each: True: every joint is clamped on its own, as the mask of D2.1 4.2.7 has it, which turns the motion; False:
             all are scaled alike, so that it keeps its direction.
         dt: Tick [s].
         step: Scratch, as long as dq.

@@ -1,4 +1,4 @@
-"""Passivity controller: takes back the energy that a rendered contact has made (after Hannaford & Ryu 2002).
+"""Passivity controller: dissipates the energy that a rendered contact has made (after Hannaford & Ryu 2002).
 
 A contact may give back what it took and no more. Its credit counts the exact work of held forces on what they act on:
 
@@ -44,7 +44,7 @@ def _lacking(credit: float, force: Vec, v: Vec, dt: float) -> float:
 
 @kernel
 def middle_velocity(v: Vec, force: Vec, hand: Vec, mass: float, dt: float, out: Vec) -> None:
-    """Velocity of a virtual mass in the middle of the coming tick, which makes force times way exact.
+    """Velocity of a virtual mass in the middle of the coming tick, which makes force times displacement exact.
 
     With the whole contact force: what it accelerates outwards it is charged for, before it is scaled. Virtual damping
     is left out: it only brakes.

@@ -248,7 +248,7 @@ def step_safety(
         scene: SCENE record.
         states: STATE records of the points of contact; the first one is stepped.
         status: DeviceStatus of this tick's read.
-        stop_word: Not 0 while the stop key asks for E_STOP.
+        stop_word: Not 0 while the stop key requests E_STOP.
         held: Late-tick class.
         dt: Tick [s].
     """

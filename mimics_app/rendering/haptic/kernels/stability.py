@@ -40,7 +40,7 @@ def follow_period(total: float, squares: float, length: float, nominal: float) -
         total: Decaying sum of the lengths [s]; nominal at first.
         squares: Decaying sum of their squares [s^2]; nominal^2 at first.
         length: From the last wake-up to this one [s].
-        nominal: Period asked for [s].
+        nominal: Period requested [s].
     """
     keep = 1.0 - nominal / _MEMORY
     return keep * total + (1.0 - keep) * length, keep * squares + (1.0 - keep) * length * length

@@ -9,7 +9,7 @@ from mimics_app.rendering.haptic.kernels.acting import ACTING
 from mimics_app.rendering.haptic.kernels.directions import SPAN
 from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER
-from mimics_app.rendering.haptic.kernels.tunnels import HOLDING, TOLD
+from mimics_app.rendering.haptic.kernels.tunnels import HOLDING, OWN_TUNNEL
 
 __all__ = ["CONTACT_BEGAN", "CONTACT_ENDED", "CONTACT_UNCHANGED", "STATE", "new_states"]
 
@@ -43,8 +43,8 @@ STATE = np.dtype(
         ("parameters_taken", "i8"),
         ("contact_change", "i8"),  # CONTACT_... with the tunnel
         ("margin_lost", "i8"),  # 1: a margin fell below 0
-        ("told_margin", "f8"),  # that margin
-        ("told_share", "f8"),  # share of the stiffness that is left where cap_began
+        ("reported_margin", "f8"),  # that margin
+        ("reported_share", "f8"),  # share of the stiffness that is left where cap_began
         # motion, last good data
         ("dq", "f8", (MAX_JOINTS,)),
         ("f_meas", "f8", (3,)),  # frame of the sensor [N]
@@ -84,10 +84,9 @@ STATE = np.dtype(
         ("joint_work", JOINT_WORK),
         ("work_a", "f8", (3,)),
         ("work_b", "f8", (3,)),
-        ("work_c", "f8", (3,)),
         ("ball_radius_rate", "f8"),  # [m/s]
         ("tunnel", HOLDING),
-        ("told", TOLD),
+        ("own_tunnel", OWN_TUNNEL),
     ],
     align=True,
 )

@@ -60,6 +60,17 @@ def _follow_contacts(objects: ObjectWork, counts: ObjectCountsRecord, state: Sta
 
 
 @kernel
+def _begin_tick(scene: SceneRecord, objects: ObjectWork, state: StateRecord) -> None:
+    """Note which parameters act; a new trial forgets where the ball was in its tunnels."""
+    state.tripped = 0
+    state.parameters_taken = 1 if scene.sequence != state.sequence else 0
+    state.sequence = scene.sequence
+    if scene.trial != state.trial:
+        state.trial = scene.trial
+        forget_tunnels(objects.tunnels, state)
+
+
+@kernel
 def tick(
     scene: SceneRecord,
     rows: Rows,
@@ -89,7 +100,7 @@ def tick(
         states: STATE records, one for each point of contact, advanced by one tick.
         data: What the device's read gave, shape [DATA_LENGTH].
         status: DeviceStatus of that read.
-        stop_word: Not 0 while the stop key asks for E_STOP.
+        stop_word: Not 0 while the stop key requests E_STOP.
         held: Late-tick class of this tick (safety.IN_TIME .. MISSED_STOP).
         period: Measured period [s]; dt where nothing can be late.
         dt: Tick [s].
@@ -97,12 +108,7 @@ def tick(
         row: SAMPLE record, filled here except for the timing fields.
     """
     state = states[0]
-    state.tripped = 0
-    state.parameters_taken = 1 if scene.sequence != state.sequence else 0
-    state.sequence = scene.sequence
-    if scene.trial != state.trial:
-        state.trial = scene.trial
-        forget_tunnels(objects.tunnels, state)
+    _begin_tick(scene, objects, state)
     write_inputs(data, status, stop_word, held, period, state, dt, row)
 
     last_age = state.age

@@ -54,6 +54,16 @@ def arc_at(tunnel: TunnelRecord, piece: int, u: float) -> float:
 
 
 @kernel
+def _reflect(ax: float, ay: float, az: float, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """The vector (x, y, z) reflected in the plane whose normal is (ax, ay, az); itself where that has no direction."""
+    square = ax * ax + ay * ay + az * az
+    if square > _NO_RUN:
+        f = 2.0 * (ax * x + ay * y + az * z) / square
+        return x - f * ax, y - f * ay, z - f * az
+    return x, y, z
+
+
+@kernel
 def _carry_normal(
     tunnel: TunnelRecord, piece: int, end: int, x: float, y: float, z: float, tx: float, ty: float, tz: float
 ) -> tuple[float, float, float]:
@@ -71,26 +81,9 @@ def _carry_normal(
     ax = x - x0
     ay = y - y0
     az = z - z0
-    square = ax * ax + ay * ay + az * az
-    if square > _NO_RUN:
-        f = 2.0 * (ax * nx + ay * ny + az * nz) / square
-        nx -= f * ax
-        ny -= f * ay
-        nz -= f * az
-        f = 2.0 * (ax * tx0 + ay * ty0 + az * tz0) / square
-        tx0 -= f * ax
-        ty0 -= f * ay
-        tz0 -= f * az
-    ax = tx - tx0
-    ay = ty - ty0
-    az = tz - tz0
-    square = ax * ax + ay * ay + az * az
-    if square > _NO_RUN:
-        f = 2.0 * (ax * nx + ay * ny + az * nz) / square
-        nx -= f * ax
-        ny -= f * ay
-        nz -= f * az
-    return nx, ny, nz
+    nx, ny, nz = _reflect(ax, ay, az, nx, ny, nz)
+    tx0, ty0, tz0 = _reflect(ax, ay, az, tx0, ty0, tz0)
+    return _reflect(tx - tx0, ty - ty0, tz - tz0, nx, ny, nz)
 
 
 @kernel

@@ -24,15 +24,15 @@ from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus, resta
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import (
         HoldingRecord,
+        OwnTunnelRecord,
         SceneRecord,
         StateRecord,
         Table,
-        ToldRecord,
         TunnelRecord,
         TunnelStateRecord,
     )
 
-__all__ = ["HOLDING", "TOLD", "follow_tunnels", "forget_tunnels", "share_in_touch"]
+__all__ = ["HOLDING", "OWN_TUNNEL", "follow_tunnels", "forget_tunnels", "share_in_touch"]
 
 Vec = NDArray[np.float64]
 
@@ -58,7 +58,7 @@ HOLDING = np.dtype(
 )
 """The tunnel that holds the ball; zeros are none."""
 
-TOLD = np.dtype(
+OWN_TUNNEL = np.dtype(
     [
         ("force_tnb", "f8", (3,)),  # of the task's own tunnel on the user, in its t, n, b [N]
         ("s", "f8"),  # [pieces]
@@ -178,17 +178,17 @@ def _hold_nothing(holding: HoldingRecord) -> None:
 
 
 @kernel
-def _tell(memory: TunnelStateRecord, told: ToldRecord, holds: bool) -> None:
+def _report_own(memory: TunnelStateRecord, reported: OwnTunnelRecord, holds: bool) -> None:
     """What the sample holds of the task's own tunnel."""
-    told.s = memory.s
-    told.progress = memory.progress
-    told.distance = memory.distance
-    told.offset_n = memory.offset_n
-    told.offset_b = memory.offset_b
-    told.radius = memory.radius
-    told.penetration = memory.penetration if holds else 0.0
+    reported.s = memory.s
+    reported.progress = memory.progress
+    reported.distance = memory.distance
+    reported.offset_n = memory.offset_n
+    reported.offset_b = memory.offset_b
+    reported.radius = memory.radius
+    reported.penetration = memory.penetration if holds else 0.0
     for i in range(3):
-        told.force_tnb[i] = memory.force_tnb[i] if holds else 0.0
+        reported.force_tnb[i] = memory.force_tnb[i] if holds else 0.0
 
 
 @kernel
@@ -201,7 +201,7 @@ def follow_tunnels(
     delay: float,
     period: float,
 ) -> None:
-    """Every tunnel for one tick; state.tunnel is the one that holds the ball, state.told what the task's own says.
+    """Every tunnel for one tick: state.tunnel holds the ball, state.own_tunnel is the sample's view of the task's own.
 
     Args:
         scene: SCENE record.
@@ -216,9 +216,9 @@ def follow_tunnels(
     if count < 1:
         state.acting.wall_share = 1.0
         _hold_nothing(state.tunnel)
-        state.told.penetration = 0.0
+        state.own_tunnel.penetration = 0.0
         for i in range(3):
-            state.told.force_tnb[i] = 0.0
+            state.own_tunnel.force_tnb[i] = 0.0
         return
     for k in range(count):
         _follow_one(scene, rows[k], tunnels[k], state, own, delay, period, k == state.tunnel.row)
@@ -227,5 +227,5 @@ def follow_tunnels(
     state.tunnel.chosen = 1
     state.acting.wall_share = tunnels[row].share
     _hold(rows[row], tunnels[row], state.tunnel)
-    told = scene.own_tunnel
-    _tell(tunnels[told], state.told, told == row)
+    own_row = scene.own_tunnel
+    _report_own(tunnels[own_row], state.own_tunnel, own_row == row)

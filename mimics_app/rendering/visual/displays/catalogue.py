@@ -1,4 +1,4 @@
-"""Every kind of display, made from what was asked for."""
+"""Every kind of display, made from what was requested."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["make_display"]
 
 
 def make_display(choice: DisplayChoice, settings: DisplaySettings, surface: Surface) -> tuple[Display, str]:
-    """The display, and what is to be reported where it is not the one asked for.
+    """The display, and what is to be reported where it is not the one requested.
 
     Args:
         choice: Kind and file.

@@ -76,7 +76,7 @@ class HeadsetSpec(Component, frozen=True):
     format: Annotated[Literal["mimics.headset/1"], Meta(description="Of this file")] = "mimics.headset/1"
     pixels: Annotated[
         tuple[Annotated[int, Meta(ge=16, le=8192)], Annotated[int, Meta(ge=16, le=8192)]] | None,
-        Meta(description="Of each eye's panel; absent: as asked for"),
+        Meta(description="Of each eye's panel; absent: as requested"),
     ] = None
     refresh_hz: Annotated[Literal[60, 72, 80, 90, 120], Meta(description="Frames a second")] = 90
     left: EyeSpec = field(default_factory=_left)

@@ -49,7 +49,7 @@ class HeadsetRuntime(Protocol):
     """What is below: OpenXR or its simulation. Every call that may fail raises DeviceError."""
 
     def eye_size(self, shown: Size) -> Size:
-        """Size of each eye's picture [px] where a whole one of size `shown` was asked for."""
+        """Size of each eye's picture [px] where a whole one of size `shown` was requested."""
         ...
 
     def states(self) -> list[HeadsetState]:

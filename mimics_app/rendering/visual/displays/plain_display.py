@@ -59,7 +59,7 @@ class PlainDisplay(Display):
         """The surface shows it."""
 
     def take_faults(self) -> list[str]:
-        new = [what for what, told in self._faults.items() if not told]
+        new = [what for what, taken in self._faults.items() if not taken]
         self._faults = dict.fromkeys(self._faults, True)
         return new
 

@@ -1,4 +1,4 @@
-"""Two eyes before one screen: off-axis frusta through a common window, never toed in, and ways to show both."""
+"""Two eyes before one screen: off-axis frusta through a common window, never toed in, and methods to show both."""
 
 from __future__ import annotations
 

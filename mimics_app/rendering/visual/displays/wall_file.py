@@ -33,7 +33,7 @@ class WallSpec(Component, frozen=True):
     lower_right: Annotated[Point, Meta(description="Likewise [m]")]
     upper_left: Annotated[Point, Meta(description="Likewise [m]; a right angle at the lower left")]
     pixels: Annotated[
-        tuple[_Pixels, _Pixels] | None, Meta(description="Width, height; absent: the height asked for")
+        tuple[_Pixels, _Pixels] | None, Meta(description="Width, height; absent: the height requested")
     ] = None
     window: Annotated[
         tuple[int, int] | None,

@@ -1,4 +1,4 @@
-"""What of a world is in a view: every item tested by itself, or groups of the scene graph first."""
+"""What of a world is in a view: every item tested on its own, or groups of the scene graph first."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ class TreeCuller(Culler):
 
 
 def make_culler(wanted: Culling, items: DrawItems, parents: I4, places: F8) -> Culler:
-    """The way to cull that a world of this size wants, or the one that is asked for."""
+    """The culling that a world of this size wants, or the one that is requested."""
     if wanted == "tree" or (wanted == "auto" and len(items.rows) >= TREE_FROM):
         return TreeCuller(items, parents, places)
     return FlatCuller(items)

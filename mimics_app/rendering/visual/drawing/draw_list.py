@@ -221,7 +221,7 @@ class DrawList:
 
         Returns:
             Opaque runs, the states with the nearest items first and near to far within each; blended runs, each item
-            by itself, far to near; and the distances of these from the origin [m].
+            on its own, far to near; and the distances of these from the origin [m].
         """
         items, picked = self.items, self._picked
         # One level for both eyes: a body that has two forms at once cannot be fused.

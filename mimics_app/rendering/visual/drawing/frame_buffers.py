@@ -93,7 +93,7 @@ class FrameBuffers:
             world: T_world_from_node per row, [rows, 4, 4].
             mirrored: 1 where an item's faces wind the other way round, [n].
             shadow: True to group by the states of the shadow pass.
-            single: True to draw each item by itself.
+            single: True to draw each item on its own.
         """
         if not count:
             return []

@@ -191,8 +191,8 @@ class MeshArena:
         """Send what changed of a mesh: the ranges that were named, or all of it."""
         mesh, buffer = world.meshes[name], world.opened_mesh(name)
         whole: list[MeshChange] = [(0, "vertices", 0, len(mesh.positions)), (0, "indices", 0, mesh.indices.size)]
-        told = None if buffer is None else buffer.changes_since(self._seen[name][0])
-        for _, what, first, count in whole if told is None else told:
+        changes = None if buffer is None else buffer.changes_since(self._seen[name][0])
+        for _, what, first, count in whole if changes is None else changes:
             if what == "vertices":
                 self._write_vertices(name, mesh, first, count)
             else:

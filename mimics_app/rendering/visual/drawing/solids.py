@@ -119,11 +119,11 @@ def _loops(edges: I4) -> list[list[int]] | None:
         start = next(iter(onward))
         loop = [start]
         while True:
-            ways = onward.get(loop[-1])
-            if not ways:
+            successors = onward.get(loop[-1])
+            if not successors:
                 return None
-            after = ways.pop()
-            if not ways:
+            after = successors.pop()
+            if not successors:
                 del onward[loop[-1]]
             if after == start:
                 break

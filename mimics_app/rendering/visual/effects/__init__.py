@@ -1,3 +1,3 @@
-"""What is seen but is no body: sprites, particles, what projectors throw."""
+"""What is seen but is no body: sprites, particles, projected pictures."""
 
 __all__: list[str] = []

@@ -69,13 +69,13 @@ class ProjectorField:
     """Every projector of a world.
 
     Attributes:
-        beams: Those that throw something in this frame.
+        beams: Those that project something in this frame.
         issues: Pictures that are missing, each reported once; take them out when they were reported.
     """
 
     def __init__(self) -> None:
         self.beams: list[Beam] = []
-        self._told: set[Issue] = set()
+        self._reported: set[Issue] = set()
         self.issues: list[Issue] = []
 
     def update(self, world: World) -> None:
@@ -107,8 +107,8 @@ class ProjectorField:
         if picture is not None:
             return spec.texture, picture
         issue = Issue("", "", f'projector: no texture "{spec.texture}"; a {spec.shape} is projected instead')
-        if issue not in self._told:
-            self._told.add(issue)
+        if issue not in self._reported:
+            self._reported.add(issue)
             self.issues.append(issue)
         return own
 

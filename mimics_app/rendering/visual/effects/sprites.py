@@ -81,7 +81,7 @@ class SpriteField:
         self._rows = SpriteRows()
         self._billboards = np.zeros(0, SPRITE)
         self._emitters: dict[int, Emitter] = {}
-        self._told: set[Issue] = set()
+        self._reported: set[Issue] = set()
         self._scratch(0)
         self._axes = np.zeros((2, 3))
         self.corners = np.zeros((256, 4), SPRITE_VERTEX)
@@ -224,8 +224,8 @@ class SpriteField:
         if picture is not None:
             return texture, picture
         issue = Issue("", "", f'sprite: no texture "{texture}"; drawn as a {shape}')
-        if issue not in self._told:
-            self._told.add(issue)
+        if issue not in self._reported:
+            self._reported.add(issue)
             self.issues.append(issue)
         return f"#{shape}", sprite_picture(shape)
 

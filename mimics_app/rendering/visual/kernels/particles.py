@@ -117,14 +117,14 @@ def hash_unit(seed: int, number: int, which: int) -> float:
 
 @kernel
 def ease(age: float, drag: float) -> float:
-    """Way of a unit speed that drag slows down: (1 - exp(-c t)) / c [s]."""
+    """Distance of a unit speed that drag slows down: (1 - exp(-c t)) / c [s]."""
     x = drag * age
     return age * (1.0 - 0.5 * x) if x < _BARELY_DRAGGED else -math.expm1(-x) / drag
 
 
 @kernel
 def fall(age: float, drag: float, eased: float) -> float:
-    """Way under a unit pull that drag slows down: (t - ease) / c [s^2], given `ease` of the same."""
+    """Distance under a unit pull that drag slows down: (t - ease) / c [s^2], given `ease` of the same."""
     x = drag * age
     return age * age * (0.5 - x / 6.0 + x * x / 24.0) if x < _HARDLY_DRAGGED else (age - eased) / drag
 
@@ -223,8 +223,8 @@ def _place(emitter: Records, birth: Records, age: float, corner: F8, box: F8, ax
     pulled = fall(moving, drag, gone)
     for k in range(3):
         begin = corner[k] + at[0] * box[k, 0] + at[1] * box[k, 1] + at[2] * box[k, 2]
-        way = velocity[0] * axes[k, 0] + velocity[1] * axes[k, 1] + velocity[2] * axes[k, 2]
-        out[k] = begin + way * gone + emitter[0]["pull"][k] * pulled
+        speed = velocity[0] * axes[k, 0] + velocity[1] * axes[k, 1] + velocity[2] * axes[k, 2]
+        out[k] = begin + speed * gone + emitter[0]["pull"][k] * pulled
     if emitter[0]["sway"] > 0.0:
         half = 0.5 * emitter[0]["sway_rate"] * moving
         for k in range(2):

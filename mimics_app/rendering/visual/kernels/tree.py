@@ -43,7 +43,7 @@ def count_below(parents: I4, items_of: I4, out: I4) -> None:
 
 @kernel
 def _push_siblings(children: I4, below: I4, a: int, b: int, stack: I4, height: int) -> int:
-    """Put siblings on the stack, each by itself or, of many, in groups; returns the stack's height."""
+    """Put siblings on the stack, each on its own or, of many, in groups; returns the stack's height."""
     if b - a > FAN_OUT:
         step = (b - a + FAN_OUT - 1) // FAN_OUT
         for part in range(a, b, step):

@@ -90,7 +90,7 @@ class MaterialStore:
         self._arrays = PictureArrays(ctx, has.texture_size)
         self._held: list[tuple[list[str], list[object]]] = []
         self._variant = _Variant()
-        self._told: set[Issue] = set()
+        self._reported: set[Issue] = set()
         self.issues: list[Issue] = []
         self.live: Mapping[str, LivePicture] = {}
 
@@ -160,7 +160,7 @@ class MaterialStore:
         while True:
             choice = choose_technique(wanted, self._techniques, self._has, self._variant.profile, self._broken)
             if choice.fault:
-                self._tell(f'material "{name}": {choice.why}')
+                self._report(f'material "{name}": {choice.why}')
             try:
                 if choice.name == _PLAIN:
                     return self._make_plain(name, material, pictures, coloured, choice.spec)
@@ -219,7 +219,7 @@ class MaterialStore:
         return Look(material, (drawn,), shadow_shader, block, textures, state, shadow_state, paint)  # type: ignore[arg-type]
 
     def _wanted(self, material: Material) -> str:
-        """The technique asked for: the material's own, or a simpler one of its chain that shows what matters of it."""
+        """The technique requested: the material's own, or a simpler one of its chain that shows what matters of it."""
         chain, simpler = self._chain(material), _SIMPLER.get(self._variant.shading)
         if simpler is None or simpler not in chain or chain[0] in _KEPT or not _shown_by(simpler, material):
             return material.technique
@@ -229,7 +229,7 @@ class MaterialStore:
         return technique_chain(material.technique, self._techniques) or ["lit", _PLAIN]
 
     def _features(self, material: Material, pictures: _Pictures, coloured: bool) -> list[str]:
-        """What shaders may be asked for, in a fixed order."""
+        """What shaders may be requested, in a fixed order."""
         has = {
             "COLOURED": coloured,
             **{_feature_of(which): which in pictures for which in MAPS},
@@ -256,18 +256,18 @@ class MaterialStore:
     def _tell_of_textures(self, material: Material, pictures: _Pictures) -> None:
         for which, key in material.textures.items():
             if which not in pictures:
-                self._tell(f'material "{material.name}": no texture "{key}"; drawn without it')
+                self._report(f'material "{material.name}": no texture "{key}"; drawn without it')
             elif pictures[which] is MISSING_PICTURE:
-                self._tell(f'material "{material.name}": no texture "{key}"; a checker is drawn in its place')
+                self._report(f'material "{material.name}": no texture "{key}"; a checker is drawn in its place')
             elif not self._textures.fits(pictures[which]):
                 height, width = pictures[which].pixels.shape[:2]
                 most = self._has.texture_size
-                self._tell(f'texture "{key}": {width} x {height} is more than the driver\'s {most}; drawn smaller')
+                self._report(f'texture "{key}": {width} x {height} is more than the driver\'s {most}; drawn smaller')
 
-    def _tell(self, what: str) -> None:
+    def _report(self, what: str) -> None:
         issue = Issue("", "", what)
-        if issue not in self._told:
-            self._told.add(issue)
+        if issue not in self._reported:
+            self._reported.add(issue)
             self.issues.append(issue)
 
 

@@ -60,7 +60,7 @@ class PictureArray:
 
 
 class PictureArrays:
-    """Every array, by size and way of sampling. Pictures hold display values: nothing is decoded when they are read.
+    """Every array, by size and sampling. Pictures hold display values: nothing is decoded when they are read.
 
     Args:
         ctx: Where they live.

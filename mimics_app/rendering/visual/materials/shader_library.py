@@ -111,7 +111,7 @@ class ShaderLibrary:
         """The same two files with more names defined; the very program where there are none."""
         if not defines:
             return shader
-        known = self._variants.get((shader, defines))  # asked for every run of every frame
+        known = self._variants.get((shader, defines))  # requested every run of every frame
         if known is None:
             known = self.program(shader.vertex, shader.fragment, (*shader.defines, *defines))
             self._variants[shader, defines] = known

@@ -25,7 +25,7 @@ class Choice:
     Attributes:
         name: Of the technique.
         spec: The technique.
-        why: Why it is not the one that was asked for, "" where it is.
+        why: Why it is not the one that was requested, "" where it is.
         fault: True where that is a mistake and not a matter of driver or profile.
     """
 
@@ -45,7 +45,7 @@ def choose_technique(
     """Go along the chain of fallbacks.
 
     Args:
-        wanted: What the material asks for.
+        wanted: What the material requests.
         known: Techniques by name; has to have "lit" and "unlit".
         has: What the driver can do.
         profile: What it is drawn for.

@@ -60,9 +60,9 @@ def _write_head(hud: Hud, frames: Sequence[FrameTimes], x: float, y: float) -> N
     newest = frames[-_SUMMED:]
     cpu = median(sum(frame.cpu_ms.values()) for frame in newest)
     gpu = [sum(frame.gpu_ms.values()) for frame in newest if frame.gpu_ms]
-    told = f"driver {median(gpu):.1f} ms" if gpu else ""
+    driver = f"driver {median(gpu):.1f} ms" if gpu else ""
     wide = hud.text(x, y, f"{cpu:.1f} ms", 18.0, INK, bold=True)
-    hud.text(x + wide + 12.0, y, told, 14.0, FAINT)
+    hud.text(x + wide + 12.0, y, driver, 14.0, FAINT)
     last = frames[-1]
     drawn = last.items - last.culled - last.hidden
     counts = f"{drawn} drawn, {last.culled} outside, {last.hidden} hidden"

@@ -1,4 +1,4 @@
-"""The developer's overlay: made when it is first asked for, drawn over the world and over the figures."""
+"""The developer's overlay: made when it is first requested, drawn over the world and over the figures."""
 
 from __future__ import annotations
 

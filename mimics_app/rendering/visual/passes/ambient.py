@@ -117,7 +117,7 @@ class AmbientPass:
         self._free()
 
     def _write(self, places: NDArray[np.float32]) -> None:
-        """Tell the shaders where the texels of each eye are: corner [px], texels per pixel; first, last, height."""
+        """Set in the shaders where the texels of each eye are: corner [px], texels per pixel; first, last, height."""
         if self._block is None:
             self._block = self._ctx.buffer(reserve=64)
         block = np.zeros((2, 2, 4), np.float32)

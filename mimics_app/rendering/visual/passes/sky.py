@@ -50,7 +50,7 @@ class SkyPass:
         self._made_for: tuple[ShaderProgram, int] | None = None
         self._array: moderngl.VertexArray | None = None
         self._cube: tuple[list[TextureData], moderngl.TextureCube] | None = None
-        self._told: set[Backdrop] = set()
+        self._reported: set[Backdrop] = set()
         self.issues: list[Issue] = []
 
     def prepare(self, world: World) -> None:
@@ -107,8 +107,8 @@ class SkyPass:
             fault = f"no texture {', '.join(missing)}" if missing else f"{len(found)} pictures are no {backdrop.kind}"
         elif backdrop.kind == "box" and (len(sizes) > 1 or not square):
             fault = "its six pictures are not squares of one size"
-        if fault and backdrop not in self._told:
-            self._told.add(backdrop)
+        if fault and backdrop not in self._reported:
+            self._reported.add(backdrop)
             self.issues.append(Issue("", "", f"backdrop of the sky: {fault}; drawn without it"))
         return [] if fault else found
 

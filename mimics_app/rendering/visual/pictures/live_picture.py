@@ -164,5 +164,5 @@ def _texels_of_pixels(reflection: Reflection, corner: tuple[int, int]) -> NDArra
     wide, high = reflection.view.rectangle[2:]
     across, along = wide / width, high / height
     # Turned over: the right edge of the mirror is the left one of what was drawn.
-    way = (-across, along, (corner[0] + x + width) * across, -(corner[1] + y) * along)
-    return np.array([way, (wide, high, 0.0, 0.0)], np.float32)
+    placement = (-across, along, (corner[0] + x + width) * across, -(corner[1] + y) * along)
+    return np.array([placement, (wide, high, 0.0, 0.0)], np.float32)

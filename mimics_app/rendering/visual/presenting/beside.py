@@ -68,6 +68,6 @@ class BesideWindows:
         self._begun = True
         self._windows = self._surface.open_beside(self._display.windows, size)
         if self._windows is not None and self._windows.missing:
-            told = ", ".join(self._windows.missing)
-            self._faults.append(f'no monitor is left for {told}: seen in the first window alone; give a wall "window"')
+            names = ", ".join(self._windows.missing)
+            self._faults.append(f'no monitor is left for {names}: seen in the first window alone; give a wall "window"')
         return self._windows

@@ -63,7 +63,7 @@ class Presenter:
         self._compose: ComposePass | None = None
 
     def follow(self, head: HeadSource) -> None:
-        """Have a display that does not track the head itself ask for it here: room_from_head, of the room's floor."""
+        """Have a display that does not track the head itself request it here: room_from_head, of the room's floor."""
         if self.display.kind in _WALLS:
             self.display.head = head
         elif self.display.kind == "hmd":

@@ -58,7 +58,7 @@ class PictureStage:
         self.issues: list[Issue] = []
         self._jobs: list[_Job] = []
         self._frames = 0
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
 
     def update(self, world: World) -> None:
         """Have a picture ready for each mirror, screen and inset of the world, and no others."""
@@ -171,8 +171,8 @@ class PictureStage:
         mesh = world.meshes[body.subentities[0].mesh]
         plane = plane_of_sheet(mesh)
         if plane is None:
-            if name not in self._told:
-                self._told.add(name)
+            if name not in self._reported:
+                self._reported.add(name)
                 self.issues.append(Issue("", "", f'mirror "{name}": its mesh is not flat; drawn without a picture'))
             return None
         world_from_body = body.node.world_matrix()

@@ -18,7 +18,7 @@ _SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader")
 
 @dataclass(frozen=True)
 class Capabilities:
-    """One row per thing a technique can ask for.
+    """One row per thing a technique can request.
 
     Attributes:
         gl: Version of OpenGL, 430 for 4.3.

@@ -28,7 +28,7 @@ _LIT = """
 #version 430
 out vec4 colour;
 void main() {
-    // A light and a display's curve: the least that a lit pixel under a tone map is worked out with.
+    // A light and a display's curve: the least that a lit pixel under a tone map is computed with.
     vec3 n = normalize(vec3(gl_FragCoord.xy - 300.0, 400.0));
     vec3 light = vec3(0.3, 0.5, 0.2) * (0.4 + 0.8 * max(dot(n, vec3(0.36, 0.91, 0.27)), 0.0));
     colour = vec4(1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055, 1.0);

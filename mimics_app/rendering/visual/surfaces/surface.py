@@ -59,7 +59,6 @@ class Surface:
         size: Width and height [px].
         keys: Names of the keys held.
         buttons: Names of the mouse buttons held.
-        wheel: Wheel steps away from the person between the last two calls of `poll`.
         gamepad: The first gamepad as of the last `poll`.
         both_eyes: Both eyes' pictures side by side, for a window that has a buffer for each; None elsewhere.
         reset_status: Says in words what made the driver lose the context; "" while it is well.
@@ -73,7 +72,6 @@ class Surface:
         self.both_eyes: moderngl.Framebuffer | None = None
         self.keys: frozenset[str] = frozenset()
         self.buttons: frozenset[str] = frozenset()
-        self.wheel = 0.0
         self.gamepad = GamepadState()
 
     @property
@@ -83,7 +81,7 @@ class Surface:
         return f"{info['GL_VERSION']}, {info['GL_RENDERER']}"
 
     def poll(self) -> list[InputEvent]:
-        """Return what happened since the last call, oldest first, and refresh keys, buttons, wheel and gamepad."""
+        """Return what happened since the last call, oldest first, and refresh keys, buttons and gamepad."""
         return []
 
     def pointer(self) -> tuple[float, float] | None:
@@ -107,7 +105,7 @@ class Surface:
 
     @property
     def should_close(self) -> bool:
-        """True once the person asked for the window to close."""
+        """True once the person requested the window to close."""
         return False
 
     def resize(self, size: Size) -> None:

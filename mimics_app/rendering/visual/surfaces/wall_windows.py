@@ -105,7 +105,7 @@ class WallWindows:
         self._glfw.make_context_current(self._main)
 
     def _open(self, place: WindowPlace, monitor: Any, size: Size) -> _Window:
-        """Open a window; what the first one asked for of its context still holds, so that they may share."""
+        """Open a window; what the first one requested of its context still holds, so that they may share."""
         glfw = self._glfw
         for hint in (glfw.DECORATED, glfw.AUTO_ICONIFY, glfw.FOCUSED, glfw.FOCUS_ON_SHOW):
             glfw.window_hint(hint, False)

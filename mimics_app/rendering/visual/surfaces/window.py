@@ -80,7 +80,6 @@ class WindowSurface(Surface):
         self._glfw.poll_events()
         self._read_gamepad()
         events, self._events = self._events, []
-        self.wheel = sum(event.y for event in events if event.kind == "wheel")
         if any(event.kind == "key" and event.name == "f11" and event.pressed and not event.repeat for event in events):
             self.toggle_fullscreen()
         return events
@@ -242,7 +241,7 @@ def _open_window(glfw: ModuleType, size: Size, title: str, *, stereo: bool = Fal
     glfw.window_hint(glfw.SRGB_CAPABLE, False)
     glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
     window = glfw.create_window(*size, title, None, None)
-    if not window:  # a driver that cannot report a reset may refuse to be asked for it
+    if not window:  # a driver that cannot report a reset may refuse the request
         glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.NO_ROBUSTNESS)
         window = glfw.create_window(*size, title, None, None)
     if not window:

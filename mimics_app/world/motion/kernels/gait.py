@@ -28,7 +28,7 @@ _LEAST_FLEXION = 0.035
 """A knee never bends the wrong way, nor is it quite straight [rad]: 2 degrees."""
 
 _LEAST_LEG = 0.25
-"""The way from hip to ankle is at least half a thigh: this share of its square."""
+"""The distance from hip to ankle is at least half a thigh: this share of its square."""
 
 _SOFT_LIFT = 0.008
 """Height over which a foot that would come too near to the ground is lifted smoothly [m]."""
@@ -79,7 +79,7 @@ def _stand(phase: float, stance: float, stride: float, touch: float, shape: F8, 
 
 @kernel
 def _chord(knee: float, shape: F8) -> float:
-    """Square of the way from hip to ankle for a flexion of the knee."""
+    """Square of the distance from hip to ankle for a flexion of the knee."""
     return shape[4] ** 2 + shape[5] ** 2 + 2.0 * shape[4] * shape[5] * math.cos(max(knee, _LEAST_FLEXION))
 
 
@@ -124,7 +124,7 @@ def place_feet(phase: float, stance: float, stride: float, touch: float, shape: 
     Args:
         phase: Of the left foot, 0: its heel touches; 0 to 1. The right one is half a cycle off.
         stance: Share of the cycle in which a foot stands.
-        stride: Way of the body in a cycle [m].
+        stride: Displacement of the body in a cycle [m].
         touch: Where the ankle of a flat foot would be at the heel's touch, ahead of the hip [m].
         shape: Ankle above the sole, heel behind the ankle, ball and tip of the toes before it, thigh, shank [m],
             farthest that toes bend [rad], joint of the toes above the

@@ -38,6 +38,15 @@ def _pull(point: F8, anchor: F8, length: float) -> None:
 
 
 @kernel
+def _begin(asked: F8, a: float, b: float, elbow: F8, hand: F8) -> None:
+    """Both bones, of lengths a and b, from the shoulder towards the pole, then towards the target."""
+    for i in range(3):
+        elbow[i], hand[i] = asked[6 + i], asked[3 + i]
+    _pull(elbow, asked[:3], a)
+    _pull(hand, elbow, b)
+
+
+@kernel
 def reach_by_fabrik(asked: F8, limbs: F8, tolerance: float, most: int, out: F8) -> int:
     """Elbows and hands of limbs that reach, forward and backward; the elbow begins towards the pole.
 
@@ -55,10 +64,7 @@ def reach_by_fabrik(asked: F8, limbs: F8, tolerance: float, most: int, out: F8) 
     for k in range(asked.shape[0]):
         shoulder, target = asked[k, :3], asked[k, 3:6]
         a, b, elbow, hand = limbs[k, 0], limbs[k, 1], out[k, :3], out[k, 3:]
-        for i in range(3):
-            elbow[i], hand[i] = asked[k, 6 + i], target[i]
-        _pull(elbow, shoulder, a)
-        _pull(hand, elbow, b)
+        _begin(asked[k], a, b, elbow, hand)
         for _ in range(most):
             if _away(hand, target) < tolerance:
                 break
@@ -103,10 +109,7 @@ def reach_by_descent(asked: F8, limbs: F8, tolerance: float, most: int, out: F8)
     for k in range(asked.shape[0]):
         shoulder, target = asked[k, :3], asked[k, 3:6]
         a, b, elbow, hand = limbs[k, 0], limbs[k, 1], out[k, :3], out[k, 3:]
-        for i in range(3):
-            elbow[i], hand[i] = asked[k, 6 + i], target[i]
-        _pull(elbow, shoulder, a)
-        _pull(hand, elbow, b)
+        _begin(asked[k], a, b, elbow, hand)
         for _ in range(most):
             if _away(hand, target) < tolerance:
                 break

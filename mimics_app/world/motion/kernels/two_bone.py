@@ -123,15 +123,15 @@ def _choose_side(asked: F8, limbs: F8, states: F8, i: int, u: F8, w: F8, before:
     px, py, pz = asked[i, 6] - asked[i, 0], asked[i, 7] - asked[i, 1], asked[i, 8] - asked[i, 2]
     along = px * u[0] + py * u[1] + pz * u[2]
     least = _NEAR * (limbs[i, 0] + limbs[i, 1])
-    told = _unit_or(px - along * u[0], py - along * u[1], pz - along * u[2], least, w)
+    has_pole = _unit_or(px - along * u[0], py - along * u[1], pz - along * u[2], least, w)
     known = states[i, 6] > 0.0
-    if told and (not known or limbs[i, 3] == math.inf):
+    if has_pole and (not known or limbs[i, 3] == math.inf):
         return 0
     if not known:
         _square_to(u, u, w)
         return _ON_POLE
     _carry(states, i, u, before)
-    if told:
+    if has_pole:
         return _TURNING if _swing(u, before, w, limbs[i, 3]) else 0
     w[0], w[1], w[2] = before[0], before[1], before[2]
     return _ON_POLE

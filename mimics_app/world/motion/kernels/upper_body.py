@@ -30,7 +30,7 @@ F8 = NDArray[np.float64]
 I4 = NDArray[np.int32]
 
 BONES = 14
-"""Slots asked for: hips, spine, chest, upper chest, neck, head, then shoulder, upper arm, lower arm, hand of each side;
+"""Slots requested: hips, spine, chest, upper chest, neck, head, then shoulder, upper arm, lower arm, hand of each side;
 -1 where there is none (of spine, chest, upper chest, shoulders)."""
 
 STATE = 16

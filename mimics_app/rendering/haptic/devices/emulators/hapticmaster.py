@@ -60,7 +60,7 @@ class HapticMasterEmulator:
         self._hear()
         self.model.step()
         self._step += 1
-        self._tell()
+        self._send_waiting()
 
     def rehearse(self) -> None:
         """Go through a step once, so that nothing is compiled while it has to keep time."""
@@ -72,7 +72,7 @@ class HapticMasterEmulator:
         self._hear()
         if self.model.state == "init":
             self.model.step()
-        self._tell(at_once=True)
+        self._send_waiting(at_once=True)
 
     def close(self) -> None:
         """Take the socket away."""
@@ -136,7 +136,7 @@ class HapticMasterEmulator:
             frame = len(answer).to_bytes(4, "big") + bytes(4) + answer
             self._waiting.append((self._step + self._delay, frame))
 
-    def _tell(self, *, at_once: bool = False) -> None:
+    def _send_waiting(self, *, at_once: bool = False) -> None:
         if self._client is None:
             return
         leaves = b""

@@ -51,7 +51,7 @@ from mimics_app.rendering.haptic.devices.serial_port import RobotInfo, info_payl
 __all__ = ["WATCHDOG", "SerialRobotEmulator"]
 
 WATCHDOG = 50
-"""Steps without a command after which the robot lets go by itself."""
+"""Steps without a command after which the robot lets go on its own."""
 
 _BUFFER = 4096
 _STEP_S = 1e-3
@@ -135,7 +135,7 @@ class SerialRobotEmulator:
         status = self.plugin.read(self.plugin.memory, self._inbox, self._data, self.tick)
         self.plugin.write(self.plugin.memory, self.command, self.tick)
         if self._master >= 0:
-            self._tell(rate, ROBOT_READY if status == 0 else ROBOT_NOT_HOMED)
+            self._send_state(rate, ROBOT_READY if status == 0 else ROBOT_NOT_HOMED)
         self.tick += 1
 
     def rehearse(self) -> None:
@@ -216,7 +216,7 @@ class SerialRobotEmulator:
             self._frame.view(np.uint8)[8 : 8 + INFO_PAYLOAD] = np.frombuffer(info_payload(self._info), np.uint8)
             self._leaving += self._sealed(INFO, 0, INFO_PAYLOAD)
 
-    def _tell(self, rate: float, status: int) -> None:
+    def _send_state(self, rate: float, status: int) -> None:
         if not self._leaving:  # sampled when the line is free: what waits for it would grow old
             self._sequence += 1
             pack_state(self._data, status, self._frame[1 : 1 + PAYLOAD_PLACES])

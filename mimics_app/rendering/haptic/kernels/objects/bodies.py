@@ -66,7 +66,7 @@ _STILL_RATE = 2e-3
 """Likewise its turning [rad/s]."""
 
 _STILL_ACCELERATION = 2e-3
-"""A body that is still now but pulled away faster than this does not sleep [m/s^2]: the top of a throw."""
+"""A body that is still now but pulled away faster than this does not sleep [m/s^2]: the top of a toss."""
 
 _STILL_TORQUE_RATE = 0.05
 """Likewise angular [rad/s^2]."""

@@ -183,7 +183,7 @@ def _collide_pair(pair: PairRecord, rows: Rows, work: ObjectWork, doze: int, dt:
 def collide_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt: float) -> None:
     """Add F_aux, T_aux, weight and the forces of all contacts to the bodies; `totals.impact*` is the hardest.
 
-    Deep overlaps (bodies spawned in one another) push out along the way that is shortest, with the force of (17): at
+    Deep overlaps (bodies spawned in one another) push out along the shortest direction, with the force of (17): at
     most the stiffness times half of the smaller body.
 
     Args:

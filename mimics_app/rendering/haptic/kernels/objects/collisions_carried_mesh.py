@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.objects.collisions_edges import chord_in, may_pass, way_between
+from mimics_app.rendering.haptic.kernels.objects.collisions_edges import chord_in, deepest_between, may_pass
 from mimics_app.rendering.haptic.kernels.objects.collisions_mesh import depth_in_mesh, points_in_mesh, project_depths
 from mimics_app.rendering.haptic.kernels.objects.distances import depth_under, distance_to
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANYWHERE
@@ -140,7 +140,7 @@ def _corners_in(
 
 
 @kernel
-def _weight(n: Three, way: Three, from_corner: float) -> float:
+def _weight(n: Three, direction: Three, from_corner: float) -> float:
     """How much the end of a chord counts, 0 to 1.
 
     Nothing where the edge lies in the face, whose crossing then is anywhere, nor at the edge's own corner, which counts
@@ -148,11 +148,11 @@ def _weight(n: Three, way: Three, from_corner: float) -> float:
 
     Args:
         n: Normal of the face.
-        way: The whole edge [m].
+        direction: Of the whole edge, as long as it [m].
         from_corner: Share of it from the end of the chord to the corner outside.
     """
-    length = math.sqrt(dot(way, way))
-    steep = abs(dot(n, way)) / (_LEVEL * length) - 1.0
+    length = math.sqrt(dot(direction, direction))
+    steep = abs(dot(n, direction)) / (_LEVEL * length) - 1.0
     clear = from_corner * length / _ASIDE - 1.0
     return min(max(min(steep, clear), 0.0), 1.0)
 
@@ -175,18 +175,18 @@ def edge_in(
     found, t0, t1, n0, n1 = chord
     if not found:
         return count
-    way = minus(q, p)
+    direction = minus(q, p)
     if n0 != ANYWHERE and n1 != ANYWHERE:
-        depth, n, at = way_between(other, p, q, chord, toward, table, room)
+        depth, n, at = deepest_between(other, p, q, chord, toward, table, room)
         if depth > 0.0:
             count = keep_point(along(at, 0.5 * depth, n), depth, times(side, n), share, room, count)
     if toward == ANYWHERE:
         return count
     for k in range(2):
         t, face, outside = (t0, n0, t0) if k == 0 else (t1, n1, 1.0 - t1)
-        weight = _weight(face, way, outside)
+        weight = _weight(face, direction, outside)
         if weight > 0.0:
-            at = along(p, t, way)
+            at = along(p, t, direction)
             depth, n = depth_of(at, other, toward, reach, table, room)
             if depth > 0.0:
                 count = keep_point(along(at, 0.5 * depth, n), weight * depth, times(side, n), share, room, count)

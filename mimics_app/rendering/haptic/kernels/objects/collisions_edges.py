@@ -3,7 +3,7 @@
 An edge goes into the other shape at t0 through a face n0 and leaves it at t1 through a face n1. The way out that is
 perpendicular to the edge e lies between the two faces, n ~ (n1.e) n0 - (n0.e) n1: along e x (n0 x n1), the axis of two
 crossed edges (Gottschalk, Lin & Manocha 1996), with the depth (n1.e) (-n0.e) L / |n| for the chord of length L, less
-where the shape ends before its two faces would meet. Where the two faces look opposite ways there is no such way; then,
+where the shape ends before its two faces would meet. Where the two faces look apart there is no such normal; then,
 as wherever an edge sticks out on one side only, the ends of the chord are points like corners: planks that cross lie on
 four of them.
 """
@@ -32,7 +32,7 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import MeshTable, ScratchRecord, SolidRecord
 
-__all__ = ["chord_in", "may_pass", "way_between"]
+__all__ = ["chord_in", "deepest_between", "may_pass"]
 
 _BOX = int(ShapeKind.BOX)
 _MESH = int(ShapeKind.MESH)
@@ -58,7 +58,7 @@ Chord = tuple[bool, float, float, Three, Three]
 
 @kernel
 def may_pass(p: Three, q: Three, solid: SolidRecord) -> bool:
-    """The bounds of the way p -> q overlap those of a shape that has some."""
+    """The bounds of the segment p -> q overlap those of a shape that has some."""
     for k in range(3):
         if max(p[k], q[k]) < solid.low[k] or min(p[k], q[k]) > solid.high[k]:
             return False
@@ -92,58 +92,58 @@ def _chord_in_box(solid: SolidRecord, p: Three, q: Three) -> Chord:
 
 
 @kernel
-def _deepest(solid: SolidRecord, p: Three, way: Three) -> float:
-    """Share of the way at which a round shape is deepest, by golden section: its distance is convex along a line."""
+def _deepest(solid: SolidRecord, p: Three, direction: Three) -> float:
+    """Share of the segment where a round shape is deepest, by golden section: its distance is convex along a line."""
     low, high = 0.0, 1.0
     left, right = high - _GOLDEN, low + _GOLDEN
-    at_left, _ = distance_to(solid, along(p, left, way), ANYWHERE)
-    at_right, _ = distance_to(solid, along(p, right, way), ANYWHERE)
+    at_left, _ = distance_to(solid, along(p, left, direction), ANYWHERE)
+    at_right, _ = distance_to(solid, along(p, right, direction), ANYWHERE)
     for _k in range(_NARROWED):
         if at_left <= at_right:
             high, right, at_right = right, left, at_left
             left = high - _GOLDEN * (high - low)
-            at_left, _ = distance_to(solid, along(p, left, way), ANYWHERE)
+            at_left, _ = distance_to(solid, along(p, left, direction), ANYWHERE)
         else:
             low, left, at_left = left, right, at_right
             right = low + _GOLDEN * (high - low)
-            at_right, _ = distance_to(solid, along(p, right, way), ANYWHERE)
+            at_right, _ = distance_to(solid, along(p, right, direction), ANYWHERE)
     return 0.5 * (low + high)
 
 
 @kernel
-def _surface(solid: SolidRecord, p: Three, way: Three, inside: float, end: float) -> tuple[float, Three]:
-    """(share, normal) at which the way comes out of a shape between a place inside and its end; _NONE: it does not."""
-    far, _ = distance_to(solid, along(p, end, way), ANYWHERE)
+def _surface(solid: SolidRecord, p: Three, direction: Three, inside: float, end: float) -> tuple[float, Three]:
+    """(share, normal) where the segment comes out of a shape between a place inside and its end; _NONE: it does not."""
+    far, _ = distance_to(solid, along(p, end, direction), ANYWHERE)
     if far <= 0.0:
         return end, _NONE
     outside = end
     for _k in range(_HALVED):
         between = 0.5 * (inside + outside)
-        far, _ = distance_to(solid, along(p, between, way), ANYWHERE)
+        far, _ = distance_to(solid, along(p, between, direction), ANYWHERE)
         if far <= 0.0:
             inside = between
         else:
             outside = between
-    _, n = distance_to(solid, along(p, outside, way), ANYWHERE)
+    _, n = distance_to(solid, along(p, outside, direction), ANYWHERE)
     return outside, n
 
 
 @kernel
 def _chord_in_round(solid: SolidRecord, p: Three, q: Three) -> Chord:
     """Of a cylinder or capsule, by its distance alone."""
-    way = minus(q, p)
-    t = _deepest(solid, p, way)
-    far, _ = distance_to(solid, along(p, t, way), ANYWHERE)
+    direction = minus(q, p)
+    t = _deepest(solid, p, direction)
+    far, _ = distance_to(solid, along(p, t, direction), ANYWHERE)
     if far >= 0.0:
         return False, 0.0, 0.0, _NONE, _NONE
-    t0, n0 = _surface(solid, p, way, t, 0.0)
-    t1, n1 = _surface(solid, p, way, t, 1.0)
+    t0, n0 = _surface(solid, p, direction, t, 0.0)
+    t1, n1 = _surface(solid, p, direction, t, 1.0)
     return True, t0, t1, n0, n1
 
 
 @kernel
 def _entry(solid: SolidRecord, a: Three, b: Three, table: MeshTable, room: ScratchRecord) -> tuple[bool, float, Three]:
-    """(whether, at which share, normal of the face) the way a -> b goes into a mesh, in its frame."""
+    """(whether, at which share, normal of the face) the segment a -> b goes into a mesh, in its frame."""
     mesh, first, last, n = table.rows[solid.mesh], room.mesh_point, room.mesh_closest, room.mesh_normal
     first[0], first[1], first[2] = a
     last[0], last[1], last[2] = b
@@ -160,7 +160,7 @@ def _entry(solid: SolidRecord, a: Three, b: Three, table: MeshTable, room: Scrat
 
 @kernel
 def _chord_in_mesh(solid: SolidRecord, p: Three, q: Three, table: MeshTable, room: ScratchRecord) -> Chord:
-    """From where the way first goes in to where it last comes out; what is between in a hollow is not reported."""
+    """From where the segment first goes in to where it last comes out; what is between in a hollow is not reported."""
     a, b = into(solid, minus(p, middle(solid))), into(solid, minus(q, middle(solid)))
     enters, t0, n0 = _entry(solid, a, b, table, room)
     leaves, back, n1 = _entry(solid, b, a, table, room)
@@ -172,18 +172,18 @@ def _chord_in_mesh(solid: SolidRecord, p: Three, q: Three, table: MeshTable, roo
 
 @kernel
 def chord_in(solid: SolidRecord, p: Three, q: Three, table: MeshTable, room: ScratchRecord) -> Chord:
-    """The part of a straight way that lies in a shape.
+    """The part of a straight line that lies in a shape.
 
     Args:
         solid: SOLID of a box, cylinder, capsule or mesh.
-        p: Beginning of the way, world [m].
+        p: Beginning of the segment, world [m].
         q: Its end [m].
         table: MeshTable.
         room: SCRATCH.
 
     Returns:
-        (whether there is one, share of the way at which it begins, at which it ends, outward normals of the faces
-        there; zero where the way itself begins or ends inside).
+        (whether there is one, share of the segment at which it begins, at which it ends, outward normals of the faces
+        there; zero where the segment itself begins or ends inside).
     """
     if solid.kind == _BOX:
         return _chord_in_box(solid, p, q)
@@ -193,7 +193,7 @@ def chord_in(solid: SolidRecord, p: Three, q: Three, table: MeshTable, room: Scr
 
 
 @kernel
-def way_between(
+def deepest_between(
     solid: SolidRecord, p: Three, q: Three, chord: Chord, toward: Three, table: MeshTable, room: ScratchRecord
 ) -> tuple[float, Three, Three]:
     """The way out of a shape for an edge that passes through it.
@@ -203,17 +203,17 @@ def way_between(
         p: Beginning of the edge, world [m].
         q: Its end [m].
         chord: What `chord_in` gave for it; both of its normals are there.
-        toward: Direction the way out must look along, or ANYWHERE.
+        toward: Direction that the normal out of it must look along, or ANYWHERE.
         table: MeshTable.
         room: SCRATCH.
 
     Returns:
-        (depth [m], 0: there is no such way; unit normal out of the shape; place on the edge [m]).
+        (depth [m], 0: there is none; unit normal out of the shape; place on the edge [m]).
     """
     _, t0, t1, n0, n1 = chord
-    way = minus(q, p)
-    length = math.sqrt(dot(way, way))
-    e = times(1.0 / length, way)
+    direction = minus(q, p)
+    length = math.sqrt(dot(direction, direction))
+    e = times(1.0 / length, direction)
     fall, rise = -dot(n0, e), dot(n1, e)
     sum_of_both = along(times(rise, n0), fall, n1)
     size = math.sqrt(dot(sum_of_both, sum_of_both))
@@ -224,7 +224,7 @@ def way_between(
         return 0.0, n, p
     depth = rise * fall * (t1 - t0) * length / size
     foot = min(t0 + depth * dot(n0, n) / (fall * length), t1)
-    at = along(p, foot, way)
+    at = along(p, foot, direction)
     _, _, out, _, leaves = chord_in(solid, at, along(at, _BEYOND * depth, n), table, room)
     if unit(leaves, _NONE) != _NONE:
         depth = min(depth, _BEYOND * depth * out)

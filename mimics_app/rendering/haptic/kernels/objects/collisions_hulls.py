@@ -256,8 +256,8 @@ def _least_overlap(a: SolidRecord, b: SolidRecord, last: Three) -> tuple[float, 
     least = _KEEP * overlap
     for i in range(_DIRECTIONS):
         n = _candidate(a, b, i)
-        way = dot(between, n)
-        n = times(-1.0, n) if way < 0.0 or (way == 0.0 and dot(last, n) < 0.0) else n
+        apart = dot(between, n)
+        n = times(-1.0, n) if apart < 0.0 or (apart == 0.0 and dot(last, n) < 0.0) else n
         deep = _overlap(a, b, n)
         if deep < least:
             overlap, least, normal = deep, deep, n

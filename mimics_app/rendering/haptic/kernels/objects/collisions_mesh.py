@@ -51,7 +51,7 @@ _CAPSULE = int(ShapeKind.CAPSULE)
 _RIM = 8
 
 _UNDER = 0.5
-"""Cosine between the way to a face and its normal from which a point is under it and not beside it."""
+"""Cosine between the direction to a face and its normal from which a point is under it and not beside it."""
 
 _DEEPEST = 0.5
 """How deep a corner is looked for behind the surface, as a share of the shape's thinnest side: beyond it is through."""
@@ -131,15 +131,15 @@ def depth_in_mesh(
     closest_on_triangle(vertices, corners, t, q, closest)
     size = triangle_normal(vertices, corners, t, n)
     out = (n[0] / size, n[1] / size, n[2] / size)
-    way = minus(local, (closest[0], closest[1], closest[2]))
-    far = math.sqrt(dot(way, way))
-    if dot(way, out) < 0.0:
-        if toward != ANYWHERE and -dot(way, out) < _UNDER * far:
+    offset = minus(local, (closest[0], closest[1], closest[2]))
+    far = math.sqrt(dot(offset, offset))
+    if dot(offset, out) < 0.0:
+        if toward != ANYWHERE and -dot(offset, out) < _UNDER * far:
             return 0.0, local
-        return radius + far, out_of(b, unit(times(-1.0, way), out))
+        return radius + far, out_of(b, unit(times(-1.0, offset), out))
     if far >= radius:
         return 0.0, local
-    return radius - far, out_of(b, unit(way, out))
+    return radius - far, out_of(b, unit(offset, out))
 
 
 @kernel
@@ -168,10 +168,10 @@ def points_in_mesh(
     """
     count, mean = 0, (0.0, 0.0, 0.0)
     samples, radius, share, reach = _samples(a)
-    normals, way = room.normals, toward if radius == 0.0 else ANYWHERE
+    normals, offset = room.normals, toward if radius == 0.0 else ANYWHERE
     for k in range(samples):
         p = _sample(a, k)
-        depth, n = depth_in_mesh(b, p, radius, reach, way, meshes, vertices, corners, boxes, room)
+        depth, n = depth_in_mesh(b, p, radius, reach, offset, meshes, vertices, corners, boxes, room)
         if depth > 0.0:
             normals[count, 0], normals[count, 1], normals[count, 2] = n
             mean = along(mean, depth, n)

@@ -2,7 +2,7 @@
 
 `collisions_mesh` asks how deep the corners of a body are in the mesh. A box laid across a ridge has none there, nor has
 a capsule, so each ridge near the body is cut by it as the edge of a carried mesh is (`collisions_edges`): crossed edges
-push along the way between them, the ends of the chord under a flat face are points, and so are tips that poke in.
+push along the direction between them, the ends of the chord under a flat face are points, and so are tips that poke in.
 
 A body that stands on its corners already has its whole stiffness: ridges share what the corners leave of it.
 """

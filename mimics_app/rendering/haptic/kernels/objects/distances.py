@@ -170,13 +170,13 @@ def depth_under(solid: SolidRecord, p: Three, toward: Three) -> tuple[float, Thr
     Returns:
         (depth [m], outward normal of that face, world).
     """
-    q, way = into(solid, minus(p, middle(solid))), into(solid, toward)
+    q, direction = into(solid, minus(p, middle(solid))), into(solid, toward)
     if solid.kind == _BOX:
-        depth, n, beside = _under_box(solid.size, q, way)
+        depth, n, beside = _under_box(solid.size, q, direction)
     elif solid.kind == _CYLINDER:
-        depth, n, beside = _under_cylinder(solid.size, q, way)
+        depth, n, beside = _under_cylinder(solid.size, q, direction)
     else:
-        far, n = shape_distance(solid.kind, solid.size, q, way)
+        far, n = shape_distance(solid.kind, solid.size, q, direction)
         depth, beside = -far, 0.0
     if depth < -beside or depth == math.inf:
         depth = 0.0

@@ -1,7 +1,7 @@
 """Laws of the effects: each fills `memory.force` from memory.p and memory.v, the motion relative to its place.
 
 Every spring here is the gradient of a potential and every damper takes energy, so that none of them gives any; only
-guidance, vibration, constant forces, and force fields do, and those no more than their force times the way.
+guidance, vibration, constant forces, and force fields do, and those no more than their force times the displacement.
 """
 
 from __future__ import annotations

@@ -274,7 +274,6 @@ def _hold_with(
     for i in range(3):  # the body point that the finger holds moves against the body by what slipped
         for j in range(3):
             contact[i] -= motion.rotation[j, i] * grip.moving[j]
-    grip.slipping |= 1 if friction.sticking == 0 else 0
 
 
 @kernel
@@ -312,7 +311,6 @@ def _hold_twist(
 @kernel
 def _let_go(grip: GripRecord) -> None:
     grip.body = -1
-    grip.slipping = 0
 
 
 @kernel
@@ -354,9 +352,22 @@ def grip_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, grasp:
     if not k > 0.0:
         _let_go(grip)
         return
-    totals = work.totals[0]
+    _hold_body(surface, body, motion, grip, work.totals[0], grasp, k, dt)
+
+
+@kernel
+def _hold_body(
+    surface: ShapeRecord,
+    body: BodyRecord,
+    motion: MotionRecord,
+    grip: GripRecord,
+    totals: TotalsRecord,
+    grasp: float,
+    k: float,
+    dt: float,
+) -> None:
+    """Both fingers on the body between them, of stiffness k [N/m], for one tick."""
     grip.offset *= math.exp(-dt / _CENTRING_TIME)
-    grip.slipping = 0
     share = _press(motion, grip, k, surface.damping)
     press_a = max(0.0, grasp - share)
     press_b = max(0.0, grasp + share)

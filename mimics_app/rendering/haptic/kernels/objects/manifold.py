@@ -203,11 +203,11 @@ def _clip(subject: Floats, count: int, window: Floats, sides: int, room: Floats)
     for k in range(sides):
         after = k + 1 if k + 1 < sides else 0
         turn += window[k, 0] * window[after, 1] - window[after, 0] * window[k, 1]
-    way = 1.0 if turn > 0.0 else -1.0
+    sense = 1.0 if turn > 0.0 else -1.0
     for k in range(sides):
         after = k + 1 if k + 1 < sides else 0
         ex, ey = window[after, 0] - window[k, 0], window[after, 1] - window[k, 1]
-        count = _clip_edge(subject, count, window[k, 0], window[k, 1], way * ey, -way * ex, room)
+        count = _clip_edge(subject, count, window[k, 0], window[k, 1], sense * ey, -sense * ex, room)
         for j in range(count):
             subject[j, 0], subject[j, 1] = room[j, 0], room[j, 1]
         if count == 0:

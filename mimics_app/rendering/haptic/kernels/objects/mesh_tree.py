@@ -1,4 +1,4 @@
-"""Queries of a triangle mesh through its tree of boxes: where a way enters it, and its closest triangle.
+"""Queries of a triangle mesh through its tree of boxes: where a segment enters it, and its closest triangle.
 
 The tree of a mesh is a heap: node i has the children 2 i + 1 and 2 i + 2, the last `leaves` nodes (a power of two) are
 leaves, and leaf j holds the triangles j T / leaves to (j + 1) T / leaves, which stand in the order of a space-filling
@@ -47,10 +47,10 @@ _CORNER_A, _CORNER_B, _CORNER_C = 3, 4, 5
 """Regions of the corners."""
 
 _SURFACE = 1e-9
-"""A way may begin so far [m] behind a triangle and still enter through it: rounding of what was released there."""
+"""A segment may begin so far [m] behind a triangle and still enter through it: rounding of what was released there."""
 
 _EDGE = 1e-9
-"""Share of a triangle by which its edges are widened: a way through an edge must not slip between two triangles."""
+"""Share of a triangle by which its edges are widened: a segment through an edge must not slip between two triangles."""
 
 
 @kernel
@@ -91,7 +91,7 @@ def closest_on_triangle(vertices: Array, corners: Indices, t: int, p: Vec, out: 
         ab_ab += ab * ab
         ab_ac += ab * ac
         ac_ac += ac * ac
-    # Products with the ways from b and c to p follow from those from a.
+    # Products with the vectors from b and c to p follow from those from a.
     ab_bp, ac_bp = ab_ap - ab_ab, ac_ap - ab_ac
     ab_cp, ac_cp = ab_ap - ab_ac, ac_ap - ac_ac
     if ab_ap <= 0.0 and ac_ap <= 0.0:
@@ -142,7 +142,7 @@ def next_node(node: int) -> int:
 
 @kernel
 def _meets(boxes: Array, node: int, a: Vec, b: Vec) -> bool:
-    """The box around the way a -> b, widened by the tolerance, overlaps that of a node."""
+    """The box around the segment a -> b, widened by the tolerance, overlaps that of a node."""
     for i in range(3):
         if min(a[i], b[i]) - _SURFACE > boxes[node, 3 + i] or max(a[i], b[i]) + _SURFACE < boxes[node, i]:
             return False
@@ -151,7 +151,7 @@ def _meets(boxes: Array, node: int, a: Vec, b: Vec) -> bool:
 
 @kernel
 def _crossing(vertices: Array, corners: Indices, t: int, a: Vec, b: Vec, n: Vec) -> float:
-    """Share of the way a -> b at which it passes triangle t from front to back; 2 where it does not."""
+    """Share of the segment a -> b at which it passes triangle t from front to back; 2 where it does not."""
     size = triangle_normal(vertices, corners, t, n)
     first = corners[t, 0]
     before = after = 0.0
@@ -175,7 +175,7 @@ def _crossing(vertices: Array, corners: Indices, t: int, a: Vec, b: Vec, n: Vec)
 
 @kernel
 def first_crossing(mesh: MeshRecord, vertices: Array, corners: Indices, boxes: Array, a: Vec, b: Vec, n: Vec) -> int:
-    """The first triangle that the way a -> b passes from front to back, -1: none.
+    """The first triangle that the segment a -> b passes from front to back, -1: none.
 
     Args:
         mesh: MESH record.

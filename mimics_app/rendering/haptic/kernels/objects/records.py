@@ -45,7 +45,6 @@ GRIP = np.dtype(
         ("body", "i8"),  # row of the body held, -1: none
         ("spawn", "i8"),  # of that body when it was taken; another one lets go
         ("crushed", "i8"),  # row of the body pressed beyond its crush_force in this grip, -1: none
-        ("slipping", "i8"),  # 1 while a finger slips
         ("half_width", "f8"),  # of the body along the axis when it was taken [m]
         ("offset", "f8"),  # of its middle from the hand's, along the axis; the closing fingers bring it to 0 [m]
         ("twist", "f8"),  # angle about the axis that the patches of contact hold [rad]

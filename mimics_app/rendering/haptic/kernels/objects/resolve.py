@@ -147,7 +147,9 @@ def _hold_twist(pair: PairRecord, rate: float, radius: float, total: float, dt: 
 
 
 @kernel
-def _tell(pair: PairRecord, totals: TotalsRecord, speed: float, force: float, p: Three, n: Three, dt: float) -> None:
+def _note_impact(
+    pair: PairRecord, totals: TotalsRecord, speed: float, force: float, p: Three, n: Three, dt: float
+) -> None:
     """The strongest contact that began in this tick is the impact of the tick."""
     if pair.ticks_apart * dt < _NEW_AFTER or speed <= totals.impact:
         return
@@ -197,7 +199,7 @@ def push_apart(
         part(pair)
         return
     if not pair.touching:
-        _tell(pair, totals, speed, total, centre, n, dt)
+        _note_impact(pair, totals, speed, total, centre, n, dt)
         pair.touching = 1
         pair.share = share
     pair.ticks_apart = 0

@@ -356,7 +356,7 @@ def find_pairs(
         bodies: BODY rows.
         shapes: SHAPE rows.
         motions: MOTION rows.
-        dynamics: DYNAMICS rows; `placed` is taken back.
+        dynamics: DYNAMICS rows; `placed` is cleared.
         solids: SOLID rows, posed; their bounds are updated.
         meshes: MeshTable.rows.
         boxes: MeshTable.boxes.

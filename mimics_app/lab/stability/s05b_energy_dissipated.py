@@ -100,11 +100,10 @@ def _row(speed: float) -> dict[str, Any]:
     }
 
 
-def _run(points: int) -> Outcome:
+def _simulate_grid(points: int) -> Outcome:
     rows = [_row(float(speed)) for speed in np.geomspace(0.02, 0.5, points)]
     simulated: Points = [(row["speed_m_s"], row["off_j"]) for row in rows]
     exact: Points = [(row["speed_m_s"], row["exact_j"]) for row in rows]
-    disagreement = largest_disagreement(simulated, exact)
     worst = max(row["on_worst_phase_j"] for row in rows)
     share = 100.0 * max(row["force_taken_n"] / row["force_at_depth_n"] for row in rows)
     return Outcome(
@@ -112,8 +111,8 @@ def _run(points: int) -> Outcome:
         simulated=simulated,
         exact=exact,
         rules={"controller on": [(row["speed_m_s"], row["on_j"]) for row in rows]},
-        disagreement=disagreement,
-        passed=disagreement <= EXPERIMENT.tolerance and worst <= _ROUNDING,
+        disagreement=largest_disagreement(simulated, exact),
+        holds=worst <= _ROUNDING,
         note=f"2000 N/m, 3 mm, 1 kHz. With the controller no tap of any phase draws energy; the controller took "
         f"at most {share:.0f} % of the force at the deepest point, and that near the surface.",
     )
@@ -124,12 +123,12 @@ _ROUNDING = 1e-15
 
 EXPERIMENT = Experiment(
     name="S5B",
-    title="Energy leak taken back",
+    title="Energy leak dissipated",
     claim="With the passivity controller a tap draws nothing from a sampled spring, whatever its speed and phase.",
     x_label="speed of the tap [m/s]",
     y_label="energy given to the hand per tap [J]",
     kind="invariant",
-    run=_run,
+    simulate=_simulate_grid,
     tolerance=1e-3,
     log_x=True,
 )

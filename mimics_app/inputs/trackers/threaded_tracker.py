@@ -1,0 +1,81 @@
+"""What trackers with a line of their own have in common: a thread that reads, what is believed of it, and the end."""
+
+from __future__ import annotations
+
+import math
+import threading
+from abc import abstractmethod
+from collections.abc import Sequence
+
+from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
+from mimics_app.inputs.trackers.plausibility import Plausibility
+
+__all__ = ["POSE_NUMBERS", "ThreadedTracker"]
+
+POSE_NUMBERS = 7
+"""x, y, z [m], and a quaternion x, y, z, w."""
+
+_SHORTEST, _LONGEST = 0.9, 1.1
+"""Length that a unit quaternion may have on a line."""
+
+
+class ThreadedTracker(TrackerSource):
+    """A tracker that is opened, read by a thread until it is stopped, and closed.
+
+    Args:
+        name: As the scene calls it.
+        clock: The session's.
+    """
+
+    def __init__(self, name: str, clock: Clock | None = None) -> None:
+        self.name, self.problem, self.rejected = name, "", 0
+        self._clock = clock or MonotonicClock()
+        self._believed: dict[str, Plausibility] = {}
+        self._stopping = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    @abstractmethod
+    def _open(self) -> None:
+        """Open the line; a DeviceError where it cannot be had."""
+
+    @abstractmethod
+    def _read(self, sink: TrackerSink) -> None:
+        """Pass on what comes until `_stopping` is set or the line is lost; the latter is a `problem`."""
+
+    @abstractmethod
+    def _close(self) -> None:
+        """Close the line, after the thread."""
+
+    def start(self, sink: TrackerSink) -> None:
+        self._open()
+        self._thread = threading.Thread(target=self._read, args=(sink,), name=f"tracker {self.name}", daemon=True)
+        self._thread.start()
+
+    def poll(self, now_ns: int) -> None:
+        """It has a thread."""
+
+    def stop(self) -> None:
+        self._stopping.set()
+        if self._thread is not None:
+            self._thread.join()
+            self._close()
+
+    def _pass_on(self, sample: TrackerSample, sink: TrackerSink) -> None:
+        """Hand a report on, or count it where it is not believed."""
+        if self._believed.setdefault(sample.sensor, Plausibility()).admits(sample):
+            sink(sample)
+        else:
+            self.rejected += 1
+
+    def _pass_pose(
+        self, sensor: str, pose: Sequence[float], t_ns: int, sink: TrackerSink, device_ns: int | None = None
+    ) -> None:
+        """The same of `POSE_NUMBERS` numbers, whose quaternion is made a unit one, or is none."""
+        x, y, z, qx, qy, qz, qw = pose
+        length = math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw)
+        if not _SHORTEST < length < _LONGEST:
+            self.rejected += 1
+            return
+        rotation = (qx / length, qy / length, qz / length, qw / length)
+        self._pass_on(TrackerSample(sensor, t_ns, (x, y, z), rotation, device_ns), sink)

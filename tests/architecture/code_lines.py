@@ -1,0 +1,137 @@
+"""Lines of code of the package by part: `python -m tests.architecture.code_lines` prints the table of decision 137.
+
+A line counts that holds code: no docstring, no comment, no blank line, no import, no `__all__`.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import tokenize
+from collections import Counter
+from fnmatch import fnmatch
+from pathlib import Path
+
+from tests.architecture.sources import PACKAGE
+
+__all__ = ["code_lines", "count_parts"]
+
+_SILENT = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
+
+PARTS: dict[str, tuple[int, tuple[str, ...]]] = {
+    "builders of people": (3_000, ("builders/avatars/*",)),
+    "people that move": (
+        8_000,
+        (
+            "world/motion/*",
+            "world/gltf/:bending,clips,deforms,skins,unfolding",
+            "world/components/:animation,encourager",
+            "rendering/visual/:drawing/skinning,drawing/feedback,kernels/skin",
+            "lab/visual/:people,reach,skinning",
+            "app/:bench/people_workload,commands/avatar",
+            "scenarios/:body_nodes,planted_feet",
+        ),
+    ),
+    "sound": (
+        5_000,
+        (
+            "rendering/audio/*",
+            "app/cues/*",
+            "lab/audio/*",
+            "builders/sounds/*",
+            "lab/:audio_bench,audio_figures",
+            "app/:bench/audio_soak,session/sound",
+            "contracts/:audio_port,sound_scene",
+            "world/gltf/:sounds",
+        ),
+    ),
+    "body signals, learning and the guided walk": (
+        9_000,
+        (
+            "dsp/*",
+            "estimation/*",
+            "learning/*",
+            "inputs/physio/*",
+            "app/physio/*",
+            "lab/physio/*",
+            "lab/:physio_drawing,physio_figures,physio_loop_figure,physio_maps",
+            "app/:commands/physio,session/body,session/body_replay,play/value_picture",
+            "recording/:signals,signal_rows",
+            "tasks/kinds/:guided_walk,walk_people",
+            "scenarios/:alley_figure,guided_walk",
+            "contracts/:action_space",
+        ),
+    ),
+    "displays, trackers and the avatar's cord": (
+        9_000,
+        (
+            "inputs/trackers/*",
+            "rendering/tactile/*",
+            "rendering/visual/displays/*",
+            "rendering/visual/presenting/*",
+            "app/study/*",
+            "rendering/visual/:passes/cord,stages/eye_pairs,surfaces/wall_windows,drawing/attached",
+            "app/:bench/display_bench,bench/tracker_bench,commands/study,session/trackers,picture/shown_on",
+            "contracts/:display_port,display_choice,tracker_port",
+            "lab/visual/:cord,cord_frame,head_prediction,lens_distortion,ripple,stereo",
+            "tasks/kinds/:avatar_cord,avatar_cord_report,avatar_cord_spec,questionnaire_file,questions,tap_schedule",
+            "scenarios/:avatar_cord,tracked_figure",
+            "maths/:cord",
+            "world/:cords,components/cord,components/tactile,components/trackers",
+        ),
+    ),
+}
+"""Part: its budget, and its modules: a pattern, or a folder and names in it after a colon."""
+
+REST = "touch, picture, world, tasks, recording, laboratory, application"
+
+
+def code_lines(text: str) -> int:
+    """Lines of code in a module's text."""
+    lines = {
+        line
+        for token in tokenize.generate_tokens(io.StringIO(text).readline)
+        if token.type not in _SILENT
+        for line in range(token.start[0], token.end[0] + 1)
+    }
+    return len(lines.difference(*(range(node.lineno, (node.end_lineno or 0) + 1) for node in _no_code(text))))
+
+
+def _no_code(text: str) -> list[ast.stmt]:
+    """Imports, `__all__` and docstrings of a module."""
+    found: list[ast.stmt] = []
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            found.append(node)
+        elif isinstance(node, ast.Assign) and any(isinstance(t, ast.Name) and t.id == "__all__" for t in node.targets):
+            found.append(node)
+        elif isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node) is not None:
+            found.append(node.body[0])
+    return found
+
+
+def _is_in(module: str, patterns: tuple[str, ...]) -> bool:
+    for pattern in patterns:
+        folder, _, names = pattern.rpartition(":")
+        if not folder and fnmatch(module, pattern):
+            return True
+        if folder and any(module == f"{folder.rpartition('/')[0]}/{name}.py" for name in names.split(",")):
+            return True
+    return False
+
+
+def count_parts(package: Path = PACKAGE) -> Counter[str]:
+    """Lines of code of each part, and of the rest."""
+    counts: Counter[str] = Counter()
+    for file in sorted(package.rglob("*.py")):
+        module = file.relative_to(package).as_posix()
+        part = next((name for name, (_, patterns) in PARTS.items() if _is_in(module, patterns)), REST)
+        counts[part] += code_lines(file.read_text(encoding="utf-8"))
+    return counts
+
+
+if __name__ == "__main__":
+    found = count_parts()
+    for name, (budget, _) in {**PARTS, REST: (44_000, ())}.items():
+        print(f"| {name} | {found[name]:,} | {budget:,} |")
+    print(f"| all | {found.total():,} | {sum(budget for budget, _ in PARTS.values()) + 44_000:,} |")
