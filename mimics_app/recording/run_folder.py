@@ -17,6 +17,7 @@ __all__ = [
     "FILES",
     "PRIVATE_FILE",
     "PRIVATE_FOLDER",
+    "check_parent",
     "create_run_folder",
     "private_files",
     "write_atomically",
@@ -46,6 +47,19 @@ FILES = {
 """Name of each file of a run folder."""
 
 
+def check_parent(parent: Path) -> None:
+    """Refuse a folder of runs that cannot be made or written to; nothing is made.
+
+    Raises:
+        UsageError: It cannot be.
+    """
+    there = next((folder for folder in (parent, *parent.absolute().parents) if folder.exists()), parent)
+    if there.is_dir() and os.access(there, os.W_OK | os.X_OK):
+        return
+    why = "Permission denied" if there.is_dir() else f"{there} is no folder"
+    raise _not_here(parent, why)
+
+
 def create_run_folder(parent: Path, expected_s: float = 0.0) -> Path:
     """Make `parent/<UTC time>_<8 hexadecimal digits>`, which did not exist before.
 
@@ -67,7 +81,11 @@ def create_run_folder(parent: Path, expected_s: float = 0.0) -> Path:
             )
         return _new_folder(parent)
     except OSError as error:
-        raise UsageError(f"{parent}: no run folder can be made here: {error.strerror}", "use --runs DIR") from error
+        raise _not_here(parent, str(error.strerror)) from error
+
+
+def _not_here(parent: Path, why: str) -> UsageError:
+    return UsageError(f"{parent}: no run folder can be made here: {why}", "use --runs DIR")
 
 
 def _new_folder(parent: Path) -> Path:

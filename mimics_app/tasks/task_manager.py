@@ -13,7 +13,6 @@ from typing import Any
 from numpy.typing import NDArray
 
 from mimics_app.contracts.board import Board
-from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.messages import (
     HapticSnapshot,
     SoundEvent,
@@ -42,7 +41,7 @@ from mimics_app.tasks.orders import Changes
 from mimics_app.tasks.pause import PAUSED, Pause
 from mimics_app.tasks.state_machine import Conditions, next_state
 from mimics_app.tasks.task import ActionDeed, Deed, DurationGoal, MessageDeed, ScoreSpec, SoundDeed, TaskSpec
-from mimics_app.tasks.trials import Trial, plan_trials, trial_blocks
+from mimics_app.tasks.trials import Trial, check_first_trial, plan_trials, trial_blocks
 from mimics_app.tasks.triggers import Moment, Triggers
 
 __all__ = ["TaskManager"]
@@ -81,8 +80,7 @@ class TaskManager:
         self._space = build_action_space(spec)
         self._adaptation = Adaptation(self._space)
         plan = plan_trials(trial_blocks(spec), seed)
-        if not 0 <= first_trial < len(plan):
-            raise UsageError(f"the session has no trial {first_trial + 1}", f"it has {len(plan)}")
+        check_first_trial(first_trial + 1, len(plan))
         kinds = [kind for kind in task_kinds() if kind.takes(spec, context.offers)]
         self._plays = {kind.name: kind.open(spec, context, seed) for kind in kinds}
         self._captions: TaskKind | type[TaskKind] = kinds[-1] if kinds else TaskKind

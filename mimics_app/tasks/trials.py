@@ -9,9 +9,18 @@ from dataclasses import dataclass, field
 
 import msgspec
 
+from mimics_app.contracts.errors import UsageError
 from mimics_app.tasks.task import BlockSpec, Order, TaskSpec
 
-__all__ = ["Trial", "order_conditions", "plan_trials", "repeated", "trial_blocks", "williams_square"]
+__all__ = [
+    "Trial",
+    "check_first_trial",
+    "order_conditions",
+    "plan_trials",
+    "repeated",
+    "trial_blocks",
+    "williams_square",
+]
 
 _SHORTEST_TRIAL_S = 5.0
 """Way to the start, travel, result and rest of a trial take at least this long [s]."""
@@ -63,6 +72,16 @@ def plan_trials(blocks: Sequence[BlockSpec], seed: int) -> list[Trial]:
                     )
                 )
     return trials
+
+
+def check_first_trial(number: int, count: int) -> None:
+    """Refuse to begin with a trial that a session of `count` trials has not; the first has number 1.
+
+    Raises:
+        UsageError: There is no such trial.
+    """
+    if not 1 <= number <= count:
+        raise UsageError(f"the session has no trial {number}", f"it has {count}")
 
 
 def repeated(spec: TaskSpec, seconds: float) -> TaskSpec:

@@ -164,7 +164,8 @@ def test_a_picture_that_is_lost_for_good_ends_the_run_in_order(tmp_path, capsys,
 
     monkeypatch.setattr("mimics_app.app.play.play._play_unseen", play_before)
     monkeypatch.setattr(
-        "mimics_app.app.play.play.build_session", lambda settings, live: build_session(settings, live=True)
+        "mimics_app.app.play.play.build_session",
+        lambda settings, live, read: build_session(settings, live=True, read=read),
     )
     begun = MonotonicClock().now_ns()
     settings = RunSettings(

@@ -20,7 +20,7 @@ from mimics_app.inputs.physio.movement import Movement
 from mimics_app.inputs.physio.recording import FileSource, read_signal_file
 from mimics_app.inputs.physio.serial_amplifier import SerialAmplifier
 from mimics_app.inputs.physio.simulated.source import SimulatedBody
-from mimics_app.inputs.physio.sources import open_source
+from mimics_app.inputs.physio.sources import look_for_source, open_source
 from tests.support.body_signals import body
 
 SECOND = 1_000_000_000
@@ -223,8 +223,10 @@ def test_a_stream_of_lsl() -> None:
 
 
 def test_a_stream_that_is_not_there_is_reported() -> None:
+    said: list[str] = []
     with pytest.raises(DeviceError, match="no LSL stream"):
-        open_source("lsl:nobody sends this", 1)
+        look_for_source("lsl:nobody sends this", said.append)
+    assert said == ['waiting up to 3 s for the LSL stream "nobody sends this"']
 
 
 @pytest.mark.parametrize("address", ["", "sims", "sim:nobody", "file", "lsl:"])

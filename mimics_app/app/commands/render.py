@@ -12,6 +12,7 @@ from mimics_app.contracts.plural import counted
 
 if TYPE_CHECKING:
     from mimics_app.app.settings import RunSettings
+    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["add_arguments", "run"]
 
@@ -59,16 +60,20 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.scenes.finding import find_scene
     from mimics_app.app.terminal import output
     from mimics_app.app.terminal.first_start import say_if_cold
+    from mimics_app.app.terminal.named import check_files
 
     if args.sheet is not None:
         return _lay_out(args)
     find_scene(args.scene)
-    say_if_cold()
+    check_files(None, args.display)
+    from mimics_app.app.scenes.loading import read_scene
     from mimics_app.app.settings import RunSettings
 
     settings = RunSettings(args.scene, seed=args.seed, profile=args.profile, size=args.size, display=args.display)
+    read = read_scene(args.scene)
+    say_if_cold()
     if args.audio is not None:
-        return _hear(args, settings)
+        return _hear(args, settings, read)
     from mimics_app.app.play.stills import draw_stills
 
     drawn = draw_stills(
@@ -79,6 +84,7 @@ def run(args: argparse.Namespace) -> int:
         seconds=args.seconds,
         camera=args.camera,
         video=args.video,
+        read=read,
     )
     if args.json:
         files = [file.name if args.video is None else str(file) for file in drawn.files]
@@ -107,12 +113,12 @@ def _lay_out(args: argparse.Namespace) -> int:
     return 0
 
 
-def _hear(args: argparse.Namespace, settings: RunSettings) -> int:
+def _hear(args: argparse.Namespace, settings: RunSettings, read: Scene) -> int:
     """Write the sound of the play."""
     from mimics_app.app.play.heard import write_sound
     from mimics_app.app.terminal import output
 
-    report = write_sound(settings, args.audio, args.seconds)
+    report = write_sound(settings, args.audio, args.seconds, read)
     if args.json:
         output.write_object("render", {"files": [report.file], **report.summary()})
         return 0

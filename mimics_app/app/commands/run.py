@@ -152,13 +152,14 @@ def _add_session(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the scene and say what it came to."""
-    from mimics_app.app.scenes.shipped import is_only_looked_at
-    from mimics_app.app.terminal.first_start import say_if_cold
+    from mimics_app.app.play.journey_log import JourneyLog
 
-    _find_what_is_named(args)
+    with JourneyLog(args.journey).reporting():
+        _find_what_is_named(args)
+    from mimics_app.app.scenes.shipped import is_only_looked_at
+
     if is_only_looked_at(args.scene) and not args.headless:
         return _look(args)
-    say_if_cold()
     settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
     if _is_for_a_person(settings) and not args.json:
         from mimics_app.app.play.journey import play_through
@@ -169,9 +170,23 @@ def run(args: argparse.Namespace) -> int:
         from mimics_app.app.commands.launch import run as launch
 
         return launch(args)
+    return _play(settings, as_json=args.json)
+
+
+def _play(settings: RunSettings, *, as_json: bool) -> int:
+    """Play the scene in this process, once what is asked of it is found to be right."""
+    from mimics_app.app.play.journey_log import JourneyLog
+    from mimics_app.app.session.asked import read_asked
+    from mimics_app.app.terminal.first_start import say_if_cold
+
+    log = JourneyLog(settings.journey)
+    log.doing("Reading the scene")
+    with log.reporting():
+        read = read_asked(settings)
+    say_if_cold()
     from mimics_app.app.play.play import play
 
-    return play(settings, as_json=args.json)
+    return play(settings, as_json=as_json, read=read)
 
 
 def _look(args: argparse.Namespace) -> int:
@@ -205,15 +220,25 @@ def _is_for_a_person(settings: RunSettings) -> bool:
 
 
 def _find_what_is_named(args: argparse.Namespace) -> None:
-    """Refuse a scene, a device or a run that is not there before compiled code and graphics are imported."""
+    """Refuse what is named and not there, before compiled code and graphics are imported."""
     from mimics_app.app.scenes.finding import find_scene
     from mimics_app.app.terminal.named import check_adaptation, check_files
-    from mimics_app.rendering.haptic.devices.device_names import check_device_name
+    from mimics_app.app.terminal.output import tell
+    from mimics_app.recording.run_folder import check_parent
 
     args.scene = find_scene(args.scene)
-    if args.device:
-        check_device_name(args.device)
     check_files(args.action, args.display)
+    check_parent(args.runs)
+    if args.device:
+        from mimics_app.rendering.haptic.devices.device_names import check_device_name
+        from mimics_app.rendering.haptic.devices.looked_for import look_for_device
+
+        check_device_name(args.device)
+        look_for_device(args.device, tell)
+    if args.physio:
+        from mimics_app.inputs.physio.sources import look_for_source
+
+        look_for_source(args.physio, tell)
     if args.learn or args.goal or args.estimator:
         check_adaptation(args.learn, args.goal, args.estimator)
     if args.recording is not None:

@@ -12,23 +12,25 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.audio_port import AudioReport
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.contracts.errors import Issue, SceneError, UsageError
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["write_sound"]
 
 
-def write_sound(settings: RunSettings, file: Path, seconds: float) -> AudioReport:
+def write_sound(settings: RunSettings, file: Path, seconds: float, read: Scene | None = None) -> AudioReport:
     """Play a scene and write what is heard from its very start on; the same bytes every time.
 
     Args:
         settings: Scene, seed and profile; the rest is not used.
         file: Wave file.
         seconds: How long the simulated patient plays, from where the person of the first trial acts [s].
+        read: The scene, where it was read before; see `prepare`.
 
     Raises:
         SceneError: the scene is wrong, or has no sound.
         UsageError: the file cannot be written.
     """
-    parts = prepare(settings, live=False)
+    parts = prepare(settings, live=False, read=read)
     with open_core(parts) as core:
         core.sound = open_sound(parts, core.memory, file.parent, file)
         frames = Frames(core)

@@ -6,7 +6,11 @@ Lines of JSON in a file, because a window, a terminal and a launcher on any plat
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+from mimics_app.contracts.errors import MimicsError
 
 __all__ = ["JourneyLog", "read_journey"]
 
@@ -38,9 +42,15 @@ class JourneyLog:
         """Say what comes next: "again", "other" or "leave"."""
         self._say({"next": following})
 
-    def failed(self, error: str) -> None:
-        """Say why the session cannot begin or go on."""
-        self._say({"error": error})
+    @contextmanager
+    def reporting(self) -> Iterator[None]:
+        """While it lasts, an error is said here, too: why the session cannot begin or go on."""
+        try:
+            yield
+        except MimicsError as error:
+            said = error.issues[0]
+            self._say({"error": "; ".join(part for part in (said.what, said.fix) if part)})
+            raise
 
     def _say(self, line: dict[str, object]) -> None:
         if self._path is not None:

@@ -25,7 +25,7 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal import output
 from mimics_app.app.terminal.display import has_display
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.errors import DeviceError, MimicsError, PartialDataError, SafetyStop
+from mimics_app.contracts.errors import DeviceError, PartialDataError, SafetyStop
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.recording.history import earlier_runs
 from mimics_app.recording.manifest import Manifest
@@ -33,6 +33,7 @@ from mimics_app.recording.report import write_report
 from mimics_app.recording.run_folder import private_files
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.tasks.kinds.registry import report_sections
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["open_picture", "play"]
 
@@ -42,8 +43,13 @@ _WHO_PLAYS = {False: "the simulated patient plays", True: "the person at the rob
 """Who does where no window can be opened, by whether the device has a time of its own."""
 
 
-def play(settings: RunSettings, *, as_json: bool) -> int:
+def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> int:
     """Run a scene.
+
+    Args:
+        settings: What was asked for.
+        as_json: Whether the answer is one JSON object.
+        read: The scene, where it was read before; see `prepare`.
 
     Returns:
         0; 4 when the picture was lost for good; 5 when the run ended in a latched stop; 6 when ticks of it could not be
@@ -53,7 +59,12 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
     windowed = not settings.headless and has_display()
     log = JourneyLog(settings.journey)
     log.doing("Reading the scene")
-    with private_files(), _heard_of(log), build_session(settings, live=windowed) as session, _say_where_kept(session):
+    with (
+        private_files(),
+        log.reporting(),
+        build_session(settings, live=windowed, read=read) as session,
+        _say_where_kept(session),
+    ):
         frames = Frames(session)
         if not (windowed or settings.headless):
             sys.stderr.write(f"mimics: no display: {_WHO_PLAYS[session.live]}\n")
@@ -94,16 +105,6 @@ def _report(session: Session, manifest: Manifest) -> tuple[Path | None, bool]:
     except OSError as error:
         sys.stderr.write(f"mimics: the report cannot be written: {error.strerror}; mimics report {session.folder}\n")
         return None, False
-
-
-@contextmanager
-def _heard_of(log: JourneyLog) -> Iterator[None]:
-    """Whoever opened the session hears why it could not be, too."""
-    try:
-        yield
-    except MimicsError as error:
-        log.failed("; ".join(part for part in (error.issues[0].what, error.issues[0].fix) if part))
-        raise
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from mimics_app.app.picture.picture import Picture, picture_quality
 from mimics_app.app.picture.shown_on import open_display
 from mimics_app.app.picture.video import draw_film
 from mimics_app.app.scenes.catalogue import is_playable
-from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.scenes.loading import check_scene, read_scene
 from mimics_app.app.session.core import SessionCore, open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
@@ -39,6 +39,7 @@ def draw_stills(
     camera: str = "",
     video: Path | None = None,
     board: bool = True,
+    read: Scene | None = None,
 ) -> Drawn:
     """Draw frames of a scene at even distances of simulated play, the last after `seconds` [s].
 
@@ -55,12 +56,13 @@ def draw_stills(
         camera: Entity whose camera is looked through; "": the first.
         video: File of a film (see `video.film_place`) instead of the folder's files, or None.
         board: Whether the scene's figures lie over the picture.
+        read: What `read_scene` gave for the settings' scene; None: it is read here.
 
     Raises:
         SceneError: the scene is wrong, or has no camera, or none of that name.
         DeviceError: the context cannot be had.
     """
-    scene = load_checked_scene(settings.scene)
+    scene = check_scene(read or read_scene(settings.scene))
     if video is not None:
         frames = max(1, round(FRAMES_PER_SECOND * seconds))
     with closing(_moments(scene, settings, frames, seconds)) as play:

@@ -14,7 +14,7 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.world.scene.file import load_scene
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["load_checked_scene"]
+__all__ = ["check_scene", "load_checked_scene", "read_scene"]
 
 
 def load_checked_scene(path: Path, before: Scene | None = None) -> Scene:
@@ -29,7 +29,25 @@ def load_checked_scene(path: Path, before: Scene | None = None) -> Scene:
             pointer.
         DeviceError: the scene's robot has a device that nobody has.
     """
-    scene = load_scene(find_scene(path), before=before)
+    return check_scene(read_scene(path, before))
+
+
+def read_scene(path: Path, before: Scene | None = None) -> Scene:
+    """The first half of `load_checked_scene`, which imports no compiled code: what the files say of themselves.
+
+    Raises:
+        SceneError: every fault found in the files.
+    """
+    return load_scene(find_scene(path), before=before)
+
+
+def check_scene(scene: Scene) -> Scene:
+    """The second half: the same scene, if the stages find no fault in it.
+
+    Raises:
+        SceneError: every fault that a stage has found.
+        DeviceError: the scene's robot has a device that nobody has.
+    """
     from mimics_app.app.scenes.stage_checks import check_stages
 
     issues = check_stages(scene)

@@ -20,23 +20,29 @@ from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.run_folder import create_run_folder
 from mimics_app.recording.statics import write_statics
 from mimics_app.rendering.haptic import scheduler
+from mimics_app.world.scene.scene import Scene
 
 __all__ = ["build_session", "start_loop"]
 
 
-def build_session(settings: RunSettings, *, live: bool) -> Session:
+def build_session(settings: RunSettings, *, live: bool, read: Scene | None = None) -> Session:
     """Load the scene, build the loop and the stages, start the recorder and the sound. Nothing moves yet.
 
     A device with a time of its own makes the session live, whatever was requested.
 
     What can be wrong with files and devices is found before the first process starts and the run folder is made.
 
+    Args:
+        settings: What was asked for.
+        live: Whether the haptic loop is to run in real time.
+        read: The scene, where it was read before; see `prepare`.
+
     Raises:
         SceneError: the scene or the action file is wrong.
         DeviceError: the robot cannot be had.
         UsageError: no room for the recording.
     """
-    parts = prepare(settings, live=live)
+    parts = prepare(settings, live=live, read=read)
     with ExitStack() as stack:
         stack.callback(parts.plugin.close)
         parts.parameter_store.fit(device_values(parts.plugin, parts.scene))

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from mimics_app.app.planner.plan import Plan, settle
 from mimics_app.app.scenes.catalogue import open_scenario
-from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.scenes.loading import check_scene
+from mimics_app.app.session.asked import as_long_as_asked, read_asked
 from mimics_app.app.session.body import Body, open_body
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.device_fit import check_shape, fit_context
@@ -24,12 +25,10 @@ from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.tasks.actions import fill_defaults
 from mimics_app.tasks.scene_section import task_of
-from mimics_app.tasks.tailoring import eased, with_trials
+from mimics_app.tasks.tailoring import eased
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.trial_file import resolve_files
-from mimics_app.tasks.trials import repeated
 from mimics_app.world.components.robot import Patient, Robot
-from mimics_app.world.components.systems import DisplaySettings
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
@@ -83,21 +82,22 @@ class Preparation:
         )
 
 
-def prepare(settings: RunSettings, *, live: bool) -> Preparation:
+def prepare(settings: RunSettings, *, live: bool, read: Scene | None = None) -> Preparation:
     """Read the scene, plan it, and open the device. Nothing moves, no process runs, and nothing is written.
 
     A device with a time of its own makes the session live, whatever was requested.
 
+    Args:
+        settings: What was asked for.
+        live: Whether the haptic loop is to run in real time.
+        read: What `read_asked` gave for these settings; None: it is asked here.
+
     Raises:
         SceneError: the scene, the action file or the file of the display is wrong.
+        UsageError: the session has no such trial.
         DeviceError: the robot cannot be had.
     """
-    scene = load_checked_scene(settings.scene)
-    if settings.display or scene.system(DisplaySettings) is not None:
-        from mimics_app.app.picture.shown_on import check_display
-
-        check_display(scene, settings.display)
-    return prepare_scene(scene, settings, live=live)
+    return prepare_scene(check_scene(read or read_asked(settings)), settings, live=live)
 
 
 def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, plan: Plan | None = None) -> Preparation:
@@ -120,9 +120,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     side = HapticSide(scene)
     store = side.parameter_store(scenario.scene_block())
     task = fill_defaults(resolve_files(task_of(scene), scene.path.parent, scene.root), store.value)
-    task = with_trials(eased(task, settings.difficulty), settings.trials, settings.seed)
-    if settings.learn and settings.seconds is not None:
-        task = repeated(task, settings.seconds)
+    task = as_long_as_asked(eased(task, settings.difficulty), settings)
     robot, patient = _who_moves(settings, scene, live=live)
     body = open_body(settings, task, patient.preset)
     points, objects = scenario.via_points_world, side.for_robot(robot)

@@ -6,7 +6,7 @@ sender, corrected by the measured offset of its clock; the offsets are kept.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -19,15 +19,27 @@ from mimics_app.inputs.physio.integrity import Faults, Grid
 from mimics_app.inputs.physio.recording import name_of_channel
 
 if TYPE_CHECKING:
-    from pylsl import StreamInlet
+    from pylsl import StreamInfo, StreamInlet
 
-__all__ = ["LslSource"]
+__all__ = ["LslSource", "find_stream"]
 
 _PATIENCE_S = 5.0
+"""How long a stream that was found may take to describe itself [s]."""
+
+_ANSWER_S = 3.0
+"""How long a stream is waited for [s]: the library asks every 0.5 s, further apart from time to time."""
+
+_AT_ONCE_S = 0.3
+"""A wait that is longer than this [s] is announced."""
+
 _SECOND = 1_000_000_000
 _MOST = 4096
 _GLANCE_S = 0.002
 _ASK_OFFSET_NS = 5 * _SECOND
+
+
+def _say_nothing(text: str) -> None:
+    """Nobody is there."""
 
 
 class LslSource:
@@ -46,12 +58,7 @@ class LslSource:
 
     def __init__(self, name: str) -> None:
         pylsl = _library()
-        found = pylsl.resolve_byprop("name", name, 1, _PATIENCE_S) or pylsl.resolve_byprop("type", name, 1, 1.0)
-        if not found:
-            there = sorted({stream.name() for stream in pylsl.resolve_streams(1.0)})
-            hint = f"there are: {', '.join(there)}" if there else "no stream is on the network"
-            raise DeviceError(f'no LSL stream is called "{name}"', hint)
-        self._inlet: StreamInlet = pylsl.StreamInlet(found[0], max_buflen=60, recover=True)
+        self._inlet: StreamInlet = pylsl.StreamInlet(find_stream(name), max_buflen=60, recover=True)
         info = self._inlet.info(_PATIENCE_S)
         self._columns = _columns(info)
         if not self._columns:
@@ -101,6 +108,31 @@ class LslSource:
             self.offsets.append(float(self._inlet.time_correction(patience_s)))
         except (self._pylsl.util.TimeoutError, RuntimeError):
             return  # the sender is away; the old offset stands
+
+
+def find_stream(name: str, tell: Callable[[str], None] = _say_nothing) -> StreamInfo:
+    """The first stream of that name or type that answers.
+
+    Args:
+        name: Of the stream, or its type.
+        tell: Is called with a line before a wait.
+
+    Raises:
+        UsageError: pylsl is not installed.
+        DeviceError: No such stream answers.
+    """
+    pylsl = _library()
+    wanted = f"name='{name}' or type='{name}'"
+    found = pylsl.resolve_bypred(wanted, 1, _AT_ONCE_S)
+    if not found:
+        tell(f'waiting up to {_ANSWER_S:g} s for the LSL stream "{name}"')
+        found = pylsl.resolve_bypred(wanted, 1, _ANSWER_S)
+    if not found:
+        there = sorted({stream.name() for stream in pylsl.resolve_streams(_AT_ONCE_S)})
+        hint = f"there are: {', '.join(there)}" if there else "no stream is on the network"
+        raise DeviceError(f'no LSL stream is called "{name}"', hint)
+    stream: StreamInfo = found[0]
+    return stream
 
 
 def _columns(info: object) -> dict[str, int]:

@@ -61,9 +61,7 @@ def read_signal_file(path: Path) -> list[Recorded]:
         SceneError: It is not there, cannot be read, or has no body signal.
         UsageError: What reads its format is not installed.
     """
-    if not path.exists():
-        raise SceneError(Issue(str(path), "", "there is no such file"))
-    found = _reader_of(path)(path)
+    found = reader_of(path)(path)
     signals: dict[str, Recorded] = {}
     for signal in found:
         if signal.name and len(signal.values) and signal.name not in signals:
@@ -73,7 +71,14 @@ def read_signal_file(path: Path) -> list[Recorded]:
     return list(signals.values())
 
 
-def _reader_of(path: Path) -> Callable[[Path], list[Recorded]]:
+def reader_of(path: Path) -> Callable[[Path], list[Recorded]]:
+    """What reads a file that is there, by its name.
+
+    Raises:
+        SceneError: It is not there, or of no format that holds body signals.
+    """
+    if not path.exists():
+        raise SceneError(Issue(str(path), "", "there is no such file"))
     suffixes = [suffix.lower() for suffix in path.suffixes]
     if ".csv" in suffixes[-2:]:
         return _read_csv

@@ -6,14 +6,15 @@ its object called with (rest of the address, seed).
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
-from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.errors import DeviceError, UsageError, nearest
 from mimics_app.contracts.input_port import SignalSource
 
-__all__ = ["ENTRY_POINT_GROUP", "KINDS", "open_source"]
+__all__ = ["ENTRY_POINT_GROUP", "KINDS", "look_for_source", "open_source"]
 
 ENTRY_POINT_GROUP = "mimics_app.signal_sources"
 
@@ -64,13 +65,71 @@ def open_source(address: str, seed: int) -> SignalSource:
         DeviceError: The source cannot be had.
         SceneError: The file is none, or wrong.
     """
+    kind, rest = _split(address)
+    if kind in KINDS:
+        return KINDS[kind](rest, seed)
+    opener: _Opener = _installed()[kind].load()
+    return opener(rest, seed)
+
+
+def look_for_source(address: str, tell: Callable[[str], None]) -> None:
+    """Refuse what `open_source` would for want of a file, a port or a stream; nothing is opened.
+
+    Args:
+        address: What names the source.
+        tell: Is called with a line before a wait.
+
+    Raises:
+        UsageError, DeviceError, SceneError: As `open_source`.
+    """
+    kind, rest = _split(address)
+    if kind in _LOOKS:
+        _LOOKS[kind](rest, tell)
+
+
+def _look_for_person(preset: str, tell: Callable[[str], None]) -> None:
+    _simulated(preset, 0)
+
+
+def _look_for_file(path: str, tell: Callable[[str], None]) -> None:
+    from mimics_app.inputs.physio.recording import reader_of
+
+    reader_of(Path(path))
+
+
+def _look_for_stream(name: str, tell: Callable[[str], None]) -> None:
+    from mimics_app.inputs.physio.lsl import find_stream
+
+    find_stream(name, tell)
+
+
+def _look_for_port(address: str, tell: Callable[[str], None]) -> None:
+    port = address.partition("@")[0]
+    if os.path.isabs(port) and not os.path.exists(port):
+        raise DeviceError(f'the serial port "{port}" cannot be opened: nothing is there', "mimics devices lists them")
+
+
+_LOOKS: dict[str, Callable[[str, Callable[[str], None]], None]] = {
+    "sim": _look_for_person,
+    "file": _look_for_file,
+    "lsl": _look_for_stream,
+    "serial": _look_for_port,
+}
+
+
+def _installed() -> dict[str, EntryPoint]:
+    return {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
+
+
+def _split(address: str) -> tuple[str, str]:
+    """Kind and rest of an address, of a kind that there is.
+
+    Raises:
+        UsageError: There is none, or the rest is missing.
+    """
     kind, _, rest = address.partition(":")
     if kind in KINDS and kind != "sim" and not rest:
         raise UsageError(f'"{address}" names no {kind} source', f"write {kind}:NAME")
-    if kind in KINDS:
-        return KINDS[kind](rest, seed)
-    points = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
-    if kind in points:
-        opener: _Opener = points[kind].load()
-        return opener(rest, seed)
-    raise UsageError(f'"{address}" is no source of body signals', nearest(kind, [*KINDS, *points]))
+    if kind not in KINDS and kind not in _installed():
+        raise UsageError(f'"{address}" is no source of body signals', nearest(kind, [*KINDS, *_installed()]))
+    return kind, rest

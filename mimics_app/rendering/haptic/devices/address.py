@@ -6,7 +6,14 @@ from dataclasses import dataclass
 
 from mimics_app.contracts.errors import DeviceError
 
-__all__ = ["DeviceAddress", "host_and_port", "port_and_baud", "split_device"]
+__all__ = ["DEFAULT_BAUD", "HAPTICMASTER_PORT", "DeviceAddress", "host_and_port", "port_and_baud", "split_device"]
+
+
+DEFAULT_BAUD = 921600
+"""Speed of a robot's serial line [baud]."""
+
+HAPTICMASTER_PORT = 7654
+"""TCP port that a HapticMaster listens at."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,18 +13,16 @@ from mimics_app.contracts.errors import DeviceError, nearest
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices import hapticmaster_loop as loop
-from mimics_app.rendering.haptic.devices.address import host_and_port
+from mimics_app.rendering.haptic.devices.address import HAPTICMASTER_PORT, host_and_port
 from mimics_app.rendering.haptic.devices.device_objects import DEFAULT_INERTIA, DeviceObject, hapticmaster_commands
 from mimics_app.rendering.haptic.devices.link import LinkKeeper
+from mimics_app.rendering.haptic.devices.looked_for import CONNECT_S, no_hapticmaster
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 
-__all__ = ["DEFAULT_PORT", "build_hapticmaster"]
-
-DEFAULT_PORT = 7654
+__all__ = ["build_hapticmaster"]
 
 _HEADER = 8
 _LONGEST_ANSWER = 65535
-_CONNECT_S = 2.0
 _ANSWER_S = 2.0
 _INIT_NS = 90_000_000_000
 _LOOK_AGAIN_NS = 50_000_000
@@ -42,11 +40,9 @@ class _Conversation:
     def __init__(self, host: str, port: int) -> None:
         self._where = f"{host}:{port}"
         try:
-            self._socket = socket.create_connection((host, port), timeout=_CONNECT_S)
+            self._socket = socket.create_connection((host, port), timeout=CONNECT_S)
         except OSError as failure:
-            raise DeviceError(
-                f"no HapticMaster at {self._where}: {failure}", "is it on, and in this network?"
-            ) from failure
+            raise no_hapticmaster(host, port, failure) from failure
         self._socket.settimeout(_ANSWER_S)
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
@@ -95,7 +91,7 @@ def build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
     Raises:
         DeviceError: Nothing answers there, the machine refuses, or a setting is wrong.
     """
-    host, port = host_and_port(request.address, DEFAULT_PORT)
+    host, port = host_and_port(request.address, HAPTICMASTER_PORT)
     settings = _settings(request.robot.settings)
     memory = np.zeros(loop.HAPTICMASTER_LENGTH)
     memory[loop.TICK] = 1.0 / request.rate

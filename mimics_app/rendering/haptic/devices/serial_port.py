@@ -15,8 +15,9 @@ from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic.devices import serial_robot
-from mimics_app.rendering.haptic.devices.address import port_and_baud
+from mimics_app.rendering.haptic.devices.address import DEFAULT_BAUD, port_and_baud
 from mimics_app.rendering.haptic.devices.link import LinkKeeper
+from mimics_app.rendering.haptic.devices.looked_for import no_port
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.serial_frames import (
     ASK,
@@ -31,9 +32,7 @@ from mimics_app.rendering.haptic.devices.serial_frames import (
     seal_frame,
 )
 
-__all__ = ["DEFAULT_BAUD", "RobotInfo", "build_serial", "info_payload", "parse_info"]
-
-DEFAULT_BAUD = 921600
+__all__ = ["RobotInfo", "build_serial", "info_payload", "parse_info"]
 
 _BITS_PER_BYTE = 10  # start, eight, stop
 _PATIENCE_NS = 1_500_000_000
@@ -118,7 +117,7 @@ def _open_port(port: str, baud: int) -> Any:
         line = serial.Serial(port, baud, timeout=0, exclusive=True)
     except (OSError, ValueError) as failure:  # SerialException is an OSError
         why = "nothing is there" if getattr(failure, "errno", None) == errno.ENOENT else str(failure)
-        raise DeviceError(f"{port} cannot be opened: {why}", "mimics devices lists the serial ports") from failure
+        raise no_port(port, why) from failure
     os.set_blocking(line.fileno(), False)
     return line
 
