@@ -7,6 +7,8 @@ The fault corrected, it becomes an `@example` of the test, which stays when the 
 
 from __future__ import annotations
 
+import gc
+from collections.abc import Generator
 from pathlib import Path
 
 import pytest
@@ -15,6 +17,8 @@ from hypothesis.database import DirectoryBasedExampleDatabase, ReadOnlyDatabase
 from hypothesis.internal.reflection import function_digest
 
 FOUND = Path(__file__).parent / "properties" / "found"
+COLLECTOR = (50_000, 20, 20)
+"""Thresholds of the garbage collector: syntax trees and compilers make millions of objects that are no rubbish."""
 _SEED = "_hypothesis_internal_use_seed"
 """What `hypothesis.seed` sets. A test of this folder turns red if another version calls it otherwise."""
 
@@ -36,6 +40,18 @@ def pytest_xdist_setupnodes(config: pytest.Config) -> None:
         from tests.support.compile_first import compile_first
 
         compile_first()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Nothing that is imported and collected is rubbish: the collector looks through none of it, now or later."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
+        gc.set_threshold(*COLLECTOR)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -32,10 +32,19 @@ _TEXT = {
 
 
 @cache
-def modules() -> dict[str, ast.Module]:
-    """Every module of the package by its path relative to the package, parsed."""
+def texts() -> dict[str, str]:
+    """Every module of the package by its path relative to the package: what tests are made for, unparsed.
+
+    Every worker collects every test, and a million nodes that stay would be the garbage collector's, too.
+    """
     files = sorted(PACKAGE.rglob("*.py"))
-    return {file.relative_to(PACKAGE).as_posix(): ast.parse(file.read_text(encoding="utf-8")) for file in files}
+    return {file.relative_to(PACKAGE).as_posix(): file.read_text(encoding="utf-8") for file in files}
+
+
+@cache
+def modules() -> dict[str, ast.Module]:
+    """The same, parsed."""
+    return {path: ast.parse(text) for path, text in texts().items()}
 
 
 def imports(tree: ast.Module) -> Iterator[tuple[int, str]]:

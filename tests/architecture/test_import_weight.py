@@ -33,10 +33,14 @@ HEAVY = {
 }
 
 
+def _said(code: str) -> list[str]:
+    """Lines that a fresh process writes to stderr."""
+    command = [sys.executable, "-c", f"import sys, json\n{code}"]
+    return subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT).stderr.splitlines()
+
+
 def _modules_after(code: str) -> set[str]:
-    script = f"import sys, json\n{code}\nsys.stderr.write('\\n' + json.dumps(sorted(sys.modules)))"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=ROOT)
-    return set(json.loads(done.stderr.splitlines()[-1]))
+    return set(json.loads(_said(f"{code}\nsys.stderr.write('\\n' + json.dumps(sorted(sys.modules)))")[-1]))
 
 
 def test_the_probe_sees_an_import() -> None:
@@ -50,9 +54,25 @@ def test_help_imports_nothing_heavy_and_no_command() -> None:
     assert not [name for name in loaded if name.startswith("mimics_app.app.commands")]
 
 
+_HELP_OF_EACH = """
+from mimics_app.app.cli import COMMANDS, main
+for command in COMMANDS:
+    before = set(sys.modules)
+    main([command, '--help'])
+    sys.stderr.write(json.dumps([command, sorted(set(sys.modules) - before)]) + '\\n')
+"""
+
+
+@pytest.fixture(scope="module")
+def loaded_by_help() -> dict[str, set[str]]:
+    """What the help of one command after the other imports beyond those before it."""
+    rows = [json.loads(line) for line in _said(_HELP_OF_EACH)]
+    return {command: set(loaded) for command, loaded in rows}
+
+
 @pytest.mark.parametrize("command", COMMANDS)
-def test_help_of_one_command_imports_nothing_heavy(command: str) -> None:
-    loaded = _modules_after(f"from mimics_app.app.cli import main; main(['{command}', '--help'])")
+def test_help_of_one_command_imports_nothing_heavy(loaded_by_help: dict[str, set[str]], command: str) -> None:
+    loaded = loaded_by_help[command]
     assert f"mimics_app.app.commands.{command}" in loaded
     assert not loaded & HEAVY
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -14,34 +15,38 @@ from tests.architecture.sources import PACKAGE, ROOT
 
 PLANTED = {
     "one stage imports another": (
-        "dsp/planted.py",
+        "dsp/planted_stage.py",
         "from mimics_app.learning import planted_target\n",
         "Imports only go down",
     ),
-    "a lower layer imports a higher one": ("maths/planted.py", "import mimics_app.world\n", "Imports only go down"),
+    "a lower layer imports a higher one": ("maths/planted_low.py", "import mimics_app.world\n", "Imports only go down"),
     "touch imports picture": (
-        "rendering/haptic/planted.py",
+        "rendering/haptic/planted_picture.py",
         "import mimics_app.rendering.visual\n",
         "Touch, picture and sound",
     ),
-    "OpenGL in a kernel": ("rendering/haptic/kernels/planted.py", "import moderngl\n", "Kernels know only arrays"),
+    "OpenGL in a kernel": (
+        "rendering/haptic/kernels/planted_gl.py",
+        "import moderngl\n",
+        "Kernels know only arrays",
+    ),
     "OpenGL inside a function of the world": (
-        "world/planted.py",
+        "world/planted_gl.py",
         "def draw():\n    import moderngl\n    return moderngl\n",
         "OpenGL and windows",
     ),
     "a kernel that reaches JSON through maths": (
-        "maths/planted_json.py",
-        "import json\n",
+        "rendering/haptic/kernels/planted_reader.py",
+        "import mimics_app.maths.planted_json\n",
         "Kernels know only arrays",
     ),
     "a room of the application knows the one above it": (
-        "app/picture/planted.py",
+        "app/picture/planted_room.py",
         "import mimics_app.app.session.session\n",
         "Rooms of the application",
     ),
     "a device knows the loop that plays it": (
-        "rendering/haptic/devices/planted.py",
+        "rendering/haptic/devices/planted_device.py",
         "import mimics_app.rendering.haptic.loop\n",
         "Rooms of touch",
     ),
@@ -51,7 +56,7 @@ PLANTED = {
         "Kernels of touch",
     ),
     "a pass knows the stage that prepares it": (
-        "rendering/visual/passes/planted.py",
+        "rendering/visual/passes/planted_pass.py",
         "import mimics_app.rendering.visual.stages.world_stage\n",
         "Rooms of the picture",
     ),
@@ -61,13 +66,17 @@ PLANTED = {
         "Rooms of the world",
     ),
     "a probe knows the chart it is drawn in": (
-        "lab/haptic/planted.py",
+        "lab/haptic/planted_probe.py",
         "import mimics_app.lab.chart\n",
         "Rooms of the laboratory",
     ),
-    "a new module of touch nobody planned": ("rendering/haptic/planted.py", "", "Rooms of touch"),
+    "a new module of touch nobody planned": ("rendering/haptic/planted_new.py", "", "Rooms of touch"),
     "a new room nobody planned": ("attic/__init__.py", "", "Imports only go down"),
 }
+"""What is planted into one copy: module, its text, and the contract whose complaint names the module."""
+
+TARGETS = {"learning/planted_target.py": "", "maths/planted_json.py": "import json\n"}
+"""What planted modules import and nobody else has."""
 
 
 def _lint(folder: Path) -> subprocess.CompletedProcess[str]:
@@ -77,12 +86,13 @@ def _lint(folder: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
 
 
-@pytest.fixture
-def copied(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the package that may be spoilt."""
-    shutil.copytree(PACKAGE, tmp_path / "mimics_app", ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copy(ROOT / "pyproject.toml", tmp_path)
-    return tmp_path
+    folder = tmp_path_factory.mktemp("copied")
+    shutil.copytree(PACKAGE, folder / "mimics_app", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    return folder
 
 
 def test_the_layers_are_kept() -> None:
@@ -90,22 +100,25 @@ def test_the_layers_are_kept() -> None:
     assert done.returncode == 0, done.stdout
 
 
-def test_the_copy_is_what_is_linted(copied: Path) -> None:
-    """Without this, planted faults might be looked for in the installed package."""
-    assert _lint(copied).returncode == 0
+@pytest.fixture(scope="module")
+def complaints(copied: Path) -> dict[str, str]:
+    """What each broken contract has to say of the copy into which everything is planted, by the contract's name."""
+    clean = _lint(copied)  # without this, planted faults might be looked for in the installed package
+    assert clean.returncode == 0, clean.stdout
+    for place, code in [*TARGETS.items(), *((place, code) for place, code, _ in PLANTED.values())]:
+        file = copied / "mimics_app" / place
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(code)
+    done = _lint(copied)
+    assert done.returncode == 1, done.stdout
+    parts = re.split(r"^(.+)\n-+\n", done.stdout, flags=re.MULTILINE)
+    return dict(zip(parts[1::2], parts[2::2], strict=True))
 
 
 @pytest.mark.parametrize("what", PLANTED)
-def test_planted_violation_is_caught(copied: Path, what: str) -> None:
-    place, code, contract = PLANTED[what]
-    file = copied / "mimics_app" / place
-    file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(code)
-    (copied / "mimics_app" / "learning" / "planted_target.py").write_text("")
-    if place == "maths/planted_json.py":
-        kernel = copied / "mimics_app" / "rendering" / "haptic" / "kernels" / "planted.py"
-        kernel.write_text("import mimics_app.maths.planted_json\n")
-    done = _lint(copied)
-    assert done.returncode == 1, done.stdout
-    broken = [line for line in done.stdout.splitlines() if line.endswith("BROKEN")]
-    assert any(line.startswith(contract) for line in broken), done.stdout
+def test_planted_violation_is_caught(complaints: dict[str, str], what: str) -> None:
+    """The contract names the planted module as one that imports, or as one that it does not list."""
+    place, _, contract = PLANTED[what]
+    (said,) = [text for name, text in complaints.items() if name.startswith(contract)]
+    module = re.escape("mimics_app." + place.removesuffix(".py").removesuffix("/__init__").replace("/", "."))
+    assert re.search(rf"^ *-? *{module}(?: ->|$)", said, re.MULTILINE), said

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.architecture.sources import PACKAGE, ROOT, attributes, imports, modules, repository_files
+from tests.architecture.sources import PACKAGE, ROOT, attributes, imports, modules, repository_files, texts
 from tests.support.order import LONGEST
 
 TIMEKEEPERS = {"contracts/clock.py", "contracts/atomics.py"}
@@ -39,7 +39,7 @@ PLATFORM_HOMES = {
 }
 
 
-@pytest.mark.parametrize("path", [path for path in modules() if path.endswith("__init__.py")])
+@pytest.mark.parametrize("path", [path for path in texts() if path.endswith("__init__.py")])
 def test_package_files_are_a_docstring_and_all(path: str) -> None:
     """Nothing is imported by importing a package: `mimics --help` passes through several of them."""
     tree = modules()[path]

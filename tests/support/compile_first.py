@@ -1,10 +1,12 @@
-"""Machine code that modules compile when they are imported, made on every processor before tests are collected.
+"""What workers of pytest would each make for themselves, made before they start, on every processor.
 
-Each worker of pytest imports every test module: with an empty cache all of them would compile all of it, at one time.
+Each of them imports every test module: with an empty cache all of them would compile all machine code that is made on
+import, and rewrite the assertions of every file, at one time.
 """
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable
 from contextlib import suppress
@@ -13,11 +15,12 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+from _pytest.assertion import rewrite
 
 from mimics_app.app.commands.warmup import PARTS, compile_beside
 from mimics_app.contracts.kernel_cache import sources_reached
 
-__all__ = ["compile_first", "modules_to_import"]
+__all__ = ["compile_first", "modules_to_import", "rewrite_assertions"]
 
 ROOT = Path(__file__).resolve().parents[2]
 OBJECTS = ROOT / "mimics_app" / "rendering" / "haptic" / "simulate.py"
@@ -38,8 +41,24 @@ def modules_to_import() -> list[str]:
 def compile_first() -> None:
     """Compile the large parts, then import them all, in as many processes as there are processors."""
     tasks: dict[str, Callable[[], None]] = {name: partial(_import, name) for name in modules_to_import()}
-    for _ in compile_beside({**PARTS, **tasks}):
+    for _ in compile_beside({**PARTS, "assertions": rewrite_assertions, **tasks}):
         pass
+
+
+def rewrite_assertions(folder: Path = ROOT / "tests") -> None:
+    """Lay pytest's byte code of every test file in `folder`, with its assertions rewritten, where pytest looks for it.
+
+    pytest has no public word for that; what it finds wrong or does not find it makes itself.
+    """
+    for file in folder.rglob("test_*.py"):
+        kept = rewrite.get_cache_dir(file) / f"{file.stem}{rewrite.PYC_TAIL}"
+        kept.parent.mkdir(exist_ok=True)
+        if rewrite._read_pyc(file, kept) is None:
+            source_hash, code = rewrite._rewrite_test(file, None)  # type: ignore[arg-type]
+            made = kept.with_suffix(f".{os.getpid()}")
+            with made.open("wb") as bytecode:
+                rewrite._write_pyc_fp(bytecode, source_hash, code)
+            made.replace(kept)
 
 
 def _import(name: str) -> None:

@@ -4,10 +4,19 @@ from __future__ import annotations
 
 import gc
 import weakref
+from collections.abc import Iterator
 
 import pytest
 
 from mimics_app.app.play.collector import left_alone
+
+
+@pytest.fixture(autouse=True)
+def nothing_left_alone_before() -> Iterator[None]:
+    """What the suite itself put away comes back for these tests."""
+    gc.unfreeze()
+    yield
+    gc.freeze()
 
 
 class _Ring:
