@@ -44,7 +44,7 @@ _BACKGROUND = (0.5, 0.6, 0.7)
 WORKLOADS = ("city", "nodes", "crowd", "walk", "people", "people_full", "particles")
 _FILES = {"city": "city.glb", "nodes": "cube.glb", "crowd": "character.glb"}
 _DEFAULT_NODES = 10_000
-_DEFAULT_PEOPLE, _ON_SIDEWALKS = 20, 100
+_DEFAULT_PEOPLE = 20
 
 
 class Workload(ABC):
@@ -100,7 +100,11 @@ class City(Workload):
 
 
 class Walk(City):
-    """The product's own city as its scene asks for it: a few steps at a walking pace, and again some way further on."""
+    """The product's own city as its scene asks for it: a few steps at a walking pace, and again some way further on.
+
+    Attributes:
+        scene: The city's.
+    """
 
     start = (-1.75, 1.7, 330.0)
     _STRIDE, _STEPS = 1.4 / 30.0, 8
@@ -113,12 +117,12 @@ class Walk(City):
         return self._APART * (number % self._PLACES) + self._STRIDE * step
 
     def __init__(self) -> None:
-        self._scene = load_checked_scene(root() / "scenes" / "city_walk.json")
-        world = build_world(self._scene)
+        self.scene = load_checked_scene(root() / "scenes" / "city_walk.json")
+        world = build_world(self.scene)
         super().__init__(world, len(world.transforms))
 
     def quality(self, surface: Surface) -> RenderSettings:
-        return live_quality(self._scene, "training", surface)
+        return live_quality(self.scene, "training", surface)
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,9 +265,9 @@ def open_workload(name: str, folder: Path | None, count: int) -> Workload:
     if name == "walk":
         return Walk()
     if name in ("people", "people_full"):
-        from mimics_app.app.bench.people_workload import People
+        from mimics_app.app.bench.people_workload import ON_SIDEWALKS, People
 
-        return People(count or _ON_SIDEWALKS, name == "people_full")
+        return People(count or ON_SIDEWALKS, name == "people_full")
     if name == "particles":
         from mimics_app.app.bench.particles_workload import Fountain
 

@@ -60,7 +60,8 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         "names",
         nargs="*",
         metavar="NAME",
-        help="of render: city, nodes, crowd, walk, people, people_full or particles; of frame: scenes (default: all)",
+        help="of render: city, nodes, crowd, walk, people, people_full or particles; of frame: scenes or people "
+        "(default: all)",
     )
     parser.add_argument(
         "--data",
