@@ -13,6 +13,7 @@ __all__ = [
     "TICK_NS",
     "Clock",
     "MonotonicClock",
+    "Stopwatch",
     "VirtualClock",
     "process_seconds",
     "ticks_until_frame",
@@ -29,12 +30,16 @@ FRAME_NS = 1_000_000_000 // FRAMES_PER_SECOND
 """Shortest distance of two live frames, less than a nanosecond short of a sixtieth of a second."""
 
 
-class Clock(Protocol):
-    """Session time that never runs backwards."""
+class Stopwatch(Protocol):
+    """What can be read and not waited on: session time, or what a process has computed for."""
 
     def now_ns(self) -> int:
-        """Nanoseconds on the clock's own scale."""
+        """Nanoseconds on its own scale, which never runs backwards."""
         ...
+
+
+class Clock(Stopwatch, Protocol):
+    """Session time that never runs backwards."""
 
     def sleep_until_ns(self, deadline_ns: int) -> None:
         """Return at the deadline, or at once when it has passed."""

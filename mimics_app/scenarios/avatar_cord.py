@@ -17,6 +17,7 @@ from mimics_app.contracts.clock import FRAME_NS
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import BodyPose
+from mimics_app.scenarios.tap_path import Tap, ball_motion
 from mimics_app.scenarios.touch_scene import TouchScene
 from mimics_app.tasks.kinds.avatar_cord import HALF_FRAME_NS
 from mimics_app.world.components.cord import CordComponent
@@ -25,11 +26,10 @@ from mimics_app.world.cords import Cord
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["AvatarCord", "tap_gap"]
+__all__ = ["AvatarCord"]
 
 F8 = NDArray[np.float64]
 _NS = 1_000_000_000
-_Tap = tuple[int, str, float, float, int]
 
 _PARTS = ("head", "hand_left", "hand_right")
 """Parts of a person that move a body."""
@@ -37,10 +37,12 @@ _UNTRACKED: Mapping[str, F8 | None] = dict.fromkeys(_PARTS)
 _EYES = np.array([0.0, 1.70, 0.0])
 """Where the subject's eyes are unless a display's own tracker gives them [m]."""
 
-_HOVER, _FALL_S = 0.09, 0.14
-"""The tapping ball waits so far over what it taps [m], and takes so long down and up again [s]."""
 _BALL = 0.022
-"""Its radius [m]."""
+"""Radius of the tapping ball [m]."""
+_TAPPED_OVER = 0.06
+"""Stomach and back are tapped so far over the cord's ends [m]."""
+_ROUND = 0.55
+"""The ball goes so far out to the side on its way round the avatar [m]."""
 _RIPPLE_SHARE = 0.35
 """Height of a tap's first crest over the cord's radius."""
 _BEHIND = (1.6, 0.35)
@@ -51,15 +53,6 @@ _TOUCH, _TOUCH_BALL = "cord_touch", 0.012
 """Entity whose force field makes the cord be felt; radius of the ball that touches [m]."""
 _SWING_HZ, _SWING_DAMPING, _SWING_PER_M_S = 0.8, 1.1, 0.35
 """Of the cord: frequency, damping [1/s], and angle a sideways speed of its ends sets off [rad s/m]."""
-
-
-def tap_gap(before_s: float) -> float:
-    """How far the tapping ball is over what it taps, a time before its touch [s]; negative: after it [m].
-
-    It falls with growing speed and comes back as it came; at the touch it is at 0.
-    """
-    share = min(abs(before_s) / _FALL_S, 1.0)
-    return _HOVER * share * share
 
 
 class AvatarCord(TouchScene):
@@ -111,7 +104,8 @@ class AvatarCord(TouchScene):
         self._now_ns = 0
         self._parts: dict[str, Mapping[str, F8 | None]] = {"subject": _UNTRACKED, "avatar": _UNTRACKED}
         self._last_tap = -1
-        self._coming: _Tap | None = None
+        self._coming: Tap | None = None
+        self._before: Tap | None = None
         self._swing = self._swing_speed = 0.0
         self._middle: F8 | None = None
         self._arrange()
@@ -195,28 +189,44 @@ class AvatarCord(TouchScene):
         self._swing = min(max(self._swing + dt * self._swing_speed, -0.6), 0.6)
         return self._swing
 
-    def _tap(self, tap: _Tap | None) -> None:
+    def _tap(self, tap: Tap | None) -> None:
         cord = self._cord
         self._tap_ball.visible = tap is not None and (tap[1] != "cord" or cord.visible)
         cord.ball[3] = 0.0
         coming, self._coming = self._coming, tap
         if coming is not None and (tap is None or tap[4] != coming[4]):
             self._ripple(coming)  # in the frame of a touch the task orders the next tap already
+            self._before = coming
         self._ripple(tap)
         if tap is None:
-            self._last_tap = -1
+            self._before, self._last_tap = None, -1
             return
-        due_ns, place, share, theta, _ = tap
-        gap = tap_gap((due_ns - self._now_ns) / _NS)
-        if place == "cord":
-            at, _ = cord.place(share, theta, gap + _BALL)
-            cord.ball[:3], cord.ball[3] = at, _BALL
-        else:
-            surface, out = (self.avatar.back, 1.0) if place == "back" else (self.avatar.stomach, -1.0)
-            at = surface + [0.0, 0.06, out * (gap + _BALL)]
+        at = self._ball_at(tap)
         self._tap_ball.set_position(at)
+        if self._tap_ball.visible:
+            cord.ball[:3], cord.ball[3] = at, _BALL
 
-    def _ripple(self, tap: _Tap | None) -> None:
+    def _ball_at(self, tap: Tap) -> F8:
+        """The middle of the tapping ball on its way from the touch before to this one."""
+        before = self._before or tap
+        since_s = math.inf if self._before is None else (self._now_ns - before[0]) / _NS
+        share, gap = ball_motion(since_s, (tap[0] - self._now_ns) / _NS)
+        if before[1] == tap[1] == "cord":
+            along, around = (a + share * (b - a) for a, b in zip(before[2:4], tap[2:4], strict=True))
+            return self._over(("cord", along, around), gap)
+        start, end = (self._over(each[1:4], gap) for each in (before, tap))
+        side = _ROUND if (before[1] == "stomach") != (tap[1] == "stomach") else 0.0
+        return start + share * (end - start) + [side * math.sin(math.pi * share), 0.0, 0.0]
+
+    def _over(self, place: tuple[str, float, float], gap: float) -> F8:
+        """The middle of the ball so far over a place [m]."""
+        name, along, around = place
+        if name == "cord":
+            return self._cord.place(along, around, gap + _BALL)[0]
+        surface, out = (self.avatar.back, 1.0) if name == "back" else (self.avatar.stomach, -1.0)
+        return surface + [0.0, _TAPPED_OVER, out * (gap + _BALL)]
+
+    def _ripple(self, tap: Tap | None) -> None:
         """Begin the ripple of a tap on the cord once it has touched; it counts from the touch, not from the frame."""
         if tap is None or tap[1] != "cord" or tap[4] == self._last_tap or self._now_ns + HALF_FRAME_NS < tap[0]:
             return

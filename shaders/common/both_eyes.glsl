@@ -1,7 +1,8 @@
 // Both eyes in one pass: every second instance is the other eye's, into its own viewport, or into its half of one picture.
+// The same program draws one of them alone, where the view's block says which: no number of it is rounded otherwise then.
 #if defined(EYES_BY_VIEWPORT) || defined(EYES_BY_CLIPPING)
 #define EYES 2
-#define EYE (gl_InstanceID & 1)
+#define EYE (eye_places[0].w < 0.0 ? gl_InstanceID & 1 : int(eye_places[0].w))
 #else
 #define EYES 1
 #define EYE 0

@@ -32,7 +32,8 @@ layout(std140, binding = 0) uniform ViewBlock {
     vec4 light_colour[MAX_LIGHTS];     // linear, at 1 m; w: cosine of the outer cone, -2 for a point light
     vec4 light_direction[MAX_LIGHTS];  // unit, where it shines; w: cosine of the inner cone
     vec4 light_shadow[MAX_LIGHTS];     // x: number of its map, -1 for none
-    vec4 eye_places[2];                // of the eyes in the frame "eye", whose origin is between eyes that share a queue
+    vec4 eye_places[2];                // of the eyes in the frame "eye", whose origin is between eyes that share a queue;
+                                       // w of the first: which of them is drawn, negative: both, by turns of instances
 };
 
 #define clip_from_eye clip_from_eyes[0]

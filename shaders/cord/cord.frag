@@ -33,7 +33,9 @@ float past_ball(vec3 n) {
     float gap = dot(to_ball, ball_light.xyz);
     float off = length(to_ball - gap * ball_light.xyz);
     float soft = max(ball_light.w * max(gap, 0.0), 0.02 * ball.w);
-    float covered = 1.0 - smoothstep(ball.w - soft, ball.w + soft, off);
+    // Where the light is larger than the ball as seen from here, no shadow is whole.
+    float whole = min(1.0, ball.w * ball.w / (soft * soft));
+    float covered = whole * (1.0 - smoothstep(ball.w - soft, ball.w + soft, off));
     return gap > 0.0 && dot(n, ball_light.xyz) > 0.0 ? 1.0 - covered : 1.0;
 }
 

@@ -11,12 +11,21 @@
 #include "common/lights.glsl"
 #endif
 
+#ifndef DOTS
 layout(binding = 0) uniform sampler2DArray pictures;    // display values
+#endif
 
-in vec3 position_eye;
 in vec2 corner;
-flat in vec4 sprite_tint;
 flat in vec4 sprite_style;
+#ifdef LIT
+in vec3 position_eye;
+flat in vec4 sprite_tint;
+#else
+flat in vec4 sprite_white;
+#ifdef HAZE
+flat in vec3 sprite_black;
+#endif
+#endif
 out vec4 colour;
 
 #ifdef LIT
@@ -29,32 +38,58 @@ vec3 sprite_normal(vec3 view) {
     vec3 ball = corner.x * right + corner.y * up + sqrt(max(1.0 - dot(corner, corner), 0.0)) * flat_normal;
     return normalize(mix(flat_normal, ball, sprite_style.z));
 }
-#endif
 
-void main() {
-    vec4 picture = texture(pictures, vec3(0.5 + 0.5 * corner.x, 0.5 - 0.5 * corner.y, sprite_style.x));
-    float cover = picture.a * sprite_tint.a;
-#ifdef MASKED
-    if (cover < sprite_style.w) discard;
-#endif
-    vec3 light = decode_srgb(picture.rgb) * sprite_tint.rgb;
+// What it is shown as, in display values.
+vec3 shown(vec3 picture) {
+    vec3 base = decode_srgb(picture) * sprite_tint.rgb;
     vec3 sight = position_eye - eye_places[0].xyz;
     float distance = length(sight);
-#ifdef LIT
     vec3 view = sight / -distance;
     vec3 normal = sprite_normal(view);
     vec2 sun = sun_and_tone(position_eye, normal);
-    light = shine(make_surface(light, 0.0, 1.0, normal, view), 1.0, position_eye, sun.x, 1.0);
-    float tone = sun.y;
-#else
-    const float tone = 1.0;
-#endif
+    vec3 light = shine(make_surface(base, 0.0, 1.0, normal, view), 1.0, position_eye, sun.x, 1.0);
     // Haze covers what covers; of what only adds light it lets less through.
-    float opacity = sprite_style.y;
-    light = apply_fog(light, distance) - (1.0 - opacity) * apply_fog(vec3(0.0), distance);
-#ifdef MASKED
-    colour = vec4(tone * encode_output(light), 1.0);
+    light = apply_fog(light, distance) - (1.0 - sprite_style.y) * apply_fog(vec3(0.0), distance);
+    return sun.y * encode_output(light);
+}
+#define OWN_ALPHA sprite_tint.a
 #else
-    colour = vec4(tone * encode_output(light) * cover, cover * opacity);
+// The same between black and white of the picture, which are found once a corner: exact for those two.
+vec3 shown(vec3 picture) {
+#ifdef HAZE
+    return mix(sprite_black, sprite_white.rgb, picture);
+#else
+    return sprite_white.rgb * picture;
+#endif
+}
+#define OWN_ALPHA sprite_white.a
+#endif
+
+#ifdef DOTS
+// world/materials/sprite_pictures.py has it as a picture: a spot with a soft edge. Of a dot no larger than a pixel the mean
+// of its square is seen; between, that much of it which keeps the mean whatever the size.
+const float MEAN = 0.3 * 3.14159265 / 4.0;
+const float BLURRED = 0.35;
+
+vec4 picture_at_corner() {
+    vec2 across = vec2(dFdx(corner.x), dFdy(corner.x)), along = vec2(dFdx(corner.y), dFdy(corner.y));
+    float pixel2 = 0.5 * (dot(across, across) + dot(along, along));
+    float inside = clamp(1.0 - length(corner), 0.0, 1.0);
+    return vec4(vec3(1.0), mix(inside * inside * (3.0 - 2.0 * inside), MEAN, min(BLURRED * pixel2, 1.0)));
+}
+#else
+vec4 picture_at_corner() {
+    return texture(pictures, vec3(0.5 + 0.5 * corner.x, 0.5 - 0.5 * corner.y, sprite_style.x));
+}
+#endif
+
+void main() {
+    vec4 picture = picture_at_corner();
+    float cover = picture.a * OWN_ALPHA;
+#ifdef MASKED
+    if (cover < sprite_style.w) discard;
+    colour = vec4(shown(picture.rgb), 1.0);
+#else
+    colour = vec4(shown(picture.rgb) * cover, cover * sprite_style.y);
 #endif
 }

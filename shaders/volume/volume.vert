@@ -1,7 +1,5 @@
 // A shadow volume, seen by one eye or by both: corners at infinity have w = 0.
-#ifdef EYES_BY_VIEWPORT
-#extension GL_ARB_shader_viewport_layer_array : enable
-#endif
+#include "common/view.glsl"
 #include "common/both_eyes.glsl"
 
 uniform mat4 clip_from_volume[EYES];

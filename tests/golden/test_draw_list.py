@@ -193,3 +193,13 @@ def test_the_bench_prints_its_line(tmp_path, capsys):
     assert shot.is_file()
     assert main(["bench", "render", "nodes", *few, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["schema"]
+
+
+def test_particles_are_counted_and_without_ogre_measured_alone(monkeypatch, capsys):
+    monkeypatch.setattr("shutil.which", lambda _: None)
+    few = ["--n", "200", "--frames", "2", "--warmup", "1", "--size", "96x54", "--json"]
+    assert main(["bench", "render", "particles", *few]) == 0
+    said = capsys.readouterr()
+    answer = json.loads(said.out)
+    assert answer["nodes"] == 200 and 2 * 150 < answer["tris_submitted"] <= 2 * 200 and answer["draw_calls"] == 1
+    assert "OGRE is not measured" in said.err and "ogre_ms" not in answer

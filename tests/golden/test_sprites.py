@@ -21,6 +21,7 @@ from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.environment import Fog, Sky
 from mimics_app.world.materials.material import Material, TextureData
+from mimics_app.world.materials.sprite_pictures import sprite_picture
 from mimics_app.world.meshes.primitives import plane
 from mimics_app.world.world import World
 from tests.golden.drawing import draw_offscreen
@@ -226,6 +227,27 @@ def test_every_code_survives_the_way_from_texture_to_picture():
     world.update()
     view = View(compose_look_at((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)), (-0.5, 0.5, -0.5, 0.5), (0, 0, 16, 16))
     assert (draw_offscreen(world, [view], (16, 16), PLAIN)[..., :3] == codes[..., :3]).all()
+
+
+def shown_dot(pixels: int, offset: float = 0.0) -> F8:
+    """A white dot so many pixels wide, `offset` of one aside, as it is drawn: shares of white."""
+    world = make_world()
+    world.effects.add(world.root.create_child("dot").index, Billboard(shape="dot", size=(1.0, 1.0)))
+    world.update()
+    size, half = (pixels + 2, pixels + 2), 0.5 + 1.0 / pixels
+    aside = offset / pixels
+    tangents = (-half - aside, half - aside, -half - aside, half - aside)
+    view = View(compose_look_at((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)), tangents, (0, 0, *size))
+    return draw_offscreen(world, [view], size, PLAIN)[..., 0] / 255.0
+
+
+def test_a_dot_is_the_formula_of_its_picture():
+    """Of the picture's own size it is the picture; a small one has the mean of the dot wherever its pixels lie."""
+    picture = sprite_picture("dot").pixels[..., 3] / 255.0
+    assert np.abs(shown_dot(64)[1:-1, 1:-1] - picture).max() < 2.0 / 255.0
+    for pixels in (1, 2, 4):
+        covered = np.mean([shown_dot(pixels, offset).sum() for offset in np.arange(-0.45, 0.5, 0.1)])
+        assert covered == pytest.approx(picture.sum() * (pixels / 64) ** 2, rel=0.12)
 
 
 def test_a_missing_picture_gives_one_line_and_a_picture_all_the_same():

@@ -256,10 +256,12 @@ def test_the_shipped_experiment_of_two_subjects_and_four_conditions_at_full_leng
     assert offsets == {"together": 0.0, "apart": 500.0, "no_cord": 0.0, "long_cord": 0.0}
 
 
-def test_a_study_runs_its_subjects_and_joins_their_runs_again(tmp_path: Path) -> None:
+def test_a_study_runs_its_subjects_and_joins_their_runs_again(tmp_path: Path, capsys) -> None:
     scene = scene_file(tmp_path, {"together": {}})
     code, trials, taps = study(scene, tmp_path / "study", "--subjects", "1", "--seed", "7")
     assert code == 0
+    said = capsys.readouterr().err
+    assert "subject 1, seed 7\n" in said and "subject 1, trial 1 of 1: together\n" in said
     assert [(row["subject"], row["seed"], row["label"], row["outcome"]) for row in trials] == [
         ("1", "7", "together", "finished")
     ]

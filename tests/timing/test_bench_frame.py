@@ -11,6 +11,7 @@ import pytest
 
 from mimics_app.app.bench import frame_bench, ogre
 from mimics_app.app.bench.frame_load import main
+from mimics_app.app.bench.looked_at_load import PEOPLE
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.frame_budget import BUDGET_MS, FRAME_MS, over_budget
 from mimics_app.contracts.resources import root
@@ -50,6 +51,14 @@ def test_a_scene_that_is_only_looked_at_is_timed_too():
     row = main(Path("scenes/examples/sky_box.json"), (64, 36), "egl", 1.5, "full")
     assert 0.0 < row["ms"]["p50"] <= row["ms"]["p95"] and row["triangles"] > 10 and row["missed_share"] is None
     assert row["stages"].keys() >= {"world update", "cull", "submit", "post", "swap"}
+
+
+@pytest.mark.slow
+def test_people_on_the_sidewalks_are_timed_as_a_scene_is():
+    row = main(PEOPLE, (64, 36), "egl", 6.0, "full")
+    assert row["scene"] == "people" and row["missed_share"] is None
+    assert 0.0 < row["ms"]["p50"] <= row["ms"]["p95"]
+    assert row["triangles"] > main(Path("scenes/city_walk.json"), (64, 36), "egl", 1.5, "full")["triangles"]
 
 
 def test_every_stage_has_a_budget_and_they_leave_a_frame_some_air():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import random
 import time
 from pathlib import Path
@@ -22,7 +23,7 @@ from mimics_app.rendering.haptic.cord_field import cord
 from mimics_app.rendering.tactile.emulated import EmulatedVibrators
 from mimics_app.rendering.tactile.vibrators import NoVibrators, SerialVibrators
 from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, CommandReader, command_bytes
-from mimics_app.scenarios.avatar_cord import tap_gap
+from mimics_app.scenarios.tap_path import ball_motion
 from mimics_app.tasks.kinds.avatar_cord import KIND
 from mimics_app.tasks.kinds.avatar_cord_spec import (
     AvatarCordSpec,
@@ -89,9 +90,25 @@ def test_the_other_modes_do_what_their_names_say() -> None:
 
 
 def test_the_ball_touches_at_its_time() -> None:
-    assert tap_gap(0.0) == 0.0
-    assert tap_gap(-0.02) == tap_gap(0.02) > 0.0
-    assert tap_gap(10.0) == tap_gap(-10.0) > 0.05
+    assert ball_motion(0.7, 0.0) == (1.0, 0.0)
+    assert ball_motion(0.0, 0.7) == (0.0, 0.0)
+    assert ball_motion(math.inf, 0.02) == ball_motion(math.inf, -0.02)
+    assert ball_motion(math.inf, 10.0)[1] > 0.05
+    assert ball_motion(0.7, 0.0085)[1] < 1e-3  # the frame nearest to a touch shows it
+
+
+@pytest.mark.parametrize("apart_s", [0.2, 0.5, 2.0])
+def test_the_ball_comes_to_its_next_place_without_a_jump(apart_s: float) -> None:
+    since = np.linspace(0.0, apart_s, 2001)
+    motion = np.array([ball_motion(s, apart_s - s) for s in since])
+    assert motion[0].tolist() == [0.0, 0.0] and motion[-1].tolist() == [1.0, 0.0]
+    speed = np.diff(motion, axis=0) / (since[1] - since[0])
+    assert np.abs(speed[[0, -1]]).max() < 0.03 * np.abs(speed).max()  # at rest at both touches
+    # Eased ways of 0.3 of the time at least: 1.5 / 0.3 per unit of it at most; and speed changes over many steps.
+    assert np.abs(speed).max() <= 1.5 / (0.3 * apart_s) * 1.001
+    assert np.abs(np.diff(speed, axis=0)).max() < 0.04 * np.abs(speed).max()
+    lifted = motion[:, 1] > 0.9 * motion[:, 1].max()
+    assert (motion[~lifted, 0] == np.round(motion[~lifted, 0])).all()  # goes aside only where it is up
 
 
 def questionnaire(count: int = 3) -> AvatarCordSpec:

@@ -20,7 +20,7 @@ from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare
 from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.clock import FRAME_NS, Clock, MonotonicClock, process_seconds
+from mimics_app.contracts.clock import FRAME_NS, MonotonicClock, Stopwatch, process_seconds
 from mimics_app.contracts.display_port import Display, DisplayFrame
 from mimics_app.lab.visual.stereo import WORKLOADS, turns
 from mimics_app.rendering.visual.displays.desktop import DesktopDisplay
@@ -89,7 +89,7 @@ class MotionTimes(SimulatedRuntime):
         given_ns: When the frame was handed over [ns].
     """
 
-    def __init__(self, spec: HeadsetSpec, clock: Clock) -> None:
+    def __init__(self, spec: HeadsetSpec, clock: Stopwatch) -> None:
         super().__init__(spec)
         self._clock = clock
         self.asked_ns: list[tuple[int, int]] = []
@@ -140,9 +140,6 @@ class _ProcessorClock:
 
     def now_ns(self) -> int:
         return round(1e9 * process_seconds())
-
-    def sleep_until_ns(self, deadline_ns: int) -> None:
-        raise NotImplementedError
 
 
 def _measure_undrawn(scene: Path, size: Size, frames: int) -> Row | None:
@@ -215,7 +212,7 @@ def _played(
             presenter.release()
 
 
-def one_frame(renderer: Renderer, presenter: Presenter, runtime: MotionTimes, clock: Clock) -> tuple[float, float]:
+def one_frame(renderer: Renderer, presenter: Presenter, runtime: MotionTimes, clock: Stopwatch) -> tuple[float, float]:
     """Milliseconds from the latched pose, and from the first one, to submission; drawing left out."""
     camera = renderer.world.cameras[0]
     runtime.asked_ns.clear()

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from mimics_app.app.bench.looked_at_load import PEOPLE
 from mimics_app.app.bench.ogre import measure_ogre
 from mimics_app.app.scenes.finding import find_scene
 from mimics_app.app.settings import QUALITIES
@@ -34,14 +35,14 @@ def measure_frames(
     """A reference, what pixels alone take, and for every scene a row as well as it may look and one at full quality.
 
     Args:
-        scenes: Files; none: all that are shipped.
+        scenes: Files, and `PEOPLE`; none: all that are shipped, and it.
         size: Of the picture [px].
         surface: "window" or "egl".
         seconds: Length of each measurement [s].
         report: Called with what is measured next.
     """
     rows = []
-    for scene in [find_scene(path) for path in scenes] or shipped_scenes():
+    for scene in [path if path == PEOPLE else find_scene(path) for path in scenes] or [*shipped_scenes(), PEOPLE]:
         for quality in QUALITIES:
             report(f"frame: {scene.stem}, quality {quality}")
             rows.append({**_measure_apart(scene, size, surface, seconds, quality), "asked": quality})

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import cast
 
 from mimics_app.app.bench.frame_watch import SETTLING_S, FrameWatch, Row
-from mimics_app.app.bench.looked_at_load import measure_looked_at
+from mimics_app.app.bench.looked_at_load import PEOPLE, measure_looked_at
 from mimics_app.app.play.collector import left_alone
 from mimics_app.app.play.pace import run_live
 from mimics_app.app.play.play import open_picture
@@ -31,9 +31,9 @@ __all__ = ["main"]
 
 
 def main(file: Path, size: tuple[int, int], surface: str, seconds: float, quality: Quality) -> Row:
-    """Measure a scene for so many seconds [s] on a surface ("window" or "egl")."""
-    scene = load_checked_scene(file)
-    if not is_playable(scene):
+    """Measure a scene, or `PEOPLE`, for so many seconds [s] on a surface ("window" or "egl")."""
+    scene = None if file == PEOPLE else load_checked_scene(file)
+    if scene is None or not is_playable(scene):
         return measure_looked_at(file, size, surface, seconds, quality)
     with tempfile.TemporaryDirectory(prefix="mimics-bench-") as runs:
         settings = RunSettings(

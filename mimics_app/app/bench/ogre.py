@@ -6,10 +6,16 @@ import json
 import os
 import shutil
 import subprocess
-from collections.abc import Callable, Sequence
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-__all__ = ["OGRE_WORKLOADS", "measure_ogre"]
+from PIL import Image
+
+import mimics_app
+from mimics_app.world.materials.sprite_pictures import sprite_picture
+
+__all__ = ["OGRE_WORKLOADS", "measure_ogre", "measure_ogre_particles"]
 
 OGRE_WORKLOADS = ("city", "nodes", "crowd")
 """That the harness has."""
@@ -39,13 +45,56 @@ def measure_ogre(
         report("peer: OGRE is not measured: PEERS, RENDER_DATA and xvfb-run are needed")
         return None
     width, height = size
-    screen = ("xvfb-run", "-a", "-s", f"-screen 0 {max(width, 640)}x{max(height, 480)}x24")
     wanted = ("--opt", "gl3", "--size", f"{width}x{height}", "--msaa", str(msaa), *more)
-    command = [*screen, _PYTHON, str(program), workload, *wanted]
+    row = _row_of([str(program), workload, *wanted], size, tell)
+    return None if row is None else row["ms_median"]
+
+
+def measure_ogre_particles(
+    numbers: Mapping[str, object],
+    size: tuple[int, int],
+    frames: int,
+    warmup: int,
+    tell: Callable[[str], None],
+    shot: Path | None = None,
+) -> dict[str, float] | None:
+    """OGRE's own particle system: median frame, processor time of a frame [ms], particles; None where it is missing.
+
+    Args:
+        numbers: Of the fountain, `particles_workload.FountainNumbers`.
+        size: Of the picture [px].
+        frames: Frames timed.
+        warmup: Frames drawn before.
+        tell: Called with why it was not measured.
+        shot: Where the last frame goes as PNG, or None.
+    """
+    if not shutil.which("xvfb-run"):
+        tell("peer: OGRE is not measured: xvfb-run is needed")
+        return None
+    width, height = size
+    with tempfile.TemporaryDirectory(prefix="mimics-ogre-") as folder:
+        (Path(folder) / "particles.json").write_text(json.dumps(numbers), encoding="utf-8")
+        Image.fromarray(sprite_picture("dot").pixels, "RGBA").save(Path(folder) / "dot.png")
+        words = [folder, f"{width}x{height}", str(frames), str(warmup), *([] if shot is None else [str(shot)])]
+        return _row_of(["-m", "mimics_app.app.bench.ogre_particles", *words], size, tell)
+
+
+def _row_of(program: list[str], size: tuple[int, int], tell: Callable[[str], None]) -> dict[str, float] | None:
+    """What a program says that is run by the system's interpreter under a display of its own."""
+    width, height = size
+    screen = ("xvfb-run", "-a", "-s", f"-screen 0 {max(width, 640)}x{max(height, 480)}x24")
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=_LONGEST_S, check=True)
+        done = subprocess.run(
+            [*screen, _PYTHON, *program],
+            capture_output=True,
+            text=True,
+            timeout=_LONGEST_S,
+            check=True,
+            env=os.environ | {"PYTHONPATH": str(Path(mimics_app.__file__).parents[1])},
+        )
         line = next(line for line in done.stdout.splitlines() if line.startswith("RESULT "))
-        return float(json.loads(line.removeprefix("RESULT "))["ms_median"])
+        row: dict[str, float] = json.loads(line.removeprefix("RESULT "))
+        return row | {"ms_median": float(row["ms_median"])}
     except (OSError, subprocess.SubprocessError, StopIteration, ValueError, KeyError, TypeError) as failure:
         report(f"peer: OGRE is not measured: {failure}")
         return None

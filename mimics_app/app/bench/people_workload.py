@@ -16,9 +16,12 @@ from mimics_app.contracts.resources import root
 from mimics_app.lab.visual.people import load_person
 from mimics_app.maths import quat
 
-__all__ = ["People"]
+__all__ = ["ON_SIDEWALKS", "People"]
 
 F8 = NDArray[np.float64]
+
+ON_SIDEWALKS = 100
+"""People, where nobody says how many."""
 
 _FIRST, _APART = 324.0, 2.6
 """Where along the street the nearest stand, and how far apart pairs are [m]."""
@@ -62,9 +65,15 @@ class People(Walk):
 
     def update(self, frame: int) -> None:
         """Walk everybody on to a frame."""
+        self.walk(frame / 30.0, self.eye(frame)[0])
+
+    def walk(self, time_s: float, eye: F8) -> None:
+        """Walk everybody on to a time [s], seen from a place [m]; who reaches an end goes on at the other."""
         motion = self.world.motion
-        motion.time = frame / 30.0
-        motion.eye_world = None if self._full else self.eye(frame)[0]
+        motion.time = time_s
+        motion.eye_world = None if self._full else eye
+        length = _APART * len(self._people) / 2
         for person, start, direction in zip(self._people, self._starts, self._directions, strict=True):
-            person.set_position(start + (0.0, 0.0, direction * _SPEED * motion.time))
+            gone = (_FIRST - start[2] - direction * _SPEED * time_s) % length
+            person.set_position((start[0], start[1], _FIRST - gone))
         self.world.update()

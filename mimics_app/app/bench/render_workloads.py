@@ -3,7 +3,7 @@
 city: walking down a street, 1.4 m a frame. nodes: cubes under groups, every one of which moves every frame. crowd:
 people who walk on the spot, each at its own phase. walk: the product's own city as its scene shows it, with shadows,
 sky and all materials, at the pace of a person. people: the same with a hundred people on its sidewalks; people_full:
-without levels of detail and steps of time by distance.
+without levels of detail and steps of time by distance. particles: ten thousand in the air.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from mimics_app.world.gltf.model_world import load_model_world, read_model
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.world import World
 
-__all__ = ["WORKLOADS", "City", "Crowd", "Nodes", "Walk", "Workload", "open_workload"]
+__all__ = ["WORKLOADS", "City", "Crowd", "Nodes", "Walk", "Workload", "decode", "light_up", "open_workload"]
 
 F8 = NDArray[np.float64]
 
@@ -41,10 +41,10 @@ AMBIENT, DIFFUSE = 0.4, 0.8
 _BACKGROUND = (0.5, 0.6, 0.7)
 """Display values."""
 
-WORKLOADS = ("city", "nodes", "crowd", "walk", "people", "people_full")
+WORKLOADS = ("city", "nodes", "crowd", "walk", "people", "people_full", "particles")
 _FILES = {"city": "city.glb", "nodes": "cube.glb", "crowd": "character.glb"}
 _DEFAULT_NODES = 10_000
-_DEFAULT_PEOPLE, _ON_SIDEWALKS = 20, 100
+_DEFAULT_PEOPLE = 20
 
 
 class Workload(ABC):
@@ -100,7 +100,11 @@ class City(Workload):
 
 
 class Walk(City):
-    """The product's own city as its scene requests it: a few steps at a walking pace, and again some way further on."""
+    """The product's own city as its scene requests it: a few steps at a walking pace, and again some way further on.
+
+    Attributes:
+        scene: The city's.
+    """
 
     start = (-1.75, 1.7, 330.0)
     _STRIDE, _STEPS = 1.4 / 30.0, 8
@@ -113,12 +117,12 @@ class Walk(City):
         return self._APART * (number % self._PLACES) + self._STRIDE * step
 
     def __init__(self) -> None:
-        self._scene = load_checked_scene(root() / "scenes" / "city_walk.json")
-        world = build_world(self._scene)
+        self.scene = load_checked_scene(root() / "scenes" / "city_walk.json")
+        world = build_world(self.scene)
         super().__init__(world, len(world.transforms))
 
     def quality(self, surface: Surface) -> RenderSettings:
-        return live_quality(self._scene, "training", surface)
+        return live_quality(self.scene, "training", surface)
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,7 +229,7 @@ def _grid(k: NDArray[np.integer], across: int, step: float, heights: F8) -> F8:
 
 def light_up(world: World) -> None:
     """One sun, light from everywhere, a plain background, and colours as the peers read them."""
-    linear = _decode(np.array(_BACKGROUND))
+    linear = decode(np.array(_BACKGROUND))
     sky = (float(linear[0]), float(linear[1]), float(linear[2]))
     world.environment = Sky(sky, sky, sky, 0.0)
     # Light from everywhere is the sky's; divided by its colour, what reaches a surface is white.
@@ -236,12 +240,12 @@ def light_up(world: World) -> None:
     sun.create_light("directional", intensity=DIFFUSE, casts_shadow=0)
     for material in list(world.materials.values()):
         # The renderers compared take a file's colours for display values, which glTF does not mean.
-        red, green, blue = _decode(np.array(material.base_colour[:3])).tolist()
+        red, green, blue = decode(np.array(material.base_colour[:3])).tolist()
         world.set_material(replace(material, base_colour=(red, green, blue, material.base_colour[3])))
     world.update()
 
 
-def _decode(display: F8) -> F8:
+def decode(display: F8) -> F8:
     """Linear light of display values (IEC 61966-2-1)."""
     return np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4)
 
@@ -261,9 +265,13 @@ def open_workload(name: str, folder: Path | None, count: int) -> Workload:
     if name == "walk":
         return Walk()
     if name in ("people", "people_full"):
-        from mimics_app.app.bench.people_workload import People
+        from mimics_app.app.bench.people_workload import ON_SIDEWALKS, People
 
-        return People(count or _ON_SIDEWALKS, name == "people_full")
+        return People(count or ON_SIDEWALKS, name == "people_full")
+    if name == "particles":
+        from mimics_app.app.bench.particles_workload import Fountain
+
+        return Fountain(count)
     if folder is None:
         raise UsageError("the folder of the workloads is not known", "name it by --data or RENDER_DATA")
     file = folder / _FILES[name]

@@ -19,7 +19,7 @@ _KINDS = ("product", "rival_python_thread", "unprivileged")
 _ALL_SECONDS, _FRAME_SECONDS = 10.0, 6.0
 """Longest that a measurement takes where all are made [s]."""
 
-WORKLOADS = ("city", "nodes", "crowd", "walk", "people", "people_full")
+WORKLOADS = ("city", "nodes", "crowd", "walk", "people", "people_full", "particles")
 
 _rounds = whole_number("number of rounds", range(1, 1001))
 _frames = whole_number("number of frames", range(1, 1001))
@@ -60,7 +60,8 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         "names",
         nargs="*",
         metavar="NAME",
-        help="of render: city, nodes, crowd, walk, people or people_full; of frame: scenes (default: all)",
+        help="of render: city, nodes, crowd, walk, people, people_full or particles; of frame: scenes or people "
+        "(default: all)",
     )
     parser.add_argument(
         "--data",
@@ -134,8 +135,7 @@ def _run_render(args: argparse.Namespace) -> int:
             args.fps,
         )
     )
-    ogre = _beside(args, workload, folder)
-    answer |= {} if ogre is None else {"ogre_ms": ogre, "times_ogre": ogre / answer["ms_median"]}
+    answer |= _beside(args, workload, folder, answer)
     if args.json:
         output.write_object("bench", answer)
     else:
@@ -143,14 +143,25 @@ def _run_render(args: argparse.Namespace) -> int:
     return 0
 
 
-def _beside(args: argparse.Namespace, workload: str, folder: Path | None) -> float | None:
-    """OGRE's median frame of the same workload, as large and with as many samples [ms]; None where it has none."""
-    from mimics_app.app.bench.ogre import OGRE_WORKLOADS, measure_ogre
+def _beside(args: argparse.Namespace, workload: str, folder: Path | None, ours: dict[str, Any]) -> dict[str, Any]:
+    """OGRE's median frame of the same workload, as large and with as many samples [ms]; {} where it has none."""
+    from mimics_app.app.bench.ogre import OGRE_WORKLOADS, measure_ogre, measure_ogre_particles
 
+    if workload == "particles":
+        from mimics_app.app.bench.particles_workload import FountainNumbers
+
+        numbers = FountainNumbers(count=args.n or FountainNumbers.count).as_dict
+        row = measure_ogre_particles(numbers, args.size, args.frames, args.warmup, _say)
+        if row is None:
+            return {}
+        share = ours["ms_cpu"] / row["ms_cpu"]
+        beside = {"ogre_ms": row["ms_median"], "ogre_ms_cpu": row["ms_cpu"], "ogre_particles": row["particles"]}
+        return beside | {"times_ogre": row["ms_median"] / ours["ms_median"], "cpu_over_ogre": share}
     if workload not in OGRE_WORKLOADS:
-        return None
+        return {}
     more = ["--data", str(folder), "--frames", str(args.frames), "--warmup", str(args.warmup), "--n", str(args.n)]
-    return measure_ogre(workload, args.size, _say, msaa=args.msaa or 0, more=more)
+    ogre = measure_ogre(workload, args.size, _say, msaa=args.msaa or 0, more=more)
+    return {} if ogre is None else {"ogre_ms": ogre, "times_ogre": ogre / ours["ms_median"]}
 
 
 def _measure_realtime(args: argparse.Namespace) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from mimics_app.app.picture.picture import Picture, picture_quality
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
-from mimics_app.contracts.trial_state import TrialState
+from mimics_app.contracts.trial_state import TaskView, TrialState
 
 __all__ = ["Album"]
 
@@ -18,8 +18,8 @@ _NS = 1_000_000_000
 class Album:
     """Keeps pictures of chosen moments, spread evenly from the first trial on. A film has every frame.
 
-    Nobody knows beforehand how long a way takes, so its moments are shares of the progress. Where a task has no way
-    they are shares of the time: of the run where its length was requested, else of the trial.
+    Nobody knows beforehand how long a trial takes, so moments are shares of the trials that are played, the one under
+    way by its progress; where the run's length was requested, of its time too, whichever is farther.
     """
 
     def __init__(self, session: Session) -> None:
@@ -28,6 +28,7 @@ class Album:
         self._wanted = session.settings.pictures
         self._files: list[Path] = []
         self._kept = 0
+        self._first_trial: int | None = None
 
     def look(self, frames: Frames) -> None:
         """Draw this frame if it is one to keep."""
@@ -42,11 +43,18 @@ class Album:
         return self._files
 
     def _is_due(self, frames: Frames) -> bool:
-        view, run_s = frames.orders.view, self._session.settings.seconds
-        share = (self._kept + 0.5) / self._wanted
-        if run_s is not None and not view.measures_progress:
-            return frames.number >= share * run_s * FRAMES_PER_SECOND
-        return view.state is TrialState.TRAVEL and view.progress >= share
+        run_s, share = self._session.settings.seconds, (self._kept + 0.5) / self._wanted
+        if run_s is not None and frames.number >= share * run_s * FRAMES_PER_SECOND:
+            return True
+        return self._share_of_trials(frames.orders.view) >= share
+
+    def _share_of_trials(self, view: TaskView) -> float:
+        """Share of the trials that are played; 0 where none is under way."""
+        if view.state is not TrialState.TRAVEL:
+            return 0.0
+        if self._first_trial is None:
+            self._first_trial = view.trial
+        return (view.trial - self._first_trial + view.progress) / (view.trials - self._first_trial + 1)
 
     def _draw(self, frames: Frames, *, keep: bool) -> None:
         picture = self._session.picture or self._open()

@@ -1,4 +1,4 @@
-"""What a session reports to the process that opened it: how far its start has come, what the person chose at its end.
+"""What a session reports to the process that opened it: how far it has come, what the person chose at its end.
 
 Lines of JSON in a file, because a window, a terminal and a launcher on any platform can read that.
 """
@@ -37,6 +37,10 @@ class JourneyLog:
     def shown(self) -> None:
         """Say that the first picture is on the glass."""
         self._say({"shown": True})
+
+    def trial(self, number: int, count: int, label: str) -> None:
+        """Say which trial begins, from 1, of how many, and the name of its condition."""
+        self._say({"trial": f"trial {number} of {count}: {label}"})
 
     def chose(self, following: str) -> None:
         """Say what comes next: "again", "other" or "leave"."""

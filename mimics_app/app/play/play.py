@@ -74,7 +74,7 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
         elif session.live:
             pictures = _play_unseen(session, frames)
         else:
-            pictures = _play_headless(session, frames)
+            pictures = _play_headless(session, frames, log)
         sound = session.end_stages()
         summary = summarise(session, frames, sound, (MonotonicClock().now_ns() - started) * 1e-9)
         manifest = session.finish(summary)
@@ -177,10 +177,10 @@ def open_picture(session: Session, surface: Surface, *, keep: bool = False) -> N
     session.window = surface if keep else None
 
 
-def _play_headless(session: Session, frames: Frames) -> list[Path]:
+def _play_headless(session: Session, frames: Frames, log: JourneyLog) -> list[Path]:
     """The simulated patient plays on the virtual clock; only the frames that are kept are drawn."""
     album, values = Album(session), ValuePicture(session)
-    progress = ProgressLine(sys.stderr, session)
+    progress = ProgressLine(sys.stderr, session, log)
 
     def after_frame(frames: Frames) -> None:
         album.look(frames)

@@ -1,9 +1,10 @@
-"""One line on a terminal that says how far a headless run is; nothing where nobody watches."""
+"""Says how far a headless run is: a line on a terminal where somebody watches it, trials to whoever opened the run."""
 
 from __future__ import annotations
 
 from typing import TextIO
 
+from mimics_app.app.play.journey_log import JourneyLog
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.app.terminal.progress import draw_bar
@@ -20,18 +21,24 @@ class ProgressLine:
     Args:
         stream: Where to write; silent unless it is a terminal.
         session: For the number of trials.
+        log: Hears of every trial that begins.
     """
 
-    def __init__(self, stream: TextIO, session: Session) -> None:
+    def __init__(self, stream: TextIO, session: Session, log: JourneyLog) -> None:
         self._stream = stream
+        self._log = log
+        self._trial = 0
         self._session = session
         self._shown = stream.isatty()
 
     def show(self, frames: Frames) -> None:
         """Redraw the bar now and then."""
+        view = frames.orders.view
+        if self._trial < view.trial <= view.trials:
+            self._trial = view.trial
+            self._log.trial(view.trial, view.trials, self._session.tasks.plan[view.trial - 1].label)
         if not self._shown or frames.number % _EVERY:
             return
-        view = frames.orders.view
         seconds = self._session.clock.now_ns() * 1e-9
         self._stream.write(
             f"\rtrial {view.trial} / {view.trials} {draw_bar(view.progress)}  {seconds:6.1f} s simulated "

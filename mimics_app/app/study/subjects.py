@@ -5,11 +5,17 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from mimics_app.app.play.journey_log import read_journey
+
 __all__ = ["SubjectRun", "find_run", "run_subject"]
+
+_LOOK_EVERY_S = 0.3
+"""How often the trial that is played is asked for [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,15 +60,36 @@ def run_subject(
         seed: Of the run.
         runs: Folder the run folder is made in.
         extra: Further arguments of `mimics run`.
-        report: Gets a line when it begins.
+        report: Gets a line when it begins, and one for every trial.
     """
     report(f"subject {subject}, seed {seed}")
     command = [sys.executable, "-m", "mimics_app", "run", str(scene), "--headless", "--json", "--seed", str(seed)]
-    done = subprocess.run([*command, "--runs", str(runs), *extra], capture_output=True, text=True, check=False)
+    code, answered, complaint = _followed([*command, "--runs", str(runs), *extra], f"subject {subject}, ", report)
     try:
-        answer = json.loads(done.stdout)
+        answer = json.loads(answered)
     except json.JSONDecodeError:
-        last = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
+        last = (complaint.strip().splitlines() or [f"exit code {code}"])[-1]
         return SubjectRun(subject, seed, None, last)
-    problem = "" if done.returncode == 0 else f"exit code {done.returncode}"
+    problem = "" if code == 0 else f"exit code {code}"
     return SubjectRun(subject, seed, Path(answer["run_dir"]) if "run_dir" in answer else None, problem)
+
+
+def _followed(command: list[str], before: str, report: Callable[[str], None]) -> tuple[int, str, str]:
+    """Run a session and say which trial it plays; its exit code, what it answered and what it complained of."""
+    with tempfile.TemporaryDirectory(prefix="mimics-study-") as folder:
+        log, said = Path(folder) / "journey.jsonl", ""
+        log.touch()
+        with subprocess.Popen(
+            [*command, "--journey", str(log)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        ) as child:
+            while True:
+                try:
+                    answered, complaint = child.communicate(timeout=_LOOK_EVERY_S)
+                except subprocess.TimeoutExpired:
+                    answered = None
+                trial = str(read_journey(log).get("trial", ""))
+                if trial != said:
+                    said = trial
+                    report(before + trial)
+                if answered is not None:
+                    return child.returncode, answered, complaint

@@ -3,7 +3,7 @@
 Importing this module registers them. Cost: processor time of finished frames of both eyes side by side, of a thousand
 small bodies that each have a material of their own, so that calls to the driver are what costs, and of fewer and larger
 ones that share one; sizes count bodies of the first kind. Error: share of the pixels that differ at all from those of
-two passes.
+two passes of the same programs. Viewports are for eyes that are not beside each other: there they are above.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ _RIVALS: dict[StereoPasses, tuple[str, str, str]] = {
     "viewports": (
         "two viewports",
         "every second instance for the other eye, into a viewport of its own",
-        "a driver with GL_ARB_shader_viewport_layer_array; no vertex shader that a scene brings",
+        "eyes not side by side, GL_ARB_shader_viewport_layer_array, no vertex shader that a scene brings",
     ),
     "clip_distance": (
         "two halves",
@@ -92,8 +92,10 @@ def body_world(bodies: int, subdivisions: int, *, own_materials: bool) -> World:
 @contextmanager
 def _opened(world: World, eye_size: Size, *passes: StereoPasses) -> Iterator[list[Callable[[], NDArray[np.uint8]]]]:
     """For each way something that draws a frame of both eyes and gives it back, all on one picture."""
-    with open_offscreen("auto", (2 * eye_size[0], eye_size[1])) as surface:
-        presenter = Presenter(StereoDisplay("sbs"), surface)
+    above = "viewports" in passes
+    size = (eye_size[0], 2 * eye_size[1]) if above else (2 * eye_size[0], eye_size[1])
+    with open_offscreen("auto", size) as surface:
+        presenter = Presenter(StereoDisplay("tb" if above else "sbs"), surface)
         renderers = [Renderer(surface, world, replace(_SETTINGS, stereo=each)) for each in passes]
         presenter.begin(0)
         views = presenter.views(world.cameras[0])
@@ -109,7 +111,10 @@ def _draw(renderer: Renderer, views: Sequence[View], surface: Surface) -> NDArra
 
 
 def show_stereo(world: World, eye_size: Size, *passes: StereoPasses) -> list[NDArray[np.uint8]]:
-    """Pictures of both eyes side by side, one drawn in each way; RGBA, row 0 at the top."""
+    """Pictures of both eyes beside each other, one drawn in each way; above each other where one way is viewports.
+
+    RGBA, row 0 at the top.
+    """
     with _opened(world, eye_size, *passes) as drawn:
         return [draw() for draw in drawn]
 

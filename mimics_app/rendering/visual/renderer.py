@@ -19,9 +19,10 @@ from mimics_app.rendering.visual.frame_stats import FrameStats
 from mimics_app.rendering.visual.lighting import gather_lighting
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.passes.eye_passes import AT_ONCE, EyePasses
 from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
-from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings, StereoPasses
-from mimics_app.rendering.visual.stages.eye_pairs import group_views, see_from_between, stereo_passes
+from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings
+from mimics_app.rendering.visual.stages.eye_pairs import eye_passes, group_views, see_from_between
 from mimics_app.rendering.visual.stages.picture_stage import PictureStage
 from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage, light_features
 from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
@@ -310,26 +311,24 @@ class Renderer:
         sizes, samples = [place[2:] for place in places], self._picture.samples
         queue = self._list.batch_views(self._frame, views, eyes[0].eye_world, sizes, samples, key)
         opaque, blended, away = queue
-        stereo = self._pair_up([*opaque, *blended], places)
-        if stereo != "two_pass":
-            self._frame.double(opaque)
-            self._frame.double(blended if scene.effects is None else [])
-        drawn = [ViewDraws(eye, place, opaque, blended, stereo=stereo) for eye, place in zip(eyes, places, strict=True)]
+        passes = self._pair_up([*opaque, *blended], places)
+        at_once = passes in AT_ONCE
+        if at_once:
+            opaque = self._frame.double(opaque)
+            blended = self._frame.double(blended) if scene.effects is None else blended
+        drawn = [ViewDraws(eye, place, opaque, blended, passes=passes) for eye, place in zip(eyes, places, strict=True)]
         if scene.effects is None:
             return drawn
         projected = scene.effects.meet(eyes, self._list, self._frame)
-        if stereo != "two_pass":
-            self._frame.double([run for beam in projected for run in beam.runs])
-        return [
-            replace(each, transparent=scene.effects.mix(each.view, blended, away), projected=projected)
-            for each in drawn
-        ]
+        if at_once:
+            projected = [replace(beam, runs=self._frame.double(beam.runs)) for beam in projected]
+        return [replace(each, transparent=scene.effects.mix(each.view, blended, away), projected=projected) for each in drawn]
 
-    def _pair_up(self, runs: Sequence[DrawRun], places: Sequence[Rect]) -> StereoPasses:
-        """How what is queued is drawn: in one pass only for two eyes over which nothing of the overlay is laid."""
+    def _pair_up(self, runs: Sequence[DrawRun], places: Sequence[Rect]) -> EyePasses:
+        """How what is queued is drawn: together only for two eyes over which nothing of the overlay is laid."""
         if len(places) != 2 or (self._overlay is not None and self._overlay.shows):
-            return "two_pass"
-        return stereo_passes(self.settings, self._has, runs, places)
+            return "alone"
+        return eye_passes(self.settings, self._has, runs, places)
 
     def _batch_inside(self, scene: FrameScene, view: View, key: Hashable) -> ViewDraws:
         """Queue what is seen in a picture within the picture; it is where the view says itself."""

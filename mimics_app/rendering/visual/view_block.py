@@ -76,7 +76,7 @@ class ViewBlock:
         self._data = np.zeros((), VIEW_BLOCK)
         self._buffer = ctx.buffer(reserve=VIEW_BLOCK.itemsize)
 
-    def fill(self, view: View, lighting: Lighting, plan: ShadowPlan, other: View, *, sun: bool) -> None:
+    def fill(self, view: View, lighting: Lighting, plan: ShadowPlan, other: View, *, sun: bool, eye: int = -1) -> None:
         """Upload one view's numbers; everything world-sized is made eye-relative in float64 first.
 
         Args:
@@ -85,20 +85,22 @@ class ViewBlock:
             plan: The frame's shadow maps.
             other: The other eye, where both are drawn together, queued from the same place; else this one.
             sun: False leaves the sun out.
+            eye: Which of the two is drawn by shaders that know both; -1: both.
         """
-        data, eye = self._data, view.eye_world
+        data, origin = self._data, view.eye_world
         for number, each in enumerate((view, other)):
             data["clip_from_eyes"][number] = each.clip_from_eye.T
-            data["eye_places"][number, :3] = each.world_from_eye[:3, 3] - eye
+            data["eye_places"][number, :3] = each.world_from_eye[:3, 3] - origin
+        data["eye_places"][0, 3] = eye
         data["tangents"] = view.tangents
         for axis, name in enumerate(("axis_right", "axis_up", "axis_back")):
             data[name][:3] = view.world_from_eye[:3, axis]
-            data[name][3] = eye[axis]
+            data[name][3] = origin[axis]
         self._fill_sky(lighting)
         data["sun_direction"] = (*lighting.sun_direction, 0.0)
         data["sun_colour"] = (*(lighting.sun_colour if sun else np.zeros(3)), 0.0)
-        self._fill_shadows(plan, eye)
-        lighting.fill_places(data, eye)
+        self._fill_shadows(plan, origin)
+        lighting.fill_places(data, origin)
         self._buffer.write(data.tobytes())
 
     def bind(self) -> None:

@@ -66,7 +66,14 @@ def _build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
 
 
 def _build_leg(request: DeviceRequest) -> DevicePlugin:
-    """A simulated leg, or two, on the drives of a gait orthosis, hip and knee, held by the request's patient."""
+    """One simulated leg on two drives of a gait orthosis, hip and knee: one foot, which a simulated person moves."""
+    from mimics_app.rendering.haptic.devices.simulated_leg import build_simulated_leg
+
+    return build_simulated_leg(request)
+
+
+def _build_legs(request: DeviceRequest) -> DevicePlugin:
+    """Both simulated legs on four drives of a gait orthosis: two feet, a simulated person moves the first."""
     from mimics_app.rendering.haptic.devices.simulated_leg import build_simulated_leg
 
     return build_simulated_leg(request)
@@ -78,7 +85,7 @@ BUILT_IN: dict[str, DeviceBuilder] = {
     POINTER: _build_pointer,
     "replay": _build_replay,
     "simulated_leg": _build_leg,
-    "simulated_legs": _build_leg,
+    "simulated_legs": _build_legs,
     "serial": _build_serial,
     "hapticmaster": _build_hapticmaster,
 }

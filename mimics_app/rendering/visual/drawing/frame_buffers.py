@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,6 +41,7 @@ class DrawRun:
         triangles: In all of them.
         mirrored: True where a negative scale turned the faces over, so that clockwise ones are outside.
         wide: True where indices have 32 bits.
+        eyes: How many each instance is drawn for, one instance after the other.
     """
 
     look: Look
@@ -49,6 +50,7 @@ class DrawRun:
     triangles: int
     mirrored: bool
     wide: bool
+    eyes: int = 1
 
 
 class FrameBuffers:
@@ -119,10 +121,11 @@ class FrameBuffers:
         of_state = listed.of_shadow if shadow else listed.of_state
         return [_run(row, of_state) for row in self._runs[:runs].tolist()]
 
-    def double(self, runs: list[DrawRun]) -> None:
-        """Have commands that are queued draw each of their instances for two eyes."""
+    def double(self, runs: list[DrawRun]) -> list[DrawRun]:
+        """The same runs with commands that draw each of their instances for two eyes."""
         for run in runs:
             self._commands[run.first : run.first + run.count, _INSTANCES] *= 2
+        return [replace(run, eyes=2) for run in runs]
 
     def upload(self, arena: MeshArena) -> None:
         """Send the frame to the GPU."""
@@ -142,7 +145,7 @@ class FrameBuffers:
 
         assert self._buffer is not None, "runs are drawn after upload"
         self._ctx.front_face = "cw" if run.mirrored else "ccw"
-        array = arena.vertex_array(shader, wide=run.wide)
+        array = arena.vertex_array(shader, wide=run.wide, eyes=run.eyes)
         array.render_indirect(self._buffer, moderngl.TRIANGLES, run.count, first=run.first)
 
     def release(self) -> None:

@@ -88,7 +88,7 @@ class MeshArena:
         self._indices = {wide: ctx.buffer(reserve=4) for wide in (False, True)}
         self._instances = ctx.buffer(reserve=_INSTANCE.itemsize)
         self._raw: RawGL | None = None
-        self._arrays: dict[tuple[ShaderProgram, bool], tuple[int, moderngl.VertexArray]] = {}
+        self._arrays: dict[tuple[ShaderProgram, bool, int], tuple[int, moderngl.VertexArray]] = {}
 
     def update(self, world: World, *, solid: bool = False) -> bool:
         """Bring the buffers up to the world's meshes.
@@ -149,9 +149,15 @@ class MeshArena:
         """The buffer all vertices lie in; another one after meshes came or went."""
         return self._vertices
 
-    def vertex_array(self, shader: ShaderProgram, *, wide: bool = False) -> moderngl.VertexArray:
-        """The arena as a program reads it, by 16-bit or 32-bit indices; made again when the program was reloaded."""
-        known = self._arrays.get((shader, wide))
+    def vertex_array(self, shader: ShaderProgram, *, wide: bool = False, eyes: int = 1) -> moderngl.VertexArray:
+        """The arena as a program reads it; made again when the program was reloaded.
+
+        Args:
+            shader: Which program.
+            wide: True for indices of 32 bits, else 16.
+            eyes: How many instances that follow each other read the same numbers.
+        """
+        known = self._arrays.get((shader, wide, eyes))
         if known and known[0] == shader.revision:
             return known[1]
         program = shader.program
@@ -163,9 +169,9 @@ class MeshArena:
             content.append(_describe(self._colours, _COLOUR, program, ""))
         size = 4 if wide else 2
         array = self._ctx.vertex_array(program, content, self._indices[wide], index_element_size=size)
-        if shader.eyes > 1:
-            self._share_instances(array, program, shader.eyes)
-        self._arrays[shader, wide] = (shader.revision, array)
+        if eyes > 1:
+            self._share_instances(array, program, eyes)
+        self._arrays[shader, wide, eyes] = (shader.revision, array)
         return array
 
     def _share_instances(self, array: moderngl.VertexArray, program: moderngl.Program, eyes: int) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -33,6 +33,8 @@ _FACINGS = ("free", "upright")
 """In the order of their numbers in kernels/sprites.py."""
 _LEVEL = 3
 """Of words, there."""
+_DOT = "#dot"
+"""Name of the picture that is a formula too."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +45,13 @@ class SpriteState:
         pictures: Of which each sprite names a layer.
         masked: Cut out, not blended.
         lit: By sun, lights and sky.
+        dots: None of them shows anything but the dot, which the shader has as a formula.
     """
 
     pictures: PictureArray
     masked: bool
     lit: bool
+    dots: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +82,7 @@ class SpriteField:
         self._made_for: tuple[int, int, int] | None = None
         self._pictures: dict[str, TextureData | None] = {}
         self._states: list[SpriteState] = []
+        self._shown: dict[SpriteState, set[str]] = {}
         self._rows = SpriteRows()
         self._billboards = np.zeros(0, SPRITE)
         self._emitters: dict[int, Emitter] = {}
@@ -178,7 +183,7 @@ class SpriteField:
 
     def _take_structure(self, world: World) -> None:
         effects = world.effects
-        self._states, self._pictures = [], {}
+        self._shown, self._pictures = dict[SpriteState, set[str]](), {}
         self._billboards = np.zeros(len(effects.billboards), SPRITE)
         for row, spec in zip(self._billboards, effects.billboards.values(), strict=True):
             state, layer = self._state(world, spec, spec.text)
@@ -190,6 +195,7 @@ class SpriteField:
         for index, emitter in effects.emitters.items():
             state, layer = self._state(world, emitter)
             self._emitters[index] = Emitter(emitter, effects.seed_of(index), state, layer)
+        self._states = [replace(state, dots=shown == {_DOT}) for state, shown in self._shown.items()]
 
     def _place_billboards(self, world: World) -> None:
         count = len(self._billboards)
@@ -213,9 +219,8 @@ class SpriteField:
             key, picture = self._picture(world, spec.texture, spec.shape)
         array, layer = self._arrays.place(key, picture)
         state = SpriteState(array, spec.blend == "mask", spec.lit)
-        if state not in self._states:
-            self._states.append(state)
-        return self._states.index(state), layer
+        self._shown.setdefault(state, set()).add(key)
+        return list(self._shown).index(state), layer
 
     def _picture(self, world: World, texture: str | None, shape: SpriteShape) -> tuple[str, TextureData]:
         if texture is None:

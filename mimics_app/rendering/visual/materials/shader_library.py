@@ -51,11 +51,6 @@ class ShaderProgram:
     revision: int = 0
     files: dict[Path, int] = field(default_factory=dict)
 
-    @property
-    def eyes(self) -> int:
-        """For how many eyes each instance is drawn."""
-        return 2 if any(define.startswith("EYES_BY_") for define in self.defines) else 1
-
     def _uniform(self, name: str) -> moderngl.Uniform:
         return cast("moderngl.Uniform", self.program[name])
 

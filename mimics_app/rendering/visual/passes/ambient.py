@@ -50,20 +50,26 @@ class AmbientPass:
         self._block: moderngl.Buffer | None = None
         self._places = np.zeros((2, 8), np.float32)
 
-    def draw_depth(self, views: Sequence[View], rectangles: Sequence[Rect], opaque: list[DrawRun]) -> int:
-        """Draw the depth of a view, or of two eyes in one pass, whose block is bound; returns the draw calls made.
+    def begin_depth(self, rectangles: Sequence[Rect]) -> None:
+        """Clear the depth of views.
 
         Args:
-            views: From where: one, or two whose runs are doubled.
-            rectangles: Of the views in the picture [px]; of one size.
-            opaque: What is drawn in them.
+            rectangles: Where they are in the picture [px]; of one size.
         """
-        import moderngl
-
         self._make_room(rectangles)
         assert self._depth is not None
         self._depth.use()
         self._depth.clear(depth=1.0)
+
+    def draw_depth(self, views: Sequence[View], opaque: list[DrawRun]) -> int:
+        """Draw the depth of a view, or of two eyes or one of them, as the bound block says; returns the draw calls.
+
+        Args:
+            views: From where: one, or both eyes.
+            opaque: What is drawn in them.
+        """
+        import moderngl
+
         ctx, both = self._ctx, len(views) > 1
         if both:
             ctx.enable_direct(CLIP_DISTANCE_0)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.passes.eye_passes import EyePass
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.cords import MOST_TAPS, Cord
 
@@ -66,7 +67,7 @@ class CordPass:
         lighting: Lighting,
         lights: frozenset[str],
         time_s: float,
-        eyes: tuple[str, ...] = (),
+        eyes: EyePass,
     ) -> int:
         """Draw into the framebuffer in use, depth tested and written; the view's block is bound.
 
@@ -76,7 +77,7 @@ class CordPass:
             lighting: What shines.
             lights: Features of shaders that the frame's light needs.
             time_s: Of the world, by which ripples run [s].
-            eyes: What shaders get besides where both eyes are drawn together.
+            eyes: Which eyes see it.
 
         Returns:
             Draw calls made.
@@ -86,7 +87,7 @@ class CordPass:
         shown = [cord for cord in cords.values() if cord.visible]
         if not shown:
             return 0
-        array = self._vertex_array(lights, eyes)
+        array = self._vertex_array(lights, eyes.defines)
         self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         self._ctx.front_face = "ccw"
         self._ctx.cull_face = "back"
@@ -96,7 +97,7 @@ class CordPass:
             fill_cord_block(self._data, cord, view.eye_world, lighting.sun_direction, time_s)
             self._block.orphan()
             self._block.write(self._data.tobytes())
-            array.render(moderngl.TRIANGLES, instances=1 + len(eyes))
+            array.render(moderngl.TRIANGLES, instances=eyes.instances)
         return len(shown)
 
     def release(self) -> None:

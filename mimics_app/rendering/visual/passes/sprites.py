@@ -22,6 +22,8 @@ _FORMATS = {"position": "3f4", "tint": "4f4", "style": "4u2"}
 _TWO_TRIANGLES = np.array([0, 1, 2, 2, 1, 3], np.uint32)
 _INDICES = len(_TWO_TRIANGLES)
 _BINDING = 0
+_OF_DISPLAY = frozenset(("HAZE", "TONED"))
+"""Features of the frame's light that change what a sprite of its own light is shown as."""
 
 
 class SpritePass:
@@ -87,8 +89,12 @@ class SpritePass:
 
     def _shader(self, state: SpriteState, lights: frozenset[str]) -> ShaderProgram:
         defines = ["MASKED"] if state.masked else []
+        if state.dots:
+            defines.append("DOTS")
         if state.lit:
             defines += ["LIT", *sorted(lights)]
+        else:
+            defines += sorted(lights & _OF_DISPLAY)
         return self._shaders.program("sprite/sprite.vert", "sprite/sprite.frag", tuple(defines))
 
     def _array(self, shader: ShaderProgram) -> moderngl.VertexArray:

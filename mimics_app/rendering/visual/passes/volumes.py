@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.passes.eye_passes import EyePass
 from mimics_app.rendering.visual.shadows.shadow_volumes import VolumeSource, extrude
 from mimics_app.rendering.visual.surfaces.raw_gl import NOT_EQUAL, RawGL
 from mimics_app.rendering.visual.view import View
@@ -54,9 +55,9 @@ class VolumePass:
         items: DrawItems,
         views: Sequence[View],
         lighting: Lighting,
-        eyes: tuple[str, ...],
+        eyes: EyePass,
     ) -> int:
-        """Count the volumes into the target's stencil, whose depth has all that receives.
+        """Count the volumes into the target's cleared stencil, whose depth has all that receives.
 
         What is blended has no volume; what has holes casts as a whole.
 
@@ -66,7 +67,7 @@ class VolumePass:
             items: Which of them cast.
             views: From where: one, or two eyes that are drawn together.
             lighting: What shines.
-            eyes: What is set in shaders besides to draw both.
+            eyes: Which of them.
 
         Returns:
             Draw calls made.
@@ -74,8 +75,7 @@ class VolumePass:
         import moderngl
 
         ctx, listed = self._ctx, world.subentities()
-        shader = self._shaders.also_with(self._shader, eyes)
-        self.gl.clear_stencil()
+        shader = self._shaders.also_with(self._shader, eyes.defines)
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.front_face = "ccw"
         self.gl.count_faces()
@@ -89,7 +89,7 @@ class VolumePass:
             if volume is not None:
                 clip = [view.clip_from_eye @ _eye_from_node(world_from_node, view) for view in views]
                 shader.set_array("clip_from_volume", np.stack([each.T for each in clip]).astype(np.float32))
-                volume.array(shader).render(moderngl.TRIANGLES, instances=len(views))
+                volume.array(shader).render(moderngl.TRIANGLES, instances=eyes.instances)
                 drawn += 1
         ctx.polygon_offset = (0.0, 0.0)
         target.depth_mask = True

@@ -7,27 +7,21 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
-from mimics_app.rendering.visual.settings import RenderSettings, StereoPasses
+from mimics_app.rendering.visual.passes.eye_passes import EyePasses
+from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.capabilities import Capabilities
 from mimics_app.rendering.visual.view import Rect, View
 
 if TYPE_CHECKING:
     from mimics_app.rendering.visual.materials.look import LookPass
 
-__all__ = ["VIEWPORT_EXTENSION", "eye_define", "group_views", "see_from_between", "stereo_passes"]
+__all__ = ["VIEWPORT_EXTENSION", "eye_passes", "group_views", "see_from_between"]
 
 VIEWPORT_EXTENSION = "GL_ARB_shader_viewport_layer_array"
 """Lets a vertex shader choose its viewport."""
 
 _KNOWS_EYES = ("common/mesh.vert", "plain/plain.vert")
 """Vertex shaders that ask common/eyes.glsl; one that a scene brings may not."""
-
-_DEFINES: dict[StereoPasses, str] = {"viewports": "EYES_BY_VIEWPORT", "clip_distance": "EYES_BY_CLIPPING"}
-
-
-def eye_define(passes: StereoPasses) -> tuple[str, ...]:
-    """What shaders get besides, to draw both eyes at once."""
-    return (_DEFINES[passes],) if passes in _DEFINES else ()
 
 
 def group_views(views: Sequence[View]) -> list[tuple[int, ...]]:
@@ -48,10 +42,13 @@ def see_from_between(left: View, right: View) -> list[View]:
     return [replace(view, queued_at=middle) for view in (left, right)]
 
 
-def stereo_passes(
+def eye_passes(
     settings: RenderSettings, has: Capabilities, runs: Sequence[DrawRun], places: Sequence[Rect]
-) -> StereoPasses:
+) -> EyePasses:
     """How two eyes can be drawn: as the settings say, in two passes where that cannot be.
+
+    Eyes beside each other have the halves of one picture in every way, since a place in a half is rounded otherwise
+    than in a picture of its own: viewports are for eyes that are elsewhere.
 
     Args:
         settings: Quality.
@@ -59,12 +56,13 @@ def stereo_passes(
         runs: Everything queued for both.
         places: The eyes' rectangles [px].
     """
-    wanted = settings.stereo
-    if wanted == "two_pass" or not all(_knows_eyes(each) for run in runs for each in run.look.passes):
-        return "two_pass"
-    if wanted == "viewports":
-        return wanted if VIEWPORT_EXTENSION in has.extensions else "two_pass"
-    return wanted if _side_by_side(*places) else "two_pass"
+    if not all(_knows_eyes(each) for run in runs for each in run.look.passes):
+        return "alone"
+    if _side_by_side(*places):
+        return "halves_in_turn" if settings.stereo == "two_pass" else "halves"
+    if VIEWPORT_EXTENSION not in has.extensions:
+        return "alone"
+    return "viewports" if settings.stereo == "viewports" else "viewports_in_turn"
 
 
 def _knows_eyes(drawn: LookPass) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -15,14 +14,15 @@ from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.ambient import AmbientPass
 from mimics_app.rendering.visual.passes.cord import CordPass
+from mimics_app.rendering.visual.passes.eye_passes import EyePass, EyePasses, passes_of
 from mimics_app.rendering.visual.passes.sky import SkyPass, flat_sky
 from mimics_app.rendering.visual.passes.states import draw_runs
 from mimics_app.rendering.visual.passes.volumes import VolumePass
 from mimics_app.rendering.visual.pictures.live_picture import MirrorPicture
 from mimics_app.rendering.visual.pictures.mirror_views import Reflection
-from mimics_app.rendering.visual.settings import RenderSettings, StereoPasses
+from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowPlan
-from mimics_app.rendering.visual.stages.eye_pairs import eye_define, group_views
+from mimics_app.rendering.visual.stages.eye_pairs import group_views
 from mimics_app.rendering.visual.surfaces.raw_gl import CLIP_DISTANCE_0, EQUAL
 from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.rendering.visual.view_block import ViewBlock
@@ -79,8 +79,8 @@ class ViewDraws:
         opaque: Runs of draws, near to far.
         mirrors: Those seen in it, with the number of the view and what they show there.
         transparent: Sprites that are cut out, then sprites and blended surfaces, far to near.
-        projected: Projected pictures on the opaque ones.
-        stereo: How this eye and the other one of its pair are drawn.
+        projected: What projectors put onto the opaque ones.
+        passes: How this eye and the other one of its pair are drawn.
     """
 
     view: View
@@ -89,7 +89,7 @@ class ViewDraws:
     transparent: Sequence[DrawRun | SpriteRun]
     mirrors: Sequence[tuple[MirrorPicture, int, Reflection | None]] = ()
     projected: Sequence[BeamRuns] = ()
-    stereo: StereoPasses = "two_pass"
+    passes: EyePasses = "alone"
 
     @property
     def blended(self) -> list[DrawRun]:
@@ -124,6 +124,7 @@ class WorldStage:
         self._frame = frame
         self._shaders = shaders
         self._blocks = (ViewBlock(ctx, settings), ViewBlock(ctx, settings))
+        self._second = ViewBlock(ctx, settings)
         self._volumes = VolumePass(ctx, shaders)
         self._ambient = AmbientPass(ctx, shaders, arena, frame)
         self._cords = CordPass(ctx, shaders)
@@ -151,47 +152,49 @@ class WorldStage:
         draws = 0
         for numbers in group_views([each.view for each in views]):
             eyes = [views[number] for number in numbers]
-            together = [[each] for each in eyes] if eyes[0].stereo == "two_pass" else [eyes]
+            together = [[each] for each in eyes] if eyes[0].passes == "alone" else [eyes]
             draws += sum(self._draw_eyes(target, scene, each, sky=background is None) for each in together)
         return draws
 
     def _draw_eyes(
         self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws], *, sky: bool
     ) -> int:
-        """Draw a view, or two over one queue: bodies in one pass, what each eye has of its own apart."""
+        """Draw a view, or two over one queue: bodies together, what each eye has of its own on its own."""
         for seen in zip(*(each.mirrors for each in eyes), strict=True):
             corners = [each.rectangle[:2] for each in eyes]
             seen[0][0].show([(number, shown, at) for (_, number, shown), at in zip(seen, corners, strict=True)])
         additive = scene.by_stencil and scene.settings.shadows == "stencil_additive"
         self._fill(scene, eyes, sun=not additive)
         draws = self._find_ambient(target, scene, eyes)
-        with self._together(target, scene, eyes):
-            draws += self._draw_opaque(target, scene, eyes[0])
+        draws += sum(self._draw_opaque(target, scene, eyes[0], each) for each in self._together(target, scene, eyes))
         if sky:
             draws += sum(self.sky.draw() for _ in self._by_turns(target, scene, eyes))
         if scene.by_stencil:
             draws += self._draw_stencil_shadows(target, scene, eyes, additive=additive)
         return draws + self._draw_transparent(target, scene, eyes)
 
-    @contextmanager
     def _together(
         self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]
-    ) -> Iterator[tuple[str, ...]]:
-        """What is drawn meanwhile by shaders that have this set finds its eye's place on its own."""
-        self._blocks[0].bind()
+    ) -> Iterator[EyePass]:
+        """Passes of all eyes over one queue: what is drawn meanwhile by shaders that know of it finds its place."""
         self._use_ambient(scene, range(len(eyes)))
         first = eyes[0]
         target.viewport = first.rectangle
-        if first.stereo == "viewports":
+        if first.passes.startswith("viewports"):
             self._volumes.gl.use_viewports([each.rectangle for each in eyes])
-        if first.stereo != "clip_distance":
-            yield eye_define(first.stereo)
-            return
-        x, y, width, height = first.rectangle
-        target.viewport = (x, y, 2 * width, height)
-        self._ctx.enable_direct(CLIP_DISTANCE_0)
-        yield eye_define(first.stereo)
-        self._ctx.disable_direct(CLIP_DISTANCE_0)
+        halves = first.passes.startswith("halves")
+        if halves:
+            x, y, width, height = first.rectangle
+            target.viewport = (x, y, 2 * width, height)
+            self._ctx.enable_direct(CLIP_DISTANCE_0)
+        for each in passes_of(first.passes):
+            self._block_of(each).bind()
+            yield each
+        if halves:
+            self._ctx.disable_direct(CLIP_DISTANCE_0)
+
+    def _block_of(self, eye_pass: EyePass) -> ViewBlock:
+        return self._second if eye_pass.eye == 1 else self._blocks[0]
 
     def _by_turns(
         self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]
@@ -204,17 +207,16 @@ class WorldStage:
                 self._use_ambient(scene, [number])
             yield each
 
-    def _draw_opaque(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
+    def _draw_opaque(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws, eyes: EyePass) -> int:
         """Meshes and cords, and what is projected onto them, of one eye or both."""
-        eyes = eye_define(drawn.stereo)
-        variant = partial(self._shaders.also_with, defines=eyes)
+        variant = partial(self._shaders.also_with, defines=eyes.defines)
         draws = draw_runs(target, self._arena, self._frame, drawn.opaque, variant)
         if scene.world.cords:
             time_s = scene.world.effects.time
             draws += self._cords.draw(scene.world.cords, drawn.view, scene.lighting, scene.lights, time_s, eyes)
         if scene.effects is None:
             return draws
-        return draws + scene.effects.project(target, self._arena, self._frame, drawn.view, drawn.projected, eyes)
+        return draws + scene.effects.project(target, self._arena, self._frame, drawn.view, drawn.projected, eyes.defines)
 
     def _draw_transparent(self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]) -> int:
         """Blended surfaces of both eyes at once; where there are sprites, each eye has its own order of both."""
@@ -224,17 +226,22 @@ class WorldStage:
             return sum(effects.draw_mixed(target, self._arena, self._frame, each.transparent) for each in turns)
         if not eyes[0].blended:
             return 0
-        with self._together(target, scene, eyes) as defines:
-            variant = partial(self._shaders.also_with, defines=defines)
-            return draw_runs(target, self._arena, self._frame, eyes[0].blended, variant)
+        draws = 0
+        for each in self._together(target, scene, eyes):
+            variant = partial(self._shaders.also_with, defines=each.defines)
+            draws += draw_runs(target, self._arena, self._frame, eyes[0].blended, variant)
+        return draws
 
     def _find_ambient(self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]) -> int:
         """Where lit shaders ask how open the surroundings are, find an answer."""
         if not scene.ambient or scene.settings.ambient_occlusion == 0.0:
             return 0
-        self._blocks[0].bind()
-        views, rectangles = [each.view for each in eyes], [each.rectangle for each in eyes]
-        draws = self._ambient.draw_depth(views, rectangles, eyes[0].opaque)
+        views = [each.view for each in eyes]
+        self._ambient.begin_depth([each.rectangle for each in eyes])
+        draws = 0
+        for each in passes_of(eyes[0].passes):
+            self._block_of(each).bind()
+            draws += self._ambient.draw_depth(views, eyes[0].opaque)
         for number, block in enumerate(self._blocks[: len(eyes)]):
             block.bind()
             draws += self._ambient.find(number, scene.settings)
@@ -256,31 +263,38 @@ class WorldStage:
 
     def _fill(self, scene: FrameScene, eyes: Sequence[ViewDraws], *, sun: bool) -> None:
         """Blocks of numbers for each eye; the first one has the places of all."""
-        for number, each in enumerate(eyes):
-            block = self._blocks[number]
-            block.settings = scene.settings
-            other = eyes[-1].view if number == 0 else each.view
-            block.fill(each.view, scene.lighting, scene.plan, other, sun=sun)
+        views = [each.view for each in eyes]
+        turns = passes_of(eyes[0].passes)
+        for block, drawn, eye in (
+            (self._blocks[0], views, turns[0].eye),
+            (self._blocks[1], views[1:], -1),
+            (self._second, views if len(turns) > 1 else [], 1),
+        ):
+            if drawn:
+                block.settings = scene.settings
+                block.fill(drawn[0], scene.lighting, scene.plan, drawn[-1], sun=sun, eye=eye)
 
     def _draw_stencil_shadows(
         self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws], *, additive: bool
     ) -> int:
         """Count the volumes; then add the sun where none covers what is seen, or darken where one does."""
         volumes, views = self._volumes, [each.view for each in eyes]
-        with self._together(target, scene, eyes) as defines:
-            draws = volumes.count(target, scene.world, scene.items, views, scene.lighting, defines)
+        volumes.gl.clear_stencil()
+        draws = 0
+        for each in self._together(target, scene, eyes):
+            draws += volumes.count(target, scene.world, scene.items, views, scene.lighting, each)
         if not additive:
             return draws + sum(volumes.darken(scene.settings.shadow_tone) for _ in self._by_turns(target, scene, eyes))
         self._fill(scene, eyes, sun=True)
         volumes.gl.draw_where(EQUAL)
-        self._ctx.depth_func = "=="
-        with self._together(target, scene, eyes):
-            draws += self._draw_opaque(target, scene, eyes[0])
+        for each in self._together(target, scene, eyes):
+            self._ctx.depth_func = "=="  # what is thrown puts it back
+            draws += self._draw_opaque(target, scene, eyes[0], each)
         self._ctx.depth_func = "<"
         volumes.gl.draw_everywhere()
         return draws
 
     def release(self) -> None:
         """Free what belongs to the passes."""
-        for part in (self.sky, self._cords, *self._blocks, self._volumes, self._ambient):
+        for part in (self.sky, self._cords, *self._blocks, self._second, self._volumes, self._ambient):
             part.release()

@@ -1,0 +1,94 @@
+"""Ten thousand particles in the air at every moment, each with a soft round picture and blended far to near.
+
+The numbers are those that OGRE's particle system gets (`ogre_particles.py`): it steps its particles, unsorted; here
+each follows from its age, and all are sorted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.app.bench.render_workloads import Workload, decode, light_up
+from mimics_app.world.components.effects import Particles
+from mimics_app.world.world import World
+
+__all__ = ["Fountain", "FountainNumbers"]
+
+F8 = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FountainNumbers:
+    """What both renderers are given.
+
+    Attributes:
+        count: Particles alive.
+        life_s: Of each [s].
+        side: Of the square they rise from [m].
+        cone: Half angle about the vertical [rad].
+        speed: Least and greatest at birth [m/s].
+        gravity: [m/s^2], downwards.
+        size: Width and height [m].
+        colour: Display values and opacity.
+        eye: Where it is seen from [m].
+        target: What the eye looks at [m].
+        step_s: Time between two frames [s].
+    """
+
+    count: int = 10_000
+    life_s: float = 4.0
+    side: float = 8.0
+    cone: float = 0.3
+    speed: tuple[float, float] = (2.0, 4.0)
+    gravity: float = 0.8
+    size: float = 0.16
+    colour: tuple[float, float, float, float] = (1.0, 0.75, 0.3, 0.6)
+    eye: tuple[float, float, float] = (0.0, 3.0, 13.0)
+    target: tuple[float, float, float] = (0.0, 3.0, 0.0)
+    step_s: float = 1.0 / 60.0
+
+    @property
+    def as_dict(self) -> dict[str, object]:
+        """For a program in another language or another interpreter."""
+        return asdict(self)
+
+
+class Fountain(Workload):
+    """Particles that rise from a square and slow down.
+
+    Args:
+        count: How many are alive, 0: ten thousand.
+    """
+
+    def __init__(self, count: int) -> None:
+        self.numbers = numbers = FountainNumbers(count=count or FountainNumbers.count)
+        world = World()
+        source = world.root.create_child("fountain")
+        red, green, blue = decode(np.array(numbers.colour[:3])).tolist()
+        world.effects.add(
+            source.index,
+            Particles(
+                rate=numbers.count / numbers.life_s,
+                lifetime=(numbers.life_s, numbers.life_s),
+                box=(numbers.side, 0.0, numbers.side),
+                cone=numbers.cone,
+                speed=numbers.speed,
+                gravity=(0.0, -numbers.gravity, 0.0),
+                size=(numbers.size, numbers.size),
+                colours=((red, green, blue, numbers.colour[3]),),
+                capacity=numbers.count,
+            ),
+        )
+        light_up(world)
+        super().__init__(world, numbers.count)
+
+    def update(self, frame: int) -> None:
+        """Let them fly on to a frame."""
+        self.world.effects.time = self.numbers.life_s + frame * self.numbers.step_s
+        self.world.update()
+
+    def eye(self, frame: int) -> tuple[F8, F8]:
+        return np.array(self.numbers.eye), np.array(self.numbers.target)

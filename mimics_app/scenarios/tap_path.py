@@ -1,0 +1,39 @@
+"""How the tapping ball moves: down to a place, up again, and on to rest over the next."""
+
+from __future__ import annotations
+
+import math
+
+__all__ = ["Tap", "ball_motion"]
+
+Tap = tuple[int, str, float, float, int]
+"""When it touches [ns], "cord", "back" or "stomach", share of the cord's length, around it [rad], number."""
+
+_HOVER, _FALL_S = 0.09, 0.14
+"""The ball rests so far over what it taps [m], and takes so long down and up again [s]."""
+_QUICK = 0.35
+"""Share of the time between two touches that each fall has at most: the rest is for the way between the places."""
+
+
+def ball_motion(since_s: float, until_s: float) -> tuple[float, float]:
+    """Where the tapping ball is between two touches; without a jump of place or speed.
+
+    Args:
+        since_s: Since the touch before [s]; infinite where there was none.
+        until_s: Until the coming touch [s]; negative after it.
+
+    Returns:
+        Share of the way from one place to the other, and how far the ball is over either [m]: 0 at a touch.
+    """
+    whole = max(since_s + until_s, 1e-9)
+    fall_s = min(_FALL_S, _QUICK * whole)
+    gap = _HOVER * _eased(min(abs(since_s), abs(until_s)) / fall_s)
+    if math.isinf(since_s):
+        return 1.0, gap
+    return _eased((since_s - fall_s) / (whole - 2.0 * fall_s)), gap
+
+
+def _eased(share: float) -> float:
+    """From 0 to 1 over a share of 0 to 1, at rest at both ends."""
+    share = min(max(share, 0.0), 1.0)
+    return share * share * (3.0 - 2.0 * share)
