@@ -46,7 +46,7 @@ def measure_ogre(
         return None
     width, height = size
     wanted = ("--opt", "gl3", "--size", f"{width}x{height}", "--msaa", str(msaa), *more)
-    row = _row_of([str(program), workload, *wanted], size, tell)
+    row = _row_of([str(program), workload, *wanted], size, report)
     return None if row is None else row["ms_median"]
 
 
@@ -55,7 +55,7 @@ def measure_ogre_particles(
     size: tuple[int, int],
     frames: int,
     warmup: int,
-    tell: Callable[[str], None],
+    report: Callable[[str], None],
     shot: Path | None = None,
 ) -> dict[str, float] | None:
     """OGRE's own particle system: median frame, processor time of a frame [ms], particles; None where it is missing.
@@ -65,21 +65,21 @@ def measure_ogre_particles(
         size: Of the picture [px].
         frames: Frames timed.
         warmup: Frames drawn before.
-        tell: Called with why it was not measured.
+        report: Called with why it was not measured.
         shot: Where the last frame goes as PNG, or None.
     """
     if not shutil.which("xvfb-run"):
-        tell("peer: OGRE is not measured: xvfb-run is needed")
+        report("peer: OGRE is not measured: xvfb-run is needed")
         return None
     width, height = size
     with tempfile.TemporaryDirectory(prefix="mimics-ogre-") as folder:
         (Path(folder) / "particles.json").write_text(json.dumps(numbers), encoding="utf-8")
         Image.fromarray(sprite_picture("dot").pixels, "RGBA").save(Path(folder) / "dot.png")
         words = [folder, f"{width}x{height}", str(frames), str(warmup), *([] if shot is None else [str(shot)])]
-        return _row_of(["-m", "mimics_app.app.bench.ogre_particles", *words], size, tell)
+        return _row_of(["-m", "mimics_app.app.bench.ogre_particles", *words], size, report)
 
 
-def _row_of(program: list[str], size: tuple[int, int], tell: Callable[[str], None]) -> dict[str, float] | None:
+def _row_of(program: list[str], size: tuple[int, int], report: Callable[[str], None]) -> dict[str, float] | None:
     """What a program says that is run by the system's interpreter under a display of its own."""
     width, height = size
     screen = ("xvfb-run", "-a", "-s", f"-screen 0 {max(width, 640)}x{max(height, 480)}x24")

@@ -322,7 +322,10 @@ class Renderer:
         projected = scene.effects.meet(eyes, self._list, self._frame)
         if at_once:
             projected = [replace(beam, runs=self._frame.double(beam.runs)) for beam in projected]
-        return [replace(each, transparent=scene.effects.mix(each.view, blended, away), projected=projected) for each in drawn]
+        return [
+            replace(each, transparent=scene.effects.mix(each.view, blended, away), projected=projected)
+            for each in drawn
+        ]
 
     def _pair_up(self, runs: Sequence[DrawRun], places: Sequence[Rect]) -> EyePasses:
         """How what is queued is drawn: together only for two eyes over which nothing of the overlay is laid."""

@@ -216,7 +216,8 @@ class WorldStage:
             draws += self._cords.draw(scene.world.cords, drawn.view, scene.lighting, scene.lights, time_s, eyes)
         if scene.effects is None:
             return draws
-        return draws + scene.effects.project(target, self._arena, self._frame, drawn.view, drawn.projected, eyes.defines)
+        beams = drawn.projected
+        return draws + scene.effects.project(target, self._arena, self._frame, drawn.view, beams, eyes.defines)
 
     def _draw_transparent(self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]) -> int:
         """Blended surfaces of both eyes at once; where there are sprites, each eye has its own order of both."""
@@ -288,7 +289,7 @@ class WorldStage:
         self._fill(scene, eyes, sun=True)
         volumes.gl.draw_where(EQUAL)
         for each in self._together(target, scene, eyes):
-            self._ctx.depth_func = "=="  # what is thrown puts it back
+            self._ctx.depth_func = "=="  # projecting puts it back
             draws += self._draw_opaque(target, scene, eyes[0], each)
         self._ctx.depth_func = "<"
         volumes.gl.draw_everywhere()
