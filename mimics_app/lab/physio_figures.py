@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +26,7 @@ from mimics_app.plotting.drawing import legend
 from mimics_app.plotting.marks import element, path, word
 from mimics_app.plotting.panel import Label, Panel
 
-__all__ = ["detectors", "draw_figures", "learning_curves", "load_accuracy"]
+__all__ = ["FIGURES", "detectors", "draw_figures", "learning_curves", "load_accuracy"]
 
 Floats = NDArray[np.float64]
 Detector = Callable[[Floats, float], Floats]
@@ -42,15 +42,15 @@ _MINUTES = 5.0
 _BLOCK_S = 0.02
 
 
-def draw_figures(folder: Path, records: Path | None = None) -> list[Path]:
-    """Write all figures; the drawings.
+def draw_figures(folder: Path, names: Sequence[str], records: Path | None = None) -> list[Path]:
+    """Write figures; the drawings.
 
     Args:
         folder: Where to.
+        names: Of `FIGURES`.
         records: Folder of annotated records for the detectors; None: simulated people.
     """
-    figures = (failure_map(), loop_stability(), learning_curves(), load_accuracy(), detectors(records), loop_regret())
-    return [write_figure(figure, folder)[1] for figure in figures]
+    return [write_figure(FIGURES[name](records), folder)[1] for name in names]
 
 
 def load_accuracy() -> Figure:
@@ -183,3 +183,14 @@ def _neurokit_detectors() -> dict[str, Callable[[Floats, float], Floats]]:
         return find
 
     return {f"NeuroKit2 {method}": detector(method) for method in _METHODS}
+
+
+FIGURES: Mapping[str, Callable[[Path | None], Figure]] = {
+    "detectors": detectors,
+    "failure_map": lambda _: failure_map(),
+    "loop_stability": lambda _: loop_stability(),
+    "learning_curves": lambda _: learning_curves(),
+    "load_accuracy": lambda _: load_accuracy(),
+    "loop_regret": lambda _: loop_regret(),
+}
+"""Figure of a folder of annotated records, None for simulated people, by the name of its file."""

@@ -41,19 +41,23 @@ def measure_heard(seconds: float, period: int = 128, mixer: str = "openal", boun
             result = {"error": str(error)}
             continue
         heard = result["heard"] == result["played"] == result["events"] - result["stale"]
-        if heard and result["events"] >= LEAST and result["stale"] == 0 and result["latency_ms"]["max"] <= bound_ms:
-            return result
+        if heard and result["events"] >= LEAST and result["stale"] == 0:
+            assert result["struck"] == result["events"] // 2, "every second one is a tap, and sounds by its force"
+            if max(result[kind]["max"] for kind in ("latency_ms", "struck_ms")) <= bound_ms:
+                return result
     pytest.fail(f"this machine was too busy for sound in each of {ROUNDS} rounds: {result}")
 
 
 @needs_pulse
 @pytest.mark.parametrize(("mixer", "period"), [("openal", 128), ("spectral", 64)])
 def test_every_contact_is_heard_within_20_ms_on_a_live_sound_server(mixer, period):
-    """D2.1 6.3, each of them; what else runs on the machine is not the mixer's, so one round of five counts."""
+    """D2.1 6.3, each of them, recordings and what the force of a tap plays; what else runs on the machine is not the
+    mixer's, so one round of five counts."""
     result = measure_heard(4.0, period, mixer, BOUND_MS)
     assert (result["sink"], result["hrtf"], result["rate"], result["mixer"]) == ("device", True, 48_000, mixer)
     assert 0.0 < result["buffers_ms"] <= 20.0
-    assert 0.0 < result["latency_ms"]["p50"] <= result["latency_ms"]["p95"] <= result["latency_ms"]["max"]
+    for kind in ("latency_ms", "struck_ms"):
+        assert 0.0 < result[kind]["p50"] <= result[kind]["p95"] <= result[kind]["max"]
 
 
 @needs_pulse

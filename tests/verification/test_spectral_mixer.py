@@ -19,7 +19,7 @@ from mimics_app.lab.audio_figures import heard_around_the_head
 from mimics_app.rendering.audio.bank import Sound, SoundBank
 from mimics_app.rendering.audio.offline import render_offline
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
-from mimics_app.rendering.audio.spectral.bins import add_heard, move, set_shaped
+from mimics_app.rendering.audio.spectral.bins import add_heard, add_moving, move, set_shaped
 from mimics_app.rendering.audio.spectral.computed_head import compute_head, sphere_response
 from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE, WORK, real_block, real_spectrum, turns_of
 from mimics_app.rendering.audio.spectral.head import HeadResponses, delays_between_ears
@@ -47,8 +47,9 @@ def mixer_of(sounds: dict[str, np.ndarray], **settings) -> SpectralMixer:
 
 @kernel
 def _there_and_back(blocks, turns, work, spectra, again):
+    samples = blocks.reshape(-1)
     for n in range(blocks.shape[0]):
-        real_spectrum(blocks[n], turns, work, spectra[n])
+        real_spectrum(samples, SIZE * n, turns, spectra[n])
         real_block(spectra[n], turns, work, again[n])
 
 
@@ -66,20 +67,20 @@ def test_spectra_of_blocks_are_those_of_the_library_and_lead_back():
 
 
 @kernel
-def _filtered(spectrum, shelves, tone, table, row, total, shaped):
-    add_heard(spectrum, shelves, tone, table, row, table, 2 * row, total)
-    set_shaped(spectrum, shelves, tone, shaped)
+def _filtered(spectrum, shelves, shape, table, before, after, sums, shaped):
+    add_heard(spectrum, shelves, shape, table, table, after, sums, 0)
+    add_moving(spectrum, shelves, shape, table, table, before, after, sums)
+    set_shaped(spectrum, shelves, 0.7, shape, shaped)
     move(shaped, 3, shaped, 0, 2 * BINS - 3)
 
 
 def test_rows_of_bins_are_filtered_as_their_formulas_say():
     random = np.random.default_rng(6)
-    spectrum, shelves, tone, table = (
-        random.standard_normal(n).astype(np.float32) for n in (2 * BINS, 6 * BINS, 5, 16 * BINS)
-    )
-    found, expected = ((np.ones(4 * BINS, np.float32), np.zeros(2 * BINS, np.float32)) for _ in range(2))
-    _filtered(spectrum, shelves, tone, table, 1, *found)
-    _filtered.py_func(spectrum, shelves, tone, table, 1, *expected)
+    spectrum, shelves, table = (random.standard_normal(n).astype(np.float32) for n in (2 * BINS, 4 * BINS, 16 * BINS))
+    places = (0.3, -1.4), table, (0.8, 1, 5), (-1.3, 3, 60)
+    found, expected = ((np.ones((3, 4 * BINS), np.float32), np.zeros(2 * BINS, np.float32)) for _ in range(2))
+    _filtered(spectrum, shelves, *places, *found)
+    _filtered.py_func(spectrum, shelves, *places, *expected)
     for ours, plain in zip(found, expected, strict=True):
         np.testing.assert_allclose(ours, plain, atol=1e-6 * np.abs(plain).max())
 

@@ -60,8 +60,8 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         "names",
         nargs="*",
         metavar="NAME",
-        help="of render: city, nodes, crowd, walk, people, people_full or particles; of frame: scenes or people "
-        "(default: all)",
+        help="of render: city, nodes, crowd, walk, people, people_full or particles; of frame: scenes or people (default: "
+        "all); of physio: figures, or noise for a table of R peaks by kind of noise (default: everything)",
     )
     parser.add_argument(
         "--data",
@@ -96,7 +96,7 @@ def run(args: argparse.Namespace) -> int:
     if args.what == "render":
         return _run_render(args)
 
-    if args.names and args.what != "frame":
+    if args.names and args.what not in ("frame", "physio"):
         raise UsageError(f"bench {args.what} takes no name, not {' '.join(args.names)}", f"mimics bench {args.what}")
     parts = ("methods", "audio", "haptic", "frame", "realtime") if args.what == "all" else (args.what,)
     answer: dict[str, Any] = {}
@@ -253,22 +253,48 @@ def _measure_displays(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
-    """R peaks on annotated records and under noise, cost and latency; PEERS names a folder with rivals' harness."""
+    """R peaks on annotated records and under noise, cost and latency; PEERS names a folder with rivals' harness.
+
+    With names only those: figures (`--charts` says where to), or the table of R peaks by kind of noise.
+    """
     if args.people is not None:
         from mimics_app.lab.physio.load_sessions import write_shipped_people
 
         write_shipped_people(args.people)
         return {"people": str(args.people)}
-    from mimics_app.lab.physio.bench import measure_physio
+    from mimics_app.lab.physio.bench import measure_noise, measure_physio
 
     folder = args.data or (Path(os.environ["PHYSIO_DATA"]) if os.environ.get("PHYSIO_DATA") else None)
-    answer = measure_physio(folder, Path(os.environ["PEERS"]) if os.environ.get("PEERS") else None)
-    if args.charts is not None:
+    answer: dict[str, Any] = {"noise": measure_noise(folder)} if _NOISE in args.names else {}
+    names = _physio_figures(args)
+    if not args.names:
+        answer = measure_physio(folder, _peers())
+    if args.charts is not None and names:
         from mimics_app.lab.physio_figures import draw_figures
 
-        answer["charts"] = draw_figures(args.charts, folder)
+        answer["charts"] = draw_figures(args.charts, names, folder)
     return answer
 
+
+def _physio_figures(args: argparse.Namespace) -> list[str]:
+    """Figures that are asked for; all where no name is.
+
+    Raises:
+        UsageError: There is none of a name, or no folder for those that are named.
+    """
+    from mimics_app.lab.physio_figures import FIGURES
+
+    wanted = [name for name in args.names if name != _NOISE]
+    unknown = [name for name in wanted if name not in FIGURES]
+    if unknown:
+        raise UsageError(f"bench physio has no {unknown[0]}", f"it has {_NOISE}, {', '.join(FIGURES)}")
+    if wanted and args.charts is None:
+        raise UsageError(f"no folder for the figure {wanted[0]}", f"mimics bench physio {wanted[0]} --charts DIR")
+    return wanted if args.names else list(FIGURES)
+
+
+_NOISE = "noise"
+"""Of physio: the table of R peaks by kind of noise."""
 
 _MEASURES = {
     "frame": _measure_frame,

@@ -23,11 +23,12 @@ from mimics_app.lab.physio.detection import (
     score_beats,
 )
 from mimics_app.lab.physio.load_sessions import draw_load_people
+from mimics_app.lab.physio.noise_study import noise_rows
 from mimics_app.lab.physio.state_study import state_study
 from mimics_app.lab.physio.walk_study import walk_study
 from mimics_app.learning.registry import POLICIES
 
-__all__ = ["measure_physio"]
+__all__ = ["measure_noise", "measure_physio"]
 
 _SIMULATED = "simulated people; a simulation is no clinical evidence"
 _NOISY_MINUTES = 5.0
@@ -53,6 +54,7 @@ def measure_physio(folder: Path | None, peers: Path | None) -> dict[str, Any]:
     ]
     return {
         "ecg": [*clean, *noisy],
+        "noise": measure_noise(folder),
         "records": str(folder) if folder else _SIMULATED,
         **measure_cost(),
         "policies": {"what": _SIMULATED, "regret": {name: _regret(name) for name in POLICIES}},
@@ -60,6 +62,12 @@ def measure_physio(folder: Path | None, peers: Path | None) -> dict[str, Any]:
         "guided_walk": [asdict(walk_study(condition)) for condition in ("intimate", "social", "random")],
         "peers": _peers(folder, peers),
     }
+
+
+def measure_noise(folder: Path | None) -> list[dict[str, Any]]:
+    """F1, missed and invented beats by kind of record and noise; none where no folder of records is named."""
+    rows = noise_rows(folder) if folder is not None else ()
+    return [{**asdict(row), "f1": row.f1} for row in rows]
 
 
 def _row(record: Annotated) -> dict[str, Any]:

@@ -27,6 +27,7 @@ __all__ = [
     "matched",
     "measure_cost",
     "mixed_noise",
+    "noise_size",
     "score_beats",
 ]
 
@@ -51,13 +52,36 @@ class Annotated:
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """Of one record."""
+    """Of one record.
+
+    Attributes:
+        record: Its name.
+        beats: Annotated.
+        found: Beats that the detector says there are.
+        hits: Of those, beats that there are.
+        latency_s: From each R peak that was found until it was known [s].
+    """
 
     record: str
-    f1: float
-    sensitivity: float
-    ppv: float
+    beats: int
+    found: int
+    hits: int
     latency_s: Floats
+
+    @property
+    def f1(self) -> float:
+        """Of sensitivity and positive predictive value."""
+        return 2.0 * self.hits / max(self.beats + self.found, 1)
+
+    @property
+    def sensitivity(self) -> float:
+        """Share of the beats that were found."""
+        return self.hits / max(self.beats, 1)
+
+    @property
+    def ppv(self) -> float:
+        """Share of what was found that is a beat."""
+        return self.hits / max(self.found, 1)
 
 
 def annotated_records(folder: Path | None, minutes: float = 0.0) -> Iterator[Annotated]:
@@ -95,11 +119,16 @@ def mixed_noise(record: Annotated, decibel: float, seed: int) -> Annotated:
     muscle, wander, motion = band(20.0, 90.0), band(0.05, 0.5), band(0.5, 10.0)
     slow = np.convolve(rng.standard_normal(n // 100 + 50), np.ones(50), "valid").repeat(100)[:n] > 0.0
     noise = _unit(muscle + wander + motion * slow)
-    w = round(0.05 * rate)
-    places = np.round(record.beats * rate).astype(int)
+    values = record.values + noise_size(record, decibel) * noise
+    return Annotated(f"{record.name}_{decibel:g}dB", rate, values, record.beats)
+
+
+def noise_size(record: Annotated, decibel: float) -> float:
+    """Standard deviation of noise at a signal to noise ratio [mV], with a QRS's power as that of a sine as high."""
+    w = round(0.05 * record.rate)
+    places = np.round(record.beats * record.rate).astype(int)
     peaks = [np.ptp(record.values[max(0, at - w) : at + w]) for at in places if at + w > 1]
-    size = np.sqrt(np.median(peaks) ** 2 / 8.0 / 10.0 ** (decibel / 10.0))
-    return Annotated(f"{record.name}_{decibel:g}dB", rate, record.values + size * noise, record.beats)
+    return float(np.sqrt(np.median(peaks) ** 2 / 8.0 / 10.0 ** (decibel / 10.0)))
 
 
 def score_beats(record: Annotated) -> Score:
@@ -107,11 +136,8 @@ def score_beats(record: Annotated) -> Score:
     channel, block = Ecg(record.rate), max(1, round(_BLOCK_S * record.rate))
     events = [e for i in range(0, len(record.values), block) for e in channel.push(record.values[i : i + block])]
     found = np.array([event.t_s for event in events])
-    hits = matched(record.beats, found)
-    sensitivity, ppv = hits / max(len(record.beats), 1), hits / max(len(found), 1)
     late = np.array([event.known_s - event.t_s for event in events])
-    f1 = 2.0 * hits / max(len(record.beats) + len(found), 1)
-    return Score(record.name, f1, sensitivity, ppv, late)
+    return Score(record.name, len(record.beats), len(found), matched(record.beats, found), late)
 
 
 def matched(truth: Floats, found: Floats) -> int:

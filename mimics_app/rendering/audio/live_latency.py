@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts import ring
 from mimics_app.contracts.audio_port import AudioReport, percentiles_ms
 from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.contact_force import CONTACT_FORCE
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.session_memory import SessionMemory
@@ -54,6 +55,12 @@ _CALM_NS = 2_000_000_000
 
 _START_TIMEOUT_NS = 10_000_000_000
 
+_BLOW_N = tuple(12.0 * np.sin(np.pi * np.arange(1, 9) / 8.0))
+"""Force of a tap in each tick [N]: 12 N at most, over after 8 ms."""
+
+_STRUCK_BODY = 1
+"""As events name it: what is tapped, and sounds by the force of the tap."""
+
 
 def pulse_missing() -> str:
     """Why the measurement cannot be made here, "" when it can."""
@@ -66,6 +73,9 @@ def measure_live_latency(
 ) -> dict[str, Any]:
     """Contacts pushed into a session's ring as the haptic loop does, heard at the monitor of a null sink.
 
+    Every second contact plays a recording; the others are taps on a thing that sounds by the force of the tap, tick by
+    tick (`modal.py`).
+
     Args:
         seconds: Length of the measurement, about four contacts a second.
         period: Frames per period of the device, see AudioSettings.
@@ -74,9 +84,10 @@ def measure_live_latency(
 
     Returns:
         `events` pushed, `played` by the mixer, `heard` at the monitor, `stale` ones that were read too late to be
-        played; `latency_ms` with p50, p95 and max from the tick's time to the sample at the monitor, left out where
-        nothing was heard; `modelled_ms`, the same as the session's report has it; `buffers_ms`, what the device's
-        buffers make of it; and `device, sink, hrtf, rate, period`.
+        played; `latency_ms` of recordings and `struck_ms` of taps, with p50, p95 and max from the tick's time to the
+        sample at the monitor, left out where nothing was heard; `struck`, taps that were played by their force;
+        `modelled_ms`, of all as the session's report has it; `buffers_ms`, what the device's buffers make of it; and
+        `device, sink, hrtf, rate, period`.
 
     Raises:
         DeviceError: PulseAudio is not installed, or its server or our device did not come up.
@@ -86,13 +97,18 @@ def measure_live_latency(
         raise DeviceError(why)
     with private_pulse_server() as environment, _Recorder(environment) as recorder:
         pushed, report = _play_contacts(environment, seconds, period, seed, mixer)
-    latencies = match_onsets(pushed, recorder.onsets())
-    status = report.status
-    figures = {"latency_ms": percentiles_ms(latencies), "modelled_ms": dict(report.latency_ms())}
+    onsets, status = recorder.onsets(), report.status
+    recorded, struck = match_onsets(pushed[::2], onsets), match_onsets(pushed[1::2], onsets)
+    figures = {
+        "latency_ms": percentiles_ms(recorded),
+        "struck_ms": percentiles_ms(struck),
+        "modelled_ms": dict(report.latency_ms()),
+    }
     return {
         "events": len(pushed),
         "played": len(report.rows),
-        "heard": len(latencies),
+        "struck": sum(":live:" in row.sound for row in report.rows),
+        "heard": len(recorded) + len(struck),
         "stale": report.stale,
         **{name: _rounded(values) for name, values in figures.items() if values["p50"] is not None},
         "buffers_ms": round(status.latency_ms, 2),
@@ -236,9 +252,16 @@ def _play_contacts(
 ) -> tuple[list[int], AudioReport]:
     clock = MonotonicClock()
     memory = SessionMemory()
-    sounds = {"contact": SoundSpec(recipe="tick")}
     settings = AudioSettings(
-        sounds=sounds, scrape="", mixer=mixer, period=period, driver="pulse", environment=environment
+        sounds={"contact": SoundSpec(recipe="tick"), "tap": SoundSpec(recipe="tap")},
+        triggers={"contact": "contact", "contact/thing": "tap"},
+        materials=("", "thing"),
+        body_materials=(1,),
+        scrape="",
+        mixer=mixer,
+        period=period,
+        driver="pulse",
+        environment=environment,
     )
     audio = AudioProcess(memory, settings)
     audio.start()
@@ -257,18 +280,33 @@ def _play_contacts(
 def _push_contacts(
     memory: SessionMemory, clock: MonotonicClock, seconds: float, random: np.random.Generator
 ) -> list[int]:
+    """Contacts for some seconds, a recording and a tap in turn; their times [ns]."""
     pushed: list[int] = []
     end = clock.now_ns() + round(seconds * 1e9)
-    event = np.zeros(1, EVENT)
+    event, force = np.zeros(1, EVENT), np.zeros(1, CONTACT_FORCE)
     ring.push(memory.audio_event_words, memory.audio_events, event)  # of no kind: compiles the call
-    event["kind"], event["body_b"], event["speed"], event["force"] = EventKind.CONTACT_BEGIN, -1, 0.6, 10.0
-    event["position_world"] = (0.0, 0.0, -1.0)
+    ring.push(memory.audio_force_words, memory.audio_forces, force)  # of no contact: likewise
+    event["kind"], event["speed"], event["position_world"] = EventKind.CONTACT_BEGIN, 0.6, (0.0, 0.0, -1.0)
     while clock.now_ns() < end:
         clock.sleep_until_ns(clock.now_ns() + int(random.integers(*_PAUSE_NS)))
+        taps = len(pushed) % 2 == 1
+        event["body_b"], event["force"] = (_STRUCK_BODY, _BLOW_N[0]) if taps else (-1, 10.0)
         event["tick"], event["t_ns"] = len(pushed), clock.now_ns()
         ring.push(memory.audio_event_words, memory.audio_events, event)
         pushed.append(int(event["t_ns"][0]))
+        if taps:
+            _push_forces(memory, clock, pushed[-1])
     return pushed
+
+
+def _push_forces(memory: SessionMemory, clock: MonotonicClock, begin_ns: int) -> None:
+    """The rest of a tap, a tick at a time."""
+    row = np.zeros(1, CONTACT_FORCE)
+    row["body_a"], row["body_b"] = 0, _STRUCK_BODY
+    for tick, newton in enumerate(_BLOW_N[1:], 1):
+        clock.sleep_until_ns(begin_ns + tick * 1_000_000)
+        row["t_ns"], row["force"] = begin_ns + tick * 1_000_000, newton
+        ring.push(memory.audio_force_words, memory.audio_forces, row)
 
 
 def match_onsets(pushed: Sequence[int], onsets: Sequence[int]) -> list[float]:

@@ -1,21 +1,44 @@
-"""A voice's spectrum through shape, delay and direction, sixteen bins at a time, none of which leaves the registers."""
+"""A voice's spectrum through shape, delay and direction, sixteen bins at a time, none of which leaves the registers.
+
+How a voice is heard from somewhere is three numbers: its gain, its cell of the table of directions, its row of the
+table of delays. A voice that moves is heard from two places at once, with one shape where that has not changed.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import numpy as np
+from llvmlite import ir
 from numba import types
-from numba.core.cgutils import raw_memmove
+from numba.core.cgutils import for_range, raw_memmove
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
-from mimics_app.rendering.audio.spectral.fourier import BINS
-from mimics_app.rendering.audio.spectral.lanes import ADDRESS, BYTE_POINTER, BYTES, WIDTH, Complex, Value, Writer
+from mimics_app.rendering.audio.spectral.fourier import BINS, address_of
+from mimics_app.rendering.audio.spectral.lanes import (
+    ADDRESS,
+    BYTE_POINTER,
+    BYTES,
+    WIDTH,
+    Complex,
+    Lanes,
+    Value,
+    Writer,
+)
 
-__all__ = ["add_heard", "move", "set_shaped"]
+__all__ = ["DELAY_ROW", "ROWS", "add_heard", "add_moving", "move", "set_shaped"]
 
 Floats = NDArray[np.float32]
+Heard: TypeAlias = tuple[float, int, int]
+Shape: TypeAlias = tuple[float, float]
+
+ROWS = BINS // WIDTH
+"""Of a spectrum."""
+
+DELAY_ROW = 4 * WIDTH
+"""Numbers of a delay: cos and -sin of the first row of bins, then those that turn it into each of the rows."""
 
 _PART = BYTES * BINS  # bytes of real or of imaginary parts
 _STEP = BYTES * WIDTH
@@ -27,64 +50,100 @@ def move(target: Floats, at: int, source: Floats, of: int, count: int) -> None:
 
 
 def add_heard(
-    spectrum: Floats, shelves: Floats, tone: Floats, cells: Floats, cell: int, delays: Floats, half: int, total: Floats
+    spectrum: Floats, shelves: Floats, shape: Shape, cells: Floats, delays: Floats, heard: Heard, sums: Floats, row: int
 ) -> None:
     """Add a voice to both ears.
 
     Args:
         spectrum: Of the voice, [2 * BINS].
         shelves: Of `Tables`.
-        tone: Factors of its rows: gain and lower shelf (3), upper shelf (2), shape [5].
+        shape: By how much, as a share, the middle band is louder than the low one, and the high than the middle.
         cells: Of `Tables`.
-        cell: Row of it.
         delays: Of `Tables`.
-        half: Row of it.
-        total: Added to: left and right, real and imaginary, [4 * BINS].
+        heard: Gain of the low band, row of `cells`, row of `delays`.
+        sums: A row is added to: left and right, real and imaginary, [.., 4 * BINS].
+        row: Of `sums`.
     """
-    parts = cells.reshape(-1, 2, 2, BINS)[cell]
-    turned = delays.reshape(-1, 2, BINS)[half]
+    gain, cell, half = heard
+    parts = cells.reshape(-1, ROWS, 2, 2, WIDTH)[cell]
+    first, turns = delays.reshape(-1, 2, 2, WIDTH)[half]
+    turned = (first[0] + 1j * first[1]) * (turns[0] + 1j * turns[1])[:, None]
     shaped = np.zeros_like(spectrum)
-    set_shaped(spectrum, shelves, tone, shaped)
-    for ear, side in enumerate((1.0, -1.0)):
-        heard = (shaped[:BINS] + 1j * shaped[BINS:]) * (turned[0] + 1j * side * turned[1])
-        heard = heard * (parts[ear, 0] + 1j * parts[ear, 1])
-        total[2 * ear * BINS :][: 2 * BINS] += np.concatenate((heard.real, heard.imag)).astype(np.float32)
+    set_shaped(spectrum, shelves, gain, shape, shaped)
+    whole = (shaped[:BINS] + 1j * shaped[BINS:]).reshape(ROWS, WIDTH)
+    for ear, delayed in enumerate((whole * turned, whole * turned.conj())):
+        found = (delayed * (parts[:, ear, 0] + 1j * parts[:, ear, 1])).reshape(-1)
+        sums[row, 2 * ear * BINS :][: 2 * BINS] += np.concatenate((found.real, found.imag)).astype(np.float32)
 
 
-def set_shaped(spectrum: Floats, shelves: Floats, tone: Floats, shaped: Floats) -> None:
-    """Set `shaped`, [2 * BINS], to a spectrum through a shape; the rest as of `add_heard`."""
-    low, rise, turn, high, climb, twist = shelves.reshape(6, BINS)
-    shape = (tone[0] * low + tone[1] * rise + 1j * tone[2] * turn) * (high + tone[3] * climb + 1j * tone[4] * twist)
-    found = (spectrum[:BINS] + 1j * spectrum[BINS:]) * shape
+def add_moving(
+    spectrum: Floats,
+    shelves: Floats,
+    shape: Shape,
+    cells: Floats,
+    delays: Floats,
+    before: Heard,
+    after: Heard,
+    sums: Floats,
+) -> None:
+    """Add a voice as it was heard to row 1 of `sums`, and as it is heard now to row 2; the rest as of `add_heard`."""
+    add_heard(spectrum, shelves, shape, cells, delays, before, sums, 1)
+    add_heard(spectrum, shelves, shape, cells, delays, after, sums, 2)
+
+
+def set_shaped(spectrum: Floats, shelves: Floats, gain: float, shape: Shape, shaped: Floats) -> None:
+    """Set `shaped`, [2 * BINS], to a spectrum through a shape and a gain; the rest as of `add_heard`."""
+    low, turn, high, twist = shelves.reshape(4, BINS)
+    curve = (1.0 + shape[0] * (low + 1j * turn)) * (1.0 + shape[1] * (high + 1j * twist))
+    found = gain * (spectrum[:BINS] + 1j * spectrum[BINS:]) * curve
     shaped[:BINS], shaped[BINS:] = found.real, found.imag
 
 
 @overload(move)
 def _overload_move(target, at, source, of, count):
     def machine(target, at, source, of, count):
-        _move(target.ctypes.data + BYTES * at, source.ctypes.data + BYTES * of, count)
+        _move(address_of(target) + BYTES * at, address_of(source) + BYTES * of, count)
 
     return machine
 
 
 @overload(add_heard)
-def _overload_add_heard(spectrum, shelves, tone, cells, cell, delays, half, total):
-    def machine(spectrum, shelves, tone, cells, cell, delays, half, total):
-        own, shelf, out = spectrum.ctypes.data, shelves.ctypes.data, total.ctypes.data
-        direction, turn = cells.ctypes.data + 4 * _PART * cell, delays.ctypes.data + 2 * _PART * half
-        a, b, c, d, e = tone[0], tone[1], tone[2], tone[3], tone[4]
-        for k in range(0, _PART, _STEP):
-            _add_row(own + k, shelf + k, a, b, c, d, e, direction + k, turn + k, out + k)
+def _overload_add_heard(spectrum, shelves, shape, cells, delays, heard, sums, row):
+    def machine(spectrum, shelves, shape, cells, delays, heard, sums, row):
+        gain, cell, half = heard
+        direction, turn = address_of(cells) + 4 * _PART * cell, address_of(delays) + BYTES * DELAY_ROW * half
+        own, shelf, out = address_of(spectrum), address_of(shelves), address_of(sums) + 4 * _PART * row
+        _add_still(own, shelf, shape[0], shape[1], gain, direction, turn, out)
+
+    return machine
+
+
+@overload(add_moving)
+def _overload_add_moving(spectrum, shelves, shape, cells, delays, before, after, sums):
+    def machine(spectrum, shelves, shape, cells, delays, before, after, sums):
+        row, delay = 4 * _PART, BYTES * DELAY_ROW
+        _add_moved(
+            address_of(spectrum),
+            address_of(shelves),
+            shape[0],
+            shape[1],
+            before[0],
+            address_of(cells) + row * before[1],
+            address_of(delays) + delay * before[2],
+            address_of(sums) + row,
+            after[0],
+            address_of(cells) + row * after[1],
+            address_of(delays) + delay * after[2],
+            address_of(sums) + 2 * row,
+        )
 
     return machine
 
 
 @overload(set_shaped)
-def _overload_set_shaped(spectrum, shelves, tone, shaped):
-    def machine(spectrum, shelves, tone, shaped):
-        own, shelf, out = spectrum.ctypes.data, shelves.ctypes.data, shaped.ctypes.data
-        for k in range(0, _PART, _STEP):
-            _set_row(own + k, shelf + k, tone[0], tone[1], tone[2], tone[3], tone[4], out + k)
+def _overload_set_shaped(spectrum, shelves, gain, shape, shaped):
+    def machine(spectrum, shelves, gain, shape, shaped):
+        _set_rows(address_of(spectrum), address_of(shelves), shape[0], shape[1], gain, address_of(shaped))
 
     return machine
 
@@ -99,43 +158,82 @@ def _move(typingctx, target, source, count):
     return types.void(ADDRESS, ADDRESS, types.int64), codegen
 
 
-def _shaped(write: Writer, spectrum: Value, shelves: Value, tone: Sequence[Value]) -> Complex:
+_PLACE = [types.float32, ADDRESS, ADDRESS, ADDRESS]
+"""Gain, cell, delay and sums of a place that a voice is heard from."""
+
+
+@intrinsic
+def _add_still(typingctx, spectrum, shelves, lower, upper, gain, cell, delay, sums):
+    """Add a spectrum, through a shape, to both ears as it is heard from one place."""
+    return types.void(ADDRESS, ADDRESS, types.float32, types.float32, *_PLACE), _ears
+
+
+@intrinsic
+def _add_moved(typingctx, spectrum, shelves, lower, upper, gain, cell, delay, sums, gain2, cell2, delay2, sums2):
+    """The same from two places at once."""
+    return types.void(ADDRESS, ADDRESS, types.float32, types.float32, *_PLACE, *_PLACE), _ears
+
+
+def _ears(context, builder, signature, args):
+    """Machine code that adds a spectrum to both ears, from one place or from several."""
+    own, shelf, lower, upper, *rest = args
+    write = Writer(builder)
+    places = [(rest[n + 1], rest[n + 2], rest[n + 3]) for n in range(0, len(rest), 4)]
+    # the gain goes with the delay: once for all rows
+    firsts = [write.rows(rest[n + 2], 0, WIDTH).scaled(write.filled(rest[n])) for n in range(0, len(rest), 4)]
+    curve = [write.filled(lower), write.filled(upper)]
+    with for_range(builder, _constant(ROWS)) as loop:
+        row = builder.mul(loop.index, _constant(_STEP))
+        shaped = _shaped(write, builder.add(own, row), builder.add(shelf, row), curve)
+        for (cell, delay, sums), first in zip(places, firsts, strict=True):
+            number = builder.add(delay, builder.mul(loop.index, _constant(BYTES)))
+            turned = first * Complex(write.same(number, 2 * WIDTH), write.same(number, 3 * WIDTH))
+            ears = builder.add(cell, builder.mul(loop.index, _constant(4 * _STEP)))
+            _add_row(write, shaped, turned, ears, builder.add(sums, row))
+    return context.get_dummy_value()
+
+
+def _add_row(write: Writer, shaped: Complex, turned: Complex, ears: Value, sums: Value) -> None:
+    """16 bins to both ears, which hear them as much earlier as later."""
+    across, along = shaped.im * turned.im, shaped.re * turned.im
+    left = Complex(shaped.re.times_plus(turned.re, -across), shaped.im.times_plus(turned.re, along))
+    right = Complex(shaped.re.times_plus(turned.re, across), shaped.im.times_plus(turned.re, -along))
+    for ear, heard in enumerate((left, right)):
+        place = 2 * ear * BINS
+        total = heard.times_plus(
+            write.rows(ears, 2 * ear * WIDTH, (2 * ear + 1) * WIDTH), write.rows(sums, place, place + BINS)
+        )
+        write.keep(total.re, sums, place)
+        write.keep(total.im, sums, place + BINS)
+
+
+@intrinsic
+def _set_rows(typingctx, spectrum, shelves, lower, upper, gain, shaped):
+    """Set a spectrum to another one through a shape and a gain."""
+
+    def codegen(context, builder, signature, args):
+        own, shelf, lower, upper, gain, out = args
+        write = Writer(builder)
+        curve, level = [write.filled(lower), write.filled(upper)], write.filled(gain)
+        with for_range(builder, _constant(ROWS)) as loop:
+            row = builder.mul(loop.index, _constant(_STEP))
+            found = _shaped(write, builder.add(own, row), builder.add(shelf, row), curve).scaled(level)
+            write.keep(found.re, builder.add(out, row))
+            write.keep(found.im, builder.add(out, row), BINS)
+        return context.get_dummy_value()
+
+    return types.void(ADDRESS, ADDRESS, types.float32, types.float32, types.float32, ADDRESS), codegen
+
+
+def _shaped(write: Writer, spectrum: Value, shelves: Value, curve: Sequence[Lanes]) -> Complex:
     """16 bins through both shelves."""
-    gain, lower, side, upper, over = (write.filled(each) for each in tone)
-    a = write.row(shelves, BINS).times_plus(lower, write.row(shelves) * gain)
-    c = write.row(shelves, 4 * BINS).times_plus(upper, write.row(shelves, 3 * BINS))
-    first, second = Complex(a, write.row(shelves, 2 * BINS) * side), Complex(c, write.row(shelves, 5 * BINS) * over)
+    one, shelf = write.filled(1.0), 2 * BINS
+    first, second = (
+        Complex(write.row(shelves, n * shelf).times_plus(share, one), write.row(shelves, n * shelf + BINS) * share)
+        for n, share in enumerate(curve)
+    )
     return write.rows(spectrum, 0, BINS) * (first * second)
 
 
-@intrinsic
-def _add_row(typingctx, spectrum, shelves, low, lower, side, upper, over, cell, delay, sums):
-    """Add 16 bins, through shape, delay and direction, to the sums of both ears."""
-
-    def codegen(context, builder, signature, args):
-        own, shelf, *tone, direction, turn, out = args
-        write = Writer(builder)
-        shaped, turned = _shaped(write, own, shelf, tone), write.rows(turn, 0, BINS)
-        for place, side in ((0, turned), (2 * BINS, Complex(turned.re, -turned.im))):
-            ear = write.rows(direction, place, place + BINS)
-            total = (shaped * side).times_plus(ear, write.rows(out, place, place + BINS))
-            write.keep(total.re, out, place)
-            write.keep(total.im, out, place + BINS)
-        return context.get_dummy_value()
-
-    return types.void(ADDRESS, ADDRESS, *[types.float32] * 5, ADDRESS, ADDRESS, ADDRESS), codegen
-
-
-@intrinsic
-def _set_row(typingctx, spectrum, shelves, low, lower, side, upper, over, shaped):
-    """Set 16 bins to those of a spectrum through a shape."""
-
-    def codegen(context, builder, signature, args):
-        own, shelf, *tone, out = args
-        write = Writer(builder)
-        found = _shaped(write, own, shelf, tone)
-        write.keep(found.re, out)
-        write.keep(found.im, out, BINS)
-        return context.get_dummy_value()
-
-    return types.void(ADDRESS, ADDRESS, *[types.float32] * 5, ADDRESS), codegen
+def _constant(number: int) -> Value:
+    return ir.Constant(ir.IntType(64), number)

@@ -41,8 +41,10 @@ class Buses:
 
     def gains(self, sounding: NDArray[np.int64], frames: int) -> NDArray[np.float64]:
         """Linear gain of each group for a block in which the groups `sounding` have a voice, shape [groups]."""
+        if not self._ducks:
+            return self._own
         wanted = np.ones(len(self._names))
-        for row in np.unique(sounding).tolist() if self._ducks else ():
+        for row in np.unique(sounding).tolist():
             spec = self._specs[self._names[row]]
             for name in spec.ducks:
                 wanted[self.row_of(name)] = min(wanted[self.row_of(name)], spec.duck_gain)

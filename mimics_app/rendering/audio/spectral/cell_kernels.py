@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.audio.spectral.fourier import BINS
+from mimics_app.rendering.audio.spectral.lanes import WIDTH
 
 __all__ = ["Cells", "add_blended", "cell_of", "fill_cell", "find_nearest"]
 
@@ -42,7 +43,7 @@ class Cells(NamedTuple):
         rows: First cell of each degree of elevation, and the number of all, shape [182].
         directions: Measured, unit vectors, shape [n, 3].
         measured: Spectra of those, a cell each, shape [n, 4 * BINS].
-        spectra: Of the cells, [cells * 4 * BINS].
+        spectra: Of the cells, see `Tables.cells`.
         halves: Half the delay of the left ear behind the right that the spectra themselves have [samples], [cells].
         weights: Of the low bins where that delay is sought, shape [_LOW_BINS].
     """
@@ -144,7 +145,8 @@ def _correlation(spectra: Floats, weights: Numbers, delay: float) -> tuple[float
     step = np.pi / BINS
     height, slope, bend = 0.0, 0.0, 0.0
     for k in range(1, _LOW_BINS):
-        a, b, c, d = spectra[k], spectra[BINS + k], spectra[2 * BINS + k], spectra[3 * BINS + k]
+        at = k // WIDTH * _PARTS * WIDTH + k % WIDTH
+        a, b, c, d = spectra[at], spectra[at + WIDTH], spectra[at + 2 * WIDTH], spectra[at + 3 * WIDTH]
         re, im = a * c + b * d, b * c - a * d  # left times the conjugate of right
         u, w = np.cos(step * k * delay), np.sin(step * k * delay)
         height += weights[k] * (re * u - im * w)

@@ -14,9 +14,18 @@ from numba import types
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
-from mimics_app.rendering.audio.spectral.lanes import ADDRESS, BYTES, WIDTH, Complex, Value, Writer, transposed
+from mimics_app.rendering.audio.spectral.lanes import (
+    ADDRESS,
+    BYTES,
+    WIDTH,
+    Complex,
+    Value,
+    Writer,
+    aligned,
+    transposed,
+)
 
-__all__ = ["BINS", "SIZE", "WORK", "real_block", "real_spectrum", "turns_of"]
+__all__ = ["BINS", "SIZE", "WORK", "address_of", "real_block", "real_spectrum", "turns_of"]
 
 SIZE = 512
 """Samples of a block."""
@@ -32,35 +41,42 @@ WORK = 2 * _PADDED
 Samples = NDArray[np.float32]
 
 
+@intrinsic
+def address_of(typingctx, array):
+    """Where an array begins; unlike its `ctypes` this counts no reference."""
+
+    def codegen(context, builder, signature, args):
+        data = context.make_array(signature.args[0])(context, builder, args[0]).data
+        return builder.ptrtoint(data, context.get_value_type(ADDRESS))
+
+    return ADDRESS(array), codegen
+
+
 def turns_of() -> Samples:
     """What a transform turns by, [4 * BINS]: cos and -sin between the columns, cos and -sin of the unfolding."""
     row, column = np.divmod(np.arange(BINS), WIDTH)
     between, unfold = 2.0 * np.pi * row * column / BINS, 2.0 * np.pi * np.arange(BINS) / SIZE
     turns = np.stack((np.cos(between), -np.sin(between), np.cos(unfold), -np.sin(unfold)))
-    return turns.astype(np.float32).reshape(-1)
+    return aligned(turns)
 
 
-def real_spectrum(block: Samples, turns: Samples, work: Samples, spectrum: Samples) -> None:
+def real_spectrum(samples: Samples, at: int, turns: Samples, spectrum: Samples) -> None:
     """Spectrum of a block.
 
     Args:
-        block: Shape [SIZE], one after the other in memory, as all of these.
+        samples: Shape [n], one after the other in memory, as all of these.
+        at: The block's first, of SIZE.
         turns: Of `turns_of`.
-        work: Overwritten, shape [WORK].
         spectrum: Set to real parts and imaginary parts, shape [2 * BINS].
     """
-    bins = np.fft.rfft(block)[:BINS]
+    bins = np.fft.rfft(samples[at : at + SIZE])[:BINS]
     spectrum[:BINS], spectrum[BINS:] = bins.real, bins.imag
 
 
 @overload(real_spectrum)
-def _overload_real_spectrum(block, turns, work, spectrum):
-    def machine(block, turns, work, spectrum):
-        data, turn, scratch, out = block.ctypes.data, turns.ctypes.data, work.ctypes.data, spectrum.ctypes.data
-        _transform(data, turn, scratch)
-        for k in range(0, BINS, WIDTH):
-            at, back = scratch + BYTES * k, scratch + BYTES * (BINS - WIDTH + 1 - k)
-            _unfold(at, back, turn + BYTES * (2 * BINS + k), out + BYTES * k)
+def _overload_real_spectrum(samples, at, turns, spectrum):
+    def machine(samples, at, turns, spectrum):
+        _real_transform(address_of(samples) + BYTES * at, address_of(turns), address_of(spectrum))
 
     return machine
 
@@ -92,7 +108,7 @@ def _overload_real_block(spectrum, turns, work, block):
             odd_re, odd_im = re * u + im * v, im * u - re * v
             block[2 * k] = work[_PADDED + k] - work[_PADDED + m] + odd_re
             block[2 * k + 1] = work[k] + work[m] - odd_im
-        _transform(block.ctypes.data, turns.ctypes.data, work.ctypes.data)
+        _transform(address_of(block), address_of(turns), address_of(work))
         scale = np.float32(1.0 / SIZE)
         for k in range(BINS):
             block[2 * k], block[2 * k + 1] = scale * work[_PADDED + k], scale * work[k]
@@ -102,17 +118,12 @@ def _overload_real_block(spectrum, turns, work, block):
 
 @intrinsic
 def _transform(typingctx, block, turns, work):
-    """The complex transform of a block's pairs, into `_PADDED` real and imaginary parts; the first row again last."""
+    """The complex transform of a block's pairs, into `_PADDED` real and imaginary parts."""
 
     def codegen(context, builder, signature, args):
         data, turn, scratch = args
         write = Writer(builder)
-        columns = _sixteen([_pairs(write, data, 2 * WIDTH * row) for row in range(WIDTH)])
-        for row in range(1, WIDTH):
-            columns[row] = columns[row] * write.rows(turn, WIDTH * row, BINS + WIDTH * row)
-        re, im = transposed([each.re for each in columns]), transposed([each.im for each in columns])
-        found = _sixteen([Complex(a, b) for a, b in zip(re, im, strict=True)])
-        for row, each in enumerate([*found, found[0]]):
+        for row, each in enumerate(_square(write, data, turn)):
             write.keep(each.re, scratch, WIDTH * row)
             write.keep(each.im, scratch, _PADDED + WIDTH * row)
         return context.get_dummy_value()
@@ -121,23 +132,34 @@ def _transform(typingctx, block, turns, work):
 
 
 @intrinsic
-def _unfold(typingctx, ahead, back, turns, spectrum):
-    """16 bins of the real block's spectrum, from those of its pairs and those as far from the end."""
+def _real_transform(typingctx, block, turns, spectrum):
+    """A real block's spectrum: each bin of its pairs' transform is unfolded with the one as far from the end."""
 
     def codegen(context, builder, signature, args):
-        here, there, turn, out = args
+        data, turn, out = args
         write = Writer(builder)
-        a, b = write.rows(here, 0, _PADDED), write.rows(there, 0, _PADDED)
-        order = range(WIDTH - 1, -1, -1)
-        b = Complex(b.re.taking(b.re, order), b.im.taking(b.im, order))
-        turned, half = write.rows(turn, 0, BINS), write.filled(0.5)
-        even, odd = Complex(a.re + b.re, a.im - b.im), Complex(a.im + b.im, b.re - a.re)
-        whole = odd.times_plus(turned, even)
-        write.keep(half * whole.re, out)
-        write.keep(half * whole.im, out, BINS)
+        found, half = _square(write, data, turn), write.filled(0.5)
+        backwards = [WIDTH, *range(WIDTH - 1, 0, -1)]
+        for row in range(WIDTH):
+            a, last, next_one = found[row], found[WIDTH - 1 - row], found[-row % WIDTH]
+            b = Complex(last.re.taking(next_one.re, backwards), last.im.taking(next_one.im, backwards))
+            turned = write.rows(turn, 2 * BINS + WIDTH * row, 3 * BINS + WIDTH * row)
+            even, odd = Complex(a.re + b.re, a.im - b.im), Complex(a.im + b.im, b.re - a.re)
+            whole = odd.times_plus(turned, even)
+            write.keep(half * whole.re, out, WIDTH * row)
+            write.keep(half * whole.im, out, BINS + WIDTH * row)
         return context.get_dummy_value()
 
-    return types.void(ADDRESS, ADDRESS, ADDRESS, ADDRESS), codegen
+    return types.void(ADDRESS, ADDRESS, ADDRESS), codegen
+
+
+def _square(write: Writer, data: Value, turn: Value) -> list[Complex]:
+    """The complex transform of 512 numbers that are pairs, row by row."""
+    columns = _sixteen([_pairs(write, data, 2 * WIDTH * row) for row in range(WIDTH)])
+    for row in range(1, WIDTH):
+        columns[row] = columns[row] * write.rows(turn, WIDTH * row, BINS + WIDTH * row)
+    re, im = transposed([each.re for each in columns]), transposed([each.im for each in columns])
+    return _sixteen([Complex(a, b) for a, b in zip(re, im, strict=True)])
 
 
 def _pairs(write: Writer, data: Value, place: int) -> Complex:

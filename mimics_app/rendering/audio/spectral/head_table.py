@@ -13,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.rendering.audio.spectral.bins import ROWS
 from mimics_app.rendering.audio.spectral.cell_kernels import Cells, add_blended
 from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE, turns_of
 from mimics_app.rendering.audio.spectral.head import LOW_PASS, HeadResponses, delays_between_ears
-from mimics_app.rendering.audio.spectral.lanes import aligned_zeros
+from mimics_app.rendering.audio.spectral.lanes import WIDTH, aligned, aligned_zeros
 from mimics_app.rendering.audio.spectral.mix_kernels import Tables
 
 __all__ = ["BASE_DELAY", "DELAYS_PER_SAMPLE", "DRY", "FIRST_CELL", "HeadTable", "build_head_table", "half_delay_rows"]
@@ -90,7 +91,7 @@ def build_head_table(head: HeadResponses, rate: int, taps: int = TAPS) -> HeadTa
         halves=np.zeros(len(cells)),
         weights=1.0 / (1.0 + (frequency / LOW_PASS) ** 8),
     )
-    tables = Tables(low.spectra, _delay_rows(rate).reshape(-1), _shelf_rows(rate), turns_of())
+    tables = Tables(low.spectra, _delay_rows(rate), _shelf_rows(rate), turns_of())
     return HeadTable(tables, low, _delay_grid(head.directions, 0.5 * rate * delays), head.name)
 
 
@@ -106,8 +107,9 @@ def _columns(degree: int) -> int:
 
 
 def _flat(pair: NDArray[np.complex128]) -> NDArray[np.float32]:
-    """A cell, shape [4 * BINS], of the spectra of left and right, shape [2, BINS]."""
-    return np.stack((pair.real, pair.imag), axis=1).astype(np.float32).reshape(-1)
+    """A cell, shape [4 * BINS], of the spectra of left and right, shape [2, BINS]: row of bins by row."""
+    parts = np.stack((pair.real, pair.imag), axis=1).reshape(4, ROWS, WIDTH)
+    return parts.transpose(1, 0, 2).astype(np.float32).reshape(-1)
 
 
 def _minimum_phase(head: HeadResponses, rate: int, taps: int) -> Floats:
@@ -133,11 +135,12 @@ def _minimum_phase(head: HeadResponses, rate: int, taps: int) -> Floats:
 
 
 def _delay_rows(rate: int) -> NDArray[np.float32]:
-    """Cos and -sin of every half delay, shape [rows, 2 * BINS]."""
+    """Every half delay as `bins.DELAY_ROW` has it, [rows * DELAY_ROW]."""
     most = half_delay_rows(rate)
     samples = np.arange(-most, most + 1) / DELAYS_PER_SAMPLE
-    angle = -2.0 * np.pi * np.outer(samples, np.arange(BINS)) / SIZE
-    return np.concatenate((np.cos(angle), np.sin(angle)), axis=1).astype(np.float32)
+    first, rows = np.arange(WIDTH), WIDTH * np.arange(ROWS)
+    angle = -2.0 * np.pi * samples[:, None, None] * np.stack((first, rows)) / SIZE
+    return aligned(np.stack((np.cos(angle), np.sin(angle)), axis=2))
 
 
 def half_delay_rows(rate: int) -> int:
@@ -146,13 +149,9 @@ def half_delay_rows(rate: int) -> int:
 
 
 def _shelf_rows(rate: int) -> NDArray[np.float32]:
-    """Parts of (1 + i r u) / (1 + i u), u = f / edge, that make a first-order shelf of any ratio r, [6 * BINS]."""
-    frequency = np.arange(BINS) * rate / SIZE
-    parts = []
-    for edge in (_LOWER_EDGE, _UPPER_EDGE):
-        u = frequency / edge
-        parts += [1.0 / (1.0 + u * u), u * u / (1.0 + u * u), u / (1.0 + u * u)]
-    return np.concatenate(parts).astype(np.float32)
+    """What s adds in 1 + s i u / (1 + i u), u = f / edge, a first-order shelf that lifts by the share s, [4 * BINS]."""
+    u = np.arange(BINS) * rate / SIZE / np.array([[_LOWER_EDGE], [_UPPER_EDGE]])
+    return aligned(np.stack((u * u / (1.0 + u * u), u / (1.0 + u * u)), axis=1))
 
 
 def _delay_grid(directions: Floats, delays: Floats) -> Floats:

@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     "ADDRESS",
@@ -23,12 +23,13 @@ __all__ = [
     "Lanes",
     "Value",
     "Writer",
+    "aligned",
     "aligned_zeros",
     "transposed",
 ]
 
 ADDRESS = types.uintp
-"""Of an array, its `ctypes.data`."""
+"""Of an array's first number, see `fourier.address_of`."""
 
 WIDTH = 16
 """Numbers of a row."""
@@ -101,6 +102,10 @@ class Complex:
         re = self.re.times_plus(factor.re, (-self.im).times_plus(factor.im, addend.re))
         return Complex(re, self.re.times_plus(factor.im, self.im.times_plus(factor.re, addend.im)))
 
+    def scaled(self, factor: Lanes) -> Complex:
+        """Times real numbers."""
+        return Complex(self.re * factor, self.im * factor)
+
     def turned_back(self) -> Complex:
         """Times -i."""
         return Complex(self.im, -self.re)
@@ -127,6 +132,11 @@ class Writer:
     def keep(self, row: Lanes, address: Value, place: int = 0) -> None:
         """Write a row."""
         self._builder.store(row.value, self._pointer(address, place), align=BYTES)
+
+    def same(self, address: Value, place: int = 0) -> Lanes:
+        """The number at a place 16 times."""
+        pointer = self._builder.bitcast(self._pointer(address, place), ir.FloatType().as_pointer())
+        return self.filled(self._builder.load(pointer, align=BYTES))
 
     def filled(self, number: Value | float) -> Lanes:
         """One number 16 times."""
@@ -159,3 +169,11 @@ def aligned_zeros(*shape: int) -> NDArray[np.float32]:
     raw = np.zeros(count + _LINE // BYTES, np.float32)
     first = -raw.ctypes.data % _LINE // BYTES
     return raw[first : first + count].reshape(shape)
+
+
+def aligned(numbers: ArrayLike) -> NDArray[np.float32]:
+    """Numbers as such an array, one row."""
+    values = np.asarray(numbers, np.float32).reshape(-1)
+    kept = aligned_zeros(len(values))
+    kept[:] = values
+    return kept

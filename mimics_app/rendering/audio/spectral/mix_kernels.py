@@ -1,7 +1,7 @@
 """One block of all voices: samples read, transformed, filtered for each ear, and summed in spectra.
 
-No voice keeps its response: what it got in this block and in the one before makes both anew, which costs less than
-to read and write 4 KB. Rows of 16 bins at a time go through direction, delay, shape and sum without leaving registers.
+No voice keeps its response: what it was set to now and in the block before makes both anew, which costs less than
+to read and write 4 KB. Rows of 16 bins at a time go through shape, delay, direction and sum without leaving registers.
 """
 
 from __future__ import annotations
@@ -12,11 +12,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.audio.spectral.bins import add_heard, move, set_shaped
+from mimics_app.rendering.audio.spectral.bins import add_heard, add_moving, move, set_shaped
 from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE, WORK, real_block, real_spectrum
 
-__all__ = ["BLOCK", "Bank", "State", "Tables", "Voices", "add_blocks", "mix_for_ears", "mix_for_speakers"]
+__all__ = ["BLOCK", "SCRATCH", "Bank", "State", "Tables", "Voices", "add_blocks", "mix_for_ears", "mix_for_speakers"]
 
 BLOCK = 240
 """Most new samples at once, 5 ms at 48 kHz; responses may be SIZE - BLOCK + 1 long."""
@@ -26,8 +27,8 @@ Numbers = NDArray[np.float64]
 Words = NDArray[np.int64]
 
 
-_TONE = 5
-"""Numbers that the shelves of a voice make its spectrum with."""
+SCRATCH = 4 * BINS
+"""Numbers that mixing works in."""
 
 
 class State(IntEnum):
@@ -65,9 +66,10 @@ class Voices(NamedTuple):
         pitch: Samples read per sample mixed, at the end of the last block and of this one, [.., 2].
         cell: Row of the table of directions, in the last block and in this one, [.., 2].
         half: Row of the table of delays, likewise.
-        bands: Linear gain in three bands, likewise, [.., 2, 3].
+        bands: Linear gain of the low band, by what share the middle one is louder than it, and the high one than the
+            middle; likewise, [.., 2, 3].
         changed: 0: sounds as in the last block; 1: crossfade from there; 2: begins, no crossfade.
-        history: Last SIZE samples, [.., SIZE].
+        history: Last SIZE samples, [voices * SIZE].
         pan: Gain for each channel before and after the block, [.., 2, channels]; empty for headphones.
     """
 
@@ -87,11 +89,10 @@ class Tables(NamedTuple):
     """What does not change.
 
     Attributes:
-        cells: Responses by direction without the delay between the ears: left and right, real and imaginary,
-            [cells * 4 * BINS].
-        delays: Delays of the left ear, cos and -sin, [rows * 2 * BINS]; the right ear has the opposite.
-        shelves: Real part at ratio 0, real part that comes with the ratio, imaginary part that goes with ratio - 1, of
-            the lower and of the upper shelf, [6 * BINS].
+        cells: Responses by direction without the delay between the ears, row of bins by row: left and right, real
+            and imaginary, [cells * 4 * BINS].
+        delays: Delays of the left ear, see `bins.DELAY_ROW`, [rows * DELAY_ROW]; the right ear has the opposite.
+        shelves: What a share louder adds, real and imaginary, of the lower and of the upper shelf, [4 * BINS].
         turns: Of `fourier.turns_of`.
     """
 
@@ -102,59 +103,86 @@ class Tables(NamedTuple):
 
 
 @kernel
-def _read(voices: Voices, v: int, bank: Bank, block: Floats) -> None:
-    """The next samples of a voice; `block` is set."""
-    frames = block.shape[0]
-    sound = voices.sound[v]
-    begin, length = bank.begin[sound], bank.length[sound]
+def _take(voices: Voices, v: int, bank: Bank, frames: int) -> None:
+    """Let a voice's history end with its next samples."""
+    history, end = voices.history, SIZE * (v + 1)
+    move(history, SIZE * v, history, SIZE * v + frames, SIZE - frames)
+    sound, cursor = voices.sound[v], voices.cursor[v]
+    begin, length, loops = bank.begin[sound], bank.length[sound], bank.loops[sound]
     first, last = voices.pitch[v, 0], voices.pitch[v, 1]
     voices.pitch[v, 0] = last
-    cursor = voices.cursor[v]
-    whole = int(cursor)
-    if first != 1.0 or last != 1.0 or cursor != whole:
-        _read_bent(voices, v, bank, first, last, block)
-        return
-    done = min(voices.wait[v], frames)
-    voices.wait[v] -= done
-    block[:done] = 0.0
-    while done < frames:
-        if bank.loops[sound] == 1:
-            whole %= length
-        count = min(frames - done, length - whole)
-        if count <= 0:
-            block[done:] = 0.0
-            whole += frames - done
-            break
-        move(block, done, bank.samples, begin + whole, count)
-        done, whole = done + count, whole + count
-    voices.cursor[v] = whole
+    silent = min(voices.wait[v], frames)
+    voices.wait[v] -= silent
+    for i in range(end - frames, end - frames + silent):
+        history[i] = 0.0
+    begun = end - frames + silent
+    if first == 1.0 and last == 1.0 and cursor == int(cursor):
+        voices.cursor[v] = _read(bank.samples, begin, length, loops, int(cursor), history, begun, end)
+    else:
+        turn = (last - first) / frames
+        first += turn * silent
+        voices.cursor[v] = _read_bent(bank.samples, begin, length, loops, cursor, first, turn, history, begun, end)
 
 
 @kernel
-def _read_bent(voices: Voices, v: int, bank: Bank, first: float, last: float, block: Floats) -> None:
-    """The same at another pitch, which goes from `first` to `last` over the block."""
-    sound = voices.sound[v]
-    begin, length, loops = bank.begin[sound], bank.length[sound], bank.loops[sound]
-    cursor, wait, frames = voices.cursor[v], voices.wait[v], block.shape[0]
-    for i in range(frames):
-        if wait > 0:
-            wait -= 1
-            block[i] = 0.0
-            continue
+def _read(
+    samples: Floats, begin: int, length: int, loops: int, cursor: int, history: Floats, place: int, end: int
+) -> int:
+    """Fill a history from `place` to `end` with samples of a sound from `cursor` on; where it goes on."""
+    while place < end:
+        if loops == 1:
+            cursor %= length
+        count = min(end - place, length - cursor)
+        if count <= 0:
+            history[place:end] = 0.0
+            return cursor + end - place
+        move(history, place, samples, begin + cursor, count)
+        place, cursor = place + count, cursor + count
+    return cursor
+
+
+@kernel
+def _read_bent(
+    samples: Floats,
+    begin: int,
+    length: int,
+    loops: int,
+    cursor: float,
+    pitch: float,
+    turn: float,
+    history: Floats,
+    place: int,
+    end: int,
+) -> float:
+    """The same at another pitch, which changes by `turn` with each sample: cubics through four (Catmull-Rom)."""
+    for i in range(place, end):
         if loops == 1 and cursor >= length:
             cursor -= length
         k = int(cursor)
-        block[i] = _between(bank.samples, begin, length, loops, k, cursor - k) if k < length else 0.0
-        cursor += first + (last - first) * (i + 1) / frames
-    voices.cursor[v], voices.wait[v] = cursor, wait
+        share = cursor - k
+        if 0 < k < length - 2:
+            at = begin + k
+            history[i] = _between(samples[at - 1], samples[at], samples[at + 1], samples[at + 2], share)
+        elif k < length:
+            history[i] = _between(
+                _sample(samples, begin, length, loops, k - 1),
+                _sample(samples, begin, length, loops, k),
+                _sample(samples, begin, length, loops, k + 1),
+                _sample(samples, begin, length, loops, k + 2),
+                share,
+            )
+        else:
+            history[i] = 0.0
+        pitch += turn
+        cursor += pitch
+    return cursor
 
 
 @kernel
-def _between(samples: Floats, begin: int, length: int, loops: int, k: int, share: float) -> float:
-    """Value between samples k and k + 1 of a sound by the cubic through four (Catmull-Rom)."""
-    a, b = _sample(samples, begin, length, loops, k - 1), _sample(samples, begin, length, loops, k)
-    c, d = _sample(samples, begin, length, loops, k + 1), _sample(samples, begin, length, loops, k + 2)
-    return b + 0.5 * share * (c - a + share * (2.0 * a - 5.0 * b + 4.0 * c - d + share * (3.0 * (b - c) + d - a)))
+def _between(a: float, b: float, c: float, d: float, share: float) -> float:
+    """Value a share of the way from b to c by the cubic through four."""
+    bend = 2.0 * a - 5.0 * b + 4.0 * c - d
+    return b + 0.5 * share * (c - a + share * (bend + share * (3.0 * (b - c) + d - a)))
 
 
 @kernel
@@ -166,34 +194,9 @@ def _sample(samples: Floats, begin: int, length: int, loops: int, k: int) -> flo
 
 
 @kernel
-def _take(voices: Voices, v: int, bank: Bank, frames: int) -> None:
-    """Let a voice's history end with its next samples."""
-    history = voices.history[v]
-    move(history, 0, history, frames, SIZE - frames)
-    _read(voices, v, bank, history[SIZE - frames :])
-
-
-@kernel
-def _tone(low: float, middle: float, high: float, tone: Floats) -> None:
-    """Factors of the rows of `Tables.shelves` that make gains of three bands two first-order shelves; sets [5]."""
-    lower = middle / low if low > 0.0 else 0.0
-    upper = high / middle if middle > 0.0 else 0.0
-    tone[0], tone[1], tone[2], tone[3], tone[4] = low, low * lower, low * (lower - 1.0), upper, upper - 1.0
-
-
-@kernel
-def _add_for_ears(
-    voices: Voices, v: int, side: int, spectrum: Floats, tables: Tables, tone: Floats, total: Floats
+def mix_for_ears(
+    voices: Voices, order: Words, bank: Bank, tables: Tables, frames: int, scratch: Floats, sums: Floats
 ) -> None:
-    """Add a voice as it was set in the last block (side 0) or in this one (1) to a sum, [4 * BINS]."""
-    bands = voices.bands[v, side]
-    _tone(bands[0], bands[1], bands[2], tone)
-    cell, half = voices.cell[v, side], voices.half[v, side]
-    add_heard(spectrum, tables.shelves, tone, tables.cells, cell, tables.delays, half, total)
-
-
-@kernel
-def mix_for_ears(voices: Voices, order: Words, bank: Bank, tables: Tables, frames: int, sums: Floats) -> None:
     """A block of all sounding voices for two ears.
 
     Args:
@@ -202,19 +205,28 @@ def mix_for_ears(voices: Voices, order: Words, bank: Bank, tables: Tables, frame
         bank: Sounds.
         tables: Constants.
         frames: Of the block, at most BLOCK.
+        scratch: Overwritten, shape [SCRATCH].
         sums: Set: steady, fading out, fading in; each left and right, real and imaginary, [3, 4 * BINS].
     """
     sums[:] = 0.0
-    work, spectrum, tone = np.zeros(WORK, np.float32), np.zeros(2 * BINS, np.float32), np.zeros(_TONE, np.float32)
+    voices, bank, tables = borrowed(voices), borrowed(bank), borrowed(tables)
+    spectrum = scratch[: 2 * BINS]
+    cell, half, bands, shelves = voices.cell, voices.half, voices.bands, tables.shelves
     for n in range(order.shape[0]):
         v = order[n]
         _take(voices, v, bank, frames)
-        real_spectrum(voices.history[v], tables.turns, work, spectrum)
-        if voices.changed[v] == 1:
-            _add_for_ears(voices, v, 0, spectrum, tables, tone, sums[1])
-            _add_for_ears(voices, v, 1, spectrum, tables, tone, sums[2])
+        real_spectrum(voices.history, SIZE * v, tables.turns, spectrum)
+        after, shape = (bands[v, 1, 0], cell[v, 1], half[v, 1]), (bands[v, 1, 1], bands[v, 1, 2])
+        if voices.changed[v] != 1:
+            add_heard(spectrum, shelves, shape, tables.cells, tables.delays, after, sums, 0)
         else:
-            _add_for_ears(voices, v, 1, spectrum, tables, tone, sums[0])
+            before = (bands[v, 0, 0], cell[v, 0], half[v, 0])
+            if bands[v, 0, 1] == shape[0] and bands[v, 0, 2] == shape[1]:
+                add_moving(spectrum, shelves, shape, tables.cells, tables.delays, before, after, sums)
+            else:
+                old = (bands[v, 0, 1], bands[v, 0, 2])
+                add_heard(spectrum, shelves, old, tables.cells, tables.delays, before, sums, 1)
+                add_heard(spectrum, shelves, shape, tables.cells, tables.delays, after, sums, 2)
         _settle(voices, v)
 
 
@@ -229,7 +241,9 @@ def _settle(voices: Voices, v: int) -> None:
 
 
 @kernel
-def mix_for_speakers(voices: Voices, order: Words, bank: Bank, tables: Tables, frames: int, sums: Floats) -> None:
+def mix_for_speakers(
+    voices: Voices, order: Words, bank: Bank, tables: Tables, frames: int, scratch: Floats, sums: Floats
+) -> None:
     """A block of all sounding voices for loudspeakers or spherical harmonics: one filter each, a gain per channel.
 
     Args:
@@ -238,20 +252,20 @@ def mix_for_speakers(voices: Voices, order: Words, bank: Bank, tables: Tables, f
         bank: Sounds.
         tables: Constants; cells and delays are not used.
         frames: Of the block, at most BLOCK.
+        scratch: Overwritten, shape [SCRATCH].
         sums: Set: fading out, fading in, by channel, real and imaginary, [2, channels * 2 * BINS].
     """
     sums[:] = 0.0
-    work, spectrum, tone = np.zeros(WORK, np.float32), np.zeros(2 * BINS, np.float32), np.zeros(_TONE, np.float32)
-    shaped = np.zeros(2 * BINS, np.float32)
+    voices, bank, tables = borrowed(voices), borrowed(bank), borrowed(tables)
+    spectrum, shaped = scratch[: 2 * BINS], scratch[2 * BINS :]
     for n in range(order.shape[0]):
         v = order[n]
         _take(voices, v, bank, frames)
-        real_spectrum(voices.history[v], tables.turns, work, spectrum)
+        real_spectrum(voices.history, SIZE * v, tables.turns, spectrum)
         for side in range(2):
             then = side if voices.changed[v] == 1 else 1
             bands = voices.bands[v, then]
-            _tone(bands[0], bands[1], bands[2], tone)
-            set_shaped(spectrum, tables.shelves, tone, shaped)
+            set_shaped(spectrum, tables.shelves, bands[0], (bands[1], bands[2]), shaped)
             pan = voices.pan[v, then]
             for channel in range(pan.shape[0]):
                 if pan[channel] != 0.0:

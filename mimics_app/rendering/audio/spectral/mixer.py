@@ -29,6 +29,7 @@ from mimics_app.rendering.audio.spectral.head_table import (
 from mimics_app.rendering.audio.spectral.lanes import aligned_zeros
 from mimics_app.rendering.audio.spectral.mix_kernels import (
     BLOCK,
+    SCRATCH,
     State,
     Voices,
     add_blocks,
@@ -85,9 +86,9 @@ class SpectralMixer:
         self._room = Room(settings.rate, self.channels)
         self._master, self._master_now = 1.0, 1.0
         steps = np.array([DELAYS_PER_SAMPLE, half_delay_rows(self.rate)], np.int64)
-        self._head = Head(np.zeros(3), np.zeros(3), np.eye(3), self._table.delays, self._table.cells, steps)
+        self._head = Head(np.zeros(3), np.zeros((1, 3)), np.eye(3), self._table.delays, self._table.cells, steps)
         sums = (3, 4 * BINS) if settings.hrtf else (2, self.channels * 2 * BINS)
-        self._sums = aligned_zeros(*sums)
+        self._sums, self._scratch = aligned_zeros(*sums), aligned_zeros(SCRATCH)
 
     def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
         """Start a sound; its handle is 0 when no voice was free for it. KeyError: no such sound."""
@@ -118,7 +119,7 @@ class SpectralMixer:
         """Place the head and move the sounds, from the next block on."""
         head, places = self._head, self._store.places
         if np.isfinite(heard.head_position).all() and np.isfinite(heard.head_velocity).all():
-            head.position[:], head.velocity[:] = heard.head_position, heard.head_velocity
+            head.position[:], head.moving[:] = heard.head_position, heard.head_velocity
         head.axes[0] = np.cross(heard.head_forward, heard.head_up)
         head.axes[1], head.axes[2] = heard.head_up, -heard.head_forward
         self._room.set(heard.room_level, heard.room_time)
@@ -219,7 +220,7 @@ class SpectralMixer:
     def _add_filtered(self, rows: NDArray[np.int64], out: Floats) -> None:
         """Add the block of all voices."""
         mix, tables = mix_for_speakers if self._speakers is not None else mix_for_ears, self._table.tables
-        mix(self._store.voices, rows, self._bank, tables, len(out), self._sums)
+        mix(self._store.voices, rows, self._bank, tables, len(out), self._scratch, self._sums)
         add_blocks(self._sums, tables.turns, _rise(len(out)), out)
 
     def _for_room(self, rows: NDArray[np.int64], frames: int) -> Floats | None:
@@ -229,7 +230,7 @@ class SpectralMixer:
         store = self._store
         world = rows[store.places.relative[rows] < 0]
         sent = (store.places.heard[world] * store.reverb[world]).astype(np.float32)
-        return np.asarray(sent @ store.voices.history[world, SIZE - frames :], np.float32)
+        return np.asarray(sent @ store.history[world, SIZE - frames :], np.float32)
 
     def _apply_master(self, out: Floats) -> None:
         if self._master == self._master_now == 1.0:

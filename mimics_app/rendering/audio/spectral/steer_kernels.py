@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.audio.spectral.cell_kernels import Cells, cell_of, fill_cell
 from mimics_app.rendering.audio.spectral.mix_kernels import State, Voices
@@ -57,7 +58,7 @@ class Head(NamedTuple):
 
     Attributes:
         position: [m], shape [3].
-        velocity: [m/s], shape [3].
+        moving: Its velocity [m/s], shape [1, 3].
         axes: Right, up and back, unit vectors, shape [3, 3].
         delays: Of `HeadTable`.
         cells: Likewise; filled where sounds come from.
@@ -65,7 +66,7 @@ class Head(NamedTuple):
     """
 
     position: Numbers
-    velocity: Numbers
+    moving: Numbers
     axes: Numbers
     delays: Numbers
     cells: Cells
@@ -121,53 +122,52 @@ def steer(order: Words, places: Places, buses: Numbers, voices: Voices, head: He
         voices: Set.
         head: The listener.
     """
-    offset = np.zeros(3)
+    places, voices, head = borrowed(places), borrowed(voices), borrowed(head)
     for n in range(order.shape[0]):
         v = order[n]
         level = 0.0 if places.state[v] == _FADING else places.authored[v] * places.level_set[v] * buses[places.bus[v]]
-        if places.relative[v] >= 0:
-            places.heard[v] = level
-            _set_target(voices, v, places.relative[v], head.steps[1], level, level, level)
-            continue
-        distance = 0.0
-        for axis in range(3):
-            offset[axis] = places.position[v, axis] - head.position[axis]
-            distance += offset[axis] ** 2
-        distance = np.sqrt(distance)
-        gain = level * _fall(distance, places.model[v], places.fall[v]) * _cone(offset, distance, places, v)
-        low = gain * places.passes[v, 0] * np.exp(-_AIR_LOW * distance)
-        middle = gain * places.passes[v, 1] * np.exp(-_AIR_MIDDLE * distance)
-        high = gain * places.passes[v, 2] * np.exp(-_AIR_HIGH * distance)
-        places.heard[v] = middle
-        voices.pitch[v, 1] = _pitch(offset, distance, places, v, head.velocity)
-        if voices.changed[v] == 2:
-            voices.pitch[v, 0] = voices.pitch[v, 1]
-        _turn_to_head(offset, distance, head.axes, places.direction[v])
-        azimuth = np.arctan2(places.direction[v, 0], -places.direction[v, 2])
-        elevation = np.arcsin(min(1.0, max(-1.0, places.direction[v, 1])))
-        cell = cell_of(azimuth, elevation, head.cells.rows)
-        fill_cell(cell, azimuth, elevation, head.cells)
-        _set_target(voices, v, cell, _delay_row(azimuth, elevation, cell, head), low, middle, high)
+        places.heard[v] = level
+        cell, half, lower, upper = places.relative[v], head.steps[1], 0.0, 0.0
+        if cell < 0:
+            x, y, z, distance = _offset(places.position, v, head.position)
+            level *= _fall(distance, places.model[v], places.fall[v, 0], places.fall[v, 1], places.fall[v, 2])
+            if places.cone[v, 0] < np.pi and distance >= _NEAREST:
+                ahead = _along(places.forward, v, x, y, z) / distance
+                level *= _cone(-ahead, places.cone[v, 0], places.cone[v, 1], places.cone[v, 2])
+            low, middle, high = places.passes[v, 0], places.passes[v, 1], places.passes[v, 2]
+            level *= low * np.exp(-_AIR_LOW * distance)
+            lower = _louder(middle, low) * np.exp((_AIR_LOW - _AIR_MIDDLE) * distance) - 1.0
+            upper = _louder(high, middle) * np.exp((_AIR_MIDDLE - _AIR_HIGH) * distance) - 1.0
+            places.heard[v] = level * (1.0 + lower)
+            if distance >= _NEAREST and places.doppler[v] != 0.0:
+                towards, away = _along(places.velocity, v, x, y, z), _along(head.moving, 0, x, y, z)
+                voices.pitch[v, 1] = _pitch(-towards / distance, -away / distance, places.doppler[v])
+            cell, half = _find(x, y, z, distance, head, places.direction, v)
+        _set(voices, v, cell, half, level, lower, upper)
 
 
 @kernel
-def _set_target(voices: Voices, v: int, cell: int, half: int, low: float, middle: float, high: float) -> None:
-    """Hand a voice what it is to be, where that is not what it is."""
-    bands = voices.bands[v, 1]
-    same = voices.cell[v, 1] == cell and voices.half[v, 1] == half and voices.changed[v] != 2
-    same = same and abs(bands[0] - low) <= _STEP * low + _SILENT and abs(bands[1] - middle) <= _STEP * middle + _SILENT
-    if same and abs(bands[2] - high) <= _STEP * high + _SILENT and (low > 0.0 or bands[0] == 0.0):
-        return
-    voices.cell[v, 1], voices.half[v, 1] = cell, half
-    bands[0], bands[1], bands[2] = low, middle, high
-    if voices.changed[v] == 0:
-        voices.changed[v] = 1
+def _offset(position: Numbers, v: int, head: Numbers) -> tuple[float, float, float, float]:
+    """From the head to a voice, and how far."""
+    x, y, z = position[v, 0] - head[0], position[v, 1] - head[1], position[v, 2] - head[2]
+    return x, y, z, np.sqrt(x * x + y * y + z * z)
 
 
 @kernel
-def _fall(distance: float, model: int, fall: Numbers) -> float:
+def _along(vectors: Numbers, v: int, x: float, y: float, z: float) -> float:
+    return vectors[v, 0] * x + vectors[v, 1] * y + vectors[v, 2] * z
+
+
+@kernel
+def _louder(band: float, below: float) -> float:
+    """Ratio of the gains of two bands."""
+    return band / below if below > 0.0 else 1.0
+
+
+@kernel
+def _fall(distance: float, model: int, reference: float, most: float, rolloff: float) -> float:
     """Gain by distance: the clamped laws of OpenAL 1.1, which are those of most engines."""
-    reference, most, rolloff = fall[0], max(fall[1], fall[0]), fall[2]
+    most = max(most, reference)
     d = min(max(distance, reference), most)
     if model == INVERSE:
         return reference / (reference + rolloff * (d - reference))
@@ -177,59 +177,73 @@ def _fall(distance: float, model: int, fall: Numbers) -> float:
 
 
 @kernel
-def _cone(offset: Numbers, distance: float, places: Places, v: int) -> float:
+def _cone(cosine: float, inner: float, outer: float, least: float) -> float:
     """Gain by the angle between a voice's axis and the direction to the listener, blended between the two angles."""
-    inner, outer, least = places.cone[v, 0], places.cone[v, 1], places.cone[v, 2]
-    if inner >= np.pi or distance < _NEAREST:
-        return 1.0
-    cosine = 0.0
-    for axis in range(3):
-        cosine -= offset[axis] * places.forward[v, axis]
-    angle = np.arccos(min(1.0, max(-1.0, cosine / distance)))
+    angle = np.arccos(min(1.0, max(-1.0, cosine)))
     if angle <= inner:
         return 1.0
     return least if angle >= outer else 1.0 + (least - 1.0) * (angle - inner) / (outer - inner)
 
 
 @kernel
-def _pitch(offset: Numbers, distance: float, places: Places, v: int, velocity: Numbers) -> float:
-    """Ratio of pitches by motion along the way, of source and of listener (Doppler)."""
-    if distance < _NEAREST or places.doppler[v] == 0.0:
-        return 1.0
-    towards, away = 0.0, 0.0
-    for axis in range(3):
-        towards -= places.velocity[v, axis] * offset[axis]
-        away -= velocity[axis] * offset[axis]
+def _pitch(towards: float, away: float, doppler: float) -> float:
+    """Ratio of pitches by motion along the way, of source and of listener [m/s] (Doppler)."""
     most = _FASTEST * SOUND_SPEED
-    towards = min(most, max(-most, places.doppler[v] * towards / distance))
-    away = min(most, max(-most, places.doppler[v] * away / distance))
+    towards, away = min(most, max(-most, doppler * towards)), min(most, max(-most, doppler * away))
     return (SOUND_SPEED - away) / (SOUND_SPEED - towards)
 
 
 @kernel
-def _turn_to_head(offset: Numbers, distance: float, axes: Numbers, direction: Numbers) -> None:
-    """Unit vector in the head's axes; straight ahead for what is inside the head."""
-    for row in range(3):
-        direction[row] = 0.0
-        if distance >= _NEAREST:
-            for axis in range(3):
-                direction[row] += axes[row, axis] * offset[axis] / distance
+def _find(x: float, y: float, z: float, distance: float, head: Head, direction: Numbers, v: int) -> tuple[int, int]:
+    """Direction of an offset in the head's axes, ahead for what is inside the head: its cell and its row of delays."""
+    axes = head.axes
     if distance < _NEAREST:
-        direction[2] = -1.0
+        direction[v, 0], direction[v, 1], direction[v, 2] = 0.0, 0.0, -1.0
+    else:
+        for row in range(3):
+            direction[v, row] = (axes[row, 0] * x + axes[row, 1] * y + axes[row, 2] * z) / distance
+    azimuth = np.arctan2(direction[v, 0], -direction[v, 2])
+    elevation = np.arcsin(min(1.0, max(-1.0, direction[v, 1])))
+    cell = cell_of(azimuth, elevation, head.cells.rows)
+    if head.cells.filled[cell] == 0:
+        fill_cell(cell, azimuth, elevation, head.cells)
+    half = _half_delay(azimuth, elevation, head.delays) - head.cells.halves[cell]
+    most = head.steps[1]
+    return cell, most + min(most, max(-most, int(np.rint(half * head.steps[0]))))
 
 
 @kernel
-def _delay_row(azimuth: float, elevation: float, cell: int, head: Head) -> int:
-    """Row of the table of delays: the grid blended between its four nearest points, less what the cell has itself."""
-    grid = head.delays
+def _half_delay(azimuth: float, elevation: float, grid: Numbers) -> float:
+    """The grid of delays, blended between its four nearest points."""
     y = (np.degrees(elevation) + _LOWEST) / 2.0
     x = (np.degrees(azimuth) + _LEFTMOST) / 2.0
     i, j = min(int(y), grid.shape[0] - 2), min(int(x), grid.shape[1] - 2)
     u, w = y - i, x - j
-    half = (1.0 - u) * ((1.0 - w) * grid[i, j] + w * grid[i, j + 1])
-    half += u * ((1.0 - w) * grid[i + 1, j] + w * grid[i + 1, j + 1])
-    most = head.steps[1]
-    return most + min(most, max(-most, int(np.rint((half - head.cells.halves[cell]) * head.steps[0]))))
+    below = (1.0 - w) * grid[i, j] + w * grid[i, j + 1]
+    return (1.0 - u) * below + u * ((1.0 - w) * grid[i + 1, j] + w * grid[i + 1, j + 1])
+
+
+@kernel
+def _set(voices: Voices, v: int, cell: int, half: int, level: float, lower: float, upper: float) -> None:
+    """Hand a voice what it is to be, where that is not what it is; a shape that is as good as its own stays."""
+    bands = voices.bands
+    if voices.changed[v] == 2:
+        voices.pitch[v, 0] = voices.pitch[v, 1]
+    else:
+        lower, upper = _kept(bands[v, 1, 1], lower, level), _kept(bands[v, 1, 2], upper, level)
+        same = voices.cell[v, 1] == cell and voices.half[v, 1] == half
+        same = same and bands[v, 1, 1] == lower and bands[v, 1, 2] == upper
+        if same and abs(bands[v, 1, 0] - level) <= _STEP * level + _SILENT and (level > 0.0 or bands[v, 1, 0] == 0.0):
+            return
+        voices.changed[v] = 1
+    voices.cell[v, 1], voices.half[v, 1] = cell, half
+    bands[v, 1, 0], bands[v, 1, 1], bands[v, 1, 2] = level, lower, upper
+
+
+@kernel
+def _kept(own: float, share: float, level: float) -> float:
+    """The share by which a band is louder: a voice's own where nobody would hear the difference."""
+    return own if level == 0.0 or abs(own - share) <= _STEP * (1.0 + share) else share
 
 
 @kernel

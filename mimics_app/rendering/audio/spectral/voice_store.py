@@ -47,6 +47,7 @@ class VoiceStore:
         bus: Row of its group.
         priority: Factor on its level when voices are short.
         reverb: Share that the room answers.
+        history: Last samples of each, shape [count, SIZE].
         voices: As the mixing kernels take them.
         places: As the steering kernel takes them.
     """
@@ -61,6 +62,7 @@ class VoiceStore:
         self._handles = 0
         self._order, self._over = np.zeros(count, np.int64), np.zeros(count, np.int64)
         words = [np.zeros(count, np.int64) for _ in range(3)]
+        self.history = aligned_zeros(count, SIZE)
         self.voices = Voices(
             sound=words[0],
             wait=words[1],
@@ -70,7 +72,7 @@ class VoiceStore:
             half=np.zeros((count, 2), np.int64),
             bands=np.zeros((count, 2, 3), np.float32),
             changed=words[2],
-            history=aligned_zeros(count, SIZE),
+            history=self.history.reshape(-1),
             pan=np.zeros((count, 2, channels), np.float32),
         )
         self.places = Places(
@@ -117,7 +119,7 @@ class VoiceStore:
         self.authored[row], self.priority[row], self.reverb[row] = spec.gain, spec.priority, spec.reverb
         voices, places = self.voices, self.places
         voices.sound[row], voices.cursor[row], voices.wait[row] = sound, 0.0, 0
-        voices.history[row], voices.changed[row] = 0.0, 2
+        self.history[row], voices.changed[row] = 0.0, 2
         voices.pitch[row] = 1.0
         places.relative[row], places.velocity[row], places.forward[row] = relative, 0.0, (0.0, 0.0, -1.0)
         places.passes[row], places.doppler[row] = 1.0, spec.doppler
@@ -139,4 +141,6 @@ class VoiceStore:
 
     def end_block(self, rows: NDArray[np.int64], bank: Bank) -> None:
         """Free what has faded out, and what has ended and rung out."""
-        self.free(self._over[: end_voices(self.state, rows, self.voices, bank, self._over)])
+        count = end_voices(self.state, rows, self.voices, bank, self._over)
+        if count:
+            self.free(self._over[:count])

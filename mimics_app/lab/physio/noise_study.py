@@ -1,0 +1,124 @@
+"""R peaks under noise, kind by kind: real electrode motion, laid anew upon other records, and synthetic noise.
+
+The electrode noise is that of the noise stress test (Moody et al., 1984): two of its excerpts are the same heart with
+the same noise at two sizes, and their difference is the noise alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.lab.physio.detection import (
+    NOISE_DB,
+    Annotated,
+    Score,
+    annotated_records,
+    mixed_noise,
+    noise_size,
+    score_beats,
+)
+
+__all__ = ["NoiseRow", "noise_rows"]
+
+Floats = NDArray[np.float64]
+
+_EXCERPT = "nst_118e"
+_LOUD_DB, _SOFT_DB, _CLEANEST_DB = 0.0, 6.0, 24.0
+"""Of the two excerpts whose difference is the noise, and of the one that is nearest to the heart alone."""
+_ELECTRODE_DB = (6.0, 0.0)
+_PIECES, _PIECE_S = 4, 120.0
+"""Pieces of each record, and how long they are [s]."""
+_ANEW = 20
+"""Ways in which the noise is laid upon the heart that it was recorded with."""
+_SYNTHETIC_S = 300.0
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseRow:
+    """All records of a kind together.
+
+    Attributes:
+        kind: Of records and noise.
+        beats: Annotated.
+        missed: Of those.
+        invented: Beats that were found and are none.
+        worst: F1 of the worst record or piece.
+    """
+
+    kind: str
+    beats: int
+    missed: int
+    invented: int
+    worst: float
+
+    @property
+    def f1(self) -> float:
+        """Over all beats."""
+        return 1.0 - (self.missed + self.invented) / (2.0 * self.beats - self.missed + self.invented)
+
+
+def noise_rows(folder: Path) -> Iterator[NoiseRow]:
+    """Every kind of record and noise; what the folder has no records for is left out.
+
+    Args:
+        folder: Of annotated records, see `annotated_records`.
+    """
+    records = {record.name: record for record in annotated_records(folder)}
+    hearts = [record for name, record in records.items() if not name.startswith(_EXCERPT)]
+    if hearts:
+        yield _row("records as they are", hearts)
+        for decibel in NOISE_DB:
+            heads = (_piece(record, 0.0, _SYNTHETIC_S) for record in hearts)
+            noisy = (mixed_noise(record, decibel, seed) for seed, record in enumerate(heads))
+            yield _row(f"synthetic noise, {decibel:g} dB", noisy)
+    excerpts = {name: record for name, record in records.items() if name.startswith(_EXCERPT)}
+    for name, record in excerpts.items():
+        yield _row(f"noise stress test, {name.removeprefix(_EXCERPT)} dB", [record])
+    if excerpts:
+        yield _row("noise stress test, all", excerpts.values())
+    loud, soft, clean = (excerpts.get(f"{_EXCERPT}{db:02.0f}") for db in (_LOUD_DB, _SOFT_DB, _CLEANEST_DB))
+    if loud is None or soft is None or clean is None:
+        return
+    noise = (loud.values - soft.values) / (1.0 - 10.0 ** ((_LOUD_DB - _SOFT_DB) / 20.0))
+    heart = Annotated("118", clean.rate, clean.values - noise * 10.0 ** (-_CLEANEST_DB / 20.0), clean.beats)
+    for decibel in _ELECTRODE_DB:
+        anew = (_laid(heart, noise, decibel, seed) for seed in range(_ANEW))
+        yield _row(f"record 118, electrode noise laid anew, {decibel:g} dB", anew)
+        yield _row(f"other records, electrode noise, {decibel:g} dB", _pieces(hearts, noise, decibel))
+
+
+def _pieces(hearts: list[Annotated], noise: Floats, decibel: float) -> Iterator[Annotated]:
+    """Pieces of each record, spread over it, with the noise laid upon them."""
+    for k, heart in enumerate(hearts):
+        last = len(heart.values) / heart.rate - _PIECE_S
+        for n in range(_PIECES):
+            piece = _piece(heart, last * n / (_PIECES - 1), _PIECE_S)
+            yield _laid(piece, noise, decibel, 100 + _PIECES * k + n)
+
+
+def _laid(heart: Annotated, noise: Floats, decibel: float, seed: int) -> Annotated:
+    """A piece with noise of the same rate that begins elsewhere, and every second time upside down."""
+    n = len(heart.values)
+    whole = np.resize(np.roll(noise, np.random.default_rng([seed, 126]).integers(len(noise))), n)
+    size = noise_size(heart, decibel) / whole.std() * (-1.0) ** seed
+    return Annotated(f"{heart.name}_{decibel:g}dB_{seed}", heart.rate, heart.values + size * whole, heart.beats)
+
+
+def _piece(record: Annotated, begin_s: float, seconds: float) -> Annotated:
+    """Some seconds of a record."""
+    first = round(begin_s * record.rate)
+    values = record.values[first : first + round(seconds * record.rate)]
+    beats = record.beats - first / record.rate
+    inside = (beats >= 0.0) & (beats < len(values) / record.rate)
+    return Annotated(f"{record.name}_{begin_s:.0f}s", record.rate, values, beats[inside])
+
+
+def _row(kind: str, records: Iterable[Annotated]) -> NoiseRow:
+    scores: list[Score] = [score_beats(record) for record in records]
+    beats, found, hits = (sum(getattr(score, name) for score in scores) for name in ("beats", "found", "hits"))
+    return NoiseRow(kind, beats, beats - hits, found - hits, min(score.f1 for score in scores))
