@@ -83,7 +83,8 @@ def load_scene(path: Path, root: Path | None = None, before: Scene | None = None
     _stop_after_many(issues, path)
     unusable = [issue for issue in issues if any(what in issue.what for what in (NOT_FINITE, TOO_LARGE, TORN))]
     above = _with_all_above(unusable)
-    issues += [issue for issue in check_meaning(scene) if (issue.file, issue.pointer) not in above]
+    if sources[0].whole:
+        issues += [issue for issue in check_meaning(scene) if (issue.file, issue.pointer) not in above]
     if issues:
         places = {(issue.file, issue.pointer) for issue in unusable}
         known = set(unusable)
