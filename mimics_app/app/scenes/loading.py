@@ -17,7 +17,7 @@ from mimics_app.world.scene.scene import Scene
 __all__ = ["load_checked_scene"]
 
 
-def load_checked_scene(path: Path, before: Scene | None = None) -> Scene:
+def load_checked_scene(path: Path | str, before: Scene | None = None) -> Scene:
     """Read a scene and everything it names, and check what no single stage can.
 
     Args:
@@ -29,7 +29,7 @@ def load_checked_scene(path: Path, before: Scene | None = None) -> Scene:
             pointer.
         DeviceError: the scene's robot has a device that nobody has.
     """
-    scene = load_scene(find_scene(path), before=before)
+    scene = load_scene(find_scene(Path(path)), before=before)
     from mimics_app.app.scenes.stage_checks import check_stages
 
     issues = check_stages(scene)
