@@ -164,6 +164,11 @@ def run(args: argparse.Namespace) -> int:
         from mimics_app.app.play.journey import play_through
 
         ended = play_through(settings)
+        if ended.code < 0:  # killed: it could not say so itself
+            from mimics_app.app.terminal.output import tell
+
+            tell(ended.error)
+            return 128 - ended.code
         if not ended.other:
             return ended.code
         from mimics_app.app.commands.launch import run as launch
