@@ -133,7 +133,7 @@ def stands_in(folder: Path, monkeypatch: pytest.MonkeyPatch, script: str) -> Run
 def test_a_session_that_is_killed_is_missed_and_not_taken_for_an_end(tmp_path, monkeypatch) -> None:
     ended = play_through(stands_in(tmp_path, monkeypatch, "kill -9 $$"))
     assert ended.code == -9 and not ended.other
-    assert "SIGKILL" in ended.error and "mimics record recover" in ended.error
+    assert "SIGKILL" in ended.error and "is kept" in ended.error
 
 
 def test_who_gives_up_waiting_is_back_at_the_scenes(tmp_path, monkeypatch) -> None:

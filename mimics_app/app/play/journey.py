@@ -94,8 +94,8 @@ def _sudden_end(code: int) -> str:
     """Why a session is gone that said nothing of its end; "" where somebody ended it by its terminal."""
     if code >= 0:
         return ""
-    how = f"signal {signal.Signals(-code).name}" if -code in set(signal.Signals) else f"signal {-code}"
-    return f"the session ended suddenly ({how}); what was recorded is kept: mimics record recover says what"
+    how = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
+    return f"The session ended suddenly ({how}); what it recorded until then is kept"
 
 
 def _waited_for_picture(child: subprocess.Popen[bytes], log: Path, opening: Opening) -> bool:
