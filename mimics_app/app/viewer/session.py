@@ -248,6 +248,7 @@ class ViewerSession:
             self._say("loaded again")
         except MimicsError as error:
             self._say(with_line(error.issues[0]), alarm=True)
+            self._message_until_ns = sys.maxsize  # until the file is repaired
 
     def _take_over(self) -> None:
         """Show the file as it is now; where that cannot be, the old picture stays."""
