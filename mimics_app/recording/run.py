@@ -74,12 +74,13 @@ class Run:
         self.layout, self._layout_problem = layout_of(read_schema(folder / FILES["haptic"]))
 
     @classmethod
-    def open(cls, folder: Path) -> Run:
+    def open(cls, folder: Path | str) -> Run:
         """Open a run folder, also one that was never closed, is damaged, or is of another version.
 
         Raises:
             SceneError: It is no run folder.
         """
+        folder = Path(folder)
         if not any(os.path.lexists(folder / FILES[key]) for key in _MARKS):
             fix = "give a folder that holds session.json and haptic.arrows"
             raise SceneError(Issue(str(folder), "", "this is no run folder", fix))

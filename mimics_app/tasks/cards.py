@@ -28,7 +28,7 @@ def progress_card(share: float, label: str = "Tunnel") -> Card:
 def time_card(seconds: float, left_s: float | None = None, limit_s: float = 0.0) -> Card:
     """Time of the trial, how much of it is left [s] (None: none runs), and its limit [s], for which there is room."""
     left = "" if left_s is None else f"{math.ceil(left_s)} s left"
-    return Card("Time", f"{seconds:.1f} s", remark=left, width=180.0 if limit_s < _THREE_DIGITS_S else 230.0)
+    return Card("Time", f"{seconds:.1f} s", remark=left, width=204.0 if limit_s < _THREE_DIGITS_S else 232.0)
 
 
 def trial_card(which: str) -> Card:

@@ -14,12 +14,12 @@ BUILT_IN: Mapping[TrialState, str] = {
     TrialState.APPROACH: "The robot moves to the start",
     TrialState.READY: "{which}: get ready",
     TrialState.TRAVEL: "Go!",
-    TrialState.FINISHED: "Well done: {score} points",
-    TrialState.TIMEOUT: "Time is over: {score} points",
+    TrialState.FINISHED: "Well done: {score} of 100 points",
+    TrialState.TIMEOUT: "Time is over: {score} of 100 points",
     TrialState.ABORTED: "The start was not reached",
     TrialState.STOPPED: "Stopped: {cause}. When it is safe, the operator allows force again: R",
     TrialState.REST: "Rest: {seconds} s",
-    TrialState.DONE: "Finished: {score} points",
+    TrialState.DONE: "Finished: {score} of 100 points",
 }
 """Text of each state unless the scene has its own; {score}, {seconds}, {cause}, {trial}, {trials} and {which}
 (practice, or which trial of how many) are filled in."""
@@ -31,7 +31,10 @@ _WITHOUT_SCORE: Mapping[TrialState, str] = {
 }
 """The same where trials earn no points."""
 
-_AT_POINTER: Mapping[TrialState, str] = {TrialState.STOPPED: "Stopped: {cause}. R goes on"}
+_AT_POINTER: Mapping[TrialState, str] = {
+    TrialState.APPROACH: "Moving to the start",
+    TrialState.STOPPED: "Stopped: {cause}. R goes on",
+}
 """The same where no robot is attached."""
 
 _GO_S = 1.5

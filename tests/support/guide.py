@@ -38,6 +38,8 @@ def written_scene() -> dict[str, Any]:
     for piece in pieces():
         if piece.purpose == "scene":
             document = json.loads(piece.text)
+        elif piece.purpose == "part":
+            document |= json.loads(piece.text)
         elif piece.purpose == "entity":
             entity = json.loads(piece.text)
             kept = [one for one in document["entities"] if one["id"] != entity["id"]]

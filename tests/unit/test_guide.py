@@ -29,6 +29,7 @@ def field(tmp_path_factory) -> Piece:
 def test_every_piece_is_of_a_kind_that_is_tried():
     assert {(piece.language, piece.purpose) for piece in PIECES} == {
         ("json", "scene"),
+        ("json", "part"),
         ("json", "entity"),
         ("json", "fault"),
         ("text", ""),
@@ -38,11 +39,12 @@ def test_every_piece_is_of_a_kind_that_is_tried():
 
 
 def test_scene_is_right_after_every_piece(tmp_path):
-    """A reader may stop anywhere; only a wire or effect may need what came before."""
+    """A reader may stop anywhere; only a wire, an effect or the task may need what came before."""
     whole = written_scene()
+    begun = json.loads(next(piece.text for piece in PIECES if piece.purpose == "scene"))
     entities = whole["entities"]
     for count in range(3, len(entities) + 1):
-        first = {**whole, "entities": entities[:count]}
+        first = {**whole, "entities": entities[:count], "task": begun["task"]}
         names = [entity["id"] for entity in first["entities"]]
         if {"robot", "hand"} <= set(names):
             load_checked_scene(write(tmp_path, first))

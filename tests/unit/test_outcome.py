@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from mimics_app.app import cli
-from mimics_app.app.play.journey import run_words
+from mimics_app.app.play import journey
+from mimics_app.app.play.journey import Opening, play_through, run_words
 from mimics_app.app.play.journey_log import JourneyLog, read_journey
 from mimics_app.app.play.outcome import result_content
 from mimics_app.app.settings import RunSettings
@@ -118,3 +119,27 @@ def test_a_journey_is_heard_line_by_line(tmp_path: Path) -> None:
         file.write('{"next": "ag')  # a line that is being written
     assert read_journey(path) == {"doing": "Reading the scene", "shown": True}
     JourneyLog(None).chose("leave")
+
+
+def stands_in(folder: Path, monkeypatch: pytest.MonkeyPatch, script: str) -> RunSettings:
+    """A session that does what a script says."""
+    session = folder / "session.sh"
+    session.write_text(f"#!/bin/sh\n{script}\n")
+    session.chmod(0o755)
+    monkeypatch.setattr(journey.sys, "executable", str(session))
+    return RunSettings(Path("wavy_tunnel"))
+
+
+def test_a_session_that_is_killed_is_missed_and_not_taken_for_an_end(tmp_path, monkeypatch) -> None:
+    ended = play_through(stands_in(tmp_path, monkeypatch, "kill -9 $$"))
+    assert ended.code == -9 and not ended.other
+    assert "SIGKILL" in ended.error and "is kept" in ended.error
+
+
+def test_who_gives_up_waiting_is_back_at_the_scenes(tmp_path, monkeypatch) -> None:
+    class Impatient(Opening):
+        def look(self, doing: str) -> bool:
+            return False
+
+    ended = play_through(stands_in(tmp_path, monkeypatch, "exec sleep 60"), Impatient())
+    assert ended.other and not ended.error

@@ -105,7 +105,7 @@ def test_what_is_no_scene_at_all_is_said_so(tmp_path, text, what):
 def test_bytes_that_are_no_utf8_are_placed_and_a_byte_order_mark_is_not_minded(tmp_path):
     path = tmp_path / "scene.json"
     path.write_bytes(b'{"format": "\xff"}')
-    assert faults(path) == ["scene.json: byte 12 is not UTF-8; save the file as UTF-8"]
+    assert faults(path) == ["scene.json: byte 12, in line 1, is not UTF-8; save the file as UTF-8"]
     path.write_bytes(b"\xef\xbb\xbf" + json.dumps(scene()).encode())
     assert faults(path) == []
 

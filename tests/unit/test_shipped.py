@@ -34,6 +34,7 @@ def test_every_shipped_scene_is_listed_with_what_it_takes(capsys: pytest.Capture
     assert {row["name"] for row in rows} == files and {row["group"] for row in rows} == set(GROUPS)
     assert all(row["title"] and row["description"] and row["takes"] for row in rows)
     assert {row["name"]: row["lasts"] for row in rows}["wavy_tunnel"] == "2 trials, up to 4 min"
+    assert {row["name"]: row["lasts"] for row in rows}["avatar_cord"] == "4 trials, about 10 min"
     assert all(bool(row["lasts"]) is (row["group"] != "places") for row in rows)
     assert cli.main(["scenes"]) == 0
     assert "wavy_tunnel" in capsys.readouterr().out

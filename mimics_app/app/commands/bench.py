@@ -60,8 +60,8 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         "names",
         nargs="*",
         metavar="NAME",
-        help="of render: city, nodes, crowd, walk, people, people_full or particles; of frame: scenes or people (default: "
-        "all); of physio: figures, or noise for a table of R peaks by kind of noise (default: everything)",
+        help="of render: city, nodes, crowd, walk, people, people_full or particles; of frame: scenes or people "
+        "(default: all); of physio: figures, or noise for a table of R peaks by kind of noise (default: everything)",
     )
     parser.add_argument(
         "--data",

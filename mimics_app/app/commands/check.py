@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mimics_app.app.terminal.output import errors_of, issue_lines, write_object
-from mimics_app.contracts.errors import DeviceError, Issue, MimicsError
+from mimics_app.app.terminal.output import errors_of, issue_lines, with_line, write_object
+from mimics_app.contracts.errors import DeviceError, Issue, MimicsError, SceneError
 from mimics_app.contracts.plural import counted
 
 if TYPE_CHECKING:
@@ -64,18 +64,38 @@ def examine(file: Path) -> dict[str, Any]:
 
     scene = load_checked_scene(file)
     _check_devices(scene)
-    from mimics_app.app.scenes.catalogue import is_part, is_playable, open_scenario
-    from mimics_app.world.scene.file import build_world
+    from mimics_app.app.scenes.hints import hints
 
-    notes = list(scene.notes)
-    if is_part(scene):
-        notes.append("a part, without robot and task: include it in a scene")
-    elif is_playable(scene):
-        open_scenario(scene, build_world(scene))
-    else:
-        notes.append("no scenario plays this scene: mimics run refuses it")
+    notes = [*scene.notes, *_notes_on_play(scene), *map(with_line, hints(scene))]
     holds = {"entities": len(scene.entities), "materials": len(scene.materials), "assets": len(scene.assets)}
     return {"file": str(file), "ok": True, "kind": "scene", "hash": scene.hash, "holds": holds, "notes": notes}
+
+
+def _notes_on_play(scene: Scene) -> list[str]:
+    """What `mimics run` would do with a scene, where it would not play it.
+
+    Raises:
+        SceneError: the scenario that would play it is nowhere, or misses a part of the scene.
+    """
+    from mimics_app.app.scenes.catalogue import is_part, open_scenario
+    from mimics_app.app.scenes.shipped import ONLY_LOOKED_AT
+    from mimics_app.world.components.robot import Robot
+    from mimics_app.world.scene.file import build_world
+
+    if scene.scenario == ONLY_LOOKED_AT:
+        return ["a place to look at: mimics view opens it"]
+    if is_part(scene):
+        return ["a part, without robot and task: include it in a scene"]
+    try:
+        open_scenario(scene, build_world(scene))
+    except SceneError as error:
+        if scene.has(Robot) or scene.scenario != scene.name:
+            raise
+        first = error.issues[0]
+        if not scene.task:
+            return ["a part, or a place to look at with mimics view: without a robot mimics run refuses it"]
+        return [f"mimics run refuses it: {first.what}; {first.fix}"]
+    return []
 
 
 def _check_devices(scene: Scene) -> None:

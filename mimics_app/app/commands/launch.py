@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 __all__ = ["run"]
 
 _SIZE = (1280, 720)
+_LOOKS_A_PICTURE = 6
+"""Of the page that waits: ten pictures a second leave the processor to the session that is being opened."""
 
 
 def run(args: argparse.Namespace) -> int:
@@ -63,14 +65,18 @@ def _waiting(surface: Surface, scene: Path, window: ExitStack) -> Opening:
     page: WaitingPage | None = WaitingPage(surface, scene.stem if known is None else known.title)
 
     class Waiting(Opening):
+        looked = 0
+
         def look(self, doing: str) -> bool:
             if page is None:  # played again: the session before has had the window closed
                 return True
             left = any(event.kind == "key" and event.name == "escape" and event.pressed for event in surface.poll())
             if left or surface.should_close:
                 return False
-            page.draw(doing)
-            surface.swap()
+            if self.looked % _LOOKS_A_PICTURE == 0:
+                page.draw(doing)
+                surface.swap()
+            self.looked += 1
             return True
 
         def shown(self) -> None:

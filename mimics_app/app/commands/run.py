@@ -23,8 +23,9 @@ _DEFAULT_SCENE = Path("scenes/wavy_tunnel.json")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics run`."""
     parser.epilog = (
-        "In the window: F1 frame graph, F2 wireframe, F3 bounds, F4 lights, F5 forces and contacts, F6 shadow atlas, "
-        "F11 full screen, F12 keeps a picture. Scene, models and shaders are loaded again when they are saved."
+        "In the window: H all keys, Space stops the force, P pauses, Esc ends; F1 frame graph, F2 wireframe, "
+        "F3 bounds, F4 lights, F5 forces and contacts, F6 shadow atlas, F11 full screen, F12 keeps a picture. Scene, "
+        "models and shaders are loaded again when they are saved."
     )
     parser.add_argument(
         "scene",
@@ -165,6 +166,11 @@ def run(args: argparse.Namespace) -> int:
         from mimics_app.app.play.journey import play_through
 
         ended = play_through(settings)
+        if ended.code < 0:  # killed: it could not say so itself
+            from mimics_app.app.terminal.output import tell
+
+            tell(ended.error)
+            return 128 - ended.code
         if not ended.other:
             return ended.code
         from mimics_app.app.commands.launch import run as launch

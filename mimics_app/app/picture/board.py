@@ -99,9 +99,10 @@ def _draw_card(hud: Hud, card: Card, corner: tuple[float, float], force_full: fl
         _draw_bar(hud, card.bar, place, force_full)
         return
     room = 0.62 * width if card.remark else width
-    hud.text(x, y, card.text, 25.0, _COLOURS[card.tone], bold=True, width=room)
+    free = width - 8.0 - hud.text(x, y, card.text, 25.0, _COLOURS[card.tone], bold=True, width=room)
     if card.remark:
-        hud.text(x + width, y + 4.0, card.remark, 17.0, _COLOURS[card.remark_tone], align="right")
+        size = min(17.0, 17.0 * free / hud.measure(card.remark, 17.0))
+        hud.text(x + width, y + 4.0, card.remark, size, _COLOURS[card.remark_tone], align="right")
 
 
 def _draw_bar(hud: Hud, bar: Bar, place: Place, force_full: float) -> None:

@@ -6,6 +6,7 @@ it: so the next one begins in a fresh process, and whoever opened it is still th
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 import tempfile
@@ -79,23 +80,37 @@ def _play_once(words: Sequence[str], opening: Opening) -> tuple[int, dict[str, o
         log.touch()
         child = subprocess.Popen([sys.executable, "-m", "mimics_app", "run", *words, "--journey", str(log)])
         try:
-            _wait_for_picture(child, log, opening)
+            left = not _waited_for_picture(child, log, opening)
             code = child.wait()
         finally:
             _end(child)
-        return code, read_journey(log)
+        noted = read_journey(log)
+        if left:
+            return 0, {"next": _OTHER}
+        return code, noted if noted.keys() & {"next", "error"} else {**noted, "error": _sudden_end(code)}
 
 
-def _wait_for_picture(child: subprocess.Popen[bytes], log: Path, opening: Opening) -> None:
+def _sudden_end(code: int) -> str:
+    """Why a session is gone that said nothing of its end; "" where somebody ended it by its terminal."""
+    if code >= 0:
+        return ""
+    how = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
+    return f"The session ended suddenly ({how}); what it recorded until then is kept"
+
+
+def _waited_for_picture(child: subprocess.Popen[bytes], log: Path, opening: Opening) -> bool:
+    """Wait until the session's own picture is there, or it has ended; False: the person gave up and it is ending."""
     clock = MonotonicClock()
     while child.poll() is None:
         noted = read_journey(log)
         if noted.get("shown"):
             opening.shown()
-            return
+            return True
         if not opening.look(str(noted.get("doing", "Starting"))):
             child.terminate()
+            return False
         clock.sleep_until_ns(clock.now_ns() + FRAME_NS)
+    return True
 
 
 def _end(child: subprocess.Popen[bytes]) -> None:

@@ -9,6 +9,7 @@ from mimics_app.app.planner.plan import settle
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.session import Session
+from mimics_app.app.terminal.output import with_line
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.scene.file import build_world
@@ -71,7 +72,7 @@ class SceneReload:
                 raise SceneError(Issue(scene.file, "", _NEW_TABLES, "end the run and start it again"))
             changes = apply_scene(session.world, session.scene, scene)
         except SceneError as error:
-            self._say(now_ns, str(error.issues[0]))
+            self._say(now_ns, with_line(error.issues[0]))
             session.recorder.journal("reload", {"taken": False, "issues": [str(issue) for issue in error.issues]})
             return
         scene.read |= session.scene.read

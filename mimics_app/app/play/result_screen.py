@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 import webbrowser
+from dataclasses import replace
 from pathlib import Path
 
 from mimics_app.contracts.clock import FRAME_NS, Clock
@@ -26,8 +26,9 @@ def show_result(surface: Surface, content: ResultContent, report: Path, clock: C
         choice = _choose(surface, content, clock)
         if choice != "report":
             return choice
-        if not webbrowser.open(report.resolve().as_uri()):
-            sys.stderr.write(f"mimics: no browser was found; the report is {report}\n")
+        opened = webbrowser.open(report.resolve().as_uri())
+        said = "The report opens in the browser; if it does not, open" if opened else "No browser was found; open"
+        content = replace(content, footnote=f"{said} {report.resolve()}")
 
 
 def _choose(surface: Surface, content: ResultContent, clock: Clock) -> str:

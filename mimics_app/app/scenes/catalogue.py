@@ -39,6 +39,9 @@ BY_COMPONENT: dict[type, _Builder] = {Tunnel: WavyTunnel, GraspingHand: PickAndP
 """What plays a scene that names no scenario: by the first of these components it has."""
 
 
+_ROBOT_NEEDED = 'include "mimics:scenes/parts/touch_room.json" and add {"id": "robot", "prefab": "robot"}'
+
+
 def open_scenario(scene: Scene, world: World) -> Scenario:
     """Bring a scene to life in the world built from it.
 
@@ -71,8 +74,11 @@ def _find_builder(scene: Scene) -> _Builder:
     if scene.scenario in installed:
         builder: _Builder = installed[scene.scenario].load()
         return builder
+    if scene.scenario != scene.name:
+        hint = nearest(scene.scenario, [*BUILT_IN, *installed])
+        raise SceneError(scene.issue("/scenario", f'no scenario "{scene.scenario}"', f"leave it out; {hint}"))
     for component, builder in BY_COMPONENT.items():
         if scene.has(component):
             return builder
-    hint = nearest(scene.scenario, [*BUILT_IN, *installed])
-    raise SceneError(scene.issue("/scenario", f'no scenario "{scene.scenario}"and no component implies one', hint))
+    what = "nothing plays this scene: it has no robot, and names no scenario"
+    raise SceneError(scene.issue("", what, f"{_ROBOT_NEEDED}; to look at it only: mimics view"))

@@ -17,7 +17,7 @@ from mimics_app.world.scene.scene import Scene
 __all__ = ["check_scene", "load_checked_scene", "read_scene"]
 
 
-def load_checked_scene(path: Path, before: Scene | None = None) -> Scene:
+def load_checked_scene(path: Path | str, before: Scene | None = None) -> Scene:
     """Read a scene and everything it names, and check what no single stage can.
 
     Args:
@@ -32,13 +32,13 @@ def load_checked_scene(path: Path, before: Scene | None = None) -> Scene:
     return check_scene(read_scene(path, before))
 
 
-def read_scene(path: Path, before: Scene | None = None) -> Scene:
+def read_scene(path: Path | str, before: Scene | None = None) -> Scene:
     """The first half of `load_checked_scene`, which imports no compiled code: what the files say of themselves.
 
     Raises:
         SceneError: every fault found in the files.
     """
-    return load_scene(find_scene(path), before=before)
+    return load_scene(find_scene(Path(path)), before=before)
 
 
 def check_scene(scene: Scene) -> Scene:

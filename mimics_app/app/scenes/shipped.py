@@ -34,6 +34,9 @@ _FIRST = ("wavy_tunnel", "pick_and_place", "guided_walk")
 _SECONDS = 60.0
 """Time of a trial where a scene says nothing [s], as `tasks.task.TaskSpec.time_limit_s`; a test compares them."""
 
+_ANSWER_S, _PROBE_S = 10.0, 20.0
+"""How long people take, about, to answer an item of a questionnaire, and to point at where they feel they are [s]."""
+
 
 @dataclass(frozen=True, slots=True)
 class ShippedScene:
@@ -135,6 +138,7 @@ def _lasts(task: Mapping[str, Any]) -> str:
         return "its own trials"
     limit, rest = float(task.get("time_limit_s", _SECONDS)), float(task.get("rest_s", 3.0))
     asked = [float(goal["seconds"]) for goal in task.get("goals", ()) if goal.get("kind") == "duration"]
+    asked += _experiment(task.get("avatar_cord") or {})
     usual = min(max(asked), limit) if asked else limit
     trials = [
         (block.get("practice", False), float(trial.get("time_limit_s") or usual))
@@ -144,4 +148,14 @@ def _lasts(task: Mapping[str, Any]) -> str:
     seconds = sum(length for _, length in trials) + rest * (len(trials) - 1)
     count = sum(not practice for practice, _ in trials)
     minutes = max(1, math.ceil(seconds / 60.0))
-    return f"{counted(count, 'trials')}, {'' if asked else 'up to '}{minutes} min"
+    about = "about " if task.get("avatar_cord") else "" if asked else "up to "
+    return f"{counted(count, 'trials')}, {about}{minutes} min"
+
+
+def _experiment(cord: Mapping[str, Any]) -> list[float]:
+    """How long each condition of an experiment takes [s]: its parts, and as long as people take to answer."""
+    answers = _ANSWER_S * len((cord.get("questionnaire") or {}).get("items", ()))
+    return [
+        float(condition.get("baseline_s", 5.0)) + float(condition.get("duration_s", 60.0)) + _PROBE_S + answers
+        for condition in (cord.get("conditions") or {}).values()
+    ]

@@ -13,6 +13,7 @@ from mimics_app.contracts.errors import DeviceError, Issue, UsageError
 from mimics_app.estimation.registry import check_estimator
 from mimics_app.learning.goals import build_goal
 from mimics_app.learning.registry import check_policy
+from mimics_app.rendering.audio.scene_sounds import check_sound
 from mimics_app.rendering.haptic.devices.reach import Reach
 from mimics_app.rendering.haptic.devices.robot_checks import check_points, check_robot
 from mimics_app.rendering.haptic.force_fields import check_field
@@ -25,6 +26,7 @@ from mimics_app.tasks.kinds.tunnel import own_tunnel
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.objects import ForceField, HapticPath, InteractionPoints
 from mimics_app.world.components.robot import Robot, Tunnel
+from mimics_app.world.components.visible import Sound
 from mimics_app.world.scene.placing import pose_of
 from mimics_app.world.scene.scene import Scene
 
@@ -36,6 +38,7 @@ _OF_COMPONENTS: tuple[tuple[type[msgspec.Struct], Callable[[Any, str, Scene], li
     (HapticPath, check_haptic_path),
     (ForceField, check_field_count),
     (ForceField, check_field),
+    (Sound, check_sound),
 )
 """Checks of single components, each with the type it is of."""
 

@@ -18,7 +18,16 @@ from typing import Any, TextIO
 from mimics_app.app.terminal.places import line_and_column
 from mimics_app.contracts.errors import Issue, all_sought, listed_issues, more_issues
 
-__all__ = ["errors_of", "finite", "issue_lines", "object_written", "reserved_stdout", "say", "write_object"]
+__all__ = [
+    "errors_of",
+    "finite",
+    "issue_lines",
+    "object_written",
+    "reserved_stdout",
+    "say",
+    "with_line",
+    "write_object",
+]
 
 
 class _ObjectStream:
@@ -114,9 +123,8 @@ def errors_of(issues: Sequence[Issue]) -> dict[str, Any]:
 def issue_lines(issues: Sequence[Issue]) -> list[str]:
     """Issues as lines for a terminal: the first of them, and the number of the rest."""
     more = more_issues(issues)
-    return [f"mimics: {issue}{_place_words(issue)}\n" for issue in listed_issues(issues)[0]] + (
-        [f"mimics: {more}\n"] if more else []
-    )
+    lines = [f"mimics: {with_line(issue)}\n" for issue in listed_issues(issues)[0]]
+    return [*lines, f"mimics: {more}\n"] if more else lines
 
 
 def _place(issue: Issue) -> dict[str, int]:
@@ -125,9 +133,10 @@ def _place(issue: Issue) -> dict[str, int]:
     return {} if found is None else {"line": found[0], "column": found[1]}
 
 
-def _place_words(issue: Issue) -> str:
+def with_line(issue: Issue) -> str:
+    """An issue in one line, with the line and column of its place where they are known."""
     found = line_and_column(issue)
-    return "" if found is None else f" (line {found[0]}, column {found[1]})"
+    return f"{issue}" if found is None else f"{issue} (line {found[0]}, column {found[1]})"
 
 
 def finite(value: object) -> Any:

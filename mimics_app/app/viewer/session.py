@@ -8,6 +8,7 @@ from pathlib import Path
 
 from mimics_app.app.picture.overlay_keys import toggle_overlay
 from mimics_app.app.settings import Profile
+from mimics_app.app.terminal.output import with_line
 from mimics_app.app.viewer.controls import ViewerControls
 from mimics_app.app.viewer.page import KEYS, draw_caption, draw_hint, draw_message
 from mimics_app.app.viewer.selection import Selection
@@ -222,7 +223,7 @@ class ViewerSession:
         try:
             files = self._selection.save()
         except SceneError as error:
-            self._say(str(error.issues[0]), alarm=True)
+            self._say(with_line(error.issues[0]), alarm=True)
             return
         self._warned = False
         self.saved += [file for file in files if file not in self.saved]
@@ -246,7 +247,8 @@ class ViewerSession:
             self._take_over()
             self._say("loaded again")
         except MimicsError as error:
-            self._say(str(error.issues[0]), alarm=True)
+            self._say(with_line(error.issues[0]), alarm=True)
+            self._message_until_ns = sys.maxsize  # until the file is repaired
 
     def _take_over(self) -> None:
         """Show the file as it is now; where that cannot be, the old picture stays."""

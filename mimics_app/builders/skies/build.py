@@ -13,7 +13,7 @@ __all__ = ["compose"]
 
 F8 = NDArray[np.float64]
 
-_FACE, _DOME, _PLANE = 256, 320, 256
+_FACE, _DOME, _PLANE = 256, 640, 256
 """Sides of a face of the box, height of the dome, and side of the clouds [px]."""
 _FACES: dict[str, tuple[tuple[int, int, int], tuple[int, int, int], tuple[int, int, int]]] = {
     "box_px": ((1, 0, 0), (0, 0, 1), (0, 1, 0)),
@@ -24,6 +24,8 @@ _FACES: dict[str, tuple[tuple[int, int, int], tuple[int, int, int], tuple[int, i
     "box_nz": ((0, 0, -1), (1, 0, 0), (0, 1, 0)),
 }
 """Middle, right and up of each face as it is seen from inside."""
+_STARS = 0.0004
+"""Share of the dome's pixels that are stars."""
 _WAVES = 7
 """Octaves of a ridge's outline."""
 
@@ -80,10 +82,10 @@ def _evening(directions: F8, seed: int) -> F8:
     band = _smooth(0.50, 0.72, _fibre(directions * [1.0, 4.0, 1.0], seed + 7)) * _smooth(0.02, 0.10, up)
     edge = np.array([0.95, 0.50, 0.42]) * (0.45 + 0.55 * warm)
     shown = shown + (0.7 * band * np.exp(-np.clip(up, 0.0, 1.0) / 0.35))[..., None] * (edge - shown)
-    stars = (np.random.default_rng(seed).random(up.shape) > 0.9985) & (up > 0.35)
+    stars = (np.random.default_rng(seed).random(up.shape) > 1.0 - _STARS) & (up > 0.35)
     shown = np.where(stars[..., None], np.array([0.92, 0.93, 1.0]), shown)
     around = np.arctan2(directions[..., 0], -directions[..., 2])
-    hill = _smooth(-0.004, 0.004, 0.03 + 0.035 * _ridge(around, seed + 3) - up)[..., None]
+    hill = _smooth(-0.005, 0.005, 0.03 + 0.035 * _ridge(around, seed + 3) - up)[..., None]
     return np.asarray(shown + hill * (np.array([0.20, 0.17, 0.25]) - shown))
 
 

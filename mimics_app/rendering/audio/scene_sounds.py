@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
+from mimics_app.rendering.audio.wav_file import frames_of_wav
 from mimics_app.world.components.visible import Sound, SoundEmitter
 from mimics_app.world.scene.assets import SceneAsset
+from mimics_app.world.scene.scene import Scene
 
-__all__ = ["settings_from_components"]
+__all__ = ["check_sound", "settings_from_components"]
 
 _SINGLE = ("crowd", "goal", "grip", "kick", "score", "scrape", "slip", "start", "tick", "trial_end", "wind")
 _STRUCK = ("apple", "contact", "cup", "knock", "stub_box", "stub_kerb", "stub_wall", "table", "tap")
@@ -46,7 +48,11 @@ def settings_from_components(
     """
     if not sounds:
         return None
-    issues = [issue for _, sound, pointer in sounds for issue in _faults(sound, pointer, scene_file)]
+    issues = [
+        issue
+        for _, sound, pointer in sounds
+        for issue in _faults(sound, pointer, lambda place, what, fix="": Issue(scene_file, place, what, fix))
+    ]
     if issues:
         raise SceneError(issues)
     specs = {name: _spec(sound, assets) for name, sound, _ in sounds}
@@ -67,19 +73,29 @@ def _trigger(sound: Sound) -> str:
     return f"{sound.trigger}/{sound.material}" if sound.material else str(sound.trigger)
 
 
-def _faults(sound: Sound, pointer: str, scene_file: str) -> list[Issue]:
+def check_sound(sound: Sound, pointer: str, scene: Scene) -> list[Issue]:
+    """Faults of one sound: an unknown recipe or parameter, a wave file that cannot be played."""
+    issues = _faults(sound, pointer, scene.issue)
+    path = None if sound.asset is None or sound.asset not in scene.assets else scene.assets[sound.asset].path
+    if path is not None and path.suffix.lower() == ".wav":
+        try:
+            frames_of_wav(path)
+        except SceneError as error:
+            issues += [scene.issue(f"{pointer}/asset", f"{path.name} {one.what}", one.fix) for one in error.issues]
+    return issues
+
+
+def _faults(sound: Sound, pointer: str, issue: Callable[..., Issue]) -> list[Issue]:
     issues = []
     if sound.synth is not None and sound.synth not in _RECIPES:
-        issues.append(
-            Issue(scene_file, f"{pointer}/synth", f'no recipe "{sound.synth}"', nearest(sound.synth, _RECIPES))
-        )
+        issues.append(issue(f"{pointer}/synth", f'no recipe "{sound.synth}"', nearest(sound.synth, _RECIPES)))
     for name, value in sound.parameters.items():
         place = f"{pointer}/parameters/{name}"
         if name not in _PARAMETERS:
-            issues.append(Issue(scene_file, place, f'no parameter "{name}"', nearest(name, _PARAMETERS)))
+            issues.append(issue(place, f'no parameter "{name}"', nearest(name, _PARAMETERS)))
         elif not _PARAMETERS[name][0] <= value <= _PARAMETERS[name][1]:
             low, high = _PARAMETERS[name]
-            issues.append(Issue(scene_file, place, f"{value} is not between {low} and {high}"))
+            issues.append(issue(place, f"{value} is not between {low} and {high}"))
     return issues
 
 

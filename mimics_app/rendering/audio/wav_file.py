@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.regular_file import read_regular
 
-__all__ = ["WavWriter", "read_wav", "resample", "soften_peaks", "unused_name"]
+__all__ = ["WavWriter", "frames_of_wav", "read_wav", "resample", "soften_peaks", "unused_name"]
 
 _HEADER_SIZE = 44
 _LARGEST_DATA = 0xFFFF_FFFF - _HEADER_SIZE
@@ -113,6 +113,12 @@ def read_wav(path: Path, rate: int) -> NDArray[np.float32]:
     Raises:
         SceneError: The file is missing, damaged, or of a kind that is not PCM or float.
     """
+    frames, file_rate = frames_of_wav(path)
+    return np.stack([resample(each, file_rate, rate) for each in frames.T], axis=1).astype(np.float32)
+
+
+def frames_of_wav(path: Path) -> tuple[NDArray[np.float32], int]:
+    """The samples of a wave file as they are, shape [n, channels], and their rate [Hz]; raises what `read_wav` does."""
     try:
         raw = read_regular(path)
     except OSError as error:
@@ -134,7 +140,7 @@ def read_wav(path: Path, rate: int) -> NDArray[np.float32]:
     frames = samples[: len(samples) // channels * channels].reshape(-1, channels)
     if len(frames) == 0 or not np.isfinite(frames).all():
         raise SceneError(Issue(str(path), "", "holds no sound, or values that are not finite"))
-    return np.stack([resample(each, file_rate, rate) for each in frames.T], axis=1).astype(np.float32)
+    return frames, file_rate
 
 
 def _header(rate: int, channels: int) -> bytes:

@@ -233,8 +233,9 @@ def _check_points(points: InteractionPoints, pointer: str, scene: Scene) -> list
 
 
 def _check_connections(connections: Connections, pointer: str, scene: Scene) -> list[Issue]:
-    objects = [entity for entity, _, _ in scene.components(HapticObject)]
-    acting = [entity for kind in (HapticEffect, ForceField) for entity, _, _ in scene.components(kind)]
+    objects = [*(entity for entity, _, _ in scene.components(HapticObject)), *scene.broken]
+    kinds = (HapticEffect, ForceField)
+    acting = [*(entity for kind in kinds for entity, _, _ in scene.components(kind)), *scene.broken]
     issues = []
     for i, wire in enumerate(connections.wires):
         if np.abs(wire.gain).max() > _GREATEST_GAIN:

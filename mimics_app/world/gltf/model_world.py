@@ -27,13 +27,13 @@ def read_model(path: Path, *, without_pictures: bool = False) -> ModelPrefab:
     return ModelPrefab(ModelPart(asset, model, tuple(model.roots)))
 
 
-def load_model_world(path: Path) -> World:
+def load_model_world(path: Path | str) -> World:
     """A world that holds the default scene of a glTF file, its update done; without lights but the file's own.
 
     Raises:
         SceneError: every fault of the file.
     """
     world = World()
-    read_model(path).instantiate(world, world.root)
+    read_model(Path(path)).instantiate(world, world.root)
     world.update()
     return world

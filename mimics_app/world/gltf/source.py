@@ -241,6 +241,8 @@ def parse_gltf(data: bytes, path: Path, root: Path, file: str) -> GltfSource:
     Raises:
         GltfError: it is damaged, or is another version.
     """
+    if path.suffix.lower() == ".glb" and data[:4] != _MAGIC and data.lstrip()[:1] != b"{":
+        raise SceneError(Issue(file, "", "is no GLB: it does not begin with glTF", "export it again as binary glTF"))
     text, binary = _chunks(data, file) if data[:4] == _MAGIC else (data, None)
     document, issues = parse_json(text, file)
     if issues:  # values that no reader of this file could hold

@@ -81,7 +81,13 @@ class Motion:
         return gone
 
     def pose(self, transforms: TransformTable) -> None:
-        """Bring what moves to the present time, and hand it to the nodes."""
+        """Bring what moves to the present time, and hand it to the nodes.
+
+        Raises:
+            ValueError: `time` is not finite; the next finite one goes on from the last.
+        """
+        if not math.isfinite(self.time):
+            raise ValueError(f"the time of the motion is {self.time} s")
         seconds, self._stepped = self.time - self._stepped, self.time
         self.happened = []
         for index, animator in self.animators.items():

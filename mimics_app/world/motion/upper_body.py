@@ -35,11 +35,20 @@ class Trackers:
 
     Attributes:
         head, left, right: Of the head and of both wrists.
+
+    Raises:
+        ValueError: one is of another shape, such as a matrix.
     """
 
     head: F8
     left: F8 | None = None
     right: F8 | None = None
+
+    def __post_init__(self) -> None:
+        for name, pose in (("head", self.head), ("left", self.left), ("right", self.right)):
+            if pose is not None and np.shape(pose) != (7,):
+                what = "a tracker's pose is 7 numbers, x y z and a quaternion xyzw"
+                raise ValueError(f"{name} has the shape {np.shape(pose)}: {what}")
 
 
 @dataclass(frozen=True, eq=False)

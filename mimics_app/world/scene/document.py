@@ -95,7 +95,7 @@ def resolve(sources: list[SceneSource], issues: list[Issue]) -> SceneDocument:
         for name in _TABLES:
             _join_table(document, name, source.layer, issues)
         _join_sections(document, source.layer)
-    unfolding = _Unfolding(document, issues)
+    unfolding = _Unfolding(document, issues, whole=sources[0].whole)
     for source in sources:
         for i, value in enumerate(_list(source.document.get("entities"))):
             if isinstance(value, dict) and isinstance(value.get("id"), str):
@@ -127,9 +127,10 @@ def _join_sections(document: SceneDocument, layer: Layer) -> None:
 class _Unfolding:
     """Entities out of entities and the prefabs they are instances of."""
 
-    def __init__(self, document: SceneDocument, issues: list[Issue]) -> None:
+    def __init__(self, document: SceneDocument, issues: list[Issue], *, whole: bool) -> None:
         self._document = document
         self._issues = issues
+        self._whole = whole
 
     def unfold(self, layer: Layer) -> None:
         """Add a top-level entity and all its prefab has below it."""
@@ -184,6 +185,8 @@ class _Unfolding:
         while isinstance(name := layer.value.get("prefab"), str):
             place = layer.child("prefab", None)
             known = self._document.tables["prefabs"]
+            if name not in known and not self._whole:
+                return
             if name not in known:
                 hint = nearest(name, known) if known else "the scene has no prefabs"
                 self._issues.append(Issue(place.file, place.pointer, f'no prefab "{name}"', hint))

@@ -61,7 +61,7 @@ REGISTERING = (
 """Modules whose import makes the built-in component types, systems and checks known."""
 
 
-def load_scene(path: Path, root: Path | None = None, before: Scene | None = None) -> Scene:
+def load_scene(path: Path | str, root: Path | None = None, before: Scene | None = None) -> Scene:
     """Read a scene file and everything it names.
 
     Args:
@@ -72,6 +72,7 @@ def load_scene(path: Path, root: Path | None = None, before: Scene | None = None
     Raises:
         SceneError: every fault found, each with file, JSON pointer, what is wrong, and the nearest right name.
     """
+    path = Path(path)
     register_plugins()
     issues: list[Issue] = []
     folder = find_root(path) if root is None else root
@@ -83,7 +84,8 @@ def load_scene(path: Path, root: Path | None = None, before: Scene | None = None
     _stop_after_many(issues, path)
     unusable = [issue for issue in issues if any(what in issue.what for what in (NOT_FINITE, TOO_LARGE, TORN))]
     above = _with_all_above(unusable)
-    issues += [issue for issue in check_meaning(scene) if (issue.file, issue.pointer) not in above]
+    if sources[0].whole:
+        issues += [issue for issue in check_meaning(scene) if (issue.file, issue.pointer) not in above]
     if issues:
         places = {(issue.file, issue.pointer) for issue in unusable}
         known = set(unusable)

@@ -34,6 +34,17 @@ _HUGE = re.compile(rb"[0-9.][eE]\+?\d{3}|\d{300}")
 _HALF = re.compile(rb"\\u[dD][89a-fA-F]")
 """Escapes of halves of a character; two in a row are one."""
 
+_ADVICE = {
+    "Expecting ',' delimiter": "a comma or a closing bracket is missing before it",
+    "Expecting ':' delimiter": "write a colon between a key and its value",
+    "Expecting property name enclosed in double quotes": 'write the key in "',
+    "Expecting value": 'write a number, a text in ", true, false, null, a list or an object',
+    "Extra data": "nothing may stand behind the last bracket",
+    "Illegal trailing comma before end of object": "take out the comma",
+    "Illegal trailing comma before end of array": "take out the comma",
+}
+"""What to do, by what Python's reader says."""
+
 _STEPS = np.zeros(256, np.int8)
 _STEPS[[ord("["), ord("{")]] = 1
 _STEPS[[ord("]"), ord("}")]] = -1
@@ -68,10 +79,12 @@ def parse_json(text: bytes, file: str) -> tuple[Any, list[Issue]]:
             text.decode("utf-8-sig"), object_pairs_hook=suspicious.object, parse_constant=suspicious.constant
         )
     except UnicodeDecodeError as error:
-        raise SceneError(Issue(file, "", f"byte {error.start} is not UTF-8", "save the file as UTF-8")) from None
+        line = text.count(b"\n", 0, error.start) + 1
+        what = f"byte {error.start}, in line {line}, is not UTF-8"
+        raise SceneError(Issue(file, "", what, "save the file as UTF-8")) from None
     except json.JSONDecodeError as error:
         place = f"line {error.lineno}, column {error.colno}"
-        raise SceneError(Issue(file, "", f"is not JSON: {error.msg} at {place}")) from None
+        raise SceneError(Issue(file, "", f"is not JSON: {error.msg} at {place}", _advice(error))) from None
     except RecursionError:
         raise SceneError(Issue(file, "", f"is nested deeper than {MAX_DEPTH} levels")) from None
     except ValueError as error:  # a whole number of thousands of digits
@@ -82,6 +95,20 @@ def parse_json(text: bytes, file: str) -> tuple[Any, list[Issue]]:
 def escape(name: str) -> str:
     """A name as one step of a JSON pointer (RFC 6901)."""
     return name.replace("~", "~0").replace("/", "~1")
+
+
+def _advice(error: json.JSONDecodeError) -> str:
+    """What to do about a text that is no JSON, by what stands where its reading stopped; "" where nothing is likely."""
+    rest, before = error.doc[error.pos :].lstrip(), error.doc[: error.pos].rstrip()
+    if rest.startswith(("//", "/*", "#")):
+        return 'JSON has no comments: write them as the value of a key that begins with "x-"'
+    if not rest:
+        return "the file ends before every bracket is closed"
+    if before.endswith(",") and rest[0] in ",]}":
+        return "take out the comma before it"
+    if rest[0] == "'":
+        return "write \" around texts, not '"
+    return _ADVICE.get(error.msg, "")
 
 
 class _Suspicion:

@@ -77,11 +77,14 @@ class SceneLoader:
             place = f"{pointer}/components/{escape(name)}"
             if name not in types:
                 self._report(place, f'unknown component "{name}"', fault_of_plugin(name) or nearest(name, types))
+                self._scene.broken.add(draft.id)
                 continue
             if not isinstance(value, dict):
                 continue  # reported with the file's shape
             struct = read_struct(types[name], value, self._report, place)
-            if struct is not FAILED:
+            if struct is FAILED:
+                self._scene.broken.add(draft.id)
+            else:
                 components[name] = struct
         if transform is FAILED:
             transform = TransformSpec()

@@ -75,6 +75,7 @@ class Scene:
         task: The task as plain JSON, {} where there is none.
         sections: Registered sections, decoded ("task"), by name.
         files: Every file read, the scene file first.
+        broken: Ids of entities with a component that could not be read: what refers to them is not looked for there.
         named_files: Those that components name, in the order they were requested.
         methods: Settings the planner chose where the files leave the choice to it, by group of methods; {} before it
             ran.
@@ -102,6 +103,7 @@ class Scene:
     files: list[Path] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     named_files: list[Path] = field(default_factory=list)
+    broken: set[str] = field(default_factory=set)
     methods: dict[str, Settings] = field(default_factory=dict)
     read: set[str] = field(default_factory=set)
     _derived: dict[Hashable, _Derived] = field(default_factory=dict)
@@ -281,7 +283,7 @@ class Scene:
 
     def check_entity_with(self, wanted: type[msgspec.Struct], pointer: str, name: str) -> list[Issue]:
         """The fault of the id of an entity that must have a component of a type, if it has one."""
-        known = [entity for entity, _, _ in self.components(wanted)]
+        known = [*(entity for entity, _, _ in self.components(wanted)), *self.broken]
         types = "".join(key for key, struct in component_types().items() if struct is wanted)
         return self._unknown(pointer, f'entity with a "{types}"', name, known)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -30,10 +30,12 @@ class SceneSource:
     Attributes:
         path: Where it is.
         layer: Its whole document, in the newest version.
+        whole: Of the scene file: False where an included file is missing, so that references into it lead nowhere.
     """
 
     path: Path
     layer: Layer
+    whole: bool = True
 
     @property
     def document(self) -> dict[str, Any]:
@@ -56,6 +58,7 @@ def read_sources(path: Path, root: Path, issues: list[Issue]) -> list[SceneSourc
     reader = _Reader(root, issues)
     reader.read(path, str(path))
     reader.follow_includes(reader.sources[0], (path.resolve(),))
+    reader.sources[0] = replace(reader.sources[0], whole=not reader.misses)
     return reader.sources
 
 
@@ -85,6 +88,7 @@ class _Reader:
         self._issues = issues
         self._seen: set[Path] = set()
         self.sources: list[SceneSource] = []
+        self.misses = False
 
     def read(self, path: Path, file: str) -> SceneSource:
         """Decode one file and check its shape."""
@@ -117,6 +121,7 @@ class _Reader:
                 path = find_file(uri, source.layer.folder, self._root)
             except PathFault as fault:
                 self._issues.append(Issue(source.layer.file, f"/include/{i}", fault.what, fault.fix))
+                self.misses = True
                 continue
             if path in above:
                 chain = " -> ".join(place.name for place in (*above[above.index(path) :], path))
@@ -129,6 +134,7 @@ class _Reader:
             self.follow_includes(self.read(path, file), (*above, path))
         except SceneError as error:
             self._issues += [issue for issue in error.issues if issue not in self._issues]
+            self.misses = True
 
     def _check_shape(self, source: SceneSource) -> None:
         file = source.layer.file

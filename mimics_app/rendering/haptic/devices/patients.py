@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.errors import UsageError, nearest
 from mimics_app.rendering.haptic.kernels import arm
 
 if TYPE_CHECKING:
@@ -69,7 +70,13 @@ Krebs et al. 1999, Rohrer et al. 2002), a stiffer (spastic) arm, tremor, a weak 
 
 
 def impairment_of(patient: Patient) -> Impairment:
-    """The preset of a component with the component's own values over it."""
+    """The preset of a component with the component's own values over it.
+
+    Raises:
+        UsageError: there is no such preset; a scene's is checked, a setting of a program may be anything.
+    """
+    if patient.preset not in PRESETS:
+        raise UsageError(f'there is no simulated patient "{patient.preset}"', nearest(patient.preset, PRESETS))
     preset = PRESETS[patient.preset]
     values = {f.name: getattr(patient, f.name, None) for f in fields(Impairment)}
     return Impairment(**{name: getattr(preset, name) if value is None else value for name, value in values.items()})

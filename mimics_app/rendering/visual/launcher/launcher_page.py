@@ -30,7 +30,7 @@ _HEAD = 132.0
 _SIDE, _SIDE_SHARE = 340.0, 0.42
 _FOOT = 56.0
 _ROW, _ROW_GAP = 44.0, 7.0
-_START, _HELP = 54.0, 44.0
+_START, _LINE = 54.0, 18.0
 _TAB_HEIGHT = 34.0
 _LEAST_CARD = 250.0
 _PICTURE_SHAPE = 16.0 / 9.0
@@ -238,15 +238,23 @@ class LauncherPage:
         hud, state = self._hud, self.state
         for index in range(len(state.settings)):
             self._draw_option(index)
-        kind, which = state.focus
-        if kind == "option" and which < len(state.settings):
-            x = self._side_x
-            for number, line in enumerate(hud.wrap(state.settings[which].help, 14.0, self._side_width, 2)):
-                hud.text(x, _FOOT + _START + _HELP - 14.0 - 18.0 * number, line, 14.0, FAINT)
         x, y, width, height = self._start_box
+        room = int((CANVAS_HEIGHT - _HEAD - len(state.settings) * (_ROW + _ROW_GAP) - y - height - 14.0) // _LINE)
+        lines = hud.wrap(self._explanation(), 14.0, width, room) if room > 0 else []
+        for number, line in enumerate(reversed(lines)):
+            hud.text(x, y + height + 14.0 + _LINE * number, line, 14.0, FAINT)
         focused = state.focus == ("start", 0)
         hud.box(x, y, width, height, ACCENT if focused else QUIET, radius=16.0)
         hud.text(x + 0.5 * width, y + 18.0, "Start", 25.0, ON_ACCENT, bold=True, align="centre")
+
+    def _explanation(self) -> str:
+        """What stands over the start: help with the setting in focus, else all that the card of the scene says."""
+        state = self.state
+        kind, which = state.focus
+        if kind == "option" and which < len(state.settings):
+            return state.settings[which].help
+        shown = which if kind == "card" else state.chosen
+        return state.cards[shown][0].description if 0 <= shown < len(state.cards) else ""
 
     def _draw_option(self, index: int) -> None:
         hud, setting = self._hud, self.state.settings[index]

@@ -16,7 +16,7 @@ __all__ = ["Button", "ResultContent", "ResultPage"]
 
 _MARGIN, _GAP = 56.0, 18.0
 _TILE_HEIGHT, _BUTTON_HEIGHT = 92.0, 56.0
-_ROW_HEIGHT = 30.0
+_ROW_HEIGHT, _COLUMN_GAP = 30.0, 14.0
 _MOST_ROWS = 8
 _STEPS = {"left": -1, "right": 1, "up": -1, "down": 1, "dpad_left": -1, "dpad_right": 1, "tab": 1}
 _CHOOSE = {"enter", "a", "start"}
@@ -151,16 +151,30 @@ class ResultPage:
         if not rows:
             return
         left_out, rows = len(rows) - _MOST_ROWS, rows[-_MOST_ROWS:]
-        top, column = CANVAS_HEIGHT - 182.0 - _TILE_HEIGHT - 44.0, wide / max(1, len(head))
-        for number, caption in enumerate(head):
-            hud.text(_MARGIN + number * column, top, caption, 15.0, FAINT, width=column - 12.0)
+        top = CANVAS_HEIGHT - 182.0 - (_TILE_HEIGHT + 44.0 if self._content.tiles else 20.0)
+        columns = self._columns(hud, wide, rows)
+        for (x, width), caption in zip(columns, head, strict=True):
+            hud.text(x, top, caption, 15.0, FAINT, width=width)
         hud.box(_MARGIN, top - 11.0, wide, 1.0, PANEL_LIT)
         for line, row in enumerate(rows):
             for number, text in enumerate(row):
                 y = top - _ROW_HEIGHT * (line + 1) - 4.0
-                hud.text(_MARGIN + number * column, y, text, 17.0, INK, bold=number == 0, width=column - 12.0)
+                x, width = columns[number]
+                hud.text(x, y, text, 17.0, INK, bold=number == 0, width=width)
         if left_out > 0:
             hud.text(_MARGIN, top - _ROW_HEIGHT * (len(rows) + 1) - 4.0, f"and {left_out} before", 15.0, FAINT)
+
+    def _columns(self, hud: Hud, wide: float, rows: Sequence[Sequence[str]]) -> list[tuple[float, float]]:
+        """Left end and width of each column of the table: as its texts need, and the rest shared out."""
+        wanted = [
+            max(hud.measure(caption, 15.0), *(hud.measure(row[number], 17.0, bold=number == 0) for row in rows))
+            for number, caption in enumerate(self._content.head)
+        ]
+        room, total = wide - _COLUMN_GAP * len(wanted), sum(wanted)
+        spare = max(0.0, room - total) / len(wanted)
+        widths = [min(1.0, room / total) * width + spare for width in wanted]
+        lefts = (_MARGIN + sum(widths[:number]) + _COLUMN_GAP * number for number in range(len(widths)))
+        return list(zip(lefts, widths, strict=True))
 
     def _button_box(self, number: int) -> Box:
         count, wide = len(self._content.buttons), self._canvas.hud.width - 2.0 * _MARGIN

@@ -1,0 +1,95 @@
+"""What in a scene without a fault is likely not meant: lengths in millimetres, misspelt triggers, what nobody feels."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+
+import numpy as np
+
+from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.trial_state import TrialState
+from mimics_app.rendering.haptic.devices.reach import Reach
+from mimics_app.world.components.haptic_shapes import (
+    CapsuleSolid,
+    CubeSolid,
+    CylinderSolid,
+    MeshSolid,
+    Solid,
+    SphereSolid,
+)
+from mimics_app.world.components.object_bodies import shapes_of
+from mimics_app.world.components.objects import HapticObject
+from mimics_app.world.components.robot import Robot
+from mimics_app.world.components.visible import Sound
+from mimics_app.world.scene.placing import pose_of
+from mimics_app.world.scene.scene import Scene
+
+__all__ = ["hints"]
+
+_WIDEST = 10.0
+"""Width of what is touched above which it was likely written in another unit [m]; robots reach about one."""
+
+_FARTHEST = 2.0
+"""Distance from the middle of a robot's reach beyond which nothing is felt [m]."""
+
+_TRIGGERS = ("contact", "contact_end", "impact", "start", "goal", "step", *(state.name.lower() for state in TrialState))
+"""Triggers of the loop, the task and walkers; models and scenarios have more, so that others are no fault."""
+
+_ALIKE = 0.75
+"""Likeness above which a name is taken for a misspelt one, as in difflib."""
+
+
+def hints(scene: Scene) -> list[Issue]:
+    """What to look at again in a scene that passed every check, each with its place."""
+    return [*_triggers(scene), *_sizes(scene), *_out_of_reach(scene)]
+
+
+def _triggers(scene: Scene) -> list[Issue]:
+    found = []
+    for _, sound, pointer in scene.components(Sound):
+        name = sound.trigger or ""
+        close = get_close_matches(name, _TRIGGERS, n=1, cutoff=_ALIKE)
+        if name and name not in _TRIGGERS and close:
+            what = f'nothing here gives the trigger "{name}"'
+            found.append(scene.issue(f"{pointer}/trigger", what, f'did you mean "{close[0]}"'))
+    return found
+
+
+def _sizes(scene: Scene) -> list[Issue]:
+    return [
+        scene.issue(pointer, f'"{name}" is {2.0 * radius:g} m wide', "lengths are metres")
+        for name, thing, pointer in scene.components(HapticObject)
+        if 2.0 * (radius := _radius(scene, name, thing)) > _WIDEST
+    ]
+
+
+def _out_of_reach(scene: Scene) -> list[Issue]:
+    if not scene.components(Robot):
+        return []
+    reach = Reach(scene.one(Robot)[1])
+    middle = reach.points(0.5 * (np.array(reach.limits.lowest) + np.array(reach.limits.highest)))[0]
+    found = []
+    for name, thing, pointer in scene.components(HapticObject):
+        place = pose_of(scene, name)[0]
+        away = float(np.linalg.norm(reach.from_world(place) - middle)) - _radius(scene, name, thing)
+        if away > _FARTHEST:
+            what = f'"{name}" is {away:.1f} m from where the robot is: nobody feels it'
+            found.append(scene.issue(pointer, what, "move it or the robot (robot_to_world)"))
+    return found
+
+
+def _radius(scene: Scene, name: str, thing: HapticObject) -> float:
+    """Of a ball about the entity that holds all of its shapes but triangles [m]."""
+    return max(_radius_of(shape) for shape in shapes_of(scene, name, thing))
+
+
+def _radius_of(shape: Solid) -> float:
+    away = float(np.linalg.norm(shape.position))
+    if isinstance(shape, CubeSolid):
+        return away + 0.5 * float(np.linalg.norm(shape.size))
+    if isinstance(shape, SphereSolid):
+        return away + shape.radius
+    if isinstance(shape, CylinderSolid | CapsuleSolid):
+        return away + 0.5 * shape.length + shape.radius
+    assert isinstance(shape, MeshSolid)
+    return away
