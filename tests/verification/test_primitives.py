@@ -8,9 +8,18 @@ import numpy as np
 import pytest
 import trimesh
 
-from mimics_app.world.components.shapes import BoxShape, CylinderShape, PlaneShape, RingShape, SphereShape
+from mimics_app.world.components.shapes import (
+    BoxShape,
+    CapsuleShape,
+    CylinderShape,
+    PlaneShape,
+    RingShape,
+    SphereShape,
+    TorusShape,
+)
 from mimics_app.world.meshes import primitives
 from mimics_app.world.meshes.mesh import MeshData, compute_normals
+from mimics_app.world.meshes.shape_levels import shape_levels
 
 
 def solid(mesh):
@@ -79,6 +88,45 @@ def test_every_shape_faces_along_its_normals_and_has_no_empty_triangle(shape):
     assert mesh.uvs is not None
     assert mesh.uvs.min() >= 0.0
     assert mesh.uvs.max() <= 1.0
+
+
+def depth_below(shape, points):
+    """How far points lie inside the round that a shape stands for [m]."""
+    if isinstance(shape, TorusShape):
+        across = np.hypot(points[:, 0], points[:, 2]) - shape.radius
+        return shape.bar_radius - np.hypot(across, points[:, 1])
+    length = shape.length if isinstance(shape, CapsuleShape) else 0.0
+    axis = np.clip(points[:, 1], -0.5 * length, 0.5 * length)
+    return shape.radius - np.linalg.norm(points - axis[:, None] * [0.0, 1.0, 0.0], axis=1)
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [SphereShape(radius=0.3, segments=48), CapsuleShape(segments=32), TorusShape(), TorusShape(bar_radius=0.2)],
+)
+def test_coarser_forms_of_a_shape_are_seen_to_be_wrong_by_no_more_than_half_a_pixel(shape):
+    """At the least coverage of a form its facets, and the middles of cells between them, lie so far off at most."""
+    forms, coverages = shape_levels(shape)
+    assert len(forms) == len(coverages) >= 3
+    finest, radius, off = None, 0.0, []
+    for form in forms:
+        mesh = primitives.build_shape(form)
+        corners = mesh.positions.astype(float)[mesh.indices.reshape(-1, 3)]
+        inside = np.concatenate([corners.mean(axis=1), *(0.5 * (corners[:, k] + corners[:, k - 1]) for k in range(3))])
+        off.append(float(depth_below(shape, inside).max()))
+        radius = max(radius, mesh.radius)
+        assert finest is None or len(corners) < 0.6 * finest
+        finest = len(corners)
+    for wrong, least in zip(off[1:], coverages, strict=False):
+        pixel = radius / math.sqrt(least * 1920 * 1080 / math.pi)
+        assert wrong - off[0] <= 0.5 * pixel * (1.0 + 1e-3)
+        assert least == 1.0 or wrong - off[0] >= 0.1 * pixel
+    assert coverages[-1] == 0.0
+
+
+@pytest.mark.parametrize("shape", [SphereShape(segments=23), BoxShape(), PlaneShape(segments=99), CylinderShape()])
+def test_what_is_flat_or_has_few_facets_has_one_form(shape):
+    assert shape_levels(shape) == ([shape], (0.0,))
 
 
 def test_a_ring_sector_starts_at_its_angle_and_has_the_area_of_its_facets():

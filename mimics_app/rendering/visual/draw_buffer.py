@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from mimics_app.rendering.visual.surfaces.raw_gl import SRGB8_ALPHA8
+from mimics_app.rendering.visual.surfaces.raw_gl import SRGB8_ALPHA8, RawGL
 from mimics_app.rendering.visual.surfaces.surface import Size, release_framebuffer
 
 if TYPE_CHECKING:
@@ -43,10 +44,17 @@ class DrawBuffer:
         # Framebuffers without depth: copying resolves every attachment both sides have, and depth is not wanted.
         self._copy = (ctx.framebuffer([self.texture]), ctx.framebuffer([drawn])) if samples else ()
 
-    def finish(self) -> None:
-        """Make each pixel of the texture the mean of its samples."""
-        if self._copy:
+    @property
+    def finished(self) -> moderngl.Framebuffer:
+        """What has the texture as its colours."""
+        return self._copy[0] if self._copy else self.framebuffer
+
+    def finish(self, places: Sequence[tuple[int, int, int, int]] | None = None) -> None:
+        """Make each pixel of the texture the mean of its samples, in some rectangles [px] or everywhere."""
+        if self._copy and places is None:
             self._ctx.copy_framebuffer(*self._copy)
+        elif self._copy and places:
+            RawGL(self._ctx).copy_colours(self._copy[1], self._copy[0], places)
 
     def release(self) -> None:
         """Free it."""

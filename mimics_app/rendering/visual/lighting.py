@@ -13,7 +13,15 @@ from mimics_app.world.environment import Backdrop, Fog
 from mimics_app.world.light import Light
 from mimics_app.world.world import World
 
-__all__ = ["MAX_LIGHTS", "Lighting", "ShadowFrustum", "fit_shadow_frustum", "gather_lighting", "sun_axes"]
+__all__ = [
+    "MAX_LIGHTS",
+    "SHADOW_STEP",
+    "Lighting",
+    "ShadowFrustum",
+    "fit_shadow_frustum",
+    "gather_lighting",
+    "sun_axes",
+]
 
 F8 = NDArray[np.float64]
 
@@ -22,6 +30,8 @@ MAX_LIGHTS = 8
 
 _RADIUS_STEPS = 8
 """Steps per octave in which a shadow frustum grows, so that a moving caster does not make its texels crawl."""
+SHADOW_STEP = 2.0 ** (1.0 / _RADIUS_STEPS)
+"""Width of a step of a shadow frustum over the one below."""
 
 
 _FACING_UP = (0.9, 0.1, 0.0)
@@ -83,6 +93,18 @@ class Lighting:
         """Number of point and spot lights."""
         return len(self.places)
 
+    @property
+    def figures(self) -> tuple[object, ...]:
+        """All of it: equal where another frame's is."""
+        arrays = (self.sun_direction, self.sun_colour, self.zenith, self.horizon, self.ground, self.ambient)
+        lamps = [
+            (light.kind, *light.colour, light.intensity, light.range, light.inner_cone, light.outer_cone)
+            + (light.casts_shadow, *light.position_world, *light.direction_world)
+            for light in self.places
+        ]
+        told = (self.scattered.tobytes(), *(each.tobytes() for each in arrays))
+        return (*told, self.sun_casts_shadow, tuple(lamps), self.fog, self.backdrop)
+
     def sky_light(self) -> F8:
         """What surfaces get from all around, as a + b y + c y^2 of their normal's height y; rows a, b, c: [3, 3].
 
@@ -127,7 +149,9 @@ def gather_lighting(world: World) -> Lighting:
     )
 
 
-def fit_shadow_frustum(sun_direction: F8, centres: F8, radii: F8, size: int) -> ShadowFrustum | None:
+def fit_shadow_frustum(
+    sun_direction: F8, centres: F8, radii: F8, size: int, *, room: float = 1.0
+) -> ShadowFrustum | None:
     """The smallest stable box along the sun's rays about spheres that cast shadows.
 
     Args:
@@ -135,6 +159,7 @@ def fit_shadow_frustum(sun_direction: F8, centres: F8, radii: F8, size: int) -> 
         centres: Of the spheres, world [m], float64 [n, 3].
         radii: [m], float64 [n].
         size: Texels along a side of the map.
+        room: Factor on how wide it has to be; >= 1.
 
     Returns:
         The box, its centre snapped to whole texels, or None when nothing casts.
@@ -143,7 +168,7 @@ def fit_shadow_frustum(sun_direction: F8, centres: F8, radii: F8, size: int) -> 
         return None
     least, greatest = (centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0)
     middle = 0.5 * (least + greatest)
-    reach = float((np.linalg.norm(centres - middle, axis=1) + radii).max())
+    reach = room * float((np.linalg.norm(centres - middle, axis=1) + radii).max())
     # Two texels of margin for the filter, then up to the next step.
     radius = 2.0 ** (math.ceil(math.log2(max(reach, 1e-3) * size / (size - 4)) * _RADIUS_STEPS) / _RADIUS_STEPS)
     texel = 2.0 * radius / size

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
@@ -11,8 +12,10 @@ from typing import TYPE_CHECKING, Unpack
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import Issue, UsageError
+from mimics_app.rendering.visual.drawing.bending import Bending
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
+from mimics_app.rendering.visual.drawing.levels import fewer_pixels
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.frame_stats import FrameStats
@@ -24,7 +27,9 @@ from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
 from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings
 from mimics_app.rendering.visual.stages.eye_pairs import eye_passes, group_views, see_from_between
 from mimics_app.rendering.visual.stages.picture_stage import PictureStage
+from mimics_app.rendering.visual.stages.seen_frame import look_at, may_keep
 from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage, light_features
+from mimics_app.rendering.visual.stages.still_picture import StillPicture
 from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.surface import Surface
@@ -35,8 +40,6 @@ from mimics_app.world.world import World
 if TYPE_CHECKING:
     import moderngl
 
-    from mimics_app.rendering.visual.drawing.feedback import FeedbackSkinning
-    from mimics_app.rendering.visual.drawing.skinning import ProcessorSkinning
     from mimics_app.rendering.visual.overlay.layers import Layer
     from mimics_app.rendering.visual.overlay.overlay import Overlay
     from mimics_app.rendering.visual.overlay.stage_times import StageTimes
@@ -97,7 +100,7 @@ class Renderer:
         self._materials = MaterialStore(ctx, self._shaders, has)
         self._list = DrawList(self._arena, self._materials)
         self._frame = FrameBuffers(ctx)
-        self._skinning: ProcessorSkinning | FeedbackSkinning | None = None
+        self._bending = Bending(ctx, self._shaders, self._arena, self.settings.skinning)
         self._picture = PictureTarget(surface, self._shaders, self.settings)
         self._shadows = ShadowStage(ctx, self.settings.shadow_size)
         self._world = WorldStage(ctx, self._shaders, self._arena, self._frame, self.settings, has.texture_size)
@@ -105,6 +108,7 @@ class Renderer:
         self._longest_texture = has.texture_size
         self._hud_pass = HudPass(ctx, self._shaders)
         self._pictures = PictureStage(ctx, self._shaders)
+        self._still = StillPicture()
         self._materials.live = self._pictures.pictures
         # Once requested, the shaders keep asking: a governor's step compiles nothing.
         self._ambient = False
@@ -170,6 +174,10 @@ class Renderer:
         """How many programs `reload_shaders` has replaced so far: a picture drawn before is out of date."""
         return self._shaders.replaced
 
+    def forget_picture(self) -> None:
+        """Have the next frame drawn as a whole, whatever of the last one could be kept."""
+        self._still.forget()
+
     def reload_shaders(self) -> list[Issue]:
         """Compile changed shaders anew; returns what is wrong with them, old programs stay in use."""
         return self._shaders.reload()
@@ -190,8 +198,7 @@ class Renderer:
             part.release()
         if self._effects is not None:
             self._effects.release()
-        if self._skinning is not None:
-            self._skinning.release()
+        self._bending.release()
 
     def _measure(self, views: Sequence[View], latch: Latch | None, *, finish: bool) -> FrameStats:
         if not views:
@@ -228,7 +235,11 @@ class Renderer:
             times.begin()
         with self._timed("cull"):
             scene = self._prepare(views)
-            drawn = self._batch_all(scene, views)
+            parts = self._changed_parts(scene, views if latch is None else ())
+            target = self._picture.begin()
+            if not self._picture.holds:
+                parts = None
+            drawn = self._batch_all(scene, views) if parts is None else self._batch_parts(scene, views[0], parts)
         with self._timed("shadows"):
             draws = self._shadows.draw(self._arena, self._frame)
         with self._timed("mirrors"):
@@ -236,17 +247,17 @@ class Renderer:
         with self._timed("submit"):
             if latch is not None:
                 drawn = _latched(drawn, latch())
-            target = self._picture.begin()
-            draws += self._world.draw(target, self._picture.samples, scene, drawn)
+            paint = self._world.draw if parts is None else self._world.draw_parts
+            draws += paint(target, self._picture.samples, scene, drawn)
+            self._picture.holds = self._picture.keep
         if self._overlay is not None and self._overlay.shows:
             with self._timed("overlay"):
                 draws += self._draw_overlay(self._overlay, target, scene, drawn)
         with self._timed("post"):
-            draws += self._draw_over(views)
+            draws += self._draw_over(views, parts)
         if times is not None:
             times.begun = False
-        shadow_triangles = sum(run.triangles for runs in self._shadows.runs for run in runs or ())
-        return shadow_triangles + self._pictures.triangles + sum(each.triangles for each in drawn), draws
+        return self._shadows.triangles + self._pictures.triangles + sum(each.triangles for each in drawn), draws
 
     def _batch_all(self, scene: FrameScene, views: Sequence[View]) -> list[ViewDraws]:
         """Queue what is seen in the views and in the pictures within them, and send it to the driver."""
@@ -257,25 +268,41 @@ class Renderer:
             queued |= zip(numbers, self._batch(scene, eyes, numbers[0], [places[k] for k in numbers]), strict=True)
         drawn = [queued[number] for number in range(len(views))]
         drawn = self._pictures.queue(self.world, drawn, partial(self._batch_inside, scene), self.settings.mirror_scale)
-        self._bend()
+        self._bending.bend(self.world, self._list.drawn_meshes())
         self._frame.upload(self._arena)
         if scene.effects is not None:
             scene.effects.upload()
         return drawn
 
-    def _bend(self) -> None:
-        """Have the bodies that are drawn bend; nothing is loaded for a world in which none does."""
-        if not self.world.motion.bodies:
-            return
-        if self._skinning is None and self.settings.skinning == "feedback":
-            from mimics_app.rendering.visual.drawing.feedback import FeedbackSkinning
+    def _changed_parts(self, scene: FrameScene, views: Sequence[View]) -> list[Rect] | None:
+        """Rectangles in which the picture is another one than before [px]; None for all of it, or of no views."""
+        overlaid = self._overlay is not None and self._overlay.shows
+        place = self._picture.rectangle(views[0].rectangle if views else (0, 0, 0, 0))
+        if overlaid or not may_keep(scene, views, place):
+            self._still.forget()
+            parts = None
+        else:
+            parts = self._still.parts(look_at(scene, views[0], place, self._list, self._shaders.replaced))
+        self._picture.keep = self._still.keeps
+        return parts
 
-            self._skinning = FeedbackSkinning(self._surface.ctx, self._shaders, self._arena)
-        elif self._skinning is None:
-            from mimics_app.rendering.visual.drawing.skinning import ProcessorSkinning
-
-            self._skinning = ProcessorSkinning(self._arena)
-        self._skinning.bend(self.world, self._list.drawn_meshes())
+    def _batch_parts(self, scene: FrameScene, view: View, parts: Sequence[Rect]) -> list[ViewDraws]:
+        """Queue what is seen in parts of a view, and send it to the driver."""
+        x, y, *size = self._picture.rectangle(view.rectangle)
+        drawn = []
+        for part in parts:
+            inside = (part[0] - x, part[1] - y, part[2], part[3])
+            queue = self._list.batch_views(
+                self._frame, [view], view.eye_world, [(size[0], size[1])], self._picture.samples, 0, inside
+            )
+            opaque, blended, away = queue
+            mixed = blended if scene.effects is None else scene.effects.mix(view, blended, away)
+            drawn.append(ViewDraws(view, (x, y, size[0], size[1]), opaque, mixed, part=part))
+        self._bending.bend(self.world, self._list.drawn_meshes())
+        self._frame.upload(self._arena)
+        if scene.effects is not None:
+            scene.effects.upload()
+        return drawn
 
     def _prepare(self, views: Sequence[View]) -> FrameScene:
         """Take over the world, and queue what casts shadows."""
@@ -287,7 +314,9 @@ class Renderer:
         fates = self._overlay is not None and self._overlay.asks_fates
         self._list.update(self.world, settings, light_features=asked, fates=fates)
         self._frame.begin()
-        self._shadows.prepare(lighting, views, self._list, self._frame, settings)
+        sizes = [self._picture.rectangle(view.rectangle)[2:] for view in views]
+        coarser = math.sqrt(min(map(fewer_pixels, views, sizes)))
+        self._shadows.prepare(lighting, views, self._list, self._frame, settings, coarser)
         effects, plan = self._prepare_effects(asked), self._shadows.plan
         items = self._list.items
         return FrameScene(self.world, items, lighting, plan, settings, self._ambient, lights, effects)
@@ -347,11 +376,11 @@ class Renderer:
             draws += overlay.draw_wires(target, each)
         return draws
 
-    def _draw_over(self, views: Sequence[View]) -> int:
+    def _draw_over(self, views: Sequence[View], parts: list[Rect] | None) -> int:
         """Show the world's picture, and over it what no filter touches and is never smaller: insets, figures."""
         rectangles = [view.rectangle for view in views]
         if self._picture.filtered:
-            return self._picture.end(rectangles) + self._draw_hud(views)
+            return self._picture.end(rectangles, parts) + self._draw_hud(views)
         return self._draw_hud(views) + self._picture.end(rectangles)
 
     def _draw_hud(self, views: Sequence[View]) -> int:

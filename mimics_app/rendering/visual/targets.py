@@ -27,10 +27,13 @@ class PictureTarget:
 
     Attributes:
         settings: Of the frame: samples, scale and filters.
+        keep: True to draw into a buffer that nothing else is drawn into, so that the next frame finds it as it was.
+        holds: True while that has the last frame's world; whoever draws it says so.
     """
 
     def __init__(self, surface: Surface, shaders: ShaderLibrary, settings: RenderSettings) -> None:
         self.settings = settings
+        self.keep = self.holds = False
         self._surface = surface
         self._most_samples = surface.ctx.max_samples
         self._bloom = BloomPass(surface.ctx, shaders, settings)
@@ -51,7 +54,7 @@ class PictureTarget:
     @property
     def filtered(self) -> bool:
         """True when the picture is not yet the surface's when the world is drawn."""
-        return bool(self._filters)
+        return self.keep or bool(self._filters)
 
     @property
     def size(self) -> Size:
@@ -70,26 +73,33 @@ class PictureTarget:
     def begin(self) -> moderngl.Framebuffer:
         """The framebuffer to draw into, for the surface's present size and the present settings."""
         self._bloom.settings = self.settings
-        wanted = (self.size, self._surface.framebuffer, self.samples, self.settings.bloom > 0.0, self._filters)
+        alone = self.keep and not self._filters
+        wanted = (self.size, self._surface.framebuffer, self.samples, self.settings.bloom > 0.0, self._filters, alone)
         if self._made_for != wanted:
+            self.holds = False
             self._free()
             self._make()
             self._made_for = wanted
         drawn = self._buffer.framebuffer if self._buffer else self._multisampled
         return drawn or self._surface.framebuffer
 
-    def end(self, rectangles: Sequence[Rect]) -> int:
+    def end(self, rectangles: Sequence[Rect], parts: Sequence[Rect] | None = None) -> int:
         """Bring the picture to the surface's framebuffer: each pixel the mean of its samples, then the filters.
 
         Args:
             rectangles: Of the views on the surface [px].
+            parts: Outside of which the picture is as it was [px]; None: it was drawn as a whole.
 
         Returns:
             Draw calls made.
         """
         draws, surface = 0, self._surface
         if self._buffer is not None:
-            self._buffer.finish()
+            self._buffer.finish(parts)
+            if not self._filters and self._shown is not None:
+                surface.ctx.copy_framebuffer(self._shown, self._buffer.finished)
+                surface.framebuffer.use()
+                return draws
             picture, drawn = self._buffer.texture, [self.rectangle(each) for each in rectangles]
             for step, between in zip(self._filters, self._between, strict=False):
                 draws += step.draw(picture, between, drawn, drawn)
@@ -130,6 +140,7 @@ class PictureTarget:
         elif samples:
             colour = ctx.renderbuffer(size, 4, samples=samples)
             self._multisampled = ctx.framebuffer([colour], ctx.depth_renderbuffer(size, samples=samples))
+        if not self._filters and (samples or self.filtered):
             self._shown = ctx.framebuffer([self._surface.framebuffer.color_attachments[0]])
 
     def _free(self) -> None:

@@ -67,6 +67,12 @@ class View:
         return (right - left) * (top - bottom)
 
     @property
+    def parts(self) -> float:
+        """Area of the whole picture over that of this part of it."""
+        left, right, bottom, top = self.tangents
+        return self.window / ((right - left) * (top - bottom))
+
+    @property
     def clip_from_eye(self) -> F8:
         """Projection from the frame "eye": world axes, origin at the eye (float64 [4, 4]).
 
@@ -98,6 +104,14 @@ class View:
             tangents=newer.tangents,
             queued_at=self.eye_world,
         )
+
+    def through(self, part: Rect, size: tuple[int, int]) -> View:
+        """This view through a part of its picture alone, that is drawn in so many pixels."""
+        left, far_right, bottom, top = self.tangents
+        across, up = (far_right - left) / size[0], (top - bottom) / size[1]
+        x, y, width, height = part
+        edges = (left + x * across, left + (x + width) * across, bottom + y * up, bottom + (y + height) * up)
+        return replace(self, tangents=edges, rectangle=part, part_of=self.part_of or self.tangents)
 
     def ray(self, right: float, up: float) -> tuple[F8, F8]:
         """The ray through a place of the picture.

@@ -22,7 +22,19 @@ from mimics_app.world.components.shapes import (
 )
 from mimics_app.world.meshes.mesh import MeshData
 
-__all__ = ["box", "build_shape", "capsule", "cylinder", "icosphere", "plane", "ring", "sphere", "torus", "tube"]
+__all__ = [
+    "box",
+    "build_shape",
+    "capsule",
+    "cylinder",
+    "icosphere",
+    "plane",
+    "ring",
+    "sphere",
+    "torus",
+    "torus_sides",
+    "tube",
+]
 
 F8 = NDArray[np.float64]
 _GOLDEN = 0.5 * (1.0 + math.sqrt(5.0))
@@ -184,7 +196,12 @@ def torus(radius: float = 0.5, bar_radius: float = 0.05, segments: int = 64) -> 
     out = np.stack([np.cos(angle), np.zeros_like(angle), -np.sin(angle)], axis=1)
     up = np.broadcast_to([0.0, 1.0, 0.0], out.shape)
     # The bar runs towards growing angle; normal x binormal must point along it.
-    return tube(radius * out, up, out, np.full(segments + 1, bar_radius), sides=max(8, segments // 3))
+    return tube(radius * out, up, out, np.full(segments + 1, bar_radius), sides=torus_sides(segments))
+
+
+def torus_sides(segments: int) -> int:
+    """Facets round the bar of a torus of so many facets round the ring."""
+    return max(8, segments // 3)
 
 
 def tube(centres: F8, normals: F8, binormals: F8, radii: F8, *, sides: int = 32, inward: bool = False) -> MeshData:

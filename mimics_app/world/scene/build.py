@@ -20,6 +20,7 @@ from mimics_app.world.environment import Backdrop, Fog, Sky
 from mimics_app.world.gltf.prefab import ModelPrefab
 from mimics_app.world.live_pictures import InsetView, ScreenSurface, show_mirror, show_screen
 from mimics_app.world.meshes.primitives import build_shape
+from mimics_app.world.meshes.shape_levels import shape_levels
 from mimics_app.world.scene.assets import find_in_model
 from mimics_app.world.scene.scene import Scene, SceneEntity
 from mimics_app.world.scene.spec import TransformSpec
@@ -195,10 +196,7 @@ def turn_to_targets(world: World, scene: Scene, only: Container[str] | None = No
 def show_mesh(world: World, scene: Scene, node: SceneNode, mesh: MeshComponent) -> None:
     """Show a mesh component on a node."""
     if mesh.primitive is not None:
-        key = shape_key(mesh.primitive)
-        if key not in world.meshes:
-            world.set_mesh(key, build_shape(mesh.primitive))
-        node.create_entity(key, mesh.material or DEFAULT_MATERIAL)
+        show_shape(world, node, mesh.primitive, mesh.material or DEFAULT_MATERIAL)
         bodies = [node]
     elif mesh.source is not None:
         part = find_in_model(scene.assets, mesh.source)
@@ -209,6 +207,19 @@ def show_mesh(world: World, scene: Scene, node: SceneNode, mesh: MeshComponent) 
             for piece in body.subentities:
                 piece.visible = mesh.visible
                 piece.casts_shadow = mesh.casts_shadow
+
+
+def show_shape(world: World, node: SceneNode, shape: Shape, material: str) -> None:
+    """Show a primitive on a node, with coarser forms for far away where it is round."""
+    forms, coverages = shape_levels(shape)
+    for form in forms:
+        if shape_key(form) not in world.meshes:
+            world.set_mesh(shape_key(form), build_shape(form))
+    if len(forms) == 1:
+        node.create_entity(shape_key(shape), material)
+    else:
+        world.require_material(material)
+        world.content.add_levels(node.index, [[(shape_key(form), material)] for form in forms], coverages)
 
 
 def shape_key(shape: Shape) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 import mimetypes
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ from mimics_app.world.gltf.accessors import GltfAccessors
 from mimics_app.world.gltf.buffers import GltfBuffers, data_uri
 from mimics_app.world.gltf.source import MAX_TOTAL_BYTES, GltfSource, open_gltf
 from mimics_app.world.gltf.writer import pack_glb
-from mimics_app.world.levels import MAX_LEVELS
+from mimics_app.world.levels import MAX_LEVELS, coverages_of
 from mimics_app.world.scene.source import read_bytes
 from mimics_app.world.simplify.decimation import decimate
 
@@ -26,7 +25,6 @@ __all__ = ["SHARES", "MeshLevels", "add_levels", "write_levels"]
 SHARES = (0.5, 0.2, 0.06)
 """Of a mesh's triangles, level after level, unless others are requested."""
 
-_PICTURE = (1920, 1080)
 _TRIANGLES = 4
 _LEAST_GAIN = 0.8
 """A level with more than this share of the triangles before is not worth having."""
@@ -153,7 +151,7 @@ class _LevelWriter:
         every = np.concatenate([positions for positions, _ in filter(None, parts)])
         radius = float(np.linalg.norm(every - 0.5 * (every.min(axis=0) + every.max(axis=0)), axis=1).max())
         name = str(fine.get("name", f"mesh {mesh}"))
-        return meshes, MeshLevels(name, tuple(triangles), tuple(errors), self._coverages(radius, errors))
+        return meshes, MeshLevels(name, tuple(triangles), tuple(errors), coverages_of(radius, errors, self._pixels))
 
     def _arrays(self, primitive: dict[str, Any], place: str) -> tuple[NDArray[np.float32], NDArray[np.uint32]] | None:
         """Positions and indices of triangles; None for lines, points and what has no indices of its own."""
@@ -175,13 +173,6 @@ class _LevelWriter:
         self._blob += data
         accessors.append({"bufferView": len(views) - 1, "componentType": _U4, "count": len(indices), "type": "SCALAR"})
         return len(accessors) - 1
-
-    def _coverages(self, radius: float, errors: Sequence[float]) -> tuple[float, ...]:
-        """A sphere of radius r covers c of the picture where its own radius is sqrt(c w h / pi) pixels."""
-        area = math.pi * self._pixels**2 / (_PICTURE[0] * _PICTURE[1])
-        least = [min(1.0, area * (radius / error) ** 2) if error > 0.0 else 1.0 for error in errors[1:]]
-        falling = [value * (1.0 - 1e-6) ** k for k, value in enumerate(least)]
-        return (*falling, 0.0)
 
 
 def _gather(source: GltfSource) -> bytearray:

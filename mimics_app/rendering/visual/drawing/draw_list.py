@@ -19,7 +19,7 @@ from mimics_app.rendering.visual.kernels.bounds import update_bounds
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.view import View, compute_frustum_planes
+from mimics_app.rendering.visual.view import Rect, View, compute_frustum_planes
 from mimics_app.world.world import World
 
 __all__ = ["DRAWN", "HIDDEN", "Casters", "DrawList", "Tally"]
@@ -74,6 +74,7 @@ class DrawList:
         radii: Of the same [m], float64 [n].
         tally: What became of the items since the last update.
         moved: Which items moved or changed their shape in the last update, [n]; None where that is not known.
+        remade: True where the last update found other looks, meshes or settings, or another world.
         used: Which items are drawn in this frame, in whatever view or shadow, [n].
         fates: The same of each one, 0 where no view has it, `HIDDEN` or `DRAWN`, uint8 [n]; None where nobody asks.
     """
@@ -85,6 +86,7 @@ class DrawList:
         self._occlusion: OcclusionPass | None = None
         self.tally = Tally()
         self.moved: NDArray[np.bool_] | None = None
+        self.remade = True
         self._updates = 0
         self._world: F8 = np.zeros((0, 4, 4))
         self._casters: dict[float, Casters] = {}
@@ -111,7 +113,9 @@ class DrawList:
         )
         wanted = settings.occlusion if worth else "off"
         revision = (id(world), listed.revision, wanted, settings.culling)
-        stale = meshes or materials or revision != self._revision
+        other = self._revision is None or revision[0] != self._revision[0]
+        self.remade = meshes or materials or other or revision[2:] != (self._revision or revision)[2:]
+        stale = self.remade or revision != self._revision
         if stale:
             self._take_structure(list_items(world, self._arena, self._materials))
             self._levels = Levels(world, self.items)
@@ -125,7 +129,7 @@ class DrawList:
         self._world = world.transforms.world
         before = self._shown.copy()
         np.multiply(listed.visible, self.items.drawable, out=self._shown)
-        moved = self._move(world, everything=stale)
+        moved = self._move(world, everything=stale, other=other)
         if stale or moved or not np.array_equal(before, self._shown):
             self._casters.clear()
             self._coarser.clear()
@@ -133,18 +137,29 @@ class DrawList:
         self.fates = np.zeros(len(self.items.rows), np.uint8) if fates else None
         self.used[:] = False
 
-    def _move(self, world: World, *, everything: bool) -> int:
+    @property
+    def shown(self) -> NDArray[np.bool_]:
+        """Which items may be drawn at all, [n]; a copy."""
+        return self._shown != 0
+
+    @property
+    def matrices(self) -> F8:
+        """T_world_from_node per row, [rows, 4, 4]."""
+        return self._world
+
+    def _move(self, world: World, *, everything: bool, other: bool) -> int:
         """Bring the spheres to where their nodes are; returns how many items moved or changed their shape."""
         items, transforms, last = self.items, world.transforms, self._updates
         self._updates = transforms.updates
-        missed = everything or transforms.updates > last + 1
+        skipped = other or transforms.updates > last + 1
+        missed = everything or skipped
         changed = transforms.changed if transforms.updates > last else np.zeros_like(transforms.changed)
         rewritten = [*self._arena.rewritten, *self._newly_bent(world)]
         if rewritten:
             reshaped = items.rebound(world, rewritten)
             changed = changed.copy()
             changed[items.rows[reshaped]] = 1
-        self.moved = None if missed else changed[items.rows] > 0
+        self.moved = None if skipped else changed[items.rows] > 0
         if not (missed or transforms.updates > last or rewritten):
             return 0
         bounds = (items.local, self.centres, self.radii, self._mirrored)
@@ -207,7 +222,14 @@ class DrawList:
         return frame.add(self._picked, count, origin, self.items, self._world, self._mirrored, shadow=True)
 
     def batch_views(
-        self, frame: FrameBuffers, views: Sequence[View], origin: F8, sizes: Sequence[Size], samples: int, key: Hashable
+        self,
+        frame: FrameBuffers,
+        views: Sequence[View],
+        origin: F8,
+        sizes: Sequence[Size],
+        samples: int,
+        key: Hashable,
+        part: Rect | None = None,
     ) -> tuple[list[DrawRun], list[DrawRun], F8]:
         """Queue what is in the frustum of any of some views and not hidden there.
 
@@ -218,6 +240,7 @@ class DrawList:
             sizes: Of the views' pictures as drawn [px].
             samples: Per pixel.
             key: Of the views together, the same from frame to frame.
+            part: Of a view's picture, from its lower left corner, in which alone something is to be drawn [px].
 
         Returns:
             Opaque runs, the states with the nearest items first and near to far within each; blended runs, each item
@@ -226,8 +249,11 @@ class DrawList:
         items, picked = self.items, self._picked
         # One level for both eyes: a body that has two forms at once cannot be fused.
         between = replace(views[0], queued_at=origin)
-        shown = self._levels.show(key, between, self._shown, self.centres, self.radii, self._detail)
-        count = self._pick(views[0], shown, sizes[0], samples)
+        shown = self._levels.show(key, between, sizes[0], self._shown, self.centres, self.radii, self._detail)
+        if part is None:
+            count = self._pick(views[0], shown, sizes[0], samples)
+        else:
+            count = self._pick(views[0].through(part, sizes[0]), shown, part[2:], samples)
         if len(views) > 1:
             count = self._pick_also(views[1:], count, shown, sizes[1:], samples)
         self.used[picked[:count]] = True

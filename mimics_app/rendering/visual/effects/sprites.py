@@ -111,6 +111,17 @@ class SpriteField:
         if len(self._order) < self._rows.count:
             self._scratch(2 * self._rows.count)
 
+    @property
+    def figures(self) -> F8:
+        """All of them as of the last update, float64 [n, m]: a sphere about each [m], then all there is of it."""
+        rows = self._rows.rows[: self._rows.count]
+        if not len(rows):
+            return np.zeros((0, 4))
+        # Twice the half diagonal: one that stands on its foot reaches that far.
+        reach = 2.0 * np.linalg.norm(rows["half"], axis=1)
+        every = [np.asarray(rows[name], np.float64).reshape(len(rows), -1) for name in rows.dtype.names or ()]
+        return np.concatenate([rows["place"], reach[:, None], *every], axis=1)
+
     def batch(self, view: View, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
         """Queue what is in a view.
 

@@ -21,12 +21,13 @@ HYSTERESIS = 0.1
 
 @kernel
 def choose_levels(
-    leads: I4, centres: F8, radii: F8, counts: I4, coverages: F8, eye: F8, window: float, chosen: I4
+    leads: I4, centres: F8, radii: F8, counts: I4, coverages: F8, eye: F8, window: float, smaller: float, chosen: I4
 ) -> None:
     """The level of each body in one view.
 
     Coverage is the area of the bounding sphere's disc over that of the picture, both at distance 1, at most 1; 1 with
-    the eye inside the sphere.
+    the eye inside the sphere. Of a picture of fewer pixels a level has to cover a larger share, for as many pixels to
+    be the same; where the last level ends is a share whatever the pixels.
 
     Args:
         leads: An item of each body's finest level, whose sphere counts; -1: none; [b].
@@ -36,6 +37,7 @@ def choose_levels(
         coverages: Least coverage of each level, falling, [b, most].
         eye: World [m], [3].
         window: Area of the picture at distance 1.
+        smaller: Factor on the coverages but each last one, for a picture of fewer pixels; >= 1.
         chosen: The level before, -1: none was; written: the level, or their count for too small; [b].
     """
     for body in range(leads.shape[0]):
@@ -49,7 +51,7 @@ def choose_levels(
         covered = 1.0 if away2 <= radius2 else min(1.0, math.pi * radius2 / (away2 * window))
         level = 0
         while level < counts[body]:
-            threshold = coverages[body, level]
+            threshold = coverages[body, level] * (smaller if level < counts[body] - 1 else 1.0)
             if chosen[body] >= 0:
                 threshold *= 1.0 - HYSTERESIS if level >= chosen[body] else 1.0 + HYSTERESIS
             if covered >= min(threshold, 1.0):

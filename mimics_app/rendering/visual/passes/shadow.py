@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
@@ -12,11 +17,36 @@ from mimics_app.rendering.visual.shadows.shadow_target import ShadowTarget
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["draw_shadows"]
+__all__ = ["MapWork", "draw_shadows"]
 
 _SLOPE_BIAS, _CONSTANT_BIAS = 2.5, 4.0
 """Depth bias: depth slopes per texel, and smallest depth steps. The filter reaches 1.5 texels, so that 1.5
 would do for planes; curved surfaces need more, and still more lets light in under thin edges."""
+
+
+@dataclass(frozen=True, eq=False)
+class MapWork:
+    """What is drawn into a map.
+
+    Attributes:
+        still: What stands still, drawn first; None: its depths were kept, and are put back.
+        keep: True to keep the depths of what stands still.
+        moving: Drawn over it.
+    """
+
+    still: list[DrawRun] | None
+    keep: bool
+    moving: list[DrawRun]
+
+    @property
+    def runs(self) -> list[DrawRun]:
+        """All that is drawn."""
+        return [*(self.still or ()), *self.moving]
+
+    @property
+    def triangles(self) -> int:
+        """In all runs."""
+        return sum(run.triangles for run in self.runs)
 
 
 def draw_shadows(
@@ -25,7 +55,7 @@ def draw_shadows(
     frame: FrameBuffers,
     target: ShadowTarget,
     plan: ShadowPlan,
-    runs: list[list[DrawRun] | None],
+    work: list[MapWork | None],
 ) -> int:
     """Fill the tiles of maps that have changed; the others stay what they were.
 
@@ -35,26 +65,35 @@ def draw_shadows(
         frame: Has the instances, each map's relative to its own origin.
         target: The atlas.
         plan: Its maps.
-        runs: What to draw into each of `plan.maps`; None leaves it as it is.
+        work: What to draw into each of `plan.maps`; None leaves it as it is.
 
     Returns:
         Draw calls made.
     """
     import moderngl
 
-    changed = [(shadow, drawn) for shadow, drawn in zip(plan.maps, runs, strict=True) if drawn is not None]
+    changed = [(shadow, each) for shadow, each in zip(plan.maps, work, strict=True) if each is not None]
     if not changed:
         return 0
     target.begin()
     ctx.enable_only(moderngl.DEPTH_TEST)
     ctx.polygon_offset = (_SLOPE_BIAS, _CONSTANT_BIAS)
-    for shadow, drawn in changed:
-        target.enter(shadow.tile, plan.grid)
+    for shadow, each in changed:
         clip_from_origin = shadow.clip_from_world.copy()
         clip_from_origin[:, 3] += shadow.clip_from_world[:, :3] @ shadow.origin
-        for run in drawn:
-            run.look.bind()
-            run.look.shadow_shader.set_matrix("clip_from_eye", clip_from_origin)
-            frame.draw(arena, run, run.look.shadow_shader)
+        target.enter(shadow.tile, plan.grid, kept=each.still is None)
+        _draw(arena, frame, each.still or (), clip_from_origin)
+        if each.keep:
+            target.keep(shadow.tile, plan.grid)
+        _draw(arena, frame, each.moving, clip_from_origin)
     ctx.polygon_offset = (0.0, 0.0)
-    return sum(len(drawn) for _, drawn in changed)
+    return sum(len(each.runs) for _, each in changed)
+
+
+def _draw(
+    arena: MeshArena, frame: FrameBuffers, runs: Sequence[DrawRun], clip_from_origin: NDArray[np.float64]
+) -> None:
+    for run in runs:
+        run.look.bind()
+        run.look.shadow_shader.set_matrix("clip_from_eye", clip_from_origin)
+        frame.draw(arena, run, run.look.shadow_shader)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
+
+from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
+from mimics_app.rendering.visual.view import Rect
 
 if TYPE_CHECKING:
     import moderngl
@@ -23,6 +27,7 @@ class ShadowTarget:
         import moderngl
 
         self.size = size
+        self._ctx = ctx
         self._texture = ctx.depth_texture((max(size, 1),) * 2)
         self._texture.compare_func = ""
         self._texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
@@ -34,12 +39,30 @@ class ShadowTarget:
         """Draw into it from here on."""
         self._framebuffer.use()
 
-    def enter(self, tile: tuple[int, int], grid: int) -> None:
-        """Empty one of grid x grid tiles, and draw into it from here on."""
+    def enter(self, tile: tuple[int, int], grid: int, *, kept: bool) -> None:
+        """Draw into one of grid x grid tiles from here on: emptied, or as it was when it was kept."""
+        rectangle = self._framebuffer.viewport = self._rectangle(tile, grid)
+        if kept:
+            self._raw.copy_texels(self._layer, self._texture, rectangle)
+        else:
+            self._framebuffer.clear(depth=1.0, viewport=rectangle)
+
+    def keep(self, tile: tuple[int, int], grid: int) -> None:
+        """Keep what a tile holds now."""
+        self._raw.copy_texels(self._texture, self._layer, self._rectangle(tile, grid))
+
+    @cached_property
+    def _layer(self) -> moderngl.Texture:
+        """What tiles held when they were kept."""
+        return self._ctx.depth_texture(self._texture.size)
+
+    @cached_property
+    def _raw(self) -> RawGL:
+        return RawGL(self._ctx)
+
+    def _rectangle(self, tile: tuple[int, int], grid: int) -> Rect:
         width = self.size // grid
-        rectangle = (tile[0] * width, tile[1] * width, width, width)
-        self._framebuffer.viewport = rectangle
-        self._framebuffer.clear(depth=1.0, viewport=rectangle)
+        return tile[0] * width, tile[1] * width, width, width
 
     def bind(self, binding: int = _BINDING) -> None:
         """Make it what shaders read: surfaces as their map, or others as a picture."""
@@ -49,3 +72,5 @@ class ShadowTarget:
         """Free the texture."""
         self._framebuffer.release()
         self._texture.release()
+        if "_layer" in self.__dict__:
+            self._layer.release()

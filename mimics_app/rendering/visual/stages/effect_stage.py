@@ -52,6 +52,11 @@ class EffectStage:
         self._field.update(world)
         self._projectors.update(world)
 
+    @property
+    def sprites(self) -> F8:
+        """All sprites, a row each: a sphere about each one [m], then its look and the rest; float64 [n, m]."""
+        return self._field.figures
+
     def mix(self, view: View, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
         """Queue the sprites of a view among its blended surfaces, see `SpriteField.batch`."""
         return self._field.batch(view, surfaces, away)

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
-from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
+from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
-from mimics_app.rendering.visual.lighting import Lighting, fit_shadow_frustum
-from mimics_app.rendering.visual.passes.shadow import draw_shadows
+from mimics_app.rendering.visual.lighting import Lighting
+from mimics_app.rendering.visual.passes.shadow import MapWork, draw_shadows
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shadows.cascades import Cascades
 from mimics_app.rendering.visual.shadows.shadow_maps import (
@@ -27,6 +27,8 @@ from mimics_app.rendering.visual.shadows.shadow_maps import (
     whole_map,
 )
 from mimics_app.rendering.visual.shadows.shadow_target import ShadowTarget
+from mimics_app.rendering.visual.shadows.steady_box import SteadyBox
+from mimics_app.rendering.visual.shadows.still_layers import StillLayers
 from mimics_app.rendering.visual.view import View
 
 if TYPE_CHECKING:
@@ -54,15 +56,16 @@ class ShadowStage:
 
     Attributes:
         plan: The maps of the frame.
-        runs: What is drawn into each of its maps; None for one that is still what it was.
+        work: What is drawn into each of its maps; None for one that is still what it was.
     """
 
     def __init__(self, ctx: moderngl.Context, size: int) -> None:
         self._ctx = ctx
         self._target = ShadowTarget(ctx, size)
         self.plan = ShadowPlan(1, [], {})
-        self._cascades = Cascades()
-        self.runs: list[list[DrawRun] | None] = []
+        self._cascades, self._box = Cascades(), SteadyBox()
+        self._layers = StillLayers()
+        self.work: list[MapWork | None] = []
         self._drawn: dict[tuple[int, int], _Drawn] = {}
 
     def resize(self, size: int) -> None:
@@ -71,6 +74,7 @@ class ShadowStage:
             self._target.release()
             self._target = ShadowTarget(self._ctx, size)
             self._drawn.clear()
+            self._layers.forget()
 
     def prepare(
         self,
@@ -79,8 +83,18 @@ class ShadowStage:
         listed: DrawList,
         frame: FrameBuffers,
         settings: RenderSettings,
+        coarser: float = 1.0,
     ) -> None:
-        """Choose the frame's maps and queue what casts into those that have changed."""
+        """Choose the frame's maps and queue what casts into those that have changed.
+
+        Args:
+            lighting: What shines.
+            views: Whose eyes.
+            listed: What casts.
+            frame: Where it is queued.
+            settings: Quality.
+            coarser: Width of a pixel over that in a picture whose shadows take forms for whole texels.
+        """
         sun_maps = _sun_maps(lighting, settings)
         spots = _spots(lighting) if settings.shadow_size else []
         tile = settings.shadow_size // max(1, math.ceil(math.sqrt(sun_maps + len(spots))))
@@ -91,20 +105,25 @@ class ShadowStage:
             sun = self._cascades.fit(lighting.sun_direction, views, casters, distance, sun_maps, tile)
         elif sun_maps:
             casters = listed.casters(settings.shadow_reach)
-            frustum = fit_shadow_frustum(lighting.sun_direction, casters.centres, casters.radii, tile)
+            frustum = self._box.fit(lighting.sun_direction, casters.centres, casters.radii, tile)
             sun = [whole_map(frustum, casters)] if frustum is not None else []
-        sun = [replace(each, casters=listed.coarser(each.casters, each.texel)) for each in sun]
+        sun = [replace(each, casters=listed.coarser(each.casters, coarser * each.texel)) for each in sun]
         every = listed.casters(math.inf) if spots else None
         cones = {number: fit_spot(lighting.places[number], every, tile) for number in spots if every is not None}
         self.plan = lay_out(sun, cones)
-        self.runs = [
-            listed.batch_casters(frame, each.casters, each.origin) if self._is_stale(each, listed) else None
-            for each in self.plan.maps
+        self._layers.begin(listed)
+        self.work = [
+            self._queue(each, listed, frame) if self._is_stale(each, listed) else None for each in self.plan.maps
         ]
+
+    @property
+    def triangles(self) -> int:
+        """Drawn into the maps of the frame."""
+        return sum(work.triangles for work in self.work if work is not None)
 
     def draw(self, arena: MeshArena, frame: FrameBuffers) -> int:
         """Fill the atlas and make it what the shaders read; returns the draw calls made."""
-        draws = draw_shadows(self._ctx, arena, frame, self._target, self.plan, self.runs)
+        draws = draw_shadows(self._ctx, arena, frame, self._target, self.plan, self.work)
         self._target.bind()
         return draws
 
@@ -115,6 +134,15 @@ class ShadowStage:
     def release(self) -> None:
         """Free the atlas."""
         self._target.release()
+
+    def _queue(self, shadow: ShadowMap, listed: DrawList, frame: FrameBuffers) -> MapWork:
+        """Queue what has to be drawn into a map: of what stands still nothing, where that was kept."""
+        split, casters = self._layers.split(shadow, self.plan.grid), shadow.casters
+        still, moving = (
+            None if items is None else listed.batch_casters(frame, replace(casters, items=items), shadow.origin)
+            for items in (split.still, split.moving)
+        )
+        return MapWork(still, split.keep, moving or [])
 
     def _is_stale(self, shadow: ShadowMap, listed: DrawList) -> bool:
         """True when a map's tile does not hold it already; takes down that it will."""

@@ -81,6 +81,7 @@ class ViewDraws:
         transparent: Sprites that are cut out, then sprites and blended surfaces, far to near.
         projected: What projectors put onto the opaque ones.
         passes: How this eye and the other one of its pair are drawn.
+        part: Of the target, outside of which nothing is drawn [px]; None: all of it.
     """
 
     view: View
@@ -90,6 +91,7 @@ class ViewDraws:
     mirrors: Sequence[tuple[MirrorPicture, int, Reflection | None]] = ()
     projected: Sequence[BeamRuns] = ()
     passes: EyePasses = "alone"
+    part: Rect | None = None
 
     @property
     def blended(self) -> list[DrawRun]:
@@ -129,6 +131,22 @@ class WorldStage:
         self._ambient = AmbientPass(ctx, shaders, arena, frame)
         self._cords = CordPass(ctx, shaders)
         self.sky = SkyPass(ctx, shaders, longest_texture)
+
+    def draw_parts(
+        self, target: moderngl.Framebuffer, samples: int, scene: FrameScene, parts: Sequence[ViewDraws]
+    ) -> int:
+        """Draw the world anew in parts of a view; the target stays in use, and is else as it was.
+
+        Returns:
+            Draw calls made.
+        """
+        draws = 0
+        for each in parts:
+            target.scissor = each.part  # type: ignore[assignment]  # None takes it away
+            draws += self.draw(target, samples, scene, [each])
+        target.scissor = None  # type: ignore[assignment]
+        target.use()
+        return draws
 
     def draw(self, target: moderngl.Framebuffer, samples: int, scene: FrameScene, views: Sequence[ViewDraws]) -> int:
         """Clear a target and draw the world in each view; the target stays in use.

@@ -1,4 +1,4 @@
-"""The few OpenGL functions that moderngl leaves out, called in its context: stencil tests, several viewports."""
+"""The few OpenGL functions that moderngl leaves out, called in its context: stencil, viewports, copies."""
 
 from __future__ import annotations
 
@@ -25,6 +25,8 @@ _STENCIL_TEST, _DEPTH_CLAMP, _STENCIL_BUFFER_BIT = 0x0B90, 0x864F, 0x0400
 _FRONT, _BACK = 0x0404, 0x0405
 _RENDERBUFFER, _FRAMEBUFFER, _DEPTH_STENCIL_ATTACHMENT, _DEPTH24_STENCIL8 = 0x8D41, 0x8D40, 0x821A, 0x88F0
 
+_TEXTURE_2D, _READ_FRAMEBUFFER, _DRAW_FRAMEBUFFER, _COLOUR_BUFFER_BIT, _NEAREST = 0x0DE1, 0x8CA8, 0x8CA9, 0x4000, 0x2600
+
 _UINT, _INT, _BYTE, _FLOAT = ctypes.c_uint, ctypes.c_int, ctypes.c_ubyte, ctypes.c_float
 _ARGUMENTS: dict[str, tuple[Any, ...]] = {
     "glStencilFunc": (_UINT, _INT, _UINT),
@@ -39,8 +41,10 @@ _ARGUMENTS: dict[str, tuple[Any, ...]] = {
     "glRenderbufferStorageMultisample": (_UINT, _INT, _UINT, _INT, _INT),
     "glBindFramebuffer": (_UINT, _UINT),
     "glViewportIndexedf": (_UINT, _FLOAT, _FLOAT, _FLOAT, _FLOAT),
+    "glBlitFramebuffer": (*(_INT,) * 8, _UINT, _UINT),
     "glBindVertexArray": (_UINT,),
     "glVertexAttribDivisor": (_UINT, _UINT),
+    "glCopyImageSubData": (_UINT, _UINT, *(_INT,) * 4, _UINT, _UINT, *(_INT,) * 7),
     "glFramebufferRenderbuffer": (_UINT, _UINT, _UINT, _UINT),
 }
 
@@ -84,6 +88,30 @@ class RawGL:
         self._calls["glBindVertexArray"](array)
         for location in locations:
             self._calls["glVertexAttribDivisor"](location, instances)
+
+    def copy_texels(self, source: moderngl.Texture, target: moderngl.Texture, place: tuple[int, int, int, int]) -> None:
+        """Copy a rectangle [texel] of one texture to the same place in another of the same format."""
+        x, y, width, height = place
+        each = [(texture.glo, _TEXTURE_2D, 0, x, y, 0) for texture in (source, target)]
+        self._calls["glCopyImageSubData"](*each[0], *each[1], width, height, 1)
+
+    def copy_colours(
+        self,
+        source: moderngl.Framebuffer,
+        target: moderngl.Framebuffer,
+        places: Sequence[tuple[int, int, int, int]],
+    ) -> None:
+        """Copy rectangles [px] of a framebuffer's colours to the same places of another; each the mean of its samples.
+
+        The framebuffer in use is another one afterwards.
+        """
+        target.scissor = None  # type: ignore[assignment]  # takes it away
+        target.use()
+        self._calls["glBindFramebuffer"](_READ_FRAMEBUFFER, source.glo)
+        self._calls["glBindFramebuffer"](_DRAW_FRAMEBUFFER, target.glo)
+        for x, y, width, height in places:
+            corners = (x, y, x + width, y + height)
+            self._calls["glBlitFramebuffer"](*corners, *corners, _COLOUR_BUFFER_BIT, _NEAREST)
 
     def clear_stencil(self) -> None:
         """Set the stencil of the framebuffer in use to 0."""

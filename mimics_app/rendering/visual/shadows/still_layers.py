@@ -1,0 +1,96 @@
+"""What of a shadow map is kept from frame to frame: the depth of all casters in it that have long stood still."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.rendering.visual.drawing.draw_items import DrawItems
+from mimics_app.rendering.visual.drawing.draw_list import DrawList
+from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap
+
+__all__ = ["QUIET_FRAMES", "Split", "StillLayers"]
+
+I4 = NDArray[np.int32]
+
+QUIET_FRAMES = 120
+"""Frames without motion after which a caster counts as still."""
+
+
+@dataclass(frozen=True, eq=False)
+class Split:
+    """How a map is drawn: what stands still first, then what moves over it.
+
+    Attributes:
+        still: Numbers of items drawn into the emptied map; None where the layer kept from before is put there instead.
+        keep: True where what was drawn so far is to be kept.
+        moving: Numbers of items drawn over that.
+    """
+
+    still: I4 | None
+    keep: bool
+    moving: I4
+
+
+@dataclass(frozen=True, eq=False)
+class _Layer:
+    """What is kept of a tile: of how many tiles, by what projection, which items, and since which frame."""
+
+    grid: int
+    clip: NDArray[np.float64]
+    items: I4
+    frame: int
+
+
+class StillLayers:
+    """Remembers when each item moved last, and which of them are in the layer of each tile.
+
+    Depths of opaque and of dithered casters are the nearest of all, in whatever order they are drawn: with a layer a
+    map holds the same numbers as without.
+    """
+
+    def __init__(self) -> None:
+        self._items: DrawItems | None = None
+        self._moved_at = np.zeros(0, np.int64)
+        self._frame = 0
+        self._layers: dict[tuple[int, int], _Layer] = {}
+
+    def forget(self) -> None:
+        """The kept depths are gone."""
+        self._layers.clear()
+
+    def begin(self, listed: DrawList) -> None:
+        """Take down what has moved since the last frame."""
+        self._frame += 1
+        if listed.items is not self._items:
+            self._items = listed.items
+            self._moved_at = np.full(len(listed.items.rows), self._frame - QUIET_FRAMES)
+            self.forget()
+        if listed.moved is None:
+            self.forget()
+        else:
+            self._moved_at[listed.moved] = self._frame
+
+    def split(self, shadow: ShadowMap, grid: int) -> Split:
+        """How to draw a map that has changed, in one of grid x grid tiles."""
+        casters, layer = shadow.casters.items, self._layers.get(shadow.tile)
+        quiet = self._frame - self._moved_at[casters] >= QUIET_FRAMES
+        if layer is not None and self._still_holds(layer, shadow, grid):
+            kept = np.isin(casters, layer.items, assume_unique=True)
+            if not (quiet & ~kept).any():
+                return Split(None, False, casters[~kept])
+        self._layers.pop(shadow.tile, None)
+        if quiet.all() or not quiet.any():
+            return Split(casters, False, casters[:0])
+        still = casters[quiet]
+        self._layers[shadow.tile] = _Layer(grid, shadow.clip_from_world, still, self._frame)
+        return Split(still, True, casters[~quiet])
+
+    def _still_holds(self, layer: _Layer, shadow: ShadowMap, grid: int) -> bool:
+        """Whether all of a layer would be drawn again as it is."""
+        alike = layer.grid == grid and np.array_equal(layer.clip, shadow.clip_from_world)
+        if not alike or (self._moved_at[layer.items] > layer.frame).any():
+            return False
+        return bool(np.isin(layer.items, shadow.casters.items, assume_unique=True).all())

@@ -1,0 +1,192 @@
+"""Pictures of which only parts are drawn again: the same pixels as drawn as a whole, whatever changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mimics_app.rendering.visual.renderer import Renderer
+from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.stages.screen_places import balls_about, box_corners, cover_of, screen_bounds
+from mimics_app.rendering.visual.stages.world_stage import ViewDraws, WorldStage
+from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.headless import read_pixels
+from mimics_app.rendering.visual.view import Rect, View
+from mimics_app.rendering.visual.view_matrices import compose_look_at
+from mimics_app.world.components.effects import Billboard
+from mimics_app.world.materials.material import Material
+from mimics_app.world.meshes.primitives import box, icosphere, plane
+from mimics_app.world.world import World
+
+SIZE = (320, 192)
+PLAIN = RenderSettings(msaa=0, shadow_size=256)
+
+
+def make_world() -> World:
+    """Twelve boxes on a floor, one of glass, a ball, a lamp without a shadow, a sun, a sprite and a small sheet."""
+    world = World()
+    world.set_material(Material("glass", "glass", (0.4, 0.6, 0.8, 0.3), alpha_mode="blend"))
+    world.set_material(Material("red", base_colour=(0.8, 0.1, 0.1, 1.0)))
+    world.meshes |= {"floor": plane(9.0, 9.0), "box": box(0.3, 0.5, 0.3), "ball": icosphere(0.12, 2)}
+    world.meshes["sheet"] = plane(0.4, 0.4, segments=2)
+    world.root.create_child("floor").create_entity("floor", "default").subentities[0].casts_shadow = False
+    for number in range(12):
+        place = (0.9 * (number % 4 - 1.5), 0.25, 0.9 * (number // 4 - 1))
+        world.root.create_child(f"box{number}", place).create_entity("box", "glass" if number == 5 else "default")
+    world.root.create_child("ball", (0.0, 0.9, 0.3)).create_entity("ball", "default")
+    world.root.create_child("sheet", (1.3, 0.7, 0.4)).create_entity("sheet", "red")
+    world.effects.add(world.root.create_child("word", (-1.4, 0.8, 0.2)).index, Billboard(size=(0.3, 0.2)))
+    sun = world.root.create_child("sun", (0.5, 2.0, 0.7))
+    sun.look_at((0.0, 0.0, 0.0))
+    sun.create_light("directional", casts_shadow=1)
+    world.root.create_child("lamp", (-1.0, 1.5, 1.0)).create_light("point", intensity=0.4)
+    world.update()
+    return world
+
+
+def view(x: float = 0.0) -> View:
+    return View(compose_look_at((x, 2.4, 3.4), (x, 0.2, 0.0)), (-0.65, 0.65, -0.39, 0.39), (0, 0, *SIZE))
+
+
+def lift_sheet(world: World) -> None:
+    buffer = world.open_mesh("sheet")
+    buffer.positions[4, 1] += 0.1
+    buffer.update()
+
+
+def dress(world: World, name: str, material: str) -> None:
+    body = world.find(name).entity
+    assert body is not None
+    body.set_material(material)
+
+
+CHANGES: dict[int, Callable[[World], object]] = {
+    5: lambda world: world.find("box2").set_position((0.9, 0.3, -0.9)),
+    7: lambda world: setattr(world.find("box7"), "visible", False),
+    9: lambda world: setattr(world.find("box7"), "visible", True),
+    10: lambda world: dress(world, "box8", "red"),
+    11: lambda world: world.find("word").set_position((-1.2, 0.9, 0.2)),
+    12: lambda world: world.find("lamp").set_position((-0.8, 1.5, 1.0)),
+    14: lambda world: world.set_material(Material("red", base_colour=(0.1, 0.1, 0.8, 1.0))),
+    15: lambda world: world.find("sun").look_at((0.3, 0.0, 0.1)),
+    17: lambda world: lift_sheet(world),
+    19: lambda world: world.root.create_child("more", (1.0, 0.25, 1.2)).create_entity("box", "default"),
+    21: lambda world: world.effects.add(world.find("box0").index, Billboard(size=(0.2, 0.2))),
+}
+"""What happens to the world before which frame; a ball moves all the time."""
+
+WHOLE = {12, 14, 15, 19, 21, 24}
+"""Frames of which all pixels may be others: light, a material's own look, bodies that came, another view."""
+
+
+@pytest.fixture
+def drawn_parts(monkeypatch: pytest.MonkeyPatch) -> list[list[Rect | None]]:
+    """What was drawn in parts, frame by frame."""
+    told: list[list[Rect | None]] = []
+    before = WorldStage.draw_parts
+
+    def draw_parts(stage, target, samples, scene, parts: list[ViewDraws]) -> int:
+        told.append([each.part for each in parts])
+        return before(stage, target, samples, scene, parts)
+
+    monkeypatch.setattr(WorldStage, "draw_parts", draw_parts)
+    return told
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        PLAIN,
+        replace(PLAIN, msaa=4),
+        replace(PLAIN, scale=0.5),
+        replace(PLAIN, fxaa=True, shadow_distance=4.0, cascades=2),
+        replace(PLAIN, shading="plain"),
+    ],
+    ids=["plain", "samples", "small", "filtered", "plain light"],
+)
+def test_a_picture_drawn_in_parts_is_the_one_drawn_as_a_whole(settings, drawn_parts):
+    world = make_world()
+    with create_surface("egl", SIZE) as surface:
+        steady = Renderer(surface, world, settings)
+        for step in range(27):
+            world.find("ball").set_position((0.6 * np.sin(0.3 * step), 0.9, 0.3))
+            CHANGES.get(step, lambda world: None)(world)
+            world.update()
+            seen, before = view(0.1 if step >= 24 else 0.0), len(drawn_parts)
+            steady.draw([seen])
+            ours = read_pixels(surface)
+            assert len(drawn_parts) - before <= (step >= 3 and step not in WHOLE), step
+            fresh = Renderer(surface, world, settings)
+            # Where boxes about the casters are may depend on the frames before.
+            fresh._shadows._box, fresh._shadows._cascades = steady._shadows._box, steady._shadows._cascades
+            fresh.draw([seen])
+            assert np.array_equal(ours, read_pixels(surface)), step
+            fresh.release()
+    assert len(drawn_parts) >= (15 if settings.scale == 1.0 and not settings.fxaa else 8)
+    area = [sum(part[2] * part[3] for part in parts if part) for parts in drawn_parts]
+    whole = SIZE[0] * SIZE[1] * settings.scale**2
+    assert 0.0 < np.median(area) < 0.5 * whole
+
+
+def test_where_nothing_moves_nothing_is_drawn():
+    world = make_world()
+    with create_surface("egl", SIZE) as surface:
+        renderer = Renderer(surface, world, replace(PLAIN, msaa=4))
+        pictures = []
+        for _ in range(6):
+            world.update()
+            stats = renderer.draw([view()])
+            pictures.append(read_pixels(surface))
+        assert (stats.triangles, stats.draws) == (0, 0)
+        assert all(np.array_equal(pictures[0], each) for each in pictures)
+
+
+def test_an_eye_that_moves_keeps_nothing(drawn_parts):
+    world = make_world()
+    with create_surface("egl", SIZE) as surface:
+        renderer = Renderer(surface, world, PLAIN)
+        for step in range(40):
+            world.update()
+            renderer.draw([view(0.01 * max(0, step - 4))])
+        assert len(drawn_parts) == 2
+        assert not renderer._picture.keep
+
+
+def _apart(a: Rect, b: Rect) -> bool:
+    beside = a[0] + a[2] <= b[0] or b[0] + b[2] <= a[0]
+    return beside or a[1] + a[3] <= b[1] or b[1] + b[3] <= a[1]
+
+
+def test_bounds_hold_what_is_projected_and_rectangles_hold_the_bounds():
+    chance, eye = np.random.default_rng(3), view()
+    centres, axes = chance.uniform(-2.0, 2.0, (300, 3)), chance.normal(0.0, 0.15, (300, 3, 3))
+    corners = box_corners(centres, axes)
+    bounds = screen_bounds(eye, balls_about(corners, np.full(300, 0.05)))
+    inside = np.einsum("nij,nkj->nki", axes, chance.uniform(-1.0, 1.0, (300, 50, 3))) + centres[:, None]
+    around = chance.normal(size=(300, 50, 3))
+    inside += 0.05 * around / np.linalg.norm(around, axis=2, keepdims=True)
+    clip = np.concatenate([inside, np.ones((300, 50, 1))], axis=2) @ eye.clip_from_world.T
+    assert (clip[..., 3] > eye.near).all()
+    shares = 0.5 + 0.5 * clip[..., :2] / clip[..., 3:]
+    assert (shares >= bounds[:, None, ::2] - 1e-9).all() and (shares <= bounds[:, None, 1::2] + 1e-9).all()
+    parts = cover_of(bounds[:20], SIZE)
+    assert 1 <= len(parts) <= 4
+    pixels = np.clip(bounds[:20], 0.0, 1.0) * [SIZE[0], SIZE[0], SIZE[1], SIZE[1]]
+    for left, right, bottom, top in pixels:
+        for x, y in chance.uniform((left, bottom), (right, top), (50, 2)) if left < right and bottom < top else ():
+            assert sum(px <= x <= px + wide and py <= y <= py + high for px, py, wide, high in parts) >= 1
+    assert all(a == b or _apart(a, b) for a in parts for b in parts)
+    assert cover_of(bounds[:0], SIZE) == []
+
+
+def test_what_reaches_behind_the_eye_is_seen_everywhere_it_may_be():
+    eye = view()
+    back = eye.world_from_eye[:3, 2]
+    here = eye.world_from_eye[:3, 3]
+    through = np.stack([here - 1.0 * back, here + 1.0 * back + [0.1, 0.0, 0.0]])[None]
+    left, right, _, _ = screen_bounds(eye, through)[0]
+    assert left <= 0.5 and right >= 1.0
+    assert len(screen_bounds(eye, through + 3.0 * back)) == 0
