@@ -100,7 +100,7 @@ def _open(folder, width, height):
     return root, window, manager
 
 
-def _look(numbers, window, manager, aspect) -> None:
+def _look(numbers, window, manager, aspect):
     """The eye, and what is behind everything."""
     import Ogre
 

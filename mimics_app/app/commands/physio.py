@@ -67,12 +67,12 @@ def run(args: argparse.Namespace) -> int:
 
 def _open(args: argparse.Namespace) -> tuple[SignalSource, float, float, bool]:
     """The source, the time of its first sample [s], how long to read [s], and whether it has a time of its own."""
-    from mimics_app.app.terminal.output import tell
+    from mimics_app.app.terminal.output import say
     from mimics_app.inputs.physio.sources import KINDS, look_for_source, open_source
 
     kind = args.source.partition(":")[0]
     if kind in KINDS and kind != "file":
-        look_for_source(args.source, tell)
+        look_for_source(args.source, say)
         return open_source(args.source, args.seed), 0.0, args.seconds or _CHECK_S, kind in _LIVE
     from mimics_app.inputs.physio.recording import FileSource, read_signal_file
 

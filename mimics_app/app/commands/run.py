@@ -167,9 +167,9 @@ def run(args: argparse.Namespace) -> int:
 
         ended = play_through(settings)
         if ended.code < 0:  # killed: it could not say so itself
-            from mimics_app.app.terminal.output import tell
+            from mimics_app.app.terminal.output import say
 
-            tell(ended.error)
+            say(ended.error)
             return 128 - ended.code
         if not ended.other:
             return ended.code
@@ -229,7 +229,7 @@ def _find_what_is_named(args: argparse.Namespace) -> None:
     """Refuse what is named and not there, before compiled code and graphics are imported."""
     from mimics_app.app.scenes.finding import find_scene
     from mimics_app.app.terminal.named import check_adaptation, check_files
-    from mimics_app.app.terminal.output import tell
+    from mimics_app.app.terminal.output import say
     from mimics_app.recording.run_folder import check_parent
 
     args.scene = find_scene(args.scene)
@@ -240,11 +240,11 @@ def _find_what_is_named(args: argparse.Namespace) -> None:
         from mimics_app.rendering.haptic.devices.looked_for import look_for_device
 
         check_device_name(args.device)
-        look_for_device(args.device, tell)
+        look_for_device(args.device, say)
     if args.physio:
         from mimics_app.inputs.physio.sources import look_for_source
 
-        look_for_source(args.physio, tell)
+        look_for_source(args.physio, say)
     if args.learn or args.goal or args.estimator:
         check_adaptation(args.learn, args.goal, args.estimator)
     if args.recording is not None:
