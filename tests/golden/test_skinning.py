@@ -140,10 +140,8 @@ def test_both_ways_show_the_same_picture_and_bend_once_for_all_views(tmp_path, a
         for by in ("processor", "feedback"):
             world = _world(path, "dual", 0.8)
             renderer = Renderer(surface, world, RenderSettings(skinning=by, **PLAIN))
-            renderer.draw([_view(), _view()])
-            assert renderer._bending.skinning.vertices == 104
-            renderer.draw([_view()])
-            assert renderer._bending.skinning.vertices == 0, "what did not move is bent no second time"
+            assert renderer.draw([_view(), _view()]).bent == 104
+            assert renderer.draw([_view()]).bent == 0, "what did not move is bent no second time"
             pictures.append(read_pixels(surface))
             renderer.release()
     assert len(np.unique(pictures[0].reshape(-1, 4), axis=0)) > 20
@@ -156,10 +154,8 @@ def test_a_body_that_nobody_sees_is_not_bent(tmp_path):
         world = _world(path, "linear", 0.8, shadow=False)
         renderer = Renderer(surface, world, RenderSettings(**PLAIN))
         away = View(compose_look_at((1.5, 1.5, 4.0), (1.5, 1.5, 9.0)), (-0.4, 0.4, -0.5, 0.5), (0, 0, *SIZE))
-        renderer.draw([away])
-        assert renderer._bending.skinning.vertices == 0
-        renderer.draw([_view()])
-        assert renderer._bending.skinning.vertices == 104
+        assert renderer.draw([away]).bent == 0
+        assert renderer.draw([_view()]).bent == 104
         renderer.release()
 
 

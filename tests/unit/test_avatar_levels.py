@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from mimics_app.app.bench.people_workload import People
+from mimics_app.app.bench.render_bench import RenderBench, measure_render
 from mimics_app.builders.avatars.detail import LEVELS, coarser, coverages
 from mimics_app.builders.avatars.figure import make_figure
 from mimics_app.builders.avatars.person import EVERYBODY
@@ -59,3 +63,12 @@ def test_a_crowd_in_levels_looks_as_one_in_full_and_is_drawn_with_a_third_of_the
         pictures.append(draw_offscreen(crowd.world, [crowd.view(3, (640, 360))], (640, 360), settings))
     differs = np.abs(pictures[0].astype(int) - pictures[1]).max(axis=-1) > 8
     assert 0.0 < differs.mean() <= 0.01
+
+
+def test_a_crowd_is_measured_beside_itself_standing_still(tmp_path: Path) -> None:
+    """The peers' workload by a person of ours; what it costs is not asked, only that all of it was done."""
+    shutil.copytree(AVATARS, tmp_path / "data")
+    (tmp_path / "data" / "woman_anna.glb").rename(tmp_path / "data" / "character.glb")
+    found = measure_render(RenderBench("crowd", tmp_path / "data", (64, 36), frames=5, warmup=1, count=2))
+    assert found["nodes"] == 2 and found["frames"] == 5
+    assert min(found[key] for key in ("ns_vertex", "ns_vertex_still", "times_still")) > 0.0

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.app.bench.render_workloads import Nodes, Workload, open_workload
+from mimics_app.app.bench.render_workloads import Crowd, Nodes, Workload, open_workload
 from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.contracts.clock import MonotonicClock, process_seconds
 from mimics_app.contracts.errors import UsageError, nearest
@@ -99,6 +99,8 @@ def measure_render(wanted: RenderBench) -> dict[str, Any]:
         answer = {**_time_frames(wanted, workload, renderer, surface), **given_up, **_quality(renderer)}
         if isinstance(workload, Nodes):
             answer.update(_time_poses(workload, wanted.frames))
+        if isinstance(workload, Crowd):
+            answer.update(_time_still(workload, wanted, renderer))
         renderer.release()
     return answer
 
@@ -162,6 +164,29 @@ def _time_poses(nodes: Nodes, frames: int) -> dict[str, float]:
         return round(statistics.median(times), 3)
 
     return {"ms_setter": median_ms(nodes.update, frames), "ms_handles": median_ms(nodes.update_by_handles, _FEW)}
+
+
+def _time_still(crowd: Crowd, wanted: RenderBench, renderer: Renderer) -> dict[str, float]:
+    """What a vertex costs that is bent and drawn, and then as it is drawn again, which nothing has moved meanwhile.
+
+    Both are processor time of all threads, turn by turn in one run; poses and world matrices are not counted.
+    """
+    bent: list[float] = []
+    still: list[float] = []
+    for frame in range(wanted.frames):
+        crowd.update(frame)
+        views = [crowd.view(frame, wanted.size)]
+        started = process_seconds()
+        vertices = renderer.draw_finished(views).bent
+        between = process_seconds()
+        renderer.draw_finished(views)
+        bent.append((between - started) * 1e9 / max(vertices, 1))
+        still.append((process_seconds() - between) * 1e9 / max(vertices, 1))
+    return {
+        "ns_vertex": round(statistics.median(bent), 2),
+        "ns_vertex_still": round(statistics.median(still), 2),
+        "times_still": round(sum(bent) / sum(still), 3),
+    }
 
 
 def _describe(wanted: RenderBench, workload: Workload, surface: Surface) -> dict[str, Any]:

@@ -42,6 +42,8 @@ LEG_ROWS = (0.09, 0.20, 0.38, 0.60, 0.80, 0.92, 1.0, 1.07, 1.18, 1.36, 1.60, 1.8
 """From the hip, 0, by the knee, 1, to the ankle, 2."""
 
 _ROUNDS = 14
+_APART = 0.003
+"""How far each leg keeps from the middle [m]."""
 _CROTCH = 3
 
 
@@ -82,6 +84,10 @@ def make_cage(person: Person, bones: Skeleton, flesh: Flesh) -> Cage:
         free[arms[side][0]] = 1.0
         free[legs[side][1:4].ravel()] = np.repeat([0.9, 0.8, 0.5], LIMB_AROUND)
     places = settle(places, sheet.faces, free, flesh.whole, _ROUNDS)
+    places[crotch, 0] = 0.0
+    for side in (1, -1):
+        rows = legs[side][1:]
+        places[rows, 0] = side * np.maximum(side * places[rows, 0], _APART)
     return Cage(places, sheet.faces, trunk, arms, legs)
 
 

@@ -22,6 +22,8 @@ TILE = 0.30
 _FOLD = 2.0 * math.pi
 _COLLAR = 0.32
 """Height of a collar, as a share of the neck's."""
+_APART = 0.003
+"""How far legs of trousers keep from the middle [m]: where they crossed, they would fold over when one is lifted."""
 _TURNED = 0.006
 """How far a hem is turned inwards at least [m]."""
 
@@ -170,6 +172,7 @@ class Tailor:
             wide = range(1, end + 1)
             rings_ = self.limb_rings("legs", side, wide, give, least, drape)
             for row, ring in zip(wide, rings_, strict=True):
+                ring[:, 0] = side * np.maximum(side * ring[:, 0], _APART)
                 places[cage.legs[side][row]] = ring
         crotch = cage.legs[1][0][AROUND // 2 + 1 :]
         lists = [cage.trunk[row] for row in rows] + [crotch] + [cage.legs[s][1 : end + 1] for s in (1, -1)]

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mimics_app.builders.avatars.fields import F8
 from mimics_app.builders.avatars.piece import Piece
+from mimics_app.builders.avatars.weights import strongest
 from mimics_app.world.simplify.decimation import decimate
 
 __all__ = ["LEVELS", "Level", "coarser", "coverages"]
@@ -44,7 +44,7 @@ def coarser(piece: Piece, level: Level) -> tuple[Piece, float]:
     count = max(4, round(level.share * len(piece.triangles)))
     made = decimate(piece.places, piece.triangles.ravel(), count)
     kept, triangles = np.unique(made.indices, return_inverse=True)
-    weights = _strongest(piece.weights[kept], level.influences)
+    weights = strongest(piece.weights[kept], level.influences)
     return replace(
         piece,
         places=piece.places[kept],
@@ -55,14 +55,6 @@ def coarser(piece: Piece, level: Level) -> tuple[Piece, float]:
         shades=piece.shades[kept],
         moves={name: steps[kept] for name, steps in piece.moves.items()} if level.moves else {},
     ), made.error
-
-
-def _strongest(weights: F8, influences: int) -> F8:
-    """Weights of the strongest joints only, which add up to 1 again."""
-    order = np.argsort(-weights, axis=1, kind="stable")[:, :influences]
-    kept = np.zeros_like(weights)
-    np.put_along_axis(kept, order, np.take_along_axis(weights, order, axis=1), axis=1)
-    return np.asarray(kept / kept.sum(axis=1, keepdims=True))
 
 
 def coverages(pieces: Sequence[Piece], errors: Sequence[float]) -> list[float]:

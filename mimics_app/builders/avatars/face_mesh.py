@@ -17,6 +17,8 @@ from mimics_app.builders.avatars.sheet import I8, Sheet, corner_normals
 __all__ = ["FaceMesh", "face_uvs", "make_face", "welded_normals"]
 
 _MM = 1e-3
+_LAP = 5e-5
+"""How far closed lips lap over each other [m]: through a slit between them teeth would be seen."""
 _LOWEST, _HIGHEST = -1.36, 1.5708
 """Elevations at the lower and the upper edge of the picture of the head [rad]."""
 
@@ -113,7 +115,7 @@ def _half_places(flat: FaceMap, head: Head, half: F8) -> F8:
     places[flat.lips[0], 2] -= 0.0008
     line = places[flat.lips[0], 1]
     middle = 0.5 * (line + line[::-1])
-    places[flat.lips[0], 1] = middle + np.where(np.arange(count) < count // 2, 0.00012, -0.00012)
+    places[flat.lips[0], 1] = middle + np.where(np.arange(count) < count // 2, -_LAP, _LAP)
     seam = np.abs(flat.turns[:, 0]) < 1e-6
     places[seam, 0] = 0.0
     return places

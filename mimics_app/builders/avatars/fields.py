@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["F8", "Ball", "Blend", "Curve", "Field", "Loft", "Vector", "gradient", "step"]
+__all__ = ["F8", "Ball", "Blend", "Curve", "Field", "Loft", "Mirrored", "Vector", "gradient", "step"]
 
 F8 = NDArray[np.float64]
 Vector = Sequence[float] | F8
@@ -147,6 +147,17 @@ class Blend:
             overlap = np.maximum(self.radius - np.abs(total - other), 0.0) / self.radius
             total = np.minimum(total, other) - overlap * overlap * self.radius * 0.25
         return total
+
+
+@dataclass(frozen=True)
+class Mirrored:
+    """Both sides of a body by its left one; what lies on the right does not round off what lies on the left."""
+
+    left: Field
+
+    def at(self, places: F8) -> F8:
+        """As `Field`."""
+        return self.left.at(np.abs(places) * (1.0, 0.0, 0.0) + places * (0.0, 1.0, 1.0))
 
 
 def gradient(field: Field, places: F8) -> F8:

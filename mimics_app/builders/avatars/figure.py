@@ -23,7 +23,7 @@ from mimics_app.builders.avatars.person import Person
 from mimics_app.builders.avatars.piece import Piece, joined
 from mimics_app.builders.avatars.sheet import corner_normals, triangles_of
 from mimics_app.builders.avatars.skeleton import Skeleton, arm_axes, make_skeleton
-from mimics_app.builders.avatars.wardrobe import cover_of, dress
+from mimics_app.builders.avatars.wardrobe import SLEEVES, cover_of, dress
 from mimics_app.builders.avatars.weights import cage_weights, spine_weights
 
 __all__ = ["HAND_PICTURE", "Figure", "make_figure"]
@@ -33,6 +33,8 @@ HAND_PICTURE = (0.16, 0.21)
 _BREATH = 0.006
 """How far the chest rises in a deep breath [m]."""
 _BIB_ROW = 15
+_WITHIN = 0.5
+"""Where the bare arm begins, of the way from the last ring within the sleeve to its end."""
 
 
 @dataclass(frozen=True)
@@ -63,12 +65,17 @@ def make_figure(person: Person, seed: int) -> Figure:
     tailor = Tailor.of(cage, flesh, weights)
     head = make_head(person, bones, make_neck(person))
     face = make_face(person, head, cage.places[cage.trunk[-1]])
-    pieces = {"skin": smooth_folds(_skin(person, bones, cage, flesh, weights, tailor), bones)}
+    clothes = {
+        name: piece if name == "shoes" else smooth_folds(piece, bones)
+        for name, piece in dress(tailor, person, bones).items()
+    }
+    held = _held_by_sleeves(person, cage, weights, clothes)
+    pieces = {"skin": smooth_folds(_skin(person, bones, cage, flesh, held, tailor), bones)}
     pieces |= _head_pieces(person, bones, head, face, cage, weights, flesh)
     pieces["hair"] = make_hair(head, bones, person.looks.style, seed)
-    for name, piece in dress(tailor, person, bones).items():
-        pieces[name] = piece if name == "shoes" else _breathing(smooth_folds(piece, bones), bones)
-    pieces["skin"] = _breathing(pieces["skin"], bones)
+    pieces |= clothes
+    for name in ("skin", *(name for name in clothes if name != "shoes")):
+        pieces[name] = _breathing(pieces[name], bones)
     return Figure(person, bones, head, pieces, face.outside)
 
 
@@ -94,6 +101,18 @@ def _head_pieces(
         "eyes": make_eyes(head, bones),
         "mouth": make_mouth(head, bones),
     }
+
+
+def _held_by_sleeves(person: Person, cage: Cage, weights: F8, clothes: dict[str, Piece]) -> F8:
+    """The cage's weights, but of arms within sleeves those of the cloth, so that they stay inside of it."""
+    from scipy.spatial import KDTree
+
+    cover = cover_of(person)
+    cloth = next(piece for name, piece in clothes.items() if name in SLEEVES)
+    hidden = np.concatenate([cage.arms[side][: cover.arm + 1].ravel() for side in (1, -1)])
+    held = weights.copy()
+    held[hidden] = cloth.weights[KDTree(cloth.places).query(cage.places[hidden])[1]]
+    return held
 
 
 def _shared_normals(face: FaceMesh, cage: Cage) -> F8:
@@ -143,14 +162,15 @@ def _arm(
 ) -> Piece:
     """Forearm and hand as one surface; the hand's picture is laid from the back and from the palm."""
     draft = Draft(weights.shape[1])
-    rows = cage.arms[side][first:-1]
-    rings = [draft.add(cage.places[row], weights[row]) for row in rows]
+    rows = cage.arms[side][first:]
+    begin, held = ((1.0 - _WITHIN) * each[rows[0]] + _WITHIN * each[rows[1]] for each in (cage.places, weights))
+    rings = [draft.add(begin, held), *(draft.add(cage.places[row], weights[row]) for row in rows[1:-1])]
     own = draft.add(hand.places, hand.weights)
     rings.append(own[: len(rows[0])])
     u = [0.05 + 0.9 * i / len(rows[0]) for i in range(len(rows[0]) + 1)]
     for number, (one, two) in enumerate(itertools.pairwise(rings)):
         draft.band(one, two, u, (0.84 + 0.008 * number, 0.848 + 0.008 * number), flip=side < 0)
-    draft.lid(rings[0], cage.places[rows[0]].mean(axis=0), (0.5, 0.84), flip=side > 0)
+    draft.lid(rings[0], begin.mean(axis=0), (0.5, 0.84), flip=side > 0)
     along, back, thumb = arm_axes(side)
     offset = hand.places - bones.place(f"{word}Hand")
     size = 0.190 / length

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimics_app.builders.avatars.fields import F8, Ball, Blend, Field, Loft
+from mimics_app.builders.avatars.fields import F8, Ball, Blend, Field, Loft, Mirrored
 from mimics_app.builders.avatars.person import Person
 from mimics_app.builders.avatars.skeleton import Skeleton, arm_axes
 
@@ -43,7 +43,7 @@ def make_flesh(person: Person, bones: Skeleton) -> Flesh:
     trunk = _trunk(person, bones)
     arms = {side: _arm(person, bones, side, word) for side, word in ((1, "left"), (-1, "right"))}
     legs = {side: _leg(person, bones, side, word) for side, word in ((1, "left"), (-1, "right"))}
-    return Flesh(trunk, arms, legs, Blend([trunk, *arms.values(), *legs.values()], _BLEND_ALL))
+    return Flesh(trunk, arms, legs, Mirrored(Blend([trunk, arms[1], legs[1]], _BLEND_ALL)))
 
 
 def _trunk(person: Person, bones: Skeleton) -> Field:

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from mimics_app.builders.avatars.fields import F8
 from mimics_app.builders.avatars.piece import Piece
 from mimics_app.builders.avatars.poses import SIDES, Pose, X, Y, Z
-from mimics_app.builders.avatars.sheet import I8
+from mimics_app.builders.avatars.sheet import I8, near_means
 from mimics_app.builders.avatars.skeleton import Skeleton
+from mimics_app.builders.avatars.weights import strongest
 from mimics_app.maths.quat import from_matrix
 
 if TYPE_CHECKING:
@@ -29,11 +30,14 @@ __all__ = ["BENDS", "smooth_folds"]
 B1 = NDArray[np.bool_]
 
 _BENT = math.radians(120.0)
-_ROUNDS = 40
+_ROUNDS, _PATIENCE = 60, 10
+"""How often, and after how many rounds more is evened out about a fold."""
 _SHARE = 0.5
 """Of the way to the mean of its neighbours that a corner goes in a round."""
 _NEAR = 8.0
 """Of its neighbours: from one in so many that is folded on, a corner follows whole."""
+_INFLUENCES = 4
+"""Joints that a corner follows at most, as in the files."""
 _LEAST = 1e-7
 """Twice the area of the smallest triangle that counts [m^2]."""
 _BELOW = 1e-4
@@ -97,23 +101,25 @@ class _Bend:
         turned = places + 2.0 * np.cross(v, np.cross(v, places) + w * places)
         return np.asarray(turned + 2.0 * (w * d[:, :3] - d[:, 3:] * v + np.cross(v, d[:, :3])))
 
-    def inside_out(self, piece: Piece) -> B1:
-        """Triangles that by either way face against where the flesh under them has its outside, [m]."""
-        t, places = piece.triangles, piece.places
-        rest = _faces(places, t)
+    def inside_out(self, piece: Piece, triangles: I8) -> B1:
+        """Which of some triangles by either way face against where the flesh under them has its outside."""
+        own, t = np.unique(triangles, return_inverse=True)
+        t = t.reshape(-1, 3)
+        places, weights = piece.places[own], piece.weights[own]
+        rest = _faces(places[t])
         size = np.linalg.norm(rest, axis=1)
         unit = rest / np.maximum(size, 1e-15)[:, None]
-        middle, mean = places[t].mean(axis=1), piece.weights[t].mean(axis=1)
+        middle, mean = places[t].mean(axis=1), weights[t].mean(axis=1)
         outwards = self.dual(middle + _BELOW * unit, mean) - self.dual(middle - _BELOW * unit, mean)
         wrong = np.zeros(len(t), np.bool_)
         for skin in (self.linear, self.dual):
-            wrong |= (_faces(skin(places, piece.weights), t) * outwards).sum(axis=1) < 0.0
+            wrong |= (_faces(skin(places, weights)[t]) * outwards).sum(axis=1) < 0.0
         return np.asarray(wrong & (size > _LEAST))
 
 
-def _faces(places: F8, triangles: I8) -> F8:
-    a, b, c = (places[triangles[:, k]] for k in range(3))
-    return np.cross(b - a, c - a)
+def _faces(corners: F8) -> F8:
+    """Normals of triangles by their corners [n, 3, 3], twice their area long."""
+    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
 def smooth_folds(piece: Piece, bones: Skeleton) -> Piece:
@@ -121,38 +127,34 @@ def smooth_folds(piece: Piece, bones: Skeleton) -> Piece:
     bends = [_Bend(bend(bones, side)) for bend in BENDS.values() for side, _ in SIDES]
     same, triangles = _welded(piece)
     first = np.unique(same, return_index=True)[1]
-    spread = _neighbours(same, triangles)
-    best, least, watched = piece, len(triangles) * len(bends), bends
-    for _ in range(_ROUNDS):
-        wrong = [bend.inside_out(piece) for bend in watched]
-        count = int(np.sum(wrong))
-        if count < least:
-            best, least = piece, count
-        if watched is bends:
-            watched = [bend for bend, each in zip(bends, wrong, strict=True) if each.any()]
-        if count == 0:
+    piece = replace(piece, weights=strongest(piece.weights, _INFLUENCES))
+    spread = near_means(piece.places[first], triangles)
+    wrong = np.array([bend.inside_out(piece, piece.triangles) for bend in bends])
+    best, least = piece, int(wrong.sum())
+    for number in range(_ROUNDS):
+        if least == 0:
             break
-        folded = np.zeros(len(first))
-        folded[triangles[np.any(wrong, axis=0)]] = 1.0
-        pull = np.maximum(folded, np.minimum(spread @ folded * _NEAR, 1.0))
+        pull = _about(spread, triangles[wrong.any(axis=0)], 1 + number // _PATIENCE)
         weights = piece.weights[first]
-        piece = replace(piece, weights=(weights + _SHARE * pull[:, None] * (spread @ weights - weights))[same])
+        mixed = weights + _SHARE * pull[:, None] * (spread @ weights - weights)
+        piece = replace(piece, weights=strongest(mixed, _INFLUENCES)[same])
+        moved = (pull > 0.0)[triangles].any(axis=1)
+        wrong[:, moved] = [bend.inside_out(piece, piece.triangles[moved]) for bend in bends]
+        if (count := int(wrong.sum())) < least:
+            best, least = piece, count
     return best
+
+
+def _about(spread: sparse.csr_array, folded: I8, rings: int) -> F8:
+    """How much each place is evened out: 1 at the corners of folded triangles, less in some rings about them."""
+    pull = np.zeros(spread.shape[0])
+    pull[folded] = 1.0
+    for _ in range(rings):
+        pull = np.maximum(pull, np.minimum(spread @ pull * _NEAR, 1.0))
+    return pull
 
 
 def _welded(piece: Piece) -> tuple[I8, I8]:
     """Number of each corner's place, as corners are doubled where the picture is cut, [n], and triangles of these."""
     _, same = np.unique(np.round(piece.places, 7), axis=0, return_inverse=True)
     return same.ravel(), same.ravel()[piece.triangles]
-
-
-def _neighbours(same: I8, triangles: I8) -> sparse.csr_array:
-    """The matrix that takes values of places to the means of those at the other ends of their edges."""
-    from scipy import sparse
-
-    count = int(same.max()) + 1
-    one, two = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
-    ends = np.unique(np.concatenate([np.stack([one, two]), np.stack([two, one])], axis=1), axis=1)
-    ends = ends[:, ends[0] != ends[1]]
-    shares = 1.0 / np.bincount(ends[0], minlength=count)
-    return sparse.csr_array((shares[ends[0]], (ends[0], ends[1])), shape=(count, count))

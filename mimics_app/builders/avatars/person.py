@@ -84,7 +84,7 @@ class Face:
 
 @dataclass(frozen=True)
 class Looks:
-    """Colours, sRGB, and the style of the hair ("short", "crop", "bob", "tail")."""
+    """Colours, sRGB, and the style of the hair ("short", "crop", "bob", "tail", "curls")."""
 
     skin: Rgb
     hair: Rgb
@@ -130,7 +130,7 @@ _MARA = Person(
     ),
     Face(breadth=1.01, length=0.95, jaw=1.02, chin=-2.0, cheek=2.0, brow=-2.0, lips=1.25, mouth=1.03, eyes=1.02,
          nose=0.95, nose_breadth=1.10, bridge=-2.0, full=3.0, age=0.45),
-    Looks((160, 110, 82), (28, 22, 20), (62, 40, 26), "tail", (142, 78, 72)),
+    Looks((160, 110, 82), (28, 22, 20), (62, 40, 26), "curls", (142, 78, 72)),
     (("blouse", (232, 226, 214)), ("skirt", (70, 92, 84)), ("shoes", (40, 36, 40))),
 )  # fmt: skip
 _TOM = Person(
@@ -161,6 +161,10 @@ def _dressed(person: Person, name: str, *clothes: tuple[str, Rgb]) -> Person:
     return replace(person, name=name, clothes=clothes)
 
 
+def _combed(person: Person, style: str) -> Person:
+    return replace(person, looks=replace(person.looks, style=style))
+
+
 EVERYBODY = (
     _ANNA,
     _MARA,
@@ -170,6 +174,8 @@ EVERYBODY = (
     _dressed(_TOM, "twin_man", ("shirt", (88, 96, 120)), ("trousers", (70, 74, 82)), ("shoes", (200, 198, 194))),
     _dressed(_TOM, "player_white", ("jersey", _WHITE), ("shorts", _BLUE), ("socks", _WHITE), ("shoes", (36, 36, 38))),
     _dressed(_OMAR, "player_red", ("jersey", _RED), ("shorts", _WHITE), ("socks", _RED), ("shoes", (220, 216, 60))),
-    _dressed(_MARA, "therapist", ("tunic", _TEAL), ("trousers", (226, 226, 222)), ("shoes", (236, 236, 232))),
+    _dressed(
+        _combed(_MARA, "tail"), "therapist", ("tunic", _TEAL), ("trousers", (226, 226, 222)), ("shoes", (236, 236, 232))
+    ),
 )
 """Everybody; the twins wear the same."""

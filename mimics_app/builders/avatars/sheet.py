@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.builders.avatars.fields import F8, Field, gradient
 
-__all__ = ["I8", "Sheet", "corner_normals", "neighbour_means", "settle", "triangles_of"]
+if TYPE_CHECKING:
+    from scipy import sparse
+
+__all__ = ["I8", "Sheet", "corner_normals", "near_means", "neighbour_means", "settle", "triangles_of"]
 
 I8 = NDArray[np.int64]
+
+_SHORTEST = 1e-3
+"""Edges that are shorter count as if they were so long [m]."""
 
 
 class Sheet:
@@ -108,6 +115,17 @@ def neighbour_means(count: int, faces: Sequence[tuple[int, ...]], values: F8) ->
     np.add.at(number, ends[:, 0], 1.0)
     means: F8 = np.where(number[:, None] > 0.0, total / np.maximum(number, 1.0)[:, None], values)
     return means
+
+
+def near_means(places: F8, faces: Sequence[Sequence[int]] | I8) -> sparse.csr_array:
+    """The matrix that takes values of corners to means over the other ends of their edges, near ones counting more."""
+    from scipy import sparse
+
+    pairs = np.array([(f[i - 1], f[i]) for f in faces for i in range(len(f)) if f[i - 1] != f[i]], np.int64)
+    one, two = np.unique(np.vstack([pairs, pairs[:, ::-1]]), axis=0).T
+    near = 1.0 / np.maximum(np.linalg.norm(places[one] - places[two], axis=1), _SHORTEST)
+    shares = near / np.bincount(one, near, minlength=len(places))[one]
+    return sparse.csr_array((shares, (one, two)), shape=(len(places), len(places)))
 
 
 def settle(places: F8, faces: Sequence[tuple[int, ...]], free: F8, field: Field, rounds: int, lift: float = 0.0) -> F8:

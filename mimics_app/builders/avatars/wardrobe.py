@@ -13,7 +13,7 @@ from mimics_app.builders.avatars.piece import Piece, joined
 from mimics_app.builders.avatars.skeleton import Skeleton
 from mimics_app.builders.avatars.skirt import make_skirt
 
-__all__ = ["Cover", "cover_of", "dress"]
+__all__ = ["SLEEVES", "Cover", "cover_of", "dress"]
 
 _WRIST, _ANKLE = len(ARM_ROWS), len(LEG_ROWS)
 
@@ -68,7 +68,8 @@ _SEWN: Mapping[str, Sewing] = {
     "socks": _socks,
     "shoes": _shoes,
 }
-_SLEEVES = {"shirt": 3, "shirt_long": _WRIST, "blouse": 4, "jersey": 3, "tunic": 3}
+SLEEVES = {"shirt": 3, "shirt_long": _WRIST, "blouse": 4, "jersey": 3, "tunic": 3}
+"""Row of the arm where the sleeves of a garment end."""
 _BARE_LEGS = {"trousers": (_ANKLE, _ANKLE), "shorts": (3, _ANKLE), "skirt": (3, _ANKLE)}
 
 
@@ -80,6 +81,6 @@ def dress(tailor: Tailor, person: Person, bones: Skeleton) -> dict[str, Piece]:
 def cover_of(person: Person) -> Cover:
     """What of a person is bare."""
     worn = [name for name, _ in person.clothes]
-    arm = next(_SLEEVES[name] for name in worn if name in _SLEEVES)
+    arm = next(SLEEVES[name] for name in worn if name in SLEEVES)
     leg = next(_BARE_LEGS[name] for name in worn if name in _BARE_LEGS)
     return Cover(arm, (leg[0], 10) if "socks" in worn else leg)

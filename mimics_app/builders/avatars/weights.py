@@ -9,17 +9,21 @@ import numpy as np
 from mimics_app.builders.avatars.cage import ARM_ROWS, LEG_ROWS, LIMB_AROUND, Cage
 from mimics_app.builders.avatars.fields import F8, step
 from mimics_app.builders.avatars.poses import SIDES
-from mimics_app.builders.avatars.sheet import neighbour_means
+from mimics_app.builders.avatars.sheet import near_means
 from mimics_app.builders.avatars.skeleton import Skeleton, arm_axes
 
-__all__ = ["cage_weights", "rigid", "spine_weights"]
+__all__ = ["cage_weights", "rigid", "spine_weights", "strongest"]
 
 _SPINE = ("hips", "spine", "chest", "upperChest", "neck", "head")
 _ELBOW, _KNEE = (0.13, 0.27), (0.12, 0.28)
 """Half of the zone where one bone hands over to the next, in lengths of the bones: outside of the bend, and how much
 longer inside of it, so that the skin there has room to fold."""
-_BETWEEN = 0.05
+_BETWEEN = 0.07
 """Half of the width between the legs over which one hands over to the other [m]."""
+_PARTING = 0.15
+"""Metres across that a metre down the inside of a leg counts for."""
+_SHARED = 4
+"""Rows of a leg from which its own bones carry it alone."""
 _ROUNDS = 5
 
 
@@ -28,6 +32,14 @@ def rigid(bones: Skeleton, name: str, count: int) -> F8:
     weights = np.zeros((count, len(bones.names)))
     weights[:, bones.index(name)] = 1.0
     return weights
+
+
+def strongest(weights: F8, influences: int) -> F8:
+    """Weights of the strongest joints only, which add up to 1 again, [n, joints]."""
+    order = np.argsort(-weights, axis=1, kind="stable")[:, :influences]
+    kept = np.zeros_like(weights)
+    np.put_along_axis(kept, order, np.take_along_axis(weights, order, axis=1), axis=1)
+    return np.asarray(kept / kept.sum(axis=1, keepdims=True))
 
 
 def spine_weights(bones: Skeleton, places: F8) -> F8:
@@ -68,8 +80,9 @@ def cage_weights(cage: Cage, bones: Skeleton) -> F8:
         soft[cage.arms[side][:5].ravel()] = 1.0
         soft[cage.legs[side][:4].ravel()] = 1.0
     soft[cage.trunk[-2:].ravel()] = 0.0
+    means = near_means(cage.places, cage.faces)
     for _ in range(_ROUNDS):
-        smooth = smooth + 0.5 * soft[:, None] * (neighbour_means(len(smooth), cage.faces, smooth) - smooth)
+        smooth = smooth + 0.5 * soft[:, None] * (means @ smooth - smooth)
     result: F8 = smooth / smooth.sum(axis=1, keepdims=True)
     return result
 
@@ -87,7 +100,7 @@ def _shoulder(weights: F8, cage: Cage, bones: Skeleton, side: int, word: str) ->
     # the top of the shoulder stays with the collarbone longer than the armpit
     late = reach - 1.15 * np.maximum(offset @ arm_axes(side)[1], 0.0)
     away = np.linalg.norm(offset - reach[:, None] * along, axis=1)
-    arm = step(-0.055, 0.075, late) * (1.0 - step(0.075, 0.14, away)) * step(0.0, 0.10, places[:, 0] * side)
+    arm = step(-0.055, 0.075, late) * (1.0 - step(0.055, 0.10, away)) * step(0.0, 0.10, places[:, 0] * side)
     _hand_over(weights, bones.index(f"{word}UpperArm"), arm)
 
 
@@ -126,26 +139,30 @@ def _thighs(weights: F8, cage: Cage, bones: Skeleton) -> None:
     """
     torso = np.zeros(len(weights))
     torso[cage.trunk[cage.trunk >= 0]] = 1.0
+    across = cage.places[:, 0].copy()
+    for side, _ in SIDES:
+        torso[cage.legs[side][:_SHARED].ravel()] = 1.0
+        rows = cage.legs[side][1:]
+        across[rows] += (
+            side * _PARTING * np.maximum(cage.places[cage.legs[side][0], 1].min() - cage.places[rows, 1], 0.0)
+        )
     shares = {}
     for side, word in SIDES:
-        own = torso.copy()
-        own[cage.legs[side].ravel()] = 1.0
-        own[cage.legs[-side][1:].ravel()] = 0.0
-        shares[word] = own * _thigh(cage.places, bones.place(f"{word}UpperLeg"), side)
+        shares[word] = torso * _thigh(cage.places, bones.place(f"{word}UpperLeg"), side, across)
     weights *= 1.0 - np.sum(list(shares.values()), axis=0)[:, None]
     for word, share in shares.items():
         weights[:, bones.index(f"{word}UpperLeg")] += share
 
 
-def _thigh(places: F8, hip: F8, side: int) -> F8:
-    """Share of one thigh, whatever lies between the legs halved."""
+def _thigh(places: F8, hip: F8, side: int, across: F8) -> F8:
+    """Share of one thigh; what lies between the legs is halved, and farther down the other has ever less of it."""
     ahead = step(-0.02, 0.08, places[:, 2])
     tall = hip[1] - 0.010 + 0.30 * np.maximum(side * places[:, 0] - 0.06, 0.0)
     high, low = tall + 0.055 + 0.06 * ahead, tall - 0.085 - 0.09 * ahead
     even = np.clip((high - places[:, 1]) / (high - low), 0.0, 1.0)
     share = ahead * even + (1.0 - ahead) * step(high, low, places[:, 1])
     kept: F8 = np.where(places[:, 1] < hip[1] + 0.12, share * step(0.70 * hip[1], 0.72 * hip[1], places[:, 1]), 0.0)
-    return kept * step(-_BETWEEN, _BETWEEN, places[:, 0] * side)
+    return kept * step(-_BETWEEN, _BETWEEN, across * side)
 
 
 def _leg(weights: F8, cage: Cage, bones: Skeleton, side: int, word: str) -> None:
@@ -153,7 +170,7 @@ def _leg(weights: F8, cage: Cage, bones: Skeleton, side: int, word: str) -> None
     thigh, shank, foot = (bones.index(f"{word}{name}") for name in ("UpperLeg", "LowerLeg", "Foot"))
     for number, row in enumerate(LEG_ROWS, 1):
         corners = cage.legs[side][number]
-        if row < 0.3:
+        if number < _SHARED:
             continue
         bent = _bent(row, _KNEE, 0.5 + 0.5 * np.sin(turn - math.pi * 0.9))
         ankle = float(step(1.90, 2.06, np.array([row]))[0])

@@ -20,6 +20,7 @@ class FrameStats:
         culled: Of these, those outside their view's frustum.
         hidden: Of the rest, those behind something solid.
         tests: Of items or groups against frustums, all views together.
+        bent: Vertices that were bent anew.
     """
 
     cpu_ms: float
@@ -30,3 +31,4 @@ class FrameStats:
     culled: int = 0
     hidden: int = 0
     tests: int = 0
+    bent: int = 0

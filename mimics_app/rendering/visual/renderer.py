@@ -211,7 +211,8 @@ class Renderer:
             self._surface.ctx.finish()
         cpu_ms = (self._clock.now_ns() - started) * 1e-6
         tally = self._list.tally
-        counts = (tally.items, tally.culled, tally.hidden, tally.tests)
+        bent = self._bending.skinning.vertices if self._bending.skinning is not None else 0
+        counts = (tally.items, tally.culled, tally.hidden, tally.tests, bent)
         if self.times is not None:
             self.times.count(tally.items, tally.culled, tally.hidden)
         return FrameStats(cpu_ms, timer.elapsed * 1e-6 if timer else None, triangles, draws, *counts)

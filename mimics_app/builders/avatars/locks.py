@@ -1,0 +1,143 @@
+"""Locks of hair: closed blades that lie on the hair below or stand off it, broad at the root, pointed at the tip."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from mimics_app.builders.avatars.draft import Draft
+from mimics_app.builders.avatars.fields import F8
+from mimics_app.builders.kit.chance import Chance
+
+__all__ = ["LAID", "Lock", "add_lock"]
+
+_THICK = 0.0034
+"""Half of the height of a lock over its edges [m]."""
+_PARTING = 0.50
+"""Azimuth of a parting [rad]."""
+
+
+@dataclass(frozen=True)
+class Lock:
+    """One lock.
+
+    Attributes:
+        azimuth: Of its root and of its tip [rad].
+        share: Where they are on the way from the crown (0) by the hairline (1) to where long hair ends (2).
+        lift: Off the hair below, of root, middle and tip [m].
+        breadth: Where it is broadest [m].
+        shade: Factor on the colour.
+        rings: Corners along it.
+    """
+
+    azimuth: tuple[float, float]
+    share: tuple[float, float]
+    lift: tuple[float, float, float]
+    breadth: float
+    shade: float
+    rings: int = 3
+
+    def steps(self) -> tuple[F8, F8, F8]:
+        """Azimuth, share and lift along it, the tip last, [rings + 1] each."""
+        t = np.linspace(0.0, 1.0, self.rings + 1)
+        azimuth = self.azimuth[0] + (self.azimuth[1] - self.azimuth[0]) * np.sin(0.5 * math.pi * t)
+        share = self.share[0] + (self.share[1] - self.share[0]) * t
+        root, middle, tip = self.lift
+        lift = root * (1.0 - t) * (1.0 - 2.0 * t) + 4.0 * middle * t * (1.0 - t) + tip * t * (2.0 * t - 1.0)
+        return azimuth, share, lift
+
+
+def add_lock(draft: Draft, line: F8, middle: F8, lock: Lock, held: Callable[[F8], F8]) -> list[F8]:
+    """Add a lock along a line [rings + 1, 3] about the middle of a head, weighed by `held`; gives its shades."""
+    along = np.gradient(line, axis=0)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    out = line - middle
+    out -= (out * along).sum(axis=1, keepdims=True) * along
+    out /= np.linalg.norm(out, axis=1, keepdims=True)
+    beside = np.cross(along, out)
+    t = np.linspace(0.0, 1.0, lock.rings + 1)
+    profile = (0.62 + 0.9 * t) * (1.0 - t**1.6) / 0.92
+    rings, shades = [], []
+    for i in range(lock.rings):
+        half, thick = 0.5 * lock.breadth * profile[i] * beside[i], _THICK * out[i]
+        places = np.array([line[i] - half - thick, line[i] + half - thick, line[i] + 0.6 * thick])
+        rings.append(draft.add(places, held(places)))
+        tone = lock.shade * (0.72 + 0.40 * t[i])
+        shades += [np.full(3, 0.80 * tone), np.full(3, 0.80 * tone), np.full(3, tone)]
+    u, tall = (0.0, 0.5, 0.25, 0.0), 0.8 / lock.rings
+    for number, (one, two) in enumerate(itertools.pairwise(rings)):
+        draft.band(one, two, u, (number * tall, (number + 1) * tall))
+    draft.face(rings[0], [(0.25, 0.0)] * 3, flip=True)
+    draft.lid(rings[-1], line[-1], (0.25, 0.8))
+    return [*shades, np.full(3, 1.1 * lock.shade)]
+
+
+def _parted(chance: Chance) -> list[Lock]:
+    """Long hair from a parting to both sides, and a fringe that sweeps over the forehead."""
+    locks = []
+    for number in range(7):  # the broad side, from behind to before
+        begin, end = 0.20 + 0.095 * number, -2.35 + 0.215 * number
+        locks.append((_PARTING - 0.12, end, begin, 1.80 + 0.20 * chance.share()))
+    for number in range(5):
+        begin, end = 0.26 + 0.13 * number, 2.30 - 0.28 * number
+        locks.append((_PARTING + 0.12, end, begin, 1.80 + 0.20 * chance.share()))
+    for number in range(6):
+        end = math.pi + 0.26 * (number - 2.5)
+        locks.append((end + 0.2 * (chance.share() - 0.5), end, 0.14 + 0.3 * (number % 2), 1.86 + 0.16 * chance.share()))
+    long = [
+        Lock((one, two), (begin, end), (0.001, 0.007 + 0.003 * chance.share(), _flick(chance)),
+             0.034 + 0.010 * chance.share(), 0.80 + 0.26 * chance.share(), 5)
+        for one, two, begin, end in locks
+    ]  # fmt: skip
+    return long + [
+        Lock(
+            (_PARTING - 0.10, tip),
+            (0.90 + 0.03 * k, end),
+            (0.001, 0.013, 0.005),
+            0.026,
+            0.92 + 0.12 * chance.share(),
+            4,
+        )
+        for k, (tip, end) in enumerate(((-0.62, 1.06), (-0.82, 1.16), (-0.98, 1.34)))
+    ]
+
+
+def _flick(chance: Chance) -> float:
+    """How far the tip of long hair stands off [m]."""
+    return -0.006 + 0.018 * chance.share()
+
+
+def _brushed_up(chance: Chance) -> list[Lock]:
+    """Short hair brushed up from the forehead and to one side, lying down behind and beside."""
+
+    def tuft(azimuth: tuple[float, float], share: tuple[float, float], tip: float, breadth: float) -> Lock:
+        turn, loose = 0.16 * (chance.share() - 0.5), tip * (0.75 + 0.5 * chance.share())
+        ends = azimuth[0] + turn, azimuth[1] + 2.0 * turn
+        return Lock(ends, share, (-0.001, 0.45 * loose, loose), breadth, 0.78 + 0.34 * chance.share())
+
+    tufts = []
+    for number in range(9):
+        across = -0.74 + 0.185 * number
+        tufts.append(tuft((across, across + 0.42), (0.98, 0.58 + 0.10 * chance.share()), 0.017, 0.026))
+    for number in range(8):
+        across = -1.05 + 0.30 * number
+        tufts.append(tuft((across, across + 0.40), (0.74, 0.30), 0.013, 0.028))
+    for number in range(5):
+        across = 2.0 * math.pi * number / 5.0
+        tufts.append(tuft((across, across + 0.5), (0.20, 0.52), 0.007, 0.030))
+    for number in range(8):
+        across = 1.75 + 0.40 * number
+        tufts.append(tuft((across, across), (0.50 + 0.2 * (number % 2), 0.98 - 0.1 * (number % 2)), 0.005, 0.028))
+    for side in (1, -1):
+        for number in range(4):
+            across = side * (0.98 + 0.19 * number)
+            tufts.append(tuft((across, across), (0.50, 0.86), 0.005, 0.024))
+    return tufts
+
+
+LAID: Mapping[str, Callable[[Chance], list[Lock]]] = {"bob": _parted, "short": _brushed_up}
+"""The locks of each style of hair that has some."""
