@@ -125,6 +125,7 @@ def test_a_picture_drawn_in_parts_is_the_one_drawn_as_a_whole(settings, drawn_pa
             fresh.draw([seen])
             assert np.array_equal(ours, read_pixels(surface)), step
             fresh.release()
+        assert surface.ctx.error == "GL_NO_ERROR"
     assert len(drawn_parts) >= (15 if settings.scale == 1.0 and not settings.fxaa else 8)
     area = [sum(part[2] * part[3] for part in parts if part) for parts in drawn_parts]
     whole = SIZE[0] * SIZE[1] * settings.scale**2

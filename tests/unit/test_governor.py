@@ -104,15 +104,17 @@ def test_single_slow_frames_do_nothing(every: float):
     assert not lines
 
 
-def test_quality_returns_after_three_seconds_with_room_and_not_before():
+@pytest.mark.parametrize(("frame_ms", "seconds"), [(8.0, 3.0), (5.0, 1.0)], ids=["room", "ease"])
+def test_quality_returns_after_three_seconds_with_room_and_one_at_ease_and_not_before(frame_ms, seconds):
+    """One level up they would take 11.4 and 7.1 ms; at ease is below 10.0."""
     play, steps, lines = _play()
     play.run(1.2, 20.0)
     assert len(lines) >= 1
     downs = len(lines)
     play.run(0.5, 14.0)  # what it brought: a sixth
-    play.run(2.9, 5.0)
+    play.run(seconds - 0.1, frame_ms)
     assert len(lines) == downs
-    play.run(4.0 * downs, 5.0)
+    play.run((seconds + 1.0) * downs, frame_ms)
     assert play.governor.state == FULL and len(lines) == 2 * downs
     assert [line["step"] for line in lines[downs:]] == [line["step"] for line in reversed(lines[:downs])]
     assert steps["shadow size"].raised == [1, 0]

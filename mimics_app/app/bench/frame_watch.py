@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from mimics_app.app.picture.governor import FrameGovernor
+from mimics_app.app.picture.held_quality import measure_frame_ms
 from mimics_app.app.picture.picture import Picture
 from mimics_app.contracts.clock import Clock, process_seconds
 from mimics_app.contracts.frame_budget import over_budget
@@ -88,6 +89,7 @@ class FrameWatch:
             "stages": {name: _spread(times) for name, times in self.stages.items()},
             "over_budget": over_budget({name: float(np.median(times)) for name, times in self.stages.items()}),
             "cpu_ms": self.cpu_ms,
+            "whole_ms": measure_frame_ms(picture),
             "triangles": 0 if stats is None else stats.triangles,
             "draw_calls": 0 if stats is None else stats.draws,
             "quality": {"scale": settings.scale, "shadows": settings.shadow_size > 0, "steps": list(governor.given_up)},

@@ -2,7 +2,8 @@
 
 It never touches the haptic loop, and nothing that a study has fixed. It starts from what was held before, or from what
 frames drawn before the first one fit into (`start_from`, `settle`). Down after half a second over the budget; up after
-three seconds in which the frame would have stayed within it one level up too, by what that level cost when it was left.
+three seconds in which the frame would have stayed within it one level up too, by what that level cost when it was left,
+and after one where it would have been at ease even so: frames before the first are drawn whole, later ones need not.
 That cost is doubted after half a minute of ease, since the load may have changed just then; doubts grow ever rarer.
 The last level of all is given back, and left alone, where it buys nothing.
 """
@@ -22,7 +23,8 @@ FULL = "full"
 """Name of the state in which nothing is given up."""
 
 _DOWN_NS = 500_000_000
-_UP_NS = 3_000_000_000
+_UP_NS, _UP_AT_EASE_NS = 3_000_000_000, 1_000_000_000
+"""How long there has to be room for a level more: shorter where frames would still be at ease with it."""
 _WINDOW_NS = 500_000_000
 """Frames of this long back decide: their median, so that one slow frame does nothing."""
 _FEWEST = 3
@@ -205,7 +207,7 @@ class FrameGovernor:
         self._since_under = _since(self._since_under, now_ns, holds=room)
         if self._since_over is not None and now_ns - self._since_over >= _DOWN_NS:
             self._give_up(now_ms, now_ns)
-        elif self._since_under is not None and now_ns - self._since_under >= _UP_NS:
+        elif self._since_under is not None and now_ns - self._since_under >= self._up_ns(now_ms):
             self._take_back(now_ms, now_ns)
 
     def summary(self) -> dict[str, Any]:
@@ -221,9 +223,15 @@ class FrameGovernor:
         }
 
     def _has_room(self, now_ms: float) -> bool:
-        if self._given_up == 0:
-            return False
-        return now_ms * self._ladder[self._given_up - 1].growth <= _ROOM * self._budget_ms
+        return self._given_up > 0 and self._one_level_up(now_ms) <= _ROOM * self._budget_ms
+
+    def _up_ns(self, now_ms: float) -> int:
+        """How long there has to be room [ns]."""
+        return _UP_AT_EASE_NS if self._one_level_up(now_ms) <= _EASE * self._budget_ms else _UP_NS
+
+    def _one_level_up(self, now_ms: float) -> float:
+        """What a frame may be expected to take with the level given up last [ms]."""
+        return now_ms * self._ladder[self._given_up - 1].growth
 
     def _learn(self, now_ms: float, now_ns: int) -> None:
         """What the level given up last had cost, once the frames since then fill the window."""

@@ -279,7 +279,7 @@ class Renderer:
         """Rectangles in which the picture is another one than before [px]; None for all of it, or of no views."""
         overlaid = self._overlay is not None and self._overlay.shows
         place = self._picture.rectangle(views[0].rectangle if views else (0, 0, 0, 0))
-        if overlaid or not may_keep(scene, views, place):
+        if overlaid or not (self._has.software and may_keep(scene, views, place)):
             self._still.forget()
             parts = None
         else:
