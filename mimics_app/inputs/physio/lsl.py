@@ -6,7 +6,7 @@ sender, corrected by the measured offset of its clock; the offsets are kept.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -14,8 +14,8 @@ import numpy as np
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, UsageError
-from mimics_app.contracts.messages import Experience, SignalBlock
-from mimics_app.inputs.physio.integrity import Faults, Grid
+from mimics_app.contracts.messages import SignalBlock
+from mimics_app.inputs.physio.integrity import Grid, LiveSignals
 from mimics_app.inputs.physio.recording import name_of_channel
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def _say_nothing(text: str) -> None:
     """Nobody is there."""
 
 
-class LslSource:
+class LslSource(LiveSignals):
     """Every channel of a stream that is a body signal.
 
     Args:
@@ -57,6 +57,7 @@ class LslSource:
     """
 
     def __init__(self, name: str) -> None:
+        super().__init__()
         pylsl = _library()
         self._inlet: StreamInlet = pylsl.StreamInlet(find_stream(name), max_buflen=60, recover=True)
         info = self._inlet.info(_PATIENCE_S)
@@ -89,14 +90,6 @@ class LslSource:
         rows = np.asarray(samples, float)
         blocks = (self._grids[name].take(t_ns, rows[:, i].copy()) for name, i in self._columns.items())
         return tuple(block for block in blocks if block is not None)
-
-    @property
-    def faults(self) -> Mapping[str, Faults]:
-        """Of each signal so far."""
-        return {name: grid.faults for name, grid in self._grids.items()}
-
-    def feel(self, experience: Experience) -> None:
-        """A real person needs no such message."""
 
     def close(self) -> None:
         """Let the stream go."""
