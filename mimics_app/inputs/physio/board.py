@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from mimics_app.contracts.errors import DeviceError, UsageError, nearest
-from mimics_app.contracts.messages import Experience, SignalBlock
-from mimics_app.inputs.physio.integrity import Faults, Grid
+from mimics_app.contracts.messages import SignalBlock
+from mimics_app.inputs.physio.integrity import Grid, LiveSignals
 
 __all__ = ["BoardSource"]
 
@@ -23,7 +22,7 @@ _TO_MILLIVOLT = {"ecg": 1e-3, "emg": 1e-3}
 """BrainFlow gives microvolts."""
 
 
-class BoardSource:
+class BoardSource(LiveSignals):
     """The first channel of each kind of signal a board has.
 
     Args:
@@ -35,6 +34,7 @@ class BoardSource:
     """
 
     def __init__(self, address: str) -> None:
+        super().__init__()
         try:
             from brainflow.board_shim import BoardIds, BoardShim, BrainFlowError, BrainFlowInputParams
         except ImportError as error:
@@ -77,14 +77,6 @@ class BoardSource:
             self._grids[name].take(t_ns, rows[i] * _TO_MILLIVOLT.get(name, 1.0)) for name, i in self._columns.items()
         )
         return tuple(block for block in blocks if block is not None)
-
-    @property
-    def faults(self) -> Mapping[str, Faults]:
-        """Of each signal so far."""
-        return {name: grid.faults for name, grid in self._grids.items()}
-
-    def feel(self, experience: Experience) -> None:
-        """A real person needs no such message."""
 
     def close(self) -> None:
         """End the stream."""

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.messages import SignalBlock
+from mimics_app.contracts.messages import Experience, SignalBlock
 
-__all__ = ["Faults", "Grid"]
+__all__ = ["Faults", "Grid", "LiveSignals"]
 
 _SECOND = 1_000_000_000
 _JITTER_S = 0.04
@@ -103,3 +104,18 @@ class Grid:
         if elapsed > _SETTLED_S:
             self.faults.drift_ppm = -1e6 * self._followed / elapsed
             self.faults.wrong_rate = abs(self._received / elapsed / self._rate - 1.0) > _RATE_OFF and elapsed > 30.0
+
+
+class LiveSignals:
+    """What sources of a real person's signals have in common: a grid for each signal, by name."""
+
+    def __init__(self) -> None:
+        self._grids: dict[str, Grid] = {}
+
+    @property
+    def faults(self) -> Mapping[str, Faults]:
+        """Of each signal so far."""
+        return {name: grid.faults for name, grid in self._grids.items()}
+
+    def feel(self, experience: Experience) -> None:
+        """A real person needs no such message."""

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.messages import Experience, SignalBlock
+from mimics_app.contracts.messages import SignalBlock
 from mimics_app.inputs.physio.amplifier_frames import AmplifierReader, Samples
-from mimics_app.inputs.physio.integrity import Faults, Grid
+from mimics_app.inputs.physio.integrity import Grid, LiveSignals
 from mimics_app.inputs.physio.recording import name_of_channel
 
 __all__ = ["SerialAmplifier"]
@@ -22,7 +20,7 @@ _NUMBERS = 1 << 32
 _SILENT_NS = 2 * _SECOND
 
 
-class SerialAmplifier:
+class SerialAmplifier(LiveSignals):
     """An amplifier that counts its samples: its count says when each was, and what was lost.
 
     Args:
@@ -37,6 +35,7 @@ class SerialAmplifier:
     """
 
     def __init__(self, address: str, clock: Clock | None = None) -> None:
+        super().__init__()
         import serial
 
         port, _, baud = address.partition("@")
@@ -50,7 +49,6 @@ class SerialAmplifier:
         self._failures = (serial.SerialException, OSError)
         self._reader = AmplifierReader()
         self._early: list[Samples] = []
-        self._grids: dict[str, Grid] = {}
         self._columns: dict[str, int] = {}
         self._first: tuple[int, int] | None = None
         self._turns = 0
@@ -70,17 +68,9 @@ class SerialAmplifier:
         return tuple(blocks)
 
     @property
-    def faults(self) -> Mapping[str, Faults]:
-        """Of each signal so far."""
-        return {name: grid.faults for name, grid in self._grids.items()}
-
-    @property
     def damaged(self) -> int:
         """Frames and lines that could not be read."""
         return self._reader.damaged
-
-    def feel(self, experience: Experience) -> None:
-        """A real person needs no such message."""
 
     def close(self) -> None:
         """Let the port go."""
