@@ -18,8 +18,8 @@ from difflib import get_close_matches
 from mimics_app.contracts.plural import counted
 
 __all__ = [
-    "MOST_LISTED",
     "MOST_SOUGHT",
+    "MOST_TOLD",
     "DeviceError",
     "Issue",
     "MimicsError",
@@ -28,13 +28,13 @@ __all__ = [
     "SceneError",
     "UsageError",
     "all_sought",
-    "listed_issues",
-    "more_issues",
+    "more_told",
     "nearest",
     "short_text",
+    "told",
 ]
 
-MOST_LISTED = 100
+MOST_TOLD = 100
 """Most issues of one call that are reported one by one; of the rest their number is."""
 
 MOST_SOUGHT = 1000
@@ -75,10 +75,10 @@ class Issue:
         return f"{place}{self.what}" + (f"; {self.fix}" if self.fix else "")
 
 
-def listed_issues(issues: Sequence[Issue]) -> tuple[list[Issue], int]:
+def told(issues: Sequence[Issue]) -> tuple[list[Issue], int]:
     """The issues that are reported one by one, each once, and how many more there are."""
     once = list(dict.fromkeys(issues))
-    return once[:MOST_LISTED], max(len(once) - MOST_LISTED, 0)
+    return once[:MOST_TOLD], max(len(once) - MOST_TOLD, 0)
 
 
 def all_sought(issues: Sequence[Issue]) -> bool:
@@ -86,9 +86,9 @@ def all_sought(issues: Sequence[Issue]) -> bool:
     return len(issues) < MOST_SOUGHT
 
 
-def more_issues(issues: Sequence[Issue]) -> str:
+def more_told(issues: Sequence[Issue]) -> str:
     """How many issues there are beside those that are reported one by one, in words; "" for none."""
-    more = listed_issues(issues)[1]
+    more = told(issues)[1]
     return f"and {'' if all_sought(issues) else 'at least '}{counted(more, 'more errors')}" if more else ""
 
 
@@ -121,8 +121,8 @@ class SceneError(MimicsError):
 
     def __init__(self, issues: Issue | Iterable[Issue]) -> None:
         self._issues = [issues] if isinstance(issues, Issue) else list(issues)
-        more = more_issues(self._issues)
-        super().__init__("\n".join([*map(str, listed_issues(self._issues)[0]), *([more] if more else [])]))
+        more = more_told(self._issues)
+        super().__init__("\n".join([*map(str, told(self._issues)[0]), *([more] if more else [])]))
 
     @property
     def issues(self) -> list[Issue]:
@@ -136,7 +136,7 @@ class DeviceError(MimicsError):
     Args:
         what: What is wrong.
         fix: What to do.
-        file: Scene file that requests the device, where one does.
+        file: Scene file that asks for the device, where one does.
         pointer: JSON pointer of the place in it.
     """
 
@@ -148,7 +148,7 @@ class DeviceError(MimicsError):
 
     @property
     def issues(self) -> list[Issue]:
-        """The error with the place that requested the device."""
+        """The error with the place that asked for the device."""
         return [Issue(*self._place, self.what, self.fix)]
 
 

@@ -31,11 +31,11 @@ class TaskView:
 
     Attributes:
         state: Of the trial under way.
-        progress: Share of that trial that is done, 0-1: of its path, else of its time.
+        progress: Share of that trial that is done, 0-1: of its way, else of its time.
         trial: Its number, from 1; 0 before the first.
         trials: How many there are.
         elapsed_s: Time in the present state [s].
-        measures_progress: Whether a kind of task measures the progress; else it is that of the time.
+        on_a_way: Whether a kind of task measures the progress; else it is that of the time.
         paused: The task and its clock are halted until the person goes on.
         reading: The first trial waits until somebody at the window has read the page of keys.
     """
@@ -45,7 +45,7 @@ class TaskView:
     trial: int = 0
     trials: int = 0
     elapsed_s: float = 0.0
-    measures_progress: bool = True
+    on_a_way: bool = True
     paused: bool = False
     reading: bool = False
 

@@ -332,11 +332,11 @@ class TaskManager:
 
     def _view(self, seen: Observation) -> TaskView:
         attempts, travels = self._attempts, self._state is TrialState.TRAVEL
-        elapsed, measured = self._elapsed_s(seen.now_ns), bool(self._plays)
-        done = seen.progress if measured else elapsed / self._length_s() if travels else 0.0
+        elapsed, on_a_way = self._elapsed_s(seen.now_ns), bool(self._plays)
+        done = seen.progress if on_a_way else elapsed / self._length_s() if travels else 0.0
         progress = min(max(done, 0.0), 1.0)
         which = attempts.number + 1, len(attempts.plan)
-        return TaskView(self._state, progress, *which, elapsed, measured, self._pause.on, self._countdown.reading)
+        return TaskView(self._state, progress, *which, elapsed, on_a_way, self._pause.on, self._countdown.reading)
 
     def _lay_out(self, seen: Observation, view: TaskView) -> Board:
         attempts = self._attempts

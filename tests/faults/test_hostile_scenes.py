@@ -17,7 +17,7 @@ from mimics_app.app.cli import main
 from mimics_app.app.commands.check import examine
 from mimics_app.app.sweep.experiments import NAMES, find_experiment
 from mimics_app.contracts.action_space import ActionSpace
-from mimics_app.contracts.errors import MOST_LISTED, MOST_SOUGHT, Issue, SceneError, nearest
+from mimics_app.contracts.errors import MOST_SOUGHT, MOST_TOLD, Issue, SceneError, nearest
 from mimics_app.lab.sweep.spec import load_sweep
 from mimics_app.learning.action_sequence import load_action_sequence
 from mimics_app.tasks.task import TaskSpec
@@ -93,11 +93,11 @@ def test_of_many_errors_the_first_hundred_are_reported_and_the_number_of_the_res
     for command in ("check", "run"):
         assert main([command, file]) == 3
         lines = capsys.readouterr().err.splitlines()
-        assert len(lines) == MOST_LISTED + 1
+        assert len(lines) == MOST_TOLD + 1
         assert lines[-1] == "mimics: and 150 more errors"
         assert main([command, file, "--json"]) == 3
         answer = json.loads(capsys.readouterr().out)
-        assert (len(answer["errors"]), answer["more_errors"]) == (MOST_LISTED, 150)
+        assert (len(answer["errors"]), answer["more_errors"]) == (MOST_TOLD, 150)
         assert "more_errors_at_least" not in answer
 
 
@@ -109,7 +109,7 @@ def test_after_very_many_faults_no_more_are_looked_for(tmp_path):
 
 def test_where_counting_stopped_the_number_of_the_rest_is_a_least_one(tmp_path, capsys):
     file = str(write(tmp_path, wrong(MOST_SOUGHT + 500)))
-    more = MOST_SOUGHT + 1 - MOST_LISTED
+    more = MOST_SOUGHT + 1 - MOST_TOLD
     assert main(["check", file]) == 3
     assert capsys.readouterr().err.splitlines()[-1] == f"mimics: and at least {more} more errors"
     assert main(["check", file, "--json"]) == 3
@@ -122,8 +122,8 @@ def test_of_many_faulty_values_of_a_sweep_the_first_hundred_are_reported(tmp_pat
     sweep = {"format": "mimics-sweep", "version": 1, "experiment": "wall_stability", "parameters": values}
     assert main(["sweep", str(write(tmp_path, sweep, "sweep.json"))]) == 3
     lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == MOST_LISTED + 1
-    assert lines[-1] == f"mimics: and {999 - MOST_LISTED} more errors"
+    assert len(lines) == MOST_TOLD + 1
+    assert lines[-1] == f"mimics: and {999 - MOST_TOLD} more errors"
 
 
 def test_sweep_of_more_points_than_could_ever_be_computed_is_refused(tmp_path):

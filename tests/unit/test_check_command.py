@@ -19,10 +19,10 @@ from tests.support.scenes import scene, thing, write
 def test_right_files_exit_0_and_say_what_they_hold(tmp_path, capsys):
     files = [write(tmp_path, scene(thing("a"))), write_gltf(tmp_path / "m.gltf", square())]
     assert main(["check", *map(str, files)]) == 0
-    printed = capsys.readouterr()
-    assert "scene.json: ok (1 entity" in printed.out
-    assert "m.gltf: ok (1 node, 1 mesh" in printed.out
-    assert printed.err == ""
+    told = capsys.readouterr()
+    assert "scene.json: ok (1 entity" in told.out
+    assert "m.gltf: ok (1 node, 1 mesh" in told.out
+    assert told.err == ""
 
 
 def test_every_error_of_every_file_is_one_line_and_the_exit_is_3(tmp_path, capsys):
@@ -32,14 +32,14 @@ def test_every_error_of_every_file_is_one_line_and_the_exit_is_3(tmp_path, capsy
     model = write_gltf(tmp_path / "m.gltf", document)
     right = write(tmp_path, scene(), "right.json")
     assert main(["check", str(wrong), str(right), str(model), str(tmp_path / "none.json")]) == 3
-    printed = capsys.readouterr()
-    lines = printed.err.strip().splitlines()
+    told = capsys.readouterr()
+    lines = told.err.strip().splitlines()
     assert len(lines) == 4
     assert 'scene.json#/entities/0/components/bal: unknown component "bal"; did you mean "ball" (line 1, ' in lines[0]
     assert "#/entities/0/components/ball/radius_min: expected a number > 0.0" in lines[1]
     assert "m.gltf#/nodes/0/mesh: there is no mesh 4; the file has 1 mesh" in lines[2]
     assert "none.json" in lines[3]
-    assert "right.json: ok" in printed.out
+    assert "right.json: ok" in told.out
 
 
 def place_in(file: Path, value: str, after: str) -> dict[str, int]:
@@ -48,13 +48,13 @@ def place_in(file: Path, value: str, after: str) -> dict[str, int]:
     return {"line": 1, "column": text.index(after + value) + len(after) + 1}
 
 
-def test_a_fault_is_reported_with_its_line_and_column(tmp_path, capsys):
+def test_a_fault_is_told_with_its_line_and_column(tmp_path, capsys):
     file = tmp_path / "scene.json"
     text = '{"format": "mimics-scene", "version": 1,\n "entities": [\n  {"id": "a", "components": {"bal": {}}}\n ]}'
     file.write_text(text)
     assert main(["check", str(file)]) == 3
-    assert "#/entities/0/components/bal: " in (printed := capsys.readouterr().err)
-    assert f"(line 3, column {text.splitlines()[2].index('{}') + 1})" in printed
+    assert "#/entities/0/components/bal: " in (told := capsys.readouterr().err)
+    assert f"(line 3, column {text.splitlines()[2].index('{}') + 1})" in told
 
 
 def test_with_json_there_is_one_object_with_files_and_errors(tmp_path, capsys):
@@ -119,7 +119,7 @@ def test_every_component_says_what_each_field_means(name):
         )
 
 
-def test_part_that_the_scenario_misses_is_reported_by_check_as_by_run(tmp_path, capsys):
+def test_part_that_the_scenario_misses_is_told_by_check_as_by_run(tmp_path, capsys):
     document = json.loads((root() / "scenes" / "wavy_tunnel.json").read_text())
     del next(entity for entity in document["entities"] if entity["id"] == "ball")["components"]["ball"]
     file = write(tmp_path, document, "wavy_tunnel.json")
@@ -144,9 +144,9 @@ def test_scene_that_no_scenario_plays_is_right_and_noted(tmp_path, capsys):
 def test_a_device_that_nobody_has_is_exit_code_4_with_its_place(tmp_path, capsys, device: str):
     file = write(tmp_path, scene(thing("a", robot={"device": device})))
     assert main(["check", str(file)]) == 4
-    printed = capsys.readouterr().err
-    assert "scene.json#/entities/0/components/robot/device" in printed
-    assert 'pointer"' in printed
+    told = capsys.readouterr().err
+    assert "scene.json#/entities/0/components/robot/device" in told
+    assert 'pointer"' in told
 
 
 def test_a_device_that_nobody_has_keeps_its_place_where_reach_is_checked(tmp_path, capsys):
@@ -173,8 +173,8 @@ def test_policy_goal_and_estimator_of_a_task_must_be_there(tmp_path, capsys, fie
 @pytest.mark.parametrize("part", sorted((root() / "scenes" / "parts").glob("*.json")), ids=lambda file: file.stem)
 def test_shipped_part_is_right_by_itself_and_says_what_it_is_for(capsys, part):
     assert main(["check", str(part)]) == 0
-    printed = capsys.readouterr().out
-    assert "include it in a scene" in printed or "no scenario plays this scene" in printed
+    told = capsys.readouterr().out
+    assert "include it in a scene" in told or "no scenario plays this scene" in told
 
 
 def test_hand_without_robot_and_task_is_a_part(tmp_path, capsys):

@@ -1,4 +1,4 @@
-"""Where body signals come from: files, amplifiers at a line, LSL streams; what is wrong with them is reported."""
+"""Where body signals come from: files, amplifiers at a line, LSL streams; what is wrong with them is told."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def test_a_gap_is_not_filled_and_what_comes_twice_is_dropped() -> None:
 
 
 @pytest.mark.parametrize("ppm", [100.0, -100.0])
-def test_a_clock_that_drifts_is_followed_and_reported(ppm: float) -> None:
+def test_a_clock_that_drifts_is_followed_and_told(ppm: float) -> None:
     grid = Grid("ecg", 1000.0)
     for i in range(60_00):
         grid.take(round(i * 10_000_000 * (1.0 - 1e-6 * ppm)), np.zeros(10))
@@ -105,7 +105,7 @@ def test_a_clock_that_drifts_is_followed_and_reported(ppm: float) -> None:
     assert grid.faults.drift_ppm == pytest.approx(ppm, rel=0.2)
 
 
-def test_a_stream_at_another_rate_than_it_says_is_reported() -> None:
+def test_a_stream_at_another_rate_than_it_says_is_told() -> None:
     grid = Grid("ecg", 1000.0)
     for i in range(5000):
         grid.take(i * 10_000_000, np.zeros(9))
@@ -222,7 +222,7 @@ def test_a_stream_of_lsl() -> None:
     source.close()
 
 
-def test_a_stream_that_is_not_there_is_reported() -> None:
+def test_a_stream_that_is_not_there_is_told() -> None:
     with pytest.raises(DeviceError, match="no LSL stream"):
         open_source("lsl:nobody sends this", 1)
 

@@ -44,19 +44,19 @@ class People(Walk):
         folder = root() / "assets" / "models" / "avatars"
         prefabs = [load_person(file, full=full) for file in sorted(folder.glob("*.glb"))]
         world, chance = self.world, np.random.default_rng(1)
-        self._people, self._starts, self._directions = [], [], []
+        self._people, self._starts, self._ways = [], [], []
         for number, prefab in zip(range(count), cycle(prefabs), strict=False):
             side = _SIDES[number % 2]
             place = np.array([side + chance.uniform(-0.9, 0.9), _KERB, _FIRST - _APART * (number // 2)])
-            direction = -1.0 if number % 3 else 1.0  # most go where the eye goes
+            way = -1.0 if number % 3 else 1.0  # most go where the eye goes
             person = world.root.create_child(f"person {number}", place)
-            person.set_orientation(quat.about_axis((0.0, 1.0, 0.0), math.pi if direction < 0.0 else 0.0))
+            person.set_orientation(quat.about_axis((0.0, 1.0, 0.0), math.pi if way < 0.0 else 0.0))
             prefab.instantiate(world, person)
             animator = world.motion.animators[person.index]
             animator.play(_CLIP, at=float(chance.uniform(0.0, animator.clips[_CLIP].duration)))
             self._people.append(person)
             self._starts.append(place)
-            self._directions.append(direction)
+            self._ways.append(way)
         self.nodes = count
         world.update()
 
@@ -65,6 +65,6 @@ class People(Walk):
         motion = self.world.motion
         motion.time = frame / 30.0
         motion.eye_world = None if self._full else self.eye(frame)[0]
-        for person, start, direction in zip(self._people, self._starts, self._directions, strict=True):
-            person.set_position(start + (0.0, 0.0, direction * _SPEED * motion.time))
+        for person, start, way in zip(self._people, self._starts, self._ways, strict=True):
+            person.set_position(start + (0.0, 0.0, way * _SPEED * motion.time))
         self.world.update()

@@ -100,7 +100,7 @@ class City(Workload):
 
 
 class Walk(City):
-    """The product's own city as its scene requests it: a few steps at a walking pace, and again some way further on."""
+    """The product's own city as its scene asks for it: a few steps at a walking pace, and again some way further on."""
 
     start = (-1.75, 1.7, 330.0)
     _STRIDE, _STEPS = 1.4 / 30.0, 8

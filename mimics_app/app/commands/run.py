@@ -178,12 +178,12 @@ def _look(args: argparse.Namespace) -> int:
     """Open the viewer: nothing is to be done in the scene."""
     from mimics_app.app.play.journey_log import JourneyLog
     from mimics_app.app.terminal.display import has_display
-    from mimics_app.app.terminal.output import say, write_object
+    from mimics_app.app.terminal.output import tell, write_object
     from mimics_app.contracts.errors import DeviceError
 
     if not has_display():
         raise DeviceError("no display: this scene is only looked at", f"mimics view {args.scene} --output view.png")
-    say("nothing is to be done in this scene; it opens in the viewer")
+    tell("nothing is to be done in this scene; it opens in the viewer")
     log = JourneyLog(args.journey)
     log.doing("Reading the scene")
     from mimics_app.app.viewer.session import ViewerSession

@@ -36,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.study.page import write_page
     from mimics_app.app.study.subjects import find_run, run_subject
     from mimics_app.app.study.tables import ANSWER_COLUMNS, TAP_COLUMNS, read_study, write_table
-    from mimics_app.app.terminal.output import say, write_object
+    from mimics_app.app.terminal.output import tell, write_object
 
     scene = find_scene(args.scene)
     args.out.mkdir(parents=True, exist_ok=True)
@@ -45,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
     else:
         extra = ["--pictures", "0", "--sound", "off", *(["--seconds", str(args.seconds)] if args.seconds else [])]
         numbers = range(1, args.subjects + 1)
-        runs = [run_subject(scene, each, args.seed + each - 1, args.out / "runs", extra, say) for each in numbers]
+        runs = [run_subject(scene, each, args.seed + each - 1, args.out / "runs", extra, tell) for each in numbers]
     trials, taps, answers = read_study(runs)
     write_table(args.out / "trials.csv", trials)
     write_table(args.out / "taps.csv", taps, TAP_COLUMNS)
@@ -53,7 +53,7 @@ def run(args: argparse.Namespace) -> int:
     write_page(args.out / "study.html", scene.stem, runs, trials, taps)
     problems = [f"subject {each.subject}: {each.problem}" for each in runs if each.problem]
     for problem in problems:
-        say(problem)
+        tell(problem)
     counts = {"subjects": len(runs), "trials": len(trials), "taps": len(taps), "answers": len(answers)}
     if args.json:
         write_object("study", {**counts, "folder": args.out, "report": args.out / "study.html", "problems": problems})

@@ -19,7 +19,7 @@ class Album:
     """Keeps pictures of chosen moments, spread evenly from the first trial on. A film has every frame.
 
     Nobody knows beforehand how long a way takes, so its moments are shares of the progress. Where a task has no way
-    they are shares of the time: of the run where its length was requested, else of the trial.
+    they are shares of the time: of the run where its length was asked for, else of the trial.
     """
 
     def __init__(self, session: Session) -> None:
@@ -44,7 +44,7 @@ class Album:
     def _is_due(self, frames: Frames) -> bool:
         view, run_s = frames.orders.view, self._session.settings.seconds
         share = (self._kept + 0.5) / self._wanted
-        if run_s is not None and not view.measures_progress:
+        if run_s is not None and not view.on_a_way:
             return frames.number >= share * run_s * FRAMES_PER_SECOND
         return view.state is TrialState.TRAVEL and view.progress >= share
 

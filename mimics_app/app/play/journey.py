@@ -52,7 +52,7 @@ _LONGEST_END_S = 20.0
 
 
 def run_words(settings: RunSettings) -> list[str]:
-    """The words of `mimics run` that request these settings; what stands at its default is left out."""
+    """The words of `mimics run` that ask for these settings; what stands at its default is left out."""
     words = [str(settings.scene)]
     defaults = RunSettings(settings.scene)
     for each in fields(RunSettings):
@@ -68,9 +68,9 @@ def run_words(settings: RunSettings) -> list[str]:
 def play_through(settings: RunSettings, opening: Opening | None = None) -> JourneyEnd:
     """Play a scene in a window, again as often as the person wants."""
     while True:
-        code, noted = _play_once(run_words(settings), opening or Opening())
-        if noted.get("next") != _AGAIN:
-            return JourneyEnd(code, noted.get("next") == _OTHER, str(noted.get("error", "")))
+        code, told = _play_once(run_words(settings), opening or Opening())
+        if told.get("next") != _AGAIN:
+            return JourneyEnd(code, told.get("next") == _OTHER, str(told.get("error", "")))
 
 
 def _play_once(words: Sequence[str], opening: Opening) -> tuple[int, dict[str, object]]:
@@ -89,11 +89,11 @@ def _play_once(words: Sequence[str], opening: Opening) -> tuple[int, dict[str, o
 def _wait_for_picture(child: subprocess.Popen[bytes], log: Path, opening: Opening) -> None:
     clock = MonotonicClock()
     while child.poll() is None:
-        noted = read_journey(log)
-        if noted.get("shown"):
+        told = read_journey(log)
+        if told.get("shown"):
             opening.shown()
             return
-        if not opening.look(str(noted.get("doing", "Starting"))):
+        if not opening.look(str(told.get("doing", "Starting"))):
             child.terminate()
         clock.sleep_until_ns(clock.now_ns() + FRAME_NS)
 

@@ -53,7 +53,7 @@ def play(settings: RunSettings, *, as_json: bool) -> int:
     windowed = not settings.headless and has_display()
     log = JourneyLog(settings.journey)
     log.doing("Reading the scene")
-    with private_files(), _heard_of(log), build_session(settings, live=windowed) as session, _say_where_kept(session):
+    with private_files(), _heard_of(log), build_session(settings, live=windowed) as session, _told_where(session):
         frames = Frames(session)
         if not (windowed or settings.headless):
             sys.stderr.write(f"mimics: no display: {_WHO_PLAYS[session.live]}\n")
@@ -107,8 +107,8 @@ def _heard_of(log: JourneyLog) -> Iterator[None]:
 
 
 @contextmanager
-def _say_where_kept(session: Session) -> Iterator[None]:
-    """Say where the recording of a run is that somebody broke off: its report is not written on its own."""
+def _told_where(session: Session) -> Iterator[None]:
+    """Say where the recording of a run is that somebody broke off: its report is not written by itself."""
     try:
         yield
     except (KeyboardInterrupt, SystemExit):

@@ -7,7 +7,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from mimics_app.app.terminal.output import say
+from mimics_app.app.terminal.output import tell
 from mimics_app.contracts.clock import TICKS_PER_SECOND
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.trips import Trip, TripReader
@@ -32,7 +32,7 @@ class SafetyWatch:
         hold: The newest short hold, None while there was none.
     """
 
-    def __init__(self, report: Callable[[str], None] = say) -> None:
+    def __init__(self, report: Callable[[str], None] = tell) -> None:
         self._report = report
         self._reader = TripReader()
         self._holds = 0

@@ -11,7 +11,7 @@ from mimics_app.app.session.core import SessionCore
 from mimics_app.app.session.preparation import Preparation
 from mimics_app.app.session.switched_off import SoundPort
 from mimics_app.app.settings import RunSettings
-from mimics_app.app.terminal.output import say
+from mimics_app.app.terminal.output import tell
 from mimics_app.contracts.audio_port import AudioReport
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.recording.manifest import Manifest
@@ -48,7 +48,7 @@ class Session(SessionCore):
 
     def __init__(self, parts: Preparation, memory: SessionMemory, recorder: Recorder, sound: SoundPort) -> None:
         super().__init__(parts, memory, recorder, sound, recorder.folder)
-        self.report = say
+        self.report = tell
         self.settings: RunSettings = parts.settings
         self.folder: Path = recorder.folder
         self.picture: Picture | None = None

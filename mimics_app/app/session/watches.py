@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from mimics_app.app.session.switched_off import RecorderPort
-from mimics_app.app.terminal.output import say
+from mimics_app.app.terminal.output import tell
 from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.loop_ports import DevicePlugin
 
@@ -20,7 +20,7 @@ class RecorderWatch:
         report: Says a line to the person.
     """
 
-    def __init__(self, recorder: RecorderPort, report: Callable[[str], None] = say) -> None:
+    def __init__(self, recorder: RecorderPort, report: Callable[[str], None] = tell) -> None:
         self._report = report
         self._recorder = recorder
         self._restarts = 0
@@ -83,5 +83,5 @@ class DeviceWatch:
         if trouble != self._known:
             self._known = trouble
             self._recorder.journal("device", {"trouble": trouble})
-            say(trouble or "the device is back: R goes on")
+            tell(trouble or "the device is back: R goes on")
         return trouble

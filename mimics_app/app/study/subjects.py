@@ -44,7 +44,7 @@ def find_run(subject: int, folder: Path) -> SubjectRun:
 
 
 def run_subject(
-    scene: Path, subject: int, seed: int, runs: Path, extra: list[str], report: Callable[[str], None]
+    scene: Path, subject: int, seed: int, runs: Path, extra: list[str], tell: Callable[[str], None]
 ) -> SubjectRun:
     """Run a scene headless for one simulated subject.
 
@@ -54,9 +54,9 @@ def run_subject(
         seed: Of the run.
         runs: Folder the run folder is made in.
         extra: Further arguments of `mimics run`.
-        report: Gets a line when it begins.
+        tell: Gets a line when it begins.
     """
-    report(f"subject {subject}, seed {seed}")
+    tell(f"subject {subject}, seed {seed}")
     command = [sys.executable, "-m", "mimics_app", "run", str(scene), "--headless", "--json", "--seed", str(seed)]
     done = subprocess.run([*command, "--runs", str(runs), *extra], capture_output=True, text=True, check=False)
     try:

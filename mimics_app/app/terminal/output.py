@@ -16,9 +16,9 @@ from pathlib import PurePath
 from typing import Any, TextIO
 
 from mimics_app.app.terminal.places import line_and_column
-from mimics_app.contracts.errors import Issue, all_sought, listed_issues, more_issues
+from mimics_app.contracts.errors import Issue, all_sought, more_told, told
 
-__all__ = ["errors_of", "finite", "issue_lines", "object_written", "reserved_stdout", "say", "write_object"]
+__all__ = ["errors_of", "finite", "issue_lines", "object_written", "reserved_stdout", "tell", "write_object"]
 
 
 class _ObjectStream:
@@ -66,7 +66,7 @@ def _divert_descriptor(real: TextIO) -> int | None:
     return saved
 
 
-def say(text: str) -> None:
+def tell(text: str) -> None:
     """Say a line to whoever watches the terminal."""
     sys.stderr.write(f"mimics: {text}\n")
 
@@ -103,7 +103,7 @@ def errors_of(issues: Sequence[Issue]) -> dict[str, Any]:
 
     `more_errors_at_least` is true beside it where not all were looked for.
     """
-    first, more = listed_issues(issues)
+    first, more = told(issues)
     rows = [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix, **_place(i)} for i in first]
     counts: dict[str, Any] = {"more_errors": more} if more else {}
     if more and not all_sought(issues):
@@ -113,8 +113,8 @@ def errors_of(issues: Sequence[Issue]) -> dict[str, Any]:
 
 def issue_lines(issues: Sequence[Issue]) -> list[str]:
     """Issues as lines for a terminal: the first of them, and the number of the rest."""
-    more = more_issues(issues)
-    return [f"mimics: {issue}{_place_words(issue)}\n" for issue in listed_issues(issues)[0]] + (
+    more = more_told(issues)
+    return [f"mimics: {issue}{_place_words(issue)}\n" for issue in told(issues)[0]] + (
         [f"mimics: {more}\n"] if more else []
     )
 

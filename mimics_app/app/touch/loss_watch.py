@@ -7,7 +7,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from mimics_app.app.terminal.output import say
+from mimics_app.app.terminal.output import tell
 from mimics_app.contracts.haptic import EventKind
 
 __all__ = ["LossWatch"]
@@ -21,7 +21,7 @@ class LossWatch:
         report: Says a line to the person.
     """
 
-    def __init__(self, effect_entities: Sequence[str], report: Callable[[str], None] = say) -> None:
+    def __init__(self, effect_entities: Sequence[str], report: Callable[[str], None] = tell) -> None:
         self._report = report
         self._names = effect_entities
         self._pairs = 0

@@ -240,8 +240,7 @@ def _tail(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, chance: C
         turn = 2.0 * math.pi * number / 7.0
         spread = np.array([math.cos(turn), 0.35 * math.sin(turn), 0.7 * math.sin(turn)])
         drop = 0.15 + 0.03 * chance.share()
-        along = np.linspace(0.0, 1.0, 6)[:, None]
-        sideways = spread * (0.007 + 0.016 * np.sin(math.pi * along * 0.9))
-        line = root + sideways + along**1.3 * np.array([0.0, -drop, -0.004])
-        line = line + np.sin(math.pi * along) * np.array([0.0, 0.0, -0.030])
+        way = np.linspace(0.0, 1.0, 6)[:, None]
+        line = root + spread * (0.007 + 0.016 * np.sin(math.pi * way * 0.9)) + way**1.3 * np.array([0.0, -drop, -0.004])
+        line = line + np.sin(math.pi * way) * np.array([0.0, 0.0, -0.030])
         _spindle(draft, shades, head, bones, line, 0.030, 0.8 + 0.3 * chance.share())

@@ -45,18 +45,18 @@ def compose(seed: int) -> dict[str, bytes]:
 def _directions(middle: tuple[int, ...], right: tuple[int, ...], up: tuple[int, ...]) -> F8:
     """Unit directions of a face's pixels, [side, side, 3]."""
     down, across = (np.mgrid[0:_FACE, 0:_FACE] + 0.5) / (0.5 * _FACE) - 1.0
-    directions = np.array(middle) + across[..., None] * np.array(right) - down[..., None] * np.array(up)
-    return np.asarray(directions / np.linalg.norm(directions, axis=-1, keepdims=True))
+    ways = np.array(middle) + across[..., None] * np.array(right) - down[..., None] * np.array(up)
+    return np.asarray(ways / np.linalg.norm(ways, axis=-1, keepdims=True))
 
 
-def _mountains(directions: F8, seed: int) -> F8:
+def _mountains(ways: F8, seed: int) -> F8:
     """Noon over three ridges, each paler the farther it is; display values."""
-    up = directions[..., 1]
+    up = ways[..., 1]
     share = np.clip(up, 0.0, 1.0)[..., None] ** 0.6
     shown = (1.0 - share) * np.array([0.80, 0.89, 0.96]) + share * np.array([0.30, 0.53, 0.84])
-    puff = _fibre(directions, seed + 5)
+    puff = _fibre(ways, seed + 5)
     shown = shown + (0.97 - shown) * (0.75 * _smooth(0.52, 0.70, puff) * _smooth(0.06, 0.22, up))[..., None]
-    around = np.arctan2(directions[..., 0], -directions[..., 2])
+    around = np.arctan2(ways[..., 0], -ways[..., 2])
     for number, (high, rough, colour) in enumerate(
         ((0.16, 0.10, (0.62, 0.71, 0.80)), (0.10, 0.07, (0.47, 0.58, 0.62)), (0.045, 0.035, (0.35, 0.48, 0.36)))
     ):
@@ -69,20 +69,20 @@ def _mountains(directions: F8, seed: int) -> F8:
     return np.asarray(np.where((up < 0.0)[..., None], ground, shown))
 
 
-def _evening(directions: F8, seed: int) -> F8:
+def _evening(ways: F8, seed: int) -> F8:
     """After sunset towards -z: red below, violet, and the first stars above; display values."""
-    up = directions[..., 1]
-    towards = 0.5 - 0.5 * directions[..., 2]
+    up = ways[..., 1]
+    towards = 0.5 - 0.5 * ways[..., 2]
     warm = np.exp(-np.clip(up, 0.0, 1.0) / (0.10 + 0.22 * towards))[..., None]
     shown = np.array([0.20, 0.24, 0.46]) * (1.0 - 0.45 * np.clip(up, 0.0, 1.0)[..., None])
     glow = (1.0 - towards[..., None]) * np.array([0.52, 0.40, 0.56]) + towards[..., None] * np.array([1.0, 0.60, 0.32])
     shown = shown + warm * (glow - shown)
-    band = _smooth(0.50, 0.72, _fibre(directions * [1.0, 4.0, 1.0], seed + 7)) * _smooth(0.02, 0.10, up)
+    band = _smooth(0.50, 0.72, _fibre(ways * [1.0, 4.0, 1.0], seed + 7)) * _smooth(0.02, 0.10, up)
     edge = np.array([0.95, 0.50, 0.42]) * (0.45 + 0.55 * warm)
     shown = shown + (0.7 * band * np.exp(-np.clip(up, 0.0, 1.0) / 0.35))[..., None] * (edge - shown)
     stars = (np.random.default_rng(seed).random(up.shape) > 0.9985) & (up > 0.35)
     shown = np.where(stars[..., None], np.array([0.92, 0.93, 1.0]), shown)
-    around = np.arctan2(directions[..., 0], -directions[..., 2])
+    around = np.arctan2(ways[..., 0], -ways[..., 2])
     hill = _smooth(-0.004, 0.004, 0.03 + 0.035 * _ridge(around, seed + 3) - up)[..., None]
     return np.asarray(shown + hill * (np.array([0.20, 0.17, 0.25]) - shown))
 
@@ -90,8 +90,8 @@ def _evening(directions: F8, seed: int) -> F8:
 def _clouds(seed: int) -> bytes:
     """White clouds on nothing, which repeat; opacity is their thickness."""
     y, x = np.mgrid[0:_PLANE, 0:_PLANE] * (2.0 * math.pi / _PLANE)
-    directions = np.stack([np.cos(x), np.sin(x), np.cos(y), np.sin(y)], -1)
-    thick = _smooth(0.46, 0.74, _fibre(1.2 * directions, seed + 9))
+    ways = np.stack([np.cos(x), np.sin(x), np.cos(y), np.sin(y)], -1)
+    thick = _smooth(0.46, 0.74, _fibre(1.2 * ways, seed + 9))
     pixels = np.full((_PLANE, _PLANE, 4), 255, np.uint8)
     pixels[..., :3] = np.round(255.0 * (1.0 - 0.16 * thick))[..., None]
     pixels[..., 3] = np.round(235.0 * thick)
@@ -106,15 +106,15 @@ def _ridge(around: F8, seed: int) -> F8:
     return np.asarray(0.6 * total)
 
 
-def _fibre(directions: F8, seed: int) -> F8:
+def _fibre(ways: F8, seed: int) -> F8:
     """Soft noise of places in any number of dimensions, 0 to 1: waves in many directions, bent by each other."""
-    random, total, weight = np.random.default_rng(seed), np.zeros(directions.shape[:-1]), 0.0
-    bend = np.zeros(directions.shape[:-1])
+    random, total, weight = np.random.default_rng(seed), np.zeros(ways.shape[:-1]), 0.0
+    bend = np.zeros(ways.shape[:-1])
     for octave in range(5):
         for _ in range(5):
-            direction = random.normal(size=directions.shape[-1])
-            along = direction * (2.6 * 2.0**octave / float(np.linalg.norm(direction)))
-            wave = np.sin(directions @ along + 1.7 * bend + random.uniform(0.0, 6.28))
+            way = random.normal(size=ways.shape[-1])
+            along = way * (2.6 * 2.0**octave / float(np.linalg.norm(way)))
+            wave = np.sin(ways @ along + 1.7 * bend + random.uniform(0.0, 6.28))
             bend = 0.6 * bend + 0.4 * wave
             total += 0.6**octave * wave
             weight += float(0.6**octave)

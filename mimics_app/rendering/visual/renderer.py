@@ -105,13 +105,13 @@ class Renderer:
         self._hud_pass = HudPass(ctx, self._shaders)
         self._pictures = PictureStage(ctx, self._shaders)
         self._materials.live = self._pictures.pictures
-        # Once requested, the shaders keep asking: a governor's step compiles nothing.
+        # Once asked for, the shaders keep asking: a governor's step compiles nothing.
         self._ambient = False
         self._timer = ctx.query(time=True) if self.settings.timer else None
 
     @property
     def overlay(self) -> Overlay:
-        """The developer's overlay; made when it is first requested."""
+        """The developer's overlay; made when it is first asked for."""
         if self._overlay is None:
             from mimics_app.rendering.visual.overlay.overlay import Overlay
 
@@ -138,7 +138,7 @@ class Renderer:
 
         Args:
             views: What each eye sees; at least one.
-            latch: Called for the views once more when all is queued, just before the world is drawn: where the eyes
+            latch: Asked for the views once more when all is queued, just before the world is drawn: where the eyes
                 are by then; None where no head moves.
 
         Raises:
@@ -203,10 +203,10 @@ class Renderer:
             self._surface.ctx.finish()
         cpu_ms = (self._clock.now_ns() - started) * 1e-6
         tally = self._list.tally
-        counts = (tally.items, tally.culled, tally.hidden, tally.tests)
+        told = (tally.items, tally.culled, tally.hidden, tally.tests)
         if self.times is not None:
             self.times.count(tally.items, tally.culled, tally.hidden)
-        return FrameStats(cpu_ms, timer.elapsed * 1e-6 if timer else None, triangles, draws, *counts)
+        return FrameStats(cpu_ms, timer.elapsed * 1e-6 if timer else None, triangles, draws, *told)
 
     @property
     def times(self) -> StageTimes | None:
@@ -317,13 +317,10 @@ class Renderer:
         drawn = [ViewDraws(eye, place, opaque, blended, stereo=stereo) for eye, place in zip(eyes, places, strict=True)]
         if scene.effects is None:
             return drawn
-        projected = scene.effects.meet(eyes, self._list, self._frame)
+        thrown = scene.effects.meet(eyes, self._list, self._frame)
         if stereo != "two_pass":
-            self._frame.double([run for beam in projected for run in beam.runs])
-        return [
-            replace(each, transparent=scene.effects.mix(each.view, blended, away), projected=projected)
-            for each in drawn
-        ]
+            self._frame.double([run for beam in thrown for run in beam.runs])
+        return [replace(each, transparent=scene.effects.mix(each.view, blended, away), thrown=thrown) for each in drawn]
 
     def _pair_up(self, runs: Sequence[DrawRun], places: Sequence[Rect]) -> StereoPasses:
         """How what is queued is drawn: in one pass only for two eyes over which nothing of the overlay is laid."""

@@ -75,11 +75,11 @@ class Scene:
         task: The task as plain JSON, {} where there is none.
         sections: Registered sections, decoded ("task"), by name.
         files: Every file read, the scene file first.
-        named_files: Those that components name, in the order they were requested.
+        named_files: Those that components name, in the order they were asked for.
         methods: Settings the planner chose where the files leave the choice to it, by group of methods; {} before it
             ran.
         notes: What was left out of models or repaired, for people.
-        read: Names of the component types that something requested the values of, since it was last cleared.
+        read: Names of the component types that something asked for the values of, since it was last cleared.
     """
 
     name: str
@@ -144,7 +144,7 @@ class Scene:
 
     @property
     def unread(self) -> list[str]:
-        """Component types of the scene that nothing requested the values of since `read` was cleared, in order."""
+        """Component types of the scene that nothing asked for the values of since `read` was cleared, in order."""
         return sorted({name for entity in self.entities for name in entity.components} - self.read)
 
     def derive(self, key: Hashable, make: Callable[[], D], source: object = None) -> D:

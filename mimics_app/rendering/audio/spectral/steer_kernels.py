@@ -82,7 +82,7 @@ class Places(NamedTuple):
         forward: Axis of the cone, [.., 3].
         state: Of `State`.
         authored: Linear gain of the sound itself.
-        level_set: Linear gain it was set to.
+        told: Linear gain it was set to.
         bus: Row of its group.
         passes: Share that obstacles let through, by band, [.., 3].
         model: INVERSE, LINEAR or EXPONENTIAL.
@@ -99,7 +99,7 @@ class Places(NamedTuple):
     forward: Numbers
     state: Words
     authored: Numbers
-    level_set: Numbers
+    told: Numbers
     bus: Words
     passes: Numbers
     model: Words
@@ -121,37 +121,37 @@ def steer(order: Words, places: Places, buses: Numbers, voices: Voices, head: He
         voices: Set.
         head: The listener.
     """
-    offset = np.zeros(3)
+    way = np.zeros(3)
     for n in range(order.shape[0]):
         v = order[n]
-        level = 0.0 if places.state[v] == _FADING else places.authored[v] * places.level_set[v] * buses[places.bus[v]]
+        level = 0.0 if places.state[v] == _FADING else places.authored[v] * places.told[v] * buses[places.bus[v]]
         if places.relative[v] >= 0:
             places.heard[v] = level
-            _set_target(voices, v, places.relative[v], head.steps[1], level, level, level)
+            _tell(voices, v, places.relative[v], head.steps[1], level, level, level)
             continue
         distance = 0.0
         for axis in range(3):
-            offset[axis] = places.position[v, axis] - head.position[axis]
-            distance += offset[axis] ** 2
+            way[axis] = places.position[v, axis] - head.position[axis]
+            distance += way[axis] ** 2
         distance = np.sqrt(distance)
-        gain = level * _fall(distance, places.model[v], places.fall[v]) * _cone(offset, distance, places, v)
+        gain = level * _fall(distance, places.model[v], places.fall[v]) * _cone(way, distance, places, v)
         low = gain * places.passes[v, 0] * np.exp(-_AIR_LOW * distance)
         middle = gain * places.passes[v, 1] * np.exp(-_AIR_MIDDLE * distance)
         high = gain * places.passes[v, 2] * np.exp(-_AIR_HIGH * distance)
         places.heard[v] = middle
-        voices.pitch[v, 1] = _pitch(offset, distance, places, v, head.velocity)
+        voices.pitch[v, 1] = _pitch(way, distance, places, v, head.velocity)
         if voices.changed[v] == 2:
             voices.pitch[v, 0] = voices.pitch[v, 1]
-        _turn_to_head(offset, distance, head.axes, places.direction[v])
+        _turn_to_head(way, distance, head.axes, places.direction[v])
         azimuth = np.arctan2(places.direction[v, 0], -places.direction[v, 2])
         elevation = np.arcsin(min(1.0, max(-1.0, places.direction[v, 1])))
         cell = cell_of(azimuth, elevation, head.cells.rows)
         fill_cell(cell, azimuth, elevation, head.cells)
-        _set_target(voices, v, cell, _delay_row(azimuth, elevation, cell, head), low, middle, high)
+        _tell(voices, v, cell, _delay_row(azimuth, elevation, cell, head), low, middle, high)
 
 
 @kernel
-def _set_target(voices: Voices, v: int, cell: int, half: int, low: float, middle: float, high: float) -> None:
+def _tell(voices: Voices, v: int, cell: int, half: int, low: float, middle: float, high: float) -> None:
     """Hand a voice what it is to be, where that is not what it is."""
     bands = voices.bands[v, 1]
     same = voices.cell[v, 1] == cell and voices.half[v, 1] == half and voices.changed[v] != 2
@@ -177,14 +177,14 @@ def _fall(distance: float, model: int, fall: Numbers) -> float:
 
 
 @kernel
-def _cone(offset: Numbers, distance: float, places: Places, v: int) -> float:
-    """Gain by the angle between a voice's axis and the direction to the listener, blended between the two angles."""
+def _cone(way: Numbers, distance: float, places: Places, v: int) -> float:
+    """Gain by the angle between a voice's axis and the way to the listener, blended between the two angles."""
     inner, outer, least = places.cone[v, 0], places.cone[v, 1], places.cone[v, 2]
     if inner >= np.pi or distance < _NEAREST:
         return 1.0
     cosine = 0.0
     for axis in range(3):
-        cosine -= offset[axis] * places.forward[v, axis]
+        cosine -= way[axis] * places.forward[v, axis]
     angle = np.arccos(min(1.0, max(-1.0, cosine / distance)))
     if angle <= inner:
         return 1.0
@@ -192,14 +192,14 @@ def _cone(offset: Numbers, distance: float, places: Places, v: int) -> float:
 
 
 @kernel
-def _pitch(offset: Numbers, distance: float, places: Places, v: int, velocity: Numbers) -> float:
+def _pitch(way: Numbers, distance: float, places: Places, v: int, velocity: Numbers) -> float:
     """Ratio of pitches by motion along the way, of source and of listener (Doppler)."""
     if distance < _NEAREST or places.doppler[v] == 0.0:
         return 1.0
     towards, away = 0.0, 0.0
     for axis in range(3):
-        towards -= places.velocity[v, axis] * offset[axis]
-        away -= velocity[axis] * offset[axis]
+        towards -= places.velocity[v, axis] * way[axis]
+        away -= velocity[axis] * way[axis]
     most = _FASTEST * SOUND_SPEED
     towards = min(most, max(-most, places.doppler[v] * towards / distance))
     away = min(most, max(-most, places.doppler[v] * away / distance))
@@ -207,13 +207,13 @@ def _pitch(offset: Numbers, distance: float, places: Places, v: int, velocity: N
 
 
 @kernel
-def _turn_to_head(offset: Numbers, distance: float, axes: Numbers, direction: Numbers) -> None:
+def _turn_to_head(way: Numbers, distance: float, axes: Numbers, direction: Numbers) -> None:
     """Unit vector in the head's axes; straight ahead for what is inside the head."""
     for row in range(3):
         direction[row] = 0.0
         if distance >= _NEAREST:
             for axis in range(3):
-                direction[row] += axes[row, axis] * offset[axis] / distance
+                direction[row] += axes[row, axis] * way[axis] / distance
     if distance < _NEAREST:
         direction[2] = -1.0
 

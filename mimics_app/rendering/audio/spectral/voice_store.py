@@ -80,7 +80,7 @@ class VoiceStore:
             forward=np.zeros((count, 3)),
             state=self.state,
             authored=self.authored,
-            level_set=self.gain,
+            told=self.gain,
             bus=self.bus,
             passes=np.ones((count, 3)),
             model=np.zeros(count, np.int64),

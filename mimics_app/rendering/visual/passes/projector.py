@@ -28,7 +28,7 @@ _OF_ALBEDO = ("TEXTURED", "COLOURED", "UV_TRANSFORMS")
 
 
 class ProjectorPass:
-    """Draws projected pictures."""
+    """Draws what projectors throw."""
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:
         self._ctx = ctx
@@ -41,7 +41,7 @@ class ProjectorPass:
         arena: MeshArena,
         frame: FrameBuffers,
         view: View,
-        projected: Sequence[BeamRuns],
+        thrown: Sequence[BeamRuns],
         lights: frozenset[str],
         eyes: tuple[str, ...],
     ) -> int:
@@ -52,19 +52,19 @@ class ProjectorPass:
             arena: Has the meshes.
             frame: Has the instances.
             view: From where; its block is bound.
-            projected: Projectors with the surfaces they meet.
+            thrown: Projectors with the surfaces they meet.
             lights: Features of shaders that the frame's light needs.
-            eyes: What is set in shaders besides where both eyes are drawn together.
+            eyes: What shaders are told besides where both eyes are drawn together.
 
         Returns:
             Draw calls made.
         """
-        if not projected:
+        if not thrown:
             return 0
         ctx, draws = self._ctx, 0
         target.depth_mask = False
         ctx.depth_func = "=="
-        for each in projected:
+        for each in thrown:
             texture = self._textures.get(each.beam.key, each.beam.picture)
             texture.repeat_x = texture.repeat_y = False
             texture.use(_BINDING)

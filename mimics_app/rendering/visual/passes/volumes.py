@@ -66,7 +66,7 @@ class VolumePass:
             items: Which of them cast.
             views: From where: one, or two eyes that are drawn together.
             lighting: What shines.
-            eyes: What is set in shaders besides to draw both.
+            eyes: What shaders are told besides to draw both.
 
         Returns:
             Draw calls made.

@@ -38,7 +38,7 @@ class EffectStage:
         self._field = SpriteField(self._pictures)
         self._sprites = SpritePass(ctx, shaders)
         self._projectors = ProjectorField()
-        self._projecting = ProjectorPass(ctx, shaders, longest_texture)
+        self._throwing = ProjectorPass(ctx, shaders, longest_texture)
         self._lights: frozenset[str] = frozenset()
 
     def prepare(self, world: World, lights: frozenset[str]) -> None:
@@ -70,17 +70,17 @@ class EffectStage:
         """Send the sprites of all views to the GPU."""
         self._sprites.upload(self._field.corners[: self._field.count])
 
-    def project(
+    def throw(
         self,
         target: moderngl.Framebuffer,
         arena: MeshArena,
         frame: FrameBuffers,
         view: View,
-        projected: Sequence[BeamRuns],
+        thrown: Sequence[BeamRuns],
         eyes: tuple[str, ...],
     ) -> int:
-        """Draw projected pictures onto what is opaque; returns the draw calls made."""
-        return self._projecting.draw(target, arena, frame, view, projected, self._lights, eyes)
+        """Draw what projectors throw onto what is opaque; returns the draw calls made."""
+        return self._throwing.draw(target, arena, frame, view, thrown, self._lights, eyes)
 
     def draw_mixed(
         self, target: moderngl.Framebuffer, arena: MeshArena, frame: FrameBuffers, runs: Sequence[DrawRun | SpriteRun]
@@ -102,5 +102,5 @@ class EffectStage:
 
     def release(self) -> None:
         """Free everything."""
-        for part in (self._sprites, self._projecting, self._pictures):
+        for part in (self._sprites, self._throwing, self._pictures):
             part.release()

@@ -79,7 +79,7 @@ class ViewDraws:
         opaque: Runs of draws, near to far.
         mirrors: Those seen in it, with the number of the view and what they show there.
         transparent: Sprites that are cut out, then sprites and blended surfaces, far to near.
-        projected: Projected pictures on the opaque ones.
+        thrown: What projectors put onto the opaque ones.
         stereo: How this eye and the other one of its pair are drawn.
     """
 
@@ -88,7 +88,7 @@ class ViewDraws:
     opaque: list[DrawRun]
     transparent: Sequence[DrawRun | SpriteRun]
     mirrors: Sequence[tuple[MirrorPicture, int, Reflection | None]] = ()
-    projected: Sequence[BeamRuns] = ()
+    thrown: Sequence[BeamRuns] = ()
     stereo: StereoPasses = "two_pass"
 
     @property
@@ -158,7 +158,7 @@ class WorldStage:
     def _draw_eyes(
         self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws], *, sky: bool
     ) -> int:
-        """Draw a view, or two over one queue: bodies in one pass, what each eye has of its own apart."""
+        """Draw a view, or two over one queue: bodies in one pass, what each eye has of its own by itself."""
         for seen in zip(*(each.mirrors for each in eyes), strict=True):
             corners = [each.rectangle[:2] for each in eyes]
             seen[0][0].show([(number, shown, at) for (_, number, shown), at in zip(seen, corners, strict=True)])
@@ -177,7 +177,7 @@ class WorldStage:
     def _together(
         self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]
     ) -> Iterator[tuple[str, ...]]:
-        """What is drawn meanwhile by shaders that have this set finds its eye's place on its own."""
+        """What is drawn meanwhile by shaders that are told this finds its eye's place by itself."""
         self._blocks[0].bind()
         self._use_ambient(scene, range(len(eyes)))
         first = eyes[0]
@@ -196,7 +196,7 @@ class WorldStage:
     def _by_turns(
         self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]
     ) -> Iterator[ViewDraws]:
-        """Each eye, with its place in use and its numbers set."""
+        """Each eye, with its place in use and its numbers told."""
         for number, (each, block) in enumerate(zip(eyes, self._blocks, strict=False)):
             if len(eyes) > 1:
                 target.viewport = each.rectangle
@@ -205,7 +205,7 @@ class WorldStage:
             yield each
 
     def _draw_opaque(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws) -> int:
-        """Meshes and cords, and what is projected onto them, of one eye or both."""
+        """Meshes and cords, and what is thrown onto them, of one eye or both."""
         eyes = eye_define(drawn.stereo)
         variant = partial(self._shaders.also_with, defines=eyes)
         draws = draw_runs(target, self._arena, self._frame, drawn.opaque, variant)
@@ -214,7 +214,7 @@ class WorldStage:
             draws += self._cords.draw(scene.world.cords, drawn.view, scene.lighting, scene.lights, time_s, eyes)
         if scene.effects is None:
             return draws
-        return draws + scene.effects.project(target, self._arena, self._frame, drawn.view, drawn.projected, eyes)
+        return draws + scene.effects.throw(target, self._arena, self._frame, drawn.view, drawn.thrown, eyes)
 
     def _draw_transparent(self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]) -> int:
         """Blended surfaces of both eyes at once; where there are sprites, each eye has its own order of both."""
