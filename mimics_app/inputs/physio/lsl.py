@@ -6,6 +6,7 @@ sender, corrected by the measured offset of its clock; the offsets are kept.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -13,8 +14,8 @@ import numpy as np
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, UsageError
-from mimics_app.contracts.messages import SignalBlock
-from mimics_app.inputs.physio.integrity import Grid, LiveSignals
+from mimics_app.contracts.messages import Experience, SignalBlock
+from mimics_app.inputs.physio.integrity import Faults, Grid
 from mimics_app.inputs.physio.recording import name_of_channel
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ _GLANCE_S = 0.002
 _ASK_OFFSET_NS = 5 * _SECOND
 
 
-class LslSource(LiveSignals):
+class LslSource:
     """Every channel of a stream that is a body signal.
 
     Args:
@@ -44,7 +45,6 @@ class LslSource(LiveSignals):
     """
 
     def __init__(self, name: str) -> None:
-        super().__init__()
         pylsl = _library()
         found = pylsl.resolve_byprop("name", name, 1, _PATIENCE_S) or pylsl.resolve_byprop("type", name, 1, 1.0)
         if not found:
@@ -82,6 +82,14 @@ class LslSource(LiveSignals):
         rows = np.asarray(samples, float)
         blocks = (self._grids[name].take(t_ns, rows[:, i].copy()) for name, i in self._columns.items())
         return tuple(block for block in blocks if block is not None)
+
+    @property
+    def faults(self) -> Mapping[str, Faults]:
+        """Of each signal so far."""
+        return {name: grid.faults for name, grid in self._grids.items()}
+
+    def feel(self, experience: Experience) -> None:
+        """A real person needs no such message."""
 
     def close(self) -> None:
         """Let the stream go."""
