@@ -65,6 +65,11 @@ def _is_no_worse(row: Data, own: Data) -> bool:
     return bool(row["cost_ns"] <= own["cost_ns"] and row["error"] <= own["error"])
 
 
+_UNITS = (("ns", 1.0), ("µs", 1e3), ("ms", 1e6), ("s", 1e9))
+"""Units of time, and how many nanoseconds they have."""
+_ROUNDED_UP = 999.5
+"""From here on three digits would be four."""
+
 Limits = Mapping[str, Mapping[str, float]]
 """By profile: the largest error it accepts, by the unit of the error."""
 
@@ -93,7 +98,7 @@ def write_gallery(folder: Path, limits: Limits | None = None) -> Path:
     figures = [one for one in shown if one.data["kind"] == "figure"]
     maps = sorted((one for one in shown if one.data["kind"] == "stability"), key=_number_of)
     page = folder / "index.html"
-    environment = load_templates(_TEMPLATES, number=_number, cell=_cell)
+    environment = load_templates(_TEMPLATES, number=_number, cell=_cell, time=_time)
     text = environment.get_template("gallery.html.j2").render(
         lines=[_line_of(one, limits or {}) for one in charts],
         profiles=list(limits or {}),
@@ -137,6 +142,14 @@ def _number_of(one: _Shown) -> tuple[int, str]:
 
 def _number(value: float | None) -> str:
     return "" if value is None else format_number(float(value))
+
+
+def _time(ns: float | None) -> str:
+    """A cost with the unit that gives it one to three digits before the point; "" for none."""
+    if ns is None:
+        return ""
+    unit, factor = next((each for each in _UNITS if ns < _ROUNDED_UP * each[1]), _UNITS[-1])
+    return f"{ns / factor:.3g} {unit}"
 
 
 def _cell(value: object) -> str:

@@ -39,7 +39,7 @@ from mimics_app.recording.report_tables import (
     trip_table,
 )
 from mimics_app.recording.report_trips import MOST_DRAWN, Trip, trips_of
-from mimics_app.recording.report_values import NONE, mapping, one, scaled, shown, thousands
+from mimics_app.recording.report_values import NONE, mapping, number, one, scaled, shown, thousands
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES, write_atomically
 from mimics_app.recording.verdict import judge
@@ -260,7 +260,7 @@ def _cards(run: Run, attempts: list[Attempt], section: ReportSection) -> dict[st
     felt = [_largest(attempt.samples[attempt.free]["f_user_world"]) for attempt in attempts]
     return {
         **_trial_cards(run),
-        "score of 100": one(task.get("score")),
+        "score of 100": _points(task.get("score")),
         "mean time of a trial": one(task.get("time_s"), "s"),
         **{name: _card(*figure) for name, figure in section.tiles(task).items()},
         section.path_error: one(scaled(task.get("path_error_m"), 1000.0), "mm"),
@@ -268,6 +268,12 @@ def _cards(run: Run, attempts: list[Attempt], section: ReportSection) -> dict[st
         "largest force felt": one(max(felt, default=0.0) or None, "N"),
         "safety stops": shown(_stops_and_holds(run)["safety stops"]),
     }
+
+
+def _points(score: object) -> str:
+    """A score as everybody else writes it: whole points."""
+    value = number(score)
+    return NONE if value is None else f"{value:.0f}"
 
 
 def _operators_cards(run: Run) -> dict[str, str]:

@@ -19,7 +19,7 @@ from mimics_app.contracts.methods import Group, Method, Registry
 from mimics_app.lab.chart import draw_chart
 from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
 from mimics_app.lab.figure import write_figure
-from mimics_app.lab.gallery import write_gallery
+from mimics_app.lab.gallery import _time, write_gallery
 from mimics_app.lab.measure import Growth, Measured, MeasuredGroup
 from mimics_app.lab.stability_chart import draw_outcome
 from mimics_app.plotting.axis import Axis, format_number, format_ticks
@@ -140,6 +140,9 @@ def test_gallery_begins_with_what_is_chosen_and_what_each_profile_takes(chart, t
     table = page[: page.index("<nav>")]
     assert f"<td>{cheapest['method']}</td><td>{best['method']}</td><td>no method</td>" in table
     assert "<th>loose</th><th>strict</th><th>none</th>" in table
+    assert [_time(ns) for ns in (None, 4.5021, 999.7, 46460.0, 1.3e7, 2e9)] == [
+        "", "4.5 ns", "1 µs", "46.5 µs", "13 ms", "2 s"
+    ]  # fmt: skip
 
 
 def test_a_default_that_loses_in_its_own_shipped_chart_says_why_it_stays():

@@ -116,7 +116,7 @@ def test_page_one_says_who_when_what_it_came_to_and_how_it_went_over_time(tmp_pa
     page = write_report(second, report_sections()).read_text()
     assert "2 of 3 trials finished, 20 % faster than last time." in page
     assert "participant P1" in page and "2026-01-0" in page, "local date"
-    assert page.index("<b>72.0</b><span>score of 100</span>") < page.index("<h2>Trials</h2>")
+    assert page.index("<b>72</b><span>score of 100</span>") < page.index("<h2>Trials</h2>")
     assert page.index("Score over the sessions of P1") < page.index("Movement through the tunnel")
     assert page_of(Run.open(second), report_sections()).front.trend is not None
     front = page_of(Run.open(first), report_sections()).front
