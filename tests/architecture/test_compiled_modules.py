@@ -69,6 +69,7 @@ DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
     ),
     "contracts/probe.py": (("mimics_app.contracts.clock",), "times what it calls"),
     "rendering/audio/spectral/bins.py": ((_LANES, "llvmlite.ir"), "writes the instructions itself"),
+    "rendering/audio/spectral/cell_kernels.py": ((_LANES,), "how long a row is"),
     "rendering/audio/spectral/fourier.py": ((_LANES,), "writes the instructions itself"),
     "rendering/haptic/publish.py": (("mimics_app.rendering.haptic.channels",), "the type of its channels"),
     "rendering/haptic/struck.py": (

@@ -261,9 +261,20 @@ def test_shipped_table_draft_and_study_choose_differently(scene):
     table = Table.load_shipped()
     draft, study = (plan_scene(scene, profile, table).methods for profile in ("draft", "study"))
     assert draft["tunnel projection"] == "newton one step" and study["tunnel projection"] == "newton warm"
-    assert draft["spatialiser"] == "stereo" and study["spatialiser"] == "spectral"
+    assert draft["spatialiser"] == "stereo" and study["spatialiser"] == "hrtf"
     same = ("tunnel frame", "admittance form")
     assert [draft[group] for group in same] == [study[group] for group in same]
+
+
+def test_the_spectral_mixer_is_cheaper_and_taken_only_where_it_is_asked_for(scene):
+    """Live it is heard later: see decision 155."""
+    table = Table.load_shipped()
+    costs = {r.method: r.cost_us for r in table.groups["spatialiser"]}
+    assert costs["spectral"] < costs["hrtf"]
+    usual = plan_scene(scene, "study", table)
+    assert next(c.taken.settings["mixer"] for c in usual.choices if c.group == "spatialiser") == "openal"
+    exact = plan_scene(accepting(scene, itd_us=10.0), "study", table)
+    assert next(c.taken.settings["mixer"] for c in exact.choices if c.group == "spatialiser") == "spectral"
 
 
 def test_shipped_table_knows_every_method_a_scene_may_name():

@@ -12,7 +12,13 @@ from mimics_app.world.components.animation import Animation, Avatar
 from mimics_app.world.components.haptic_shapes import TouchSurface, surface_of
 from mimics_app.world.components.objects import HapticObject, HapticWalls, InteractionPoints
 from mimics_app.world.components.robot import Admittance, Robot, Tunnel
-from mimics_app.world.components.systems import AudioSettings, DisplaySettings, HapticSettings, VisualSettings
+from mimics_app.world.components.systems import (
+    AudioSettings,
+    DisplaySettings,
+    HapticSettings,
+    Tolerances,
+    VisualSettings,
+)
 from mimics_app.world.components.visible import CameraComponent, LightComponent, MeshComponent, Sound
 from mimics_app.world.scene.method_plugins import Use, method_plugins
 from mimics_app.world.scene.scene import Scene
@@ -172,13 +178,23 @@ def _named_spatialiser(scene: Scene) -> Settings | None:
     return {"hrtf": audio.hrtf, "mixer": audio.mixer}
 
 
+_WHOLE_SAMPLES_US = 23.0
+"""What a delay between the ears is off where it is of whole samples, as OpenAL's; who needs less states a tolerance."""
+
+
 def _may_spatialise(scene: Scene, settings: Settings) -> bool:
-    """What the scene says of one of the two holds, and what only one mixer can do decides it."""
-    audio = audio_of(scene)
+    """What the scene says of one of the two holds, and the spectral mixer is named or needed.
+
+    It is the cheaper and the more exact one, but live it is heard 4 ms later (decision 155), which no cost here says.
+    """
+    audio, stated = audio_of(scene), scene.systems.get("tolerances")
     only_spectral = audio.sofa is not None or (audio.hrtf is False and audio.speakers != "stereo")
+    itd_us = stated.itd_us if isinstance(stated, Tolerances) else None
+    exact = only_spectral or audio.mixer == "spectral" or (itd_us is not None and itd_us < _WHOLE_SAMPLES_US)
     return (
         (audio.hrtf == "auto" or settings.get("hrtf") == audio.hrtf)
         and (audio.mixer == "auto" or settings.get("mixer") == audio.mixer)
+        and (settings.get("mixer") == "spectral") <= exact
         and (not only_spectral or settings.get("mixer") == "spectral")
     )
 
