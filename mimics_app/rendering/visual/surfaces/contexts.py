@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import sys
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.errors import DeviceError, UsageError, nearest
@@ -17,6 +18,11 @@ GL_REQUIRED = 430
 """OpenGL 4.3 core: multi-draw-indirect and shader storage."""
 
 BACKENDS = ("window", "egl", "osmesa")
+
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
+"""What glibc's mallopt calls them."""
+_KEPT, _LARGEST = 256 << 20, 32 << 20
+"""How much freed memory is kept, and what is not taken from it any more [bytes]; the latter is glibc's own limit."""
 
 _APT_EGL = "install it with: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri"
 _APT_OSMESA = "install it with: apt-get install libosmesa6 (Mesa before 25.1), or use --backend egl"
@@ -43,6 +49,7 @@ def create_surface(
         raise UsageError(f'no graphics backend "{backend}"', nearest(backend, BACKENDS))
     if min(size) < 1:
         raise UsageError(f"a picture of {size[0]} x {size[1]} pixels cannot be", "give a size like 1280x720")
+    _keep_freed_memory()
     if backend == "egl":
         return _EglSurface(size)
     if backend == "osmesa":
@@ -50,6 +57,17 @@ def create_surface(
     from mimics_app.rendering.visual.surfaces.window import WindowSurface
 
     return WindowSurface(size, title, vsync=vsync, stereo=stereo)
+
+
+def _keep_freed_memory() -> None:
+    """Have the C library keep what is freed: a software renderer takes and frees megabytes with every draw.
+
+    Fetched from the system each time they cost a page fault every 4 KiB. Of glibc; other libraries have no such call.
+    """
+    mallopt = getattr(ctypes.CDLL(None), "mallopt", None) if sys.platform == "linux" else None
+    if mallopt is not None:
+        mallopt(_TRIM_THRESHOLD, _KEPT)
+        mallopt(_MMAP_THRESHOLD, _LARGEST)
 
 
 class _EglSurface(Surface):
