@@ -17,8 +17,8 @@ _SIGNS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 _OCTAHEDRON = 3.0**0.5 * np.concatenate([np.eye(3), -np.eye(3)])
 """Corners of the one that holds the unit ball."""
 
-_CELL = 32
-"""Side of the squares that rectangles are made of [px]: half of that in which llvmpipe works."""
+_CELL = 16
+"""Side of the squares that rectangles are made of [px]."""
 
 _MOST_PARTS, _WORTH = 4, 0.04
 """More rectangles than these, or a cut that leaves out less of the picture, cost more by corners than they save."""
