@@ -7,7 +7,7 @@ import pytest
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.rendering.visual.displays.desktop import desktop_views
-from mimics_app.rendering.visual.quality_steps import quality_steps
+from mimics_app.rendering.visual.quality_steps import quality_steps, rehearse_steps
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
@@ -91,6 +91,25 @@ def test_quality_changes_while_running_and_comes_back():
         assert draw().shape == (180, 320, 4)
         renderer.release()
         assert surface.ctx.error == "GL_NO_ERROR"
+
+
+def test_steps_that_were_rehearsed_compile_nothing_in_a_session():
+    world = make_tunnel_world()
+    with create_surface("egl", SIZE) as surface:
+        renderer = Renderer(surface, world, RenderSettings(msaa=4, shadow_size=512))
+        views, before = desktop_views(world.cameras[0], surface.size), renderer.settings
+        renderer.draw(views)
+        programs = renderer._shaders._programs
+        least = len(programs)
+        rehearse_steps(renderer, views)
+        known = len(programs)
+        assert renderer.settings == before and known > least
+        for step in quality_steps(renderer):
+            for level in range(1, len(step.levels)):
+                step.apply(level)
+                renderer.draw(views)
+        assert len(programs) == known
+        renderer.release()
 
 
 def test_a_plain_picture_without_shadows_has_only_its_sharpness_to_give():

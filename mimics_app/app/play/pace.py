@@ -17,7 +17,7 @@ from mimics_app.app.session.watches import DeviceWatch
 from mimics_app.contracts.clock import FRAME_NS
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
-from mimics_app.rendering.visual.quality_steps import quality_steps, rehearse_shading
+from mimics_app.rendering.visual.quality_steps import quality_steps, rehearse_steps
 
 __all__ = ["run_live", "run_unseen", "run_virtual"]
 
@@ -112,7 +112,7 @@ def _start_lower(session: Session, governor: FrameGovernor) -> str:
     name = name_of_picture(session.picture, session.scene.path.stem, session.settings.profile)
     known = HeldQuality().find(name)
     frame_ms = partial(measure_frame_ms, session.picture)
-    rehearse_shading(session.picture.renderer, frame_ms)
+    rehearse_steps(session.picture.renderer, session.picture.views)
     if known is not None and governor.start_from(known):
         governor.prove_last(frame_ms)
     else:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mimics_app.rendering.visual.renderer import Renderer
     from mimics_app.rendering.visual.settings import Shading
+    from mimics_app.rendering.visual.view import View
 
-__all__ = ["PictureStep", "quality_steps", "rehearse_shading"]
+__all__ = ["PictureStep", "quality_steps", "rehearse_steps"]
 
 _SCALES = (1.0, 0.75, 0.5)
 
@@ -24,12 +25,14 @@ class PictureStep:
         order: Steps of a lower order are given up first.
         levels: Names of the qualities, the full one first.
         change: Called with a level.
+        compiles: Whether other programs draw then, and not the same ones with other numbers.
     """
 
     name: str
     order: int
     levels: tuple[str, ...]
     change: Callable[[int], None]
+    compiles: bool = True
 
     def apply(self, level: int) -> None:
         """Go over to a level from the next frame on."""
@@ -69,7 +72,11 @@ def _ambient(renderer: Renderer) -> PictureStep:
 
 def _mirrors(renderer: Renderer) -> PictureStep:
     return PictureStep(
-        "mirrors", 3, ("sharp", "soft"), lambda level: renderer.set_quality(mirror_scale=0.5 if level else 1.0)
+        "mirrors",
+        3,
+        ("sharp", "soft"),
+        lambda level: renderer.set_quality(mirror_scale=0.5 if level else 1.0),
+        compiles=False,
     )
 
 
@@ -77,7 +84,11 @@ def _detail(renderer: Renderer) -> PictureStep:
     full = renderer.settings.detail
     details = (full, max(0.25, 0.5 * full))
     return PictureStep(
-        "level of detail", 4, ("full", "nearer by"), lambda level: renderer.set_quality(detail=details[level])
+        "level of detail",
+        4,
+        ("full", "nearer by"),
+        lambda level: renderer.set_quality(detail=details[level]),
+        compiles=False,
     )
 
 
@@ -86,7 +97,9 @@ def _shadow_steps(renderer: Renderer) -> list[PictureStep]:
     sizes = (full, full // 2)
     names = tuple(map(str, sizes))
     return [
-        PictureStep("shadow size", 5, names, lambda level: renderer.set_quality(shadow_size=sizes[level])),
+        PictureStep(
+            "shadow size", 5, names, lambda level: renderer.set_quality(shadow_size=sizes[level]), compiles=False
+        ),
         PictureStep(
             "shadows", 8, ("on", "off"), lambda level: renderer.set_quality(shadow_size=0 if level else sizes[-1])
         ),
@@ -119,10 +132,17 @@ def _scale(renderer: Renderer) -> PictureStep:
     return PictureStep("resolution scale", 7, names, lambda level: renderer.set_quality(scale=scales[level]))
 
 
-def rehearse_shading(renderer: Renderer, draw: Callable[[], object]) -> None:
-    """Before the first frame: have compiled what the last step goes over to, by one frame drawn with it."""
-    full = renderer.settings.shading
-    if full != "plain":
-        renderer.set_quality(shading="plain")
-        draw()
-        renderer.set_quality(shading=full)
+def rehearse_steps(renderer: Renderer, views: Sequence[View]) -> None:
+    """Before the first frame: have compiled what the steps go over to, by a frame drawn at each of their levels.
+
+    In the order in which a governor gives them up, since drivers compile anew for samples and form of the picture too.
+    The frame that goes over in a session would stand still meanwhile, a tenth of a second.
+    """
+    steps = quality_steps(renderer)
+    for step in steps:
+        for level in range(1, len(step.levels)):
+            step.apply(level)
+            if step.compiles:
+                renderer.draw_finished(views)
+    for step in reversed(steps):
+        step.apply(0)
