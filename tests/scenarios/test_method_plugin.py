@@ -6,15 +6,13 @@ Nothing of the product knows it; it is installed as packages are, so it touches 
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from mimics_app.contracts.resources import root
+from tests.support.command import Answer, mimics, mimics_with
 
 ENTRY_POINTS = """
 [mimics_app.methods]
@@ -86,12 +84,6 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def mimics(site: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "mimics_app.app.cli", *map(str, arguments)]
-    environment = {**os.environ, "PYTHONPATH": str(site)}
-    return subprocess.run(command, capture_output=True, text=True, timeout=240, check=False, env=environment)
-
-
 def scene(folder: Path, position_m: float) -> Path:
     document = json.loads((root() / "scenes" / "examples" / "free_objects.json").read_text())
     document["scenario"] = "guesses"
@@ -101,37 +93,55 @@ def scene(folder: Path, position_m: float) -> Path:
     return path
 
 
-def test_it_is_measured_and_drawn_as_the_built_in_ones_are(installed: Path, tmp_path: Path) -> None:
-    done = mimics(installed, "lab", "chart", "square root", "--json", "--out", tmp_path)
+TOLERANCES = (0.1, 1e-9)
+"""Of scenes that are run [m]."""
+
+
+@pytest.fixture(scope="module")
+def answers(installed: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[object, Answer]:
+    """What commands say with the plug-in installed: runs by their tolerance, the others by name."""
+    folder, charts = (tmp_path_factory.mktemp(name) for name in ("scenes", "charts"))
+    options = ("--headless", "--seconds", 0.1, "--pictures", 0, "--sound", "off", "--json", "--runs", folder)
+    commands: dict[object, tuple[object, ...]] = {
+        "chart": ("lab", "chart", "square root", "--json", "--out", charts),
+        **{tolerance: ("run", scene(folder, tolerance), *options) for tolerance in TOLERANCES},
+        "explain": ("explain", scene(folder, 0.1)),
+        "doctor": ("doctor", "--json"),
+    }
+    return dict(zip(commands, mimics_with(installed, *commands.values()), strict=True))
+
+
+def test_it_is_measured_and_drawn_as_the_built_in_ones_are(answers: dict[object, Answer]) -> None:
+    done = answers["chart"]
     assert done.returncode == 0, done.stderr
     (figure,) = json.loads(done.stdout)["figures"]
     assert (figure["default"], set(figure["front"])) == ("6 steps", {"1 steps", "6 steps"})
     assert "1 steps" in Path(figure["svg"]).read_text(encoding="utf-8")
-    unknown = mimics(installed.parent, "lab", "chart", "square root")
+    unknown = mimics("lab", "chart", "square root")
     assert unknown.returncode == 2 and 'no group of methods "square root"' in unknown.stderr
 
 
-def test_the_planner_takes_the_cheapest_within_and_that_one_runs(installed: Path, tmp_path: Path) -> None:
+def test_the_planner_takes_the_cheapest_within_and_that_one_runs(answers: dict[object, Answer]) -> None:
     roots: dict[float, Any] = {}
-    for tolerance in (0.1, 1e-9):
-        options = ("--headless", "--seconds", 0.1, "--pictures", 0, "--sound", "off", "--json", "--runs", tmp_path)
-        done = mimics(installed, "run", scene(tmp_path, tolerance), *options)
+    for tolerance in TOLERANCES:
+        done = answers[tolerance]
         assert done.returncode == 0, done.stderr
         session = json.loads((Path(json.loads(done.stdout)["run_dir"]) / "session.json").read_text())
         roots[tolerance] = session["facts"]["root"]
         assert "square root" in json.dumps(session["plan"])
     assert roots[0.1] == 1.5 and roots[1e-9] == pytest.approx(2.0**0.5, abs=1e-12)
-    assert 'methods "broken" cannot be imported' in done.stderr and 'methods "wrong" are left out' in done.stderr
+    said = "".join(answer.stderr for answer in answers.values())  # once in a process
+    assert 'methods "broken" cannot be imported' in said and 'methods "wrong" are left out' in said
 
 
-def test_explain_says_what_it_costs_and_errs(installed: Path, tmp_path: Path) -> None:
-    done = mimics(installed, "explain", scene(tmp_path, 0.1))
+def test_explain_says_what_it_costs_and_errs(answers: dict[object, Answer]) -> None:
+    done = answers["explain"]
     assert done.returncode == 0, done.stderr
     assert "square roots" in done.stdout and "1 steps" in done.stdout
 
 
-def test_doctor_tells_which_cannot_be_had(installed: Path) -> None:
-    rows = json.loads(mimics(installed, "doctor", "--json").stdout)["plugins"]
+def test_doctor_tells_which_cannot_be_had(answers: dict[object, Answer]) -> None:
+    rows = json.loads(answers["doctor"].stdout)["plugins"]
     faults = {row["name"]: row["error"] for row in rows if row["group"] == "mimics_app.methods"}
     assert faults["guessing"] == ""
     assert "AttributeError" in faults["broken"] and "is no mimics_app" in faults["wrong"]
