@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from mimics_app.contracts.resources import root
-from tests.support.plugin_site import mimics_beside, write_package
+from tests.support.command import Answer, mimics, mimics_with
+from tests.support.plugin_site import write_package
 
 ENTRY_POINTS = """
 [mimics_app.components]
@@ -60,30 +61,44 @@ def scene(folder: Path, **components: Any) -> Path:
     return path
 
 
-def test_the_schema_knows_it(installed: Path) -> None:
-    done = mimics_beside(installed, "schema")
-    assert json.loads(done.stdout)["$defs"]["Rain"]["properties"]["per_s"]["description"] == "How many [1/s]."
-    assert "Rain" not in json.loads(mimics_beside(installed.parent, "schema").stdout)["$defs"]
+@pytest.fixture(scope="module")
+def answers(installed: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Answer]:
+    """What commands say with the plug-in installed, by name."""
+    good, wrong, unread = (tmp_path_factory.mktemp("scene") for _ in range(3))
+    options = ("--headless", "--seconds", 0.2, "--pictures", 1, "--sound", "off", "--json", "--runs", unread)
+    snow = scene(unread, rain={"per_s": 3.0}, snow={}, mirror={}, mesh={"primitive": {"shape": "plane"}})
+    commands = {
+        "schema": ("schema",),
+        "check": ("check", scene(good, rain={"per_s": 3.0})),
+        "check wrong": ("check", scene(wrong, rain={"per_s": -1.0}, hail={})),
+        "run": ("run", snow, *options),
+        "doctor": ("doctor", "--json"),
+    }
+    return dict(zip(commands, mimics_with(installed, *commands.values()), strict=True))
 
 
-def test_a_scene_with_it_is_checked(installed: Path, tmp_path: Path) -> None:
-    assert mimics_beside(installed, "check", scene(tmp_path, rain={"per_s": 3.0})).returncode == 0
-    wrong = mimics_beside(installed, "check", scene(tmp_path, rain={"per_s": -1.0}, hail={}))
+def test_the_schema_knows_it(answers: dict[str, Answer]) -> None:
+    known = json.loads(answers["schema"].stdout)["$defs"]
+    assert known["Rain"]["properties"]["per_s"]["description"] == "How many [1/s]."
+    assert "Rain" not in json.loads(mimics("schema").stdout)["$defs"]
+
+
+def test_a_scene_with_it_is_checked(answers: dict[str, Answer]) -> None:
+    assert answers["check"].returncode == 0
+    wrong = answers["check wrong"]
     assert wrong.returncode == 3
     assert "/components/rain/per_s: " in wrong.stderr
     assert "its plug-in lab_of_weather:no_such_thing cannot be imported: AttributeError" in wrong.stderr
 
 
-def test_its_scenario_reads_it_and_what_nobody_reads_is_reported(installed: Path, tmp_path: Path) -> None:
-    file = scene(tmp_path, rain={"per_s": 3.0}, snow={}, mirror={}, mesh={"primitive": {"shape": "plane"}})
-    options = ("--headless", "--seconds", 0.2, "--pictures", 1, "--sound", "off", "--json", "--runs", tmp_path)
-    done = mimics_beside(installed, "run", file, *options)
+def test_its_scenario_reads_it_and_what_nobody_reads_is_reported(answers: dict[str, Answer]) -> None:
+    done = answers["run"]
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["unread"] == ["snow"]
 
 
-def test_doctor_says_which_cannot_be_had(installed: Path) -> None:
-    rows = json.loads(mimics_beside(installed, "doctor", "--json").stdout)["plugins"]
+def test_doctor_says_which_cannot_be_had(answers: dict[str, Answer]) -> None:
+    rows = json.loads(answers["doctor"].stdout)["plugins"]
     faults = {row["name"]: row["error"] for row in rows if row["group"] == "mimics_app.components"}
     assert faults["rain"] == faults["snow"] == ""
     assert "AttributeError" in faults["hail"] and "another component has that name" in faults["mesh"]

@@ -12,7 +12,8 @@ from typing import Any
 import pytest
 
 from mimics_app.contracts.resources import root
-from tests.support.plugin_site import mimics_beside, write_package
+from tests.support.command import Answer, mimics, mimics_with
+from tests.support.plugin_site import write_package
 
 ENTRY_POINTS = """
 [mimics_app.methods]
@@ -87,37 +88,55 @@ def scene(folder: Path, position_m: float) -> Path:
     return path
 
 
-def test_it_is_measured_and_drawn_as_the_built_in_ones_are(installed: Path, tmp_path: Path) -> None:
-    done = mimics_beside(installed, "lab", "chart", "square root", "--json", "--out", tmp_path)
+TOLERANCES = (0.1, 1e-9)
+"""Of scenes that are run [m]."""
+
+
+@pytest.fixture(scope="module")
+def answers(installed: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[object, Answer]:
+    """What commands say with the plug-in installed: runs by their tolerance, the others by name."""
+    folder, charts = (tmp_path_factory.mktemp(name) for name in ("scenes", "charts"))
+    options = ("--headless", "--seconds", 0.1, "--pictures", 0, "--sound", "off", "--json", "--runs", folder)
+    commands: dict[object, tuple[object, ...]] = {
+        "chart": ("lab", "chart", "square root", "--json", "--out", charts),
+        **{tolerance: ("run", scene(folder, tolerance), *options) for tolerance in TOLERANCES},
+        "explain": ("explain", scene(folder, 0.1)),
+        "doctor": ("doctor", "--json"),
+    }
+    return dict(zip(commands, mimics_with(installed, *commands.values()), strict=True))
+
+
+def test_it_is_measured_and_drawn_as_the_built_in_ones_are(answers: dict[object, Answer]) -> None:
+    done = answers["chart"]
     assert done.returncode == 0, done.stderr
     (figure,) = json.loads(done.stdout)["figures"]
     assert (figure["default"], set(figure["front"])) == ("6 steps", {"1 steps", "6 steps"})
     assert "1 steps" in Path(figure["svg"]).read_text(encoding="utf-8")
-    unknown = mimics_beside(installed.parent, "lab", "chart", "square root")
+    unknown = mimics("lab", "chart", "square root")
     assert unknown.returncode == 2 and 'no group of methods "square root"' in unknown.stderr
 
 
-def test_the_planner_takes_the_cheapest_within_and_that_one_runs(installed: Path, tmp_path: Path) -> None:
+def test_the_planner_takes_the_cheapest_within_and_that_one_runs(answers: dict[object, Answer]) -> None:
     roots: dict[float, Any] = {}
-    for tolerance in (0.1, 1e-9):
-        options = ("--headless", "--seconds", 0.1, "--pictures", 0, "--sound", "off", "--json", "--runs", tmp_path)
-        done = mimics_beside(installed, "run", scene(tmp_path, tolerance), *options)
+    for tolerance in TOLERANCES:
+        done = answers[tolerance]
         assert done.returncode == 0, done.stderr
         session = json.loads((Path(json.loads(done.stdout)["run_dir"]) / "session.json").read_text())
         roots[tolerance] = session["facts"]["root"]
         assert "square root" in json.dumps(session["plan"])
     assert roots[0.1] == 1.5 and roots[1e-9] == pytest.approx(2.0**0.5, abs=1e-12)
-    assert 'methods "broken" cannot be imported' in done.stderr and 'methods "wrong" are left out' in done.stderr
+    said = "".join(answer.stderr for answer in answers.values())  # once in a process
+    assert 'methods "broken" cannot be imported' in said and 'methods "wrong" are left out' in said
 
 
-def test_explain_says_what_it_costs_and_errs(installed: Path, tmp_path: Path) -> None:
-    done = mimics_beside(installed, "explain", scene(tmp_path, 0.1))
+def test_explain_says_what_it_costs_and_errs(answers: dict[object, Answer]) -> None:
+    done = answers["explain"]
     assert done.returncode == 0, done.stderr
     assert "square roots" in done.stdout and "1 steps" in done.stdout
 
 
-def test_doctor_says_which_cannot_be_had(installed: Path) -> None:
-    rows = json.loads(mimics_beside(installed, "doctor", "--json").stdout)["plugins"]
+def test_doctor_says_which_cannot_be_had(answers: dict[object, Answer]) -> None:
+    rows = json.loads(answers["doctor"].stdout)["plugins"]
     faults = {row["name"]: row["error"] for row in rows if row["group"] == "mimics_app.methods"}
     assert faults["guessing"] == ""
     assert "AttributeError" in faults["broken"] and "is no mimics_app" in faults["wrong"]

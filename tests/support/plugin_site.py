@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from pathlib import Path
 from zipfile import ZipFile
 
-__all__ = ["build_wheel", "mimics_beside", "write_package"]
-
-_ROOT = Path(__file__).resolve().parents[2]
+__all__ = ["build_wheel", "write_package"]
 
 
 def build_wheel(example: Path, folder: Path) -> Path:
@@ -30,10 +27,3 @@ def write_package(folder: Path, name: str, source: str, entry_points: str) -> Pa
     (about / "entry_points.txt").write_text(entry_points)
     (folder / f"{name}.py").write_text(source)
     return folder
-
-
-def mimics_beside(site: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
-    """`mimics` in a process that finds what lies in a folder."""
-    environment = os.environ | {"PYTHONPATH": f"{site}{os.pathsep}{_ROOT}"}
-    command = [sys.executable, "-m", "mimics_app", *map(str, arguments)]
-    return subprocess.run(command, cwd=_ROOT, env=environment, capture_output=True, text=True, check=False, timeout=240)

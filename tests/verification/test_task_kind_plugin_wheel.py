@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from tests.support.plugin_site import build_wheel, mimics_beside
+from tests.support.command import Answer, mimics, mimics_with
+from tests.support.plugin_site import build_wheel
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "examples" / "task_kind_plugin"
@@ -23,11 +24,22 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def answer(installed: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    runs = str(tmp_path_factory.mktemp("runs"))
-    done = mimics_beside(
-        installed, "run", SCENE, "--headless", "--seconds", "25", "--pictures", "0", "--runs", runs, "--json"
-    )
+def answers(installed: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Answer]:
+    """What commands say with the wheel installed: of a run, of a wrong size, of a name that nothing has."""
+    folder = tmp_path_factory.mktemp("runs")
+    scene = json.loads(Path(SCENE).read_text(encoding="utf-8"))
+    commands = {"run": ("run", SCENE, "--headless", "--seconds", 25, "--pictures", 0, "--runs", folder, "--json")}
+    for name, within in (("within", 7), ("targets", 0.02)):
+        scene["task"]["reach"] = {"targets": ["yellow_lmp"], "within": within}
+        file = folder / f"{name}.json"
+        file.write_text(json.dumps(scene))
+        commands[name] = ("check", file)
+    return dict(zip(commands, mimics_with(installed, *commands.values()), strict=True))
+
+
+@pytest.fixture
+def answer(answers: dict[str, Answer]) -> dict[str, Any]:
+    done = answers["run"]
     assert done.returncode == 0, done.stderr
     result: dict[str, Any] = json.loads(done.stdout)
     return result
@@ -52,21 +64,15 @@ def test_its_section_stands_in_the_report(answer: dict[str, Any]) -> None:
         assert words in page, words
 
 
-def test_what_is_wrong_with_its_scene_is_said_with_the_place(installed: Path, tmp_path: Path) -> None:
-    scene = json.loads(Path(SCENE).read_text(encoding="utf-8"))
-    scene["task"]["reach"] = {"targets": ["yellow_lmp"], "within": 7}
-    file = tmp_path / "wrong.json"
-    file.write_text(json.dumps(scene))
-    done = mimics_beside(installed, "check", str(file))
+def test_what_is_wrong_with_its_scene_is_said_with_the_place(answers: dict[str, Answer]) -> None:
+    done = answers["within"]
     assert done.returncode == 3 and "#/task/reach/within: " in done.stderr
-    scene["task"]["reach"]["within"] = 0.02
-    file.write_text(json.dumps(scene))
-    done = mimics_beside(installed, "check", str(file))
+    done = answers["targets"]
     assert '#/task/reach/targets/0: no entity is called "yellow_lmp"; did you mean "yellow_lamp"' in done.stderr
 
 
-def test_without_the_wheel_its_words_are_unknown(tmp_path: Path) -> None:
-    done = mimics_beside(tmp_path, "check", SCENE)
+def test_without_the_wheel_its_words_are_unknown() -> None:
+    done = mimics("check", SCENE)
     assert done.returncode == 3
     assert '#/task/reach: unknown key "reach"' in done.stderr
     assert '#/task/goals/0/kind: "all_reached" is not possible here' in done.stderr

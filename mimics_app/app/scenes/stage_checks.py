@@ -13,7 +13,6 @@ from mimics_app.contracts.errors import DeviceError, Issue, UsageError
 from mimics_app.estimation.registry import check_estimator
 from mimics_app.learning.goals import build_goal
 from mimics_app.learning.registry import check_policy
-from mimics_app.rendering.audio.scene_sounds import check_sound
 from mimics_app.rendering.haptic.devices.reach import Reach
 from mimics_app.rendering.haptic.devices.robot_checks import check_points, check_robot
 from mimics_app.rendering.haptic.force_fields import check_field
@@ -32,13 +31,21 @@ from mimics_app.world.scene.scene import Scene
 
 __all__ = ["check_components", "check_stages"]
 
+
+def _check_sound(sound: Sound, pointer: str, scene: Scene) -> list[Issue]:
+    """A scene without sound imports nothing of it."""
+    from mimics_app.rendering.audio.scene_sounds import check_sound
+
+    return check_sound(sound, pointer, scene)
+
+
 _OF_COMPONENTS: tuple[tuple[type[msgspec.Struct], Callable[[Any, str, Scene], list[Issue]]], ...] = (
     (Robot, check_robot),
     (InteractionPoints, check_points),
     (HapticPath, check_haptic_path),
     (ForceField, check_field_count),
     (ForceField, check_field),
-    (Sound, check_sound),
+    (Sound, _check_sound),
 )
 """Checks of single components, each with the type it is of."""
 
