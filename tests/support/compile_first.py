@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from mimics_app.app.commands.warmup import PARTS, compile_beside
-from mimics_app.contracts.kernel_cache import sources_reached
+from mimics_app.contracts.kernel_sources import sources_reached
 
 __all__ = ["compile_first", "modules_to_import"]
 
