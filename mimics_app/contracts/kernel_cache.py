@@ -12,22 +12,23 @@ import atexit
 import hashlib
 import os
 import pickle
-import re
 import shutil
 import stat
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from functools import cache, cached_property
-from importlib.util import find_spec
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import llvmlite.binding as ll
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, NullCache, _CacheLocator
+from numba.core.compiler import CR_FIELDS, CompileResult
+from numba.core.runtime.nrt import rtsys
 
-from mimics_app.contracts.clock import wall_time
+from mimics_app.contracts.kernel_sources import ROOT, changed_since_start, source_key
 
 __all__ = [
     "KernelCache",
@@ -35,22 +36,10 @@ __all__ = [
     "cache_folder",
     "enable_cache",
     "private_folder",
-    "source_key",
-    "sources_reached",
+    "rebuilt",
 ]
 
 _OPEN_TO_OTHERS = 0o077
-_STARTED = wall_time().timestamp()
-"""Sources changed after this [s since the epoch] may not be those this process has."""
-
-_HERE = Path(__file__).resolve()
-_ROOT = _HERE.parents[2]
-_IMPORT = re.compile(
-    rb"^[ \t]*(?:from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]*))", re.MULTILINE
-)
-_NAME = re.compile(rb"([\w.]+)(?:[ \t]+as[ \t]+\w+)?")
-
-
 # --- numba's start ------------------------------------------------------------------------------------------------
 
 
@@ -71,6 +60,24 @@ def _load_arrays() -> None:
 
 
 _load_arrays()
+
+
+def _load_without_cffi() -> None:
+    """Import numba's side of cffi as if that were not installed: it would load a parser of C for functions of C.
+
+    No kernel calls one; cffi is there because libraries of sound are wrapped by it.
+    """
+    known = sys.modules.get("cffi")
+    sys.modules["cffi"] = None  # type: ignore[assignment]  # how Python says: not to be imported
+    try:
+        from numba.core.typing import cffi_utils  # noqa: F401
+    finally:
+        del sys.modules["cffi"]
+        if known is not None:
+            sys.modules["cffi"] = known
+
+
+_load_without_cffi()
 
 
 # --- which folder ---------------------------------------------------------------------------------------------------
@@ -120,10 +127,14 @@ def private_folder() -> Path | None:
     return fresh
 
 
+_FORM = 2
+"""Of the files."""
+
+
 def _compiler_key() -> str:
     """What besides sources decides machine code; numba's own index knows the processor."""
     bounds = os.environ.get("NUMBA_BOUNDSCHECK", "0")
-    return hashlib.sha256(f"{numba.__version__} {sys.version_info[:2]} {bounds}".encode()).hexdigest()[:8]
+    return hashlib.sha256(f"{numba.__version__} {sys.version_info[:2]} {bounds} {_FORM}".encode()).hexdigest()[:8]
 
 
 def _choose_cache_folder() -> Path | None:
@@ -133,139 +144,6 @@ def _choose_cache_folder() -> Path | None:
 
 cache_folder: Path | None = _choose_cache_folder()
 """Where machine code is kept, or None where nothing is writable (then each start compiles again)."""
-
-
-# --- which sources --------------------------------------------------------------------------------------------------
-
-
-@cache
-def _package_root(top: str) -> Path | None:
-    """The folder in which the top-level name of an import lies, if its sources can differ from run to run."""
-    if top == __name__.partition(".")[0]:
-        return _ROOT
-    if top in sys.stdlib_module_names:
-        return None
-    try:
-        spec = find_spec(top)
-    except (ImportError, ValueError):
-        return None
-    if spec is None:
-        return None
-    places = list(spec.submodule_search_locations or [])
-    place = Path(places[0]) if places else Path(spec.origin or "")
-    return None if place.suffix == ".so" else place.parent
-
-
-@cache
-def _source_of(name: str) -> Path | None:
-    """File of a dotted module name below its package's root, or None where that is no source file."""
-    root = _package_root(name.partition(".")[0])
-    if root is None:
-        return None
-    place = root.joinpath(*name.split("."))
-    for file in (place.with_suffix(".py"), place / "__init__.py"):
-        if file.is_file():
-            return file
-    return None
-
-
-def _names(imported: bytes) -> list[str]:
-    text = b"\n".join(line.partition(b"#")[0] for line in imported.split(b"\n"))
-    return [found.decode() for part in text.strip(b"() \t").split(b",") if (found := _first_name(part))]
-
-
-def _first_name(part: bytes) -> bytes:
-    found = _NAME.match(part.strip())
-    return found[1] if found else b""
-
-
-def _absolute(source: Path, name: str) -> str | None:
-    """`name` of an import inside `source` without leading dots; None where a relative one leaves every package."""
-    dots = len(name) - len(name.lstrip("."))
-    if not dots:
-        return name
-    package = source.parent
-    for _ in range(dots - 1):
-        package = package.parent
-    parts: list[str] = []
-    while (package / "__init__.py").is_file():
-        parts.insert(0, package.name)
-        package = package.parent
-    return ".".join([*parts, name.lstrip(".")]).rstrip(".") if parts else None
-
-
-@cache
-def _read(source: Path) -> bytes:
-    return source.read_bytes()
-
-
-@cache
-def _imports(source: Path) -> tuple[Path, ...]:
-    """Sources that `source` imports directly, wherever in its text the import stands."""
-    found: set[Path] = set()
-    for origin, names, modules in _IMPORT.findall(_read(source)):
-        if modules:
-            found.update(file for name in _names(modules) if (file := _source_of(name)))
-        elif base := _absolute(source, origin.decode()):
-            own = _source_of(base)
-            found.update(file for name in _names(names) if (file := _source_of(f"{base}.{name}") or own))
-    return tuple(sorted(found))
-
-
-def _is_fixed(source: Path, own: Path) -> bool:
-    """Whether `source` is an installed library: its version changes with the environment, not with an edit."""
-    if "site-packages" not in source.parts or source.is_relative_to(_ROOT / "mimics_app"):
-        return False
-    return not source.is_relative_to(own)
-
-
-@cache
-def sources_reached(source: Path) -> tuple[Path, ...]:
-    """`source` and every source file its imports reach, sorted.
-
-    Installed libraries of others are left out, and this module: where machine code is kept changes nothing in it.
-    """
-    own = source.parent
-    while (own.parent / "__init__.py").is_file():
-        own = own.parent
-    reached, waiting = {source, _HERE}, [source]
-    while waiting:
-        for file in _imports(waiting.pop()):
-            if file not in reached and not _is_fixed(file, own):
-                reached.add(file)
-                waiting.append(file)
-    return tuple(sorted(reached - {_HERE} | {source}))
-
-
-@cache
-def _digest(source: Path) -> bytes:
-    return hashlib.sha256(_read(source)).digest()
-
-
-@cache
-def source_key(source: Path) -> str:
-    """16 hex digits that change with any byte of any source that `source` can reach."""
-    total = hashlib.sha256()
-    for file in sources_reached(source):
-        total.update(f"{file.parent.name}/{file.name}".encode())
-        total.update(_digest(file))
-    return total.hexdigest()[:16]
-
-
-@cache
-def changed_since_start(source: Path) -> bool:
-    """Whether a source that `source` can reach was edited since this process began; a date to come is no edit."""
-    now = wall_time().timestamp()
-    return any(_STARTED < _changed_at(file) <= now for file in sources_reached(source))
-
-
-@cache
-def _changed_at(source: Path) -> float:
-    """When a source was changed last, as of the first time that is asked [s since the epoch].
-
-    It was read before, so that an edit after that is neither in this process nor in any key.
-    """
-    return source.stat().st_mtime
 
 
 # --- numba's side ---------------------------------------------------------------------------------------------------
@@ -283,7 +161,7 @@ class _Locator(_CacheLocator):
         self._py_file = py_file
         self._line = py_func.__code__.co_firstlineno
         self._key = source_key(source)
-        self._module = py_func.__module__ if source.is_relative_to(_ROOT) else source.stem
+        self._module = py_func.__module__ if source.is_relative_to(ROOT) else source.stem
 
     def get_cache_path(self) -> str:
         return str((cache_folder or Path(tempfile.gettempdir())) / f"{self._module}-{self._key}")
@@ -299,10 +177,92 @@ class _Locator(_CacheLocator):
         return cls(py_func, py_file) if os.path.exists(py_file) else None
 
 
+_MACHINE_CODE = "machine code"
+"""Kind of a library that is kept without its intermediate code; numba knows "object" and "bitcode"."""
+
+_UNRESOLVED = ".numba.unresolved$"
+"""How the name of a call begins that numba resolves in intermediate code: of functions that call themselves."""
+
+
 class KernelFiles(CompileResultCacheImpl):
-    """numba's files of one function, in our folder."""
+    """numba's files of one function, in our folder.
+
+    numba keeps the intermediate code of everything it holds beside the machine code, so that callers can be linked with
+    it, and parses it at every start. Callers of a kernel are linked with its callee (`contracts/kernel_callee.py`).
+    """
 
     _locator_classes = [_Locator]  # noqa: RUF012  numba's own form
+
+    def reduce(self, cres: Any) -> Any:
+        """As numba's own, with names for intermediate code: those it defines, and those it needs."""
+        code, fndesc = cres.library._final_module, cres.fndesc
+        fndesc.typemap = fndesc.calltypes = None
+        environments = tuple(cres._find_referenced_environments())
+        asked = {fndesc.llvm_func_name, fndesc.llvm_cpython_wrapper_name, fndesc.llvm_cfunc_wrapper_name}
+        asked |= {fndesc.env_name, *(each.env_name for each in environments)}
+        named = {each.name: each.is_declaration for each in (*code.functions, *code.global_variables)}
+        needed = [name for name, elsewhere in named.items() if elsewhere and not name.startswith("llvm.")]
+        if any(name.startswith(_UNRESOLVED) for name in named):
+            return super().reduce(cres)  # type: ignore[no-untyped-call]
+        defined = [name for name in sorted(asked) if not named.get(name, True)]
+        library = (cres.library.name, _MACHINE_CODE, (cres.library._get_compiled_object(), defined, needed))
+        return library, fndesc, cres.environment, cres.signature, tuple(cres.reload_init), environments
+
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
+        """What `reduce` gave, as a compile result."""
+        name, kind, content = payload[0]
+        if kind != _MACHINE_CODE:
+            target_context.refresh()
+            return super().rebuild(target_context, payload)  # type: ignore[no-untyped-call]
+        machine_code, defined, needed = content
+        _make_known(needed, target_context)
+        codegen = target_context.codegen()
+        library = codegen.create_library(name)
+        library.enable_object_caching()
+        library._set_compiled_object(machine_code)
+        library._finalize_final_module()
+        codegen._engine._defined_symbols.update(defined)
+        return rebuilt(target_context, library, payload)
+
+
+def _make_known(symbols: Sequence[str], target_context: Any) -> None:
+    """Have numba say where its own functions are that machine code calls: those of its memory, else all."""
+    for make_known in (rtsys.initialize, type(target_context).refresh):
+        if all(ll.address_of_symbol(symbol) is not None for symbol in symbols):
+            return
+        make_known(target_context)
+
+
+def rebuilt(target_context: Any, library: Any, payload: Any, entry_point: Any = None) -> Any:
+    """A compile result of what was kept.
+
+    Args:
+        target_context: Of the compiler.
+        library: Read from `payload`.
+        payload: What `KernelFiles.reduce` gave, or one like it.
+        entry_point: What Python would call; None: the wrapper that is in the library.
+    """
+    _, fndesc, environment, signature, reload_init, environments = payload
+    for function in reload_init:
+        function()
+    known = dict.fromkeys(CR_FIELDS) | {
+        "typing_context": target_context.typing_context,
+        "target_context": target_context,
+        "entry_point": entry_point or target_context.get_executable(library, fndesc, environment),
+        "type_annotation": "",
+        "signature": signature,
+        "objectmode": False,
+        "lifted": (),
+        "fndesc": fndesc,
+        "library": library,
+        "environment": environment,
+        "reload_init": reload_init,
+        "referenced_envs": environments,
+    }
+    if entry_point is None:
+        for each in environments:
+            library.codegen.set_env(each.env_name, each)
+    return CompileResult(**known)
 
 
 class KernelCache(FunctionCache):
@@ -314,11 +274,14 @@ class KernelCache(FunctionCache):
         """Machine code kept earlier, or None: then it is compiled again.
 
         So it is where the file is damaged, or was made in a module that this process does not have under that name.
+        All that numba can compile is not made known before each, as numba does: what is compiled asks for it.
         """
         try:
-            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+            with self._guard_against_spurious_io_errors():
+                return self._load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         except _NOT_LOADABLE:
-            return None
+            pass
+        return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep machine code; an index that names types of modules this process does not have is begun anew."""

@@ -15,7 +15,7 @@ from numba.core import compiler
 from numba.core.codegen import JITCodeLibrary
 from numba.core.registry import CPUDispatcher
 
-from mimics_app.contracts.kernel_cache import KernelCache, KernelFiles, enable_cache
+from mimics_app.contracts.kernel_cache import KernelCache, KernelFiles, enable_cache, rebuilt
 
 __all__ = ["callee_of"]
 
@@ -66,29 +66,11 @@ class _LinkedFiles(KernelFiles):
 
     def rebuild(self, target_context: Any, payload: Any) -> Any:
         """What `reduce` gave, as a compile result."""
-        (name, _, bitcode), fndesc, environment, signature, reload_init, environments = payload
-        for function in reload_init:
-            function()
+        name, _, bitcode = payload[0]
         library = _new_library(target_context, name)
         library._final_module = parse_bitcode(bitcode)
         library._finalize_final_module()
-        return compiler.CompileResult(
-            typing_context=target_context.typing_context,
-            target_context=target_context,
-            entry_point=_Entry(),
-            typing_error=None,
-            type_annotation="",
-            signature=signature,
-            objectmode=False,
-            lifted=(),
-            fndesc=fndesc,
-            library=library,
-            call_helper=None,
-            environment=environment,
-            metadata=None,
-            reload_init=reload_init,
-            referenced_envs=environments,
-        )
+        return rebuilt(target_context, library, payload, _Entry())
 
 
 class _LinkedCache(KernelCache):

@@ -166,6 +166,7 @@ def test_library_that_nobody_finds_is_a_device_error(monkeypatch, tmp_path, no_o
         (tmp_path / "openal" / "al_lib.py").write_text("raise RuntimeError('OpenAL library could not be found')")
         monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr("ctypes.util.find_library", lambda name: None)
+    monkeypatch.setattr(openal_library, "_USUAL_NAME", "libof.another.name")
     monkeypatch.setattr(openal_library, "_loaded", {})
     with pytest.raises(DeviceError, match="apt-get install libopenal1") as caught:
         openal_library.load_library(AudioSettings())

@@ -41,7 +41,7 @@ def _run(code: str, folder: Path, **environment: str) -> str:
 _KEY = """
 from pathlib import Path
 import mimics_app
-from mimics_app.contracts.kernel_cache import source_key
+from mimics_app.contracts.kernel_sources import source_key
 base = Path(mimics_app.__file__).resolve().parents[1]
 for name in {names!r}:
     print(source_key(base / name))
@@ -49,7 +49,7 @@ for name in {names!r}:
 
 _EDIT_EACH = """
 import re, sys
-from mimics_app.contracts import kernel_cache as cache
+from mimics_app.contracts import kernel_sources as cache
 from mimics_app.rendering.haptic import loop
 from pathlib import Path
 
@@ -58,13 +58,14 @@ def key():
         known.cache_clear()
     return cache.source_key(root)
 
+KEEPERS = ("kernel_cache.py", "kernel_sources.py", "clock.py")
 root = Path(loop.__file__).resolve()
 base = Path(cache.__file__).resolve().parents[2]
 loaded = {Path(m.__file__).resolve() for m in list(sys.modules.values()) if getattr(m, "__file__", None)}
 reached = cache.sources_reached(root)
 print("reached", len(reached))
 for file in sorted(loaded - set(reached)):
-    if file.is_relative_to(base / "mimics_app") and file.name not in ("__init__.py", "kernel_cache.py", "clock.py"):
+    if file.is_relative_to(base / "mimics_app") and file.name not in ("__init__.py", *KEEPERS):
         print("not in the key", file)
 before = key()
 for file in reached:
@@ -121,12 +122,31 @@ def test_a_constant_of_another_file_takes_effect_in_the_next_process(tmp_path: P
     package.mkdir()
     (package / "__init__.py").write_text("")
     (package / "kernels.py").write_text(_PROBE)
-    code = "from plugged.kernels import answer; print(answer(0), sum(answer.stats.cache_hits.values()))"
+    code = "from plugged.kernels import answer; print(answer(0), sum(answer.stats.cache_hits.values()));"
+    code += "import sys; print('numba.np.npyimpl' in sys.modules)"
     seen = []
     for value in (1, 1, 2):
         (package / "constants.py").write_text(f"ANSWER = {value}\n")
         seen.append(_run(code, tmp_path, PYTHONPATH=f"{tmp_path}:{ROOT}", NUMBA_CACHE_DIR=str(tmp_path / "cache")))
-    assert seen == ["1 0", "1 1", "2 0"]
+    assert seen == ["1 0\nTrue", "1 1\nFalse", "2 0\nTrue"], "what is kept is loaded without the whole compiler"
+
+
+_CALLS_ITSELF = """
+from mimics_app.contracts.kernel import kernel
+
+@kernel
+def factorial(n):
+    if n <= 0:
+        return 1
+    return n * factorial(n - 1)
+"""
+
+
+def test_a_function_that_calls_itself_is_kept_with_its_intermediate_code(tmp_path: Path) -> None:
+    (tmp_path / "recursive.py").write_text(_CALLS_ITSELF)
+    code = "from recursive import factorial; print(factorial(5), sum(factorial.stats.cache_hits.values()))"
+    places = {"PYTHONPATH": f"{tmp_path}:{ROOT}", "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    assert [_run(code, tmp_path, **places) for _ in range(2)] == ["120 0", "120 1"]
 
 
 def test_relative_and_parenthesised_imports_are_followed(tmp_path: Path) -> None:
@@ -138,7 +158,7 @@ def test_relative_and_parenthesised_imports_are_followed(tmp_path: Path) -> None
         "from ..leaf import (  # a remark\n    A,\n    B as C,\n)\nfrom . import twig\n"
     )
     code = (
-        "from pathlib import Path; from mimics_app.contracts.kernel_cache import sources_reached;"
+        "from pathlib import Path; from mimics_app.contracts.kernel_sources import sources_reached;"
         f"print(*[f.name for f in sources_reached(Path({str(package / 'inner' / 'kernels.py')!r}))])"
     )
     assert _run(code, tmp_path, PYTHONPATH=f"{tmp_path}:{ROOT}") == "kernels.py twig.py leaf.py"

@@ -1,9 +1,9 @@
 """OpenAL Soft bound by hand: the only module that knows the library's C interface.
 
-PyOpenAL finds the library; its own wrappers lack loopback, HRTF and float formats and hide errors behind
-`ALC_OUT_OF_MEMORY`, so a second handle with function objects of its own is taken (the first one's carry PyOpenAL's
-error hooks). The library reads its configuration once, at the first open; ours is written before that, because every
-default of it breaks the 20 ms between touch and sound (1024 x 3 frames: 51 ms).
+PyOpenAL finds the library where it has an unusual name; its own wrappers lack loopback, HRTF and float formats and hide
+errors behind `ALC_OUT_OF_MEMORY`, so a second handle with function objects of its own is taken (the first one's carry
+PyOpenAL's error hooks). The library reads its configuration once, at the first open; ours is written before that,
+because every default of it breaks the 20 ms between touch and sound (1024 x 3 frames: 51 ms).
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ from mimics_app.rendering.audio.settings import AudioSettings
 __all__ = ["AL", "ALC", "INSTALL_LINE", "OpenALLibrary", "load_library", "quiet_stderr"]
 
 INSTALL_LINE = "apt-get install libopenal1"
+_USUAL_NAME = "libopenal.so.1"
+"""Of the library on every Linux that has it."""
 
 
 class ALC:
@@ -200,10 +202,18 @@ def load_library(settings: AudioSettings) -> OpenALLibrary:
 
 
 def _find() -> str:
+    """By its usual name; else as PyOpenAL finds it, which takes many times as long: its search runs a compiler."""
+    if sys.platform.startswith("linux"):
+        with suppress(OSError):
+            ctypes.CDLL(_USUAL_NAME)
+            return _USUAL_NAME
+    return _find_by_pyopenal()
+
+
+def _find_by_pyopenal() -> str:
     path_before = os.environ.get("PATH", "")
     try:
         with _signals_held():
-            _offer_usual_name()
             from openal.al_lib import lib
     except ImportError:
         found = _find_without_pyopenal()
@@ -214,15 +224,6 @@ def _find() -> str:
     finally:
         os.environ["PATH"] = path_before  # PyOpenAL appends the working directory to it
     return found
-
-
-def _offer_usual_name() -> None:
-    """Hand PyOpenAL the library by the name it has on every Linux: its own search runs a compiler sixteen times."""
-    from openal.library_loader import _loaded_libraries
-
-    if sys.platform.startswith("linux"):
-        with suppress(OSError):
-            _loaded_libraries.setdefault("soft_oal", ctypes.CDLL("libopenal.so.1"))
 
 
 @contextmanager

@@ -8,6 +8,8 @@ All functions return float32 samples in [-1, 1], shape [n], one channel.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -121,11 +123,10 @@ def _strike(modes: tuple[tuple[float, float, float], ...], speed: float, take: i
     """Modes struck at a speed, of one energy in the first 50 ms."""
     pulse = _force_pulse(speed, rate)
     length = int(0.25 * rate)
-    time = np.arange(length) / rate
     strike = np.random.default_rng(1000 + take).uniform(1.0 - TAKE_SPREAD, 1.0 + TAKE_SPREAD, len(modes))
     response = np.zeros(length)
     for (frequency, fall, weight), shape in zip(modes, strike, strict=True):
-        response += weight * shape * _mode_acceleration(time, frequency, fall)
+        response += weight * shape * _ringing(length, rate, frequency, fall)
     knock = np.convolve(response, pulse)[:length]
     knock *= _fade_out(length, int(0.02 * rate))
     window = int(_LOUDNESS_WINDOW_S * rate)
@@ -173,6 +174,12 @@ def _force_pulse(speed: float, rate: int) -> NDArray[np.float64]:
     count = max(3, round(duration * rate))
     pulse = np.sin(np.pi * (np.arange(count) + 0.5) / count) ** 1.5
     return np.asarray(pulse / pulse.sum())
+
+
+@lru_cache(maxsize=32)
+def _ringing(length: int, rate: int, frequency: float, fall_s: float) -> NDArray[np.float64]:
+    """`_mode_acceleration` of the first `length` samples, once for every speed and take of a thing that is struck."""
+    return _mode_acceleration(np.arange(length) / rate, frequency, fall_s)
 
 
 def _mode_acceleration(time: NDArray[np.float64], frequency: float, fall_s: float) -> NDArray[np.float64]:

@@ -1,0 +1,158 @@
+"""Which sources a compiled function can reach: what the key of its machine code is made of."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import sys
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+from mimics_app.contracts.clock import wall_time
+
+__all__ = ["ROOT", "changed_since_start", "source_key", "sources_reached"]
+
+ROOT = Path(__file__).resolve().parents[2]
+"""Folder of the package."""
+
+_STARTED = wall_time().timestamp()
+"""Sources changed after this [s since the epoch] may not be those this process has."""
+
+_KEEPERS = frozenset(Path(__file__).resolve().with_name(name) for name in ("kernel_cache.py", "kernel_sources.py"))
+"""Where machine code is kept, and under which key, changes nothing in it."""
+
+_IMPORT = re.compile(
+    rb"^[ \t]*(?:from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]*))", re.MULTILINE
+)
+_NAME = re.compile(rb"([\w.]+)(?:[ \t]+as[ \t]+\w+)?")
+
+
+@cache
+def _package_root(top: str) -> Path | None:
+    """The folder in which the top-level name of an import lies, if its sources can differ from run to run."""
+    if top == __name__.partition(".")[0]:
+        return ROOT
+    if top in sys.stdlib_module_names:
+        return None
+    try:
+        spec = find_spec(top)
+    except (ImportError, ValueError):
+        return None
+    if spec is None:
+        return None
+    places = list(spec.submodule_search_locations or [])
+    place = Path(places[0]) if places else Path(spec.origin or "")
+    return None if place.suffix == ".so" else place.parent
+
+
+@cache
+def _source_of(name: str) -> Path | None:
+    """File of a dotted module name below its package's root, or None where that is no source file."""
+    root = _package_root(name.partition(".")[0])
+    if root is None:
+        return None
+    place = root.joinpath(*name.split("."))
+    for file in (place.with_suffix(".py"), place / "__init__.py"):
+        if file.is_file():
+            return file
+    return None
+
+
+def _names(imported: bytes) -> list[str]:
+    text = b"\n".join(line.partition(b"#")[0] for line in imported.split(b"\n"))
+    return [found.decode() for part in text.strip(b"() \t").split(b",") if (found := _first_name(part))]
+
+
+def _first_name(part: bytes) -> bytes:
+    found = _NAME.match(part.strip())
+    return found[1] if found else b""
+
+
+def _absolute(source: Path, name: str) -> str | None:
+    """`name` of an import inside `source` without leading dots; None where a relative one leaves every package."""
+    dots = len(name) - len(name.lstrip("."))
+    if not dots:
+        return name
+    package = source.parent
+    for _ in range(dots - 1):
+        package = package.parent
+    parts: list[str] = []
+    while (package / "__init__.py").is_file():
+        parts.insert(0, package.name)
+        package = package.parent
+    return ".".join([*parts, name.lstrip(".")]).rstrip(".") if parts else None
+
+
+@cache
+def _read(source: Path) -> bytes:
+    return source.read_bytes()
+
+
+@cache
+def _imports(source: Path) -> tuple[Path, ...]:
+    """Sources that `source` imports directly, wherever in its text the import stands."""
+    found: set[Path] = set()
+    for origin, names, modules in _IMPORT.findall(_read(source)):
+        if modules:
+            found.update(file for name in _names(modules) if (file := _source_of(name)))
+        elif base := _absolute(source, origin.decode()):
+            own = _source_of(base)
+            found.update(file for name in _names(names) if (file := _source_of(f"{base}.{name}") or own))
+    return tuple(sorted(found))
+
+
+def _is_fixed(source: Path, own: Path) -> bool:
+    """Whether `source` is an installed library: its version changes with the environment, not with an edit."""
+    if "site-packages" not in source.parts or source.is_relative_to(ROOT / "mimics_app"):
+        return False
+    return not source.is_relative_to(own)
+
+
+@cache
+def sources_reached(source: Path) -> tuple[Path, ...]:
+    """`source` and every source file its imports reach, sorted.
+
+    Installed libraries of others are left out, and what keeps machine code.
+    """
+    own = source.parent
+    while (own.parent / "__init__.py").is_file():
+        own = own.parent
+    reached, waiting = {source, *_KEEPERS}, [source]
+    while waiting:
+        for file in _imports(waiting.pop()):
+            if file not in reached and not _is_fixed(file, own):
+                reached.add(file)
+                waiting.append(file)
+    return tuple(sorted(reached - _KEEPERS | {source}))
+
+
+@cache
+def _digest(source: Path) -> bytes:
+    return hashlib.sha256(_read(source)).digest()
+
+
+@cache
+def source_key(source: Path) -> str:
+    """16 hex digits that change with any byte of any source that `source` can reach."""
+    total = hashlib.sha256()
+    for file in sources_reached(source):
+        total.update(f"{file.parent.name}/{file.name}".encode())
+        total.update(_digest(file))
+    return total.hexdigest()[:16]
+
+
+@cache
+def changed_since_start(source: Path) -> bool:
+    """Whether a source that `source` can reach was edited since this process began; a date to come is no edit."""
+    now = wall_time().timestamp()
+    return any(_STARTED < _changed_at(file) <= now for file in sources_reached(source))
+
+
+@cache
+def _changed_at(source: Path) -> float:
+    """When a source was changed last, as of the first time that is asked [s since the epoch].
+
+    It was read before, so that an edit after that is neither in this process nor in any key.
+    """
+    return source.stat().st_mtime
