@@ -169,7 +169,7 @@ class GuidedWalkKind(TaskKind):
         Measure(
             "walk_left_m",
             "walk_left",
-            "Way to the place that was left [m].",
+            "Distance left to the place [m].",
             ScorePartSpec(weight=0.0, best=0.3, worst=3.0),
             "walk_left_m",
         ),
@@ -177,7 +177,7 @@ class GuidedWalkKind(TaskKind):
     targets = ("avatar_deed",)
     completes = "brought"
     cards = ("gap", "steps")
-    label = "Way"
+    label = "Path"
 
     def takes(self, spec: TaskSpec, offers: frozenset[str]) -> bool:
         return spec.section(self.name) is not None
