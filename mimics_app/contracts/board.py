@@ -67,7 +67,7 @@ class Board:
 
     Attributes:
         cards: By the name a scene's `hud.show` lists them under.
-        message: One line in the middle, "" for none.
+        message: In the middle, "" for none; a line break where another line begins.
         alarm: Whether the line is a warning.
         count: What is counted down, large in the middle; 0 for nothing.
     """

@@ -129,7 +129,7 @@ def test_a_person_answers_with_three_keys() -> None:
     asking.step(("left", "enter"), 0.1)
     assert asking.answers[0].value == pytest.approx(1.1)
     assert asking.mark_m is None
-    assert "Statement 0" in asking.text and "[+0]" in asking.text
+    assert "Statement 0" in asking.text and "[0]" in asking.text
     asking.step(("right", "right", "right", "right", "enter"), 0.1)
     assert asking.answers[1].value == 3
     for _ in range(2):

@@ -39,6 +39,8 @@ _HEIGHT = 62.0
 _GAP = 12.0
 _COUNT, _COUNT_SIZE = 180.0, 120.0
 """Width of the disc of a count, and height of its figure [hud px]."""
+_SAID, _LINE = 30.0, 38.0
+"""Size of a message's letters, and from one of its lines to the next [hud px]."""
 
 
 class BoardLayout:
@@ -132,8 +134,18 @@ def _draw_count(hud: Hud, count: int) -> None:
 def _draw_message(hud: Hud, message: str, *, alarm: bool) -> None:
     if not message:
         return
-    size = 30.0
-    width = min(hud.measure(message, size, bold=True) + 64.0, hud.width - 2.0 * _MARGIN)
+    room = hud.width - 2.0 * _MARGIN - 64.0
+    lines = [line for part in message.split("\n") for line in _broken(hud, part, room)]
+    width = min(max(hud.measure(line, _SAID, bold=True) for line in lines), room) + 64.0
     x, y = 0.5 * (hud.width - width), 46.0
-    hud.box(x, y, width, 64.0, _ALARM_PANEL if alarm else _PANEL, radius=18.0)
-    hud.text(0.5 * hud.width, y + 21.0, message, size, INK, bold=True, align="centre", width=width - 32.0)
+    hud.box(x, y, width, 64.0 + _LINE * (len(lines) - 1), _ALARM_PANEL if alarm else _PANEL, radius=18.0)
+    for number, line in enumerate(reversed(lines)):
+        place = 0.5 * hud.width, y + 21.0 + _LINE * number
+        hud.text(*place, line, _SAID, INK, bold=True, align="centre", width=width - 32.0)
+
+
+def _broken(hud: Hud, part: str, room: float) -> list[str]:
+    """A line of a message as it is, or in up to three where it is wider than the picture."""
+    if hud.measure(part, _SAID, bold=True) <= room:
+        return [part]
+    return hud.wrap(part, _SAID, room * hud.measure(part, _SAID) / hud.measure(part, _SAID, bold=True), 3)

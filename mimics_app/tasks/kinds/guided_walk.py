@@ -169,7 +169,7 @@ class GuidedWalkKind(TaskKind):
         Measure(
             "walk_left_m",
             "walk_left",
-            "Distance to the place that was left [m].",
+            "Distance left to the place [m].",
             ScorePartSpec(weight=0.0, best=0.3, worst=3.0),
             "walk_left_m",
         ),

@@ -105,11 +105,11 @@ class Asking:
             return ""
         asked = self._left[0]
         if isinstance(asked, ProbeSpec):
-            return "Where do you feel you are? Move the mark (left, right), then press enter"
+            return "Where do you feel you are?\nMove the mark with left and right, then press Enter"
         questionnaire = self._questionnaire
         span = range(questionnaire.least, questionnaire.most + 1)
-        scale = " ".join(f"[{value:+d}]" if value == self._value else f"{value:+d}" for value in span)
-        return f"{asked.text}   {scale}"
+        scale = "  ".join(f"[{value:+d}]" if value == self._value else f"{value:+d}" for value in span)
+        return f"{asked.text}\ndisagree  {scale.replace('+0', '0')}  agree    (left, right, Enter)"
 
     def step(self, pressed: tuple[str, ...], seconds: float) -> list[Answer]:
         """Take a frame's presses; the answers given in it."""
