@@ -252,7 +252,7 @@ def _curls(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn: _S
             rings.append(draft.add(places, rigid(bones, "head", 5)))
             shades += [np.full(3, tone)] * 5
         u = [0.5 * i for i in range(6)]
-        draft.band(*rings, u, (0.0, 0.7), flip=True)
+        draft.band(rings[0], rings[1], u, (0.0, 0.7), flip=True)
         draft.lid(rings[1], foot + 0.80 * wide * up, (1.2, 1.2), flip=True)
         draft.lid(rings[0], foot - 0.30 * wide * up, (0.0, 0.0))
         shades += [np.full(3, 1.05), np.full(3, 0.3)]
