@@ -232,8 +232,7 @@ def _tail(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, chance: C
 
 
 def _curls(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn: _Style, chance: Chance) -> None:
-    """Heaps of curls all over the cap: domes of five sides, dark where they meet."""
-    turn = 2.0 * math.pi * np.arange(5) / 5
+    """Heaps of curls all over the cap, evenly spread over the head and none the size of another."""
     for number in range(_PUFFS):
         around = np.remainder(2.39996 * number + 0.35 * chance.share(), 2.0 * math.pi) - math.pi
         high = math.asin(1.0 - 2.0 * (number + 0.5) / _PUFFS)
@@ -242,21 +241,27 @@ def _curls(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn: _S
             continue
         share = np.array([max(_CROWN - high, 0.0) / (_CROWN - line)])
         foot = _path(head, worn, np.array([around]), share, np.array([-0.002]))[0]
-        up = (foot - head.middle) / np.linalg.norm(foot - head.middle)
-        side = np.cross(up, [0.0, 0.0, 1.0]) if abs(up[2]) < 0.9 else np.cross(up, [0.0, 1.0, 0.0])
-        side /= np.linalg.norm(side)
-        ahead = np.cross(side, up)
         wide = (_PUFF[0] + (_PUFF[1] - _PUFF[0]) * chance.share()) * (1.0 - 0.35 * float(step(0.75, 1.0, share)[0]))
-        rings = []
-        for radius, high, twist, tone in ((1.0, -0.25, 0.0, 0.38), (0.82, 0.45, 0.63, 0.85)):
-            bend = turn + twist + number
-            loose = np.array([0.85 + 0.3 * chance.share() for _ in range(5)])[:, None]
-            flat = np.cos(bend)[:, None] * side + np.sin(bend)[:, None] * ahead
-            places = foot + wide * (loose * radius * flat + high * up)
-            rings.append(draft.add(places, rigid(bones, "head", 5)))
-            shades += [np.full(3, tone)] * 5
-        u = [0.5 * i for i in range(6)]
-        draft.band(rings[0], rings[1], u, (0.0, 0.7), flip=True)
-        draft.lid(rings[1], foot + 0.80 * wide * up, (1.2, 1.2), flip=True)
-        draft.lid(rings[0], foot - 0.30 * wide * up, (0.0, 0.0))
-        shades += [np.full(3, 1.05), np.full(3, 0.3)]
+        up = (foot - head.middle) / np.linalg.norm(foot - head.middle)
+        _heap(draft, shades, bones, foot, up, wide, chance, number)
+
+
+def _heap(
+    draft: Draft, shades: list[F8], bones: Skeleton, foot: F8, up: F8, wide: float, chance: Chance, twist: float
+) -> None:
+    """A dome of five sides and a radius [m] that stands on a place, dark at its foot."""
+    turn = 2.0 * math.pi * np.arange(5) / 5
+    side = np.cross(up, [0.0, 0.0, 1.0]) if abs(up[2]) < 0.9 else np.cross(up, [0.0, 1.0, 0.0])
+    side /= np.linalg.norm(side)
+    ahead = np.cross(side, up)
+    rings = []
+    for radius, high, more, tone in ((1.0, -0.25, 0.0, 0.38), (0.82, 0.45, 0.63, 0.85)):
+        bend = turn + more + twist
+        loose = np.array([0.85 + 0.3 * chance.share() for _ in range(5)])[:, None]
+        flat = np.cos(bend)[:, None] * side + np.sin(bend)[:, None] * ahead
+        rings.append(draft.add(foot + wide * (loose * radius * flat + high * up), rigid(bones, "head", 5)))
+        shades += [np.full(3, tone)] * 5
+    draft.band(rings[0], rings[1], [0.5 * i for i in range(6)], (0.0, 0.7), flip=True)
+    draft.lid(rings[1], foot + 0.80 * wide * up, (1.2, 1.2), flip=True)
+    draft.lid(rings[0], foot - 0.30 * wide * up, (0.0, 0.0))
+    shades += [np.full(3, 1.05), np.full(3, 0.3)]

@@ -11,6 +11,7 @@ import numpy as np
 
 from mimics_app.builders.avatars.draft import Draft
 from mimics_app.builders.avatars.fields import F8
+from mimics_app.builders.avatars.sheet import I8
 from mimics_app.builders.kit.chance import Chance
 
 __all__ = ["LAID", "Lock", "add_lock"]
@@ -61,7 +62,8 @@ def add_lock(draft: Draft, line: F8, middle: F8, lock: Lock, held: Callable[[F8]
     beside = np.cross(along, out)
     t = np.linspace(0.0, 1.0, lock.rings + 1)
     profile = (0.62 + 0.9 * t) * (1.0 - t**1.6) / 0.92
-    rings, shades = [], []
+    rings: list[I8] = []
+    shades: list[F8] = []
     for i in range(lock.rings):
         half, thick = 0.5 * lock.breadth * profile[i] * beside[i], _THICK * out[i]
         places = np.array([line[i] - half - thick, line[i] + half - thick, line[i] + 0.6 * thick])
