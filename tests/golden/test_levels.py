@@ -20,7 +20,7 @@ from mimics_app.world.world import World
 from tests.support.gltf_maker import INDICES, POSITIONS, GltfMaker, glb
 
 SETTINGS = RenderSettings(msaa=0, shadow_size=0, shading="plain")
-SIZE = (480, 480)
+SIZE = (360, 360)
 """As many pixels as a picture has to have for levels to go by shares of it alone."""
 
 
@@ -89,7 +89,7 @@ def test_each_view_has_its_own_level():
             assert renderer.draw(pair).triangles == 1280 + 80
 
 
-@pytest.mark.parametrize(("side", "factor"), [(240, 4.0), (64, 56.25)])
+@pytest.mark.parametrize(("side", "factor"), [(180, 4.0), (64, 31.640625)])
 def test_a_smaller_picture_is_wrong_by_as_many_pixels(side, factor):
     """A quarter of the pixels: a level has to cover four times the share. What is too small to be shown stays that."""
     world = make_world(coverages=(1e-3, 1e-4, 1e-5))
@@ -104,10 +104,10 @@ def test_a_smaller_picture_is_wrong_by_as_many_pixels(side, factor):
 
 def test_a_part_of_a_picture_has_the_levels_of_the_whole():
     whole = view_at(distance_of(0.3))
-    assert fewer_pixels(whole, (240, 240)) == pytest.approx(4.0)
+    assert fewer_pixels(whole, (180, 180)) == pytest.approx(4.0)
     part = replace(whole, tangents=(-0.25, 0.25, 0.0, 0.5), part_of=whole.tangents)
-    assert fewer_pixels(part, (240, 240)) == pytest.approx(1.0)
-    assert fewer_pixels(part, (120, 120)) == pytest.approx(4.0)
+    assert fewer_pixels(part, (180, 180)) == pytest.approx(1.0)
+    assert fewer_pixels(part, (90, 90)) == pytest.approx(4.0)
 
 
 @pytest.mark.parametrize(("texels", "triangles"), [(64, 80), (2048, 1280)])

@@ -16,7 +16,7 @@ from mimics_app.world.world import World
 
 __all__ = ["Levels", "fewer_pixels"]
 
-_LEAST_PIXELS = 640.0 * 360.0
+_LEAST_PIXELS = 480.0 * 270.0
 """Of a picture of fewer, levels are as wrong in pixels as in one of so many: coverages are shares of a picture, and
 the same share of a small one has fewer pixels to be wrong by."""
 
