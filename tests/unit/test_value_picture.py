@@ -31,6 +31,7 @@ def test_the_picture_is_renewed_whole(tmp_path: Path) -> None:
     path = tmp_path / "values.svg"
     draw_values(np.zeros((STATES, 6)), path)
     first = path.read_text()
+    assert 'class="ring"' not in first, "nothing is known of any state"
     draw_values(np.eye(STATES, 6), path)
     assert path.read_text() != first
     assert list(tmp_path.iterdir()) == [path]

@@ -22,6 +22,8 @@ _NAME = "value_function.svg"
 _DEEDS = ("approach", "retreat", "step aside", "wait", "beckon", "point")
 _CELL = (96.0, 34.0)
 _LEFT, _TOP = 250.0, 76.0
+_DIGITS = 2
+"""Of a value, as it is printed."""
 _DARKEST = 0.6
 """Opacity of the best cell: its number is still read."""
 
@@ -44,7 +46,10 @@ class ValuePicture:
 
 
 def draw_values(values: NDArray[np.float64], path: Path) -> None:
-    """Values [states, deeds] as a table whose cells are the darker the more a deed is worth; the best has a frame."""
+    """Values [states, deeds] as a table whose cells are the darker the more a deed is worth; the best has a frame.
+
+    None has where several read alike: of a state that was not met yet nothing is known.
+    """
     width, height = _CELL
     low, span = float(values.min()), float(np.ptp(values)) or 1.0
     names = _DEEDS if values.shape[1] == len(_DEEDS) else tuple(str(i) for i in range(values.shape[1]))
@@ -56,12 +61,18 @@ def draw_values(values: NDArray[np.float64], path: Path) -> None:
             x = _LEFT + j * width
             shade = f"{_DARKEST * (value - low) / span:.3f}"
             parts.append(element("rect", class_="dot", x=x, y=y, width=width, height=height, fill_opacity=shade))
-            parts.append(word(x + 0.5 * width, y + 0.62 * height, f"{value:.2f}", "name", "middle"))
-    for i, best in enumerate(values.argmax(axis=1).tolist()):  # over all cells: the next row would cover its lower edge
-        x, y = _LEFT + best * width, _TOP + i * height
+            parts.append(word(x + 0.5 * width, y + 0.62 * height, f"{value:.{_DIGITS}f}", "name", "middle"))
+    for i, row in enumerate(values.round(_DIGITS)):  # over all cells: the next row would cover its lower edge
+        best = np.flatnonzero(row == row.max())
+        if len(best) > 1:
+            continue
+        x, y = _LEFT + int(best[0]) * width, _TOP + i * height
         parts.append(element("rect", class_="ring", x=x, y=y, width=width, height=height))
     whole = (_LEFT + len(names) * width + 20.0, _TOP + len(values) * height + 40.0)
-    foot = ["Distance towards the place [m] that each deed is expected to bring, of this and later steps."]
+    foot = [
+        "Distance towards the place [m] that each deed is expected to bring, of this and later steps. Framed: the best one; "
+        "none where several are alike."
+    ]
     write_atomically(path, str(document(*whole, "What the avatar has learnt", parts, foot)).encode())
 
 
