@@ -6,13 +6,15 @@ Nothing of the product knows it; it is installed as packages are, so it touches 
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from mimics_app.contracts.resources import root
-from tests.support.plugin_site import mimics_beside, write_package
 
 ENTRY_POINTS = """
 [mimics_app.methods]
@@ -75,7 +77,19 @@ class Guesser(TouchScene):
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_package(tmp_path_factory.mktemp("site"), "lab_of_guesses", PACKAGE, ENTRY_POINTS)
+    folder = tmp_path_factory.mktemp("site")
+    about = folder / "lab_of_guesses-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: lab-of-guesses\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text(ENTRY_POINTS)
+    (folder / "lab_of_guesses.py").write_text(PACKAGE)
+    return folder
+
+
+def mimics(site: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "mimics_app.app.cli", *map(str, arguments)]
+    environment = {**os.environ, "PYTHONPATH": str(site)}
+    return subprocess.run(command, capture_output=True, text=True, timeout=240, check=False, env=environment)
 
 
 def scene(folder: Path, position_m: float) -> Path:
@@ -88,12 +102,12 @@ def scene(folder: Path, position_m: float) -> Path:
 
 
 def test_it_is_measured_and_drawn_as_the_built_in_ones_are(installed: Path, tmp_path: Path) -> None:
-    done = mimics_beside(installed, "lab", "chart", "square root", "--json", "--out", tmp_path)
+    done = mimics(installed, "lab", "chart", "square root", "--json", "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     (figure,) = json.loads(done.stdout)["figures"]
     assert (figure["default"], set(figure["front"])) == ("6 steps", {"1 steps", "6 steps"})
     assert "1 steps" in Path(figure["svg"]).read_text(encoding="utf-8")
-    unknown = mimics_beside(installed.parent, "lab", "chart", "square root")
+    unknown = mimics(installed.parent, "lab", "chart", "square root")
     assert unknown.returncode == 2 and 'no group of methods "square root"' in unknown.stderr
 
 
@@ -101,7 +115,7 @@ def test_the_planner_takes_the_cheapest_within_and_that_one_runs(installed: Path
     roots: dict[float, Any] = {}
     for tolerance in (0.1, 1e-9):
         options = ("--headless", "--seconds", 0.1, "--pictures", 0, "--sound", "off", "--json", "--runs", tmp_path)
-        done = mimics_beside(installed, "run", scene(tmp_path, tolerance), *options)
+        done = mimics(installed, "run", scene(tmp_path, tolerance), *options)
         assert done.returncode == 0, done.stderr
         session = json.loads((Path(json.loads(done.stdout)["run_dir"]) / "session.json").read_text())
         roots[tolerance] = session["facts"]["root"]
@@ -111,13 +125,13 @@ def test_the_planner_takes_the_cheapest_within_and_that_one_runs(installed: Path
 
 
 def test_explain_says_what_it_costs_and_errs(installed: Path, tmp_path: Path) -> None:
-    done = mimics_beside(installed, "explain", scene(tmp_path, 0.1))
+    done = mimics(installed, "explain", scene(tmp_path, 0.1))
     assert done.returncode == 0, done.stderr
     assert "square roots" in done.stdout and "1 steps" in done.stdout
 
 
-def test_doctor_says_which_cannot_be_had(installed: Path) -> None:
-    rows = json.loads(mimics_beside(installed, "doctor", "--json").stdout)["plugins"]
+def test_doctor_tells_which_cannot_be_had(installed: Path) -> None:
+    rows = json.loads(mimics(installed, "doctor", "--json").stdout)["plugins"]
     faults = {row["name"]: row["error"] for row in rows if row["group"] == "mimics_app.methods"}
     assert faults["guessing"] == ""
     assert "AttributeError" in faults["broken"] and "is no mimics_app" in faults["wrong"]

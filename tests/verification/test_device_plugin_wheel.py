@@ -8,11 +8,11 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
 
 from mimics_app.recording.run import Run
-from tests.support.plugin_site import build_wheel, mimics_beside
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "examples" / "device_plugin"
@@ -21,7 +21,18 @@ EXAMPLE = ROOT / "examples" / "device_plugin"
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the wheel in it, for the module path: no registry is asked."""
-    return build_wheel(EXAMPLE, tmp_path_factory.mktemp("plugin"))
+    folder = tmp_path_factory.mktemp("plugin")
+    command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder / "wheel")]
+    subprocess.run(command, cwd=EXAMPLE, check=True, capture_output=True)
+    with ZipFile(next((folder / "wheel").glob("*.whl"))) as archive:
+        archive.extractall(folder / "site")
+    return folder / "site"
+
+
+def _mimics(installed: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    environment = os.environ | {"PYTHONPATH": f"{installed}{os.pathsep}{ROOT}"}
+    command = [sys.executable, "-m", "mimics_app", *arguments]
+    return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
 
 
 def test_it_has_at_most_80_lines() -> None:
@@ -29,7 +40,7 @@ def test_it_has_at_most_80_lines() -> None:
 
 
 def test_it_passes_the_kit_under_its_name(installed: Path) -> None:
-    done = mimics_beside(installed, "devices", "check", "mass_on_rails", "--json")
+    done = _mimics(installed, "devices", "check", "mass_on_rails", "--json")
     assert done.returncode == 0, done.stderr
     verdicts = [one["verdict"] for one in json.loads(done.stdout)["checks"]]
     assert verdicts.count("passed") >= 24 and "failed" not in verdicts
@@ -37,7 +48,7 @@ def test_it_passes_the_kit_under_its_name(installed: Path) -> None:
 
 def test_a_device_of_another_shape_passes_too(installed: Path) -> None:
     assert len((EXAMPLE / "elbow_arm.py").read_text(encoding="utf-8").splitlines()) <= 110
-    done = mimics_beside(installed, "devices", "check", "elbow_arm", "--json")
+    done = _mimics(installed, "devices", "check", "elbow_arm", "--json")
     assert done.returncode == 0, done.stdout + done.stderr
     verdicts = {one["check"]: one["verdict"] for one in json.loads(done.stdout)["checks"]}
     assert "failed" not in verdicts.values()
@@ -70,18 +81,18 @@ def test_one_device_more_touches_no_existing_file_and_plays_records_and_replays(
     scene = tmp_path / "pillow.json"
     scene.write_text(json.dumps(SCENE), encoding="utf-8")
     asked = ("--headless", "--seconds", "2.5", "--pictures", "0", "--json", "--runs", str(tmp_path / "runs"))
-    done = mimics_beside(installed, "run", str(scene), *asked)
+    done = _mimics(installed, "run", str(scene), *asked)
     assert done.returncode == 0, done.stdout + done.stderr
     answer = json.loads(done.stdout)
     assert answer["safety"]["stops"] == 0 and answer["ticks"] == 2500
     run = Run.open(Path(answer["run_dir"]))
     assert run.layout.extent.joints == ("rad", "rad") and not run.problems()
     assert float(abs(run.haptic["q"][-1, :2] - run.haptic["q"][0, :2]).max()) > 0.05, "it was driven to its start"
-    replayed = mimics_beside(installed, "replay", answer["run_dir"], "--json")
+    replayed = _mimics(installed, "replay", answer["run_dir"], "--json")
     assert replayed.returncode == 0 and json.loads(replayed.stdout)["equal"] is True, replayed.stderr
-    other = mimics_beside(installed, "run", str(scene), "--device", "pointer", *asked)
+    other = _mimics(installed, "run", str(scene), "--device", "pointer", *asked)
     assert other.returncode == 4 and "2 joints" in other.stdout + other.stderr
-    gone = mimics_beside(tmp_path, "replay", answer["run_dir"])
+    gone = _mimics(tmp_path, "replay", answer["run_dir"])
     assert gone.returncode == 4 and "elbow_arm" in gone.stderr
 
 
@@ -93,5 +104,5 @@ def test_its_guide_runs(installed: Path) -> None:
 
 
 def test_without_the_wheel_its_name_is_unknown(tmp_path: Path) -> None:
-    done = mimics_beside(tmp_path, "devices", "check", "mass_on_rails")
+    done = _mimics(tmp_path, "devices", "check", "mass_on_rails")
     assert done.returncode == 4 and 'no device "mass_on_rails"' in done.stderr

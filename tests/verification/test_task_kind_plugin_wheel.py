@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import csv
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import pytest
-
-from tests.support.plugin_site import build_wheel, mimics_beside
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "examples" / "task_kind_plugin"
@@ -19,13 +21,24 @@ SCENE = str(EXAMPLE / "reach.json")
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the wheel in it, for the module path: no registry is asked."""
-    return build_wheel(EXAMPLE, tmp_path_factory.mktemp("kind"))
+    folder = tmp_path_factory.mktemp("kind")
+    command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder / "wheel")]
+    subprocess.run(command, cwd=EXAMPLE, check=True, capture_output=True)
+    with ZipFile(next((folder / "wheel").glob("*.whl"))) as archive:
+        archive.extractall(folder / "site")
+    return folder / "site"
+
+
+def _mimics(site: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    environment = os.environ | {"PYTHONPATH": f"{site}{os.pathsep}{ROOT}"}
+    command = [sys.executable, "-m", "mimics_app", *arguments]
+    return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
 
 
 @pytest.fixture(scope="module")
 def answer(installed: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     runs = str(tmp_path_factory.mktemp("runs"))
-    done = mimics_beside(
+    done = _mimics(
         installed, "run", SCENE, "--headless", "--seconds", "25", "--pictures", "0", "--runs", runs, "--json"
     )
     assert done.returncode == 0, done.stderr
@@ -57,16 +70,16 @@ def test_what_is_wrong_with_its_scene_is_said_with_the_place(installed: Path, tm
     scene["task"]["reach"] = {"targets": ["yellow_lmp"], "within": 7}
     file = tmp_path / "wrong.json"
     file.write_text(json.dumps(scene))
-    done = mimics_beside(installed, "check", str(file))
+    done = _mimics(installed, "check", str(file))
     assert done.returncode == 3 and "#/task/reach/within: " in done.stderr
     scene["task"]["reach"]["within"] = 0.02
     file.write_text(json.dumps(scene))
-    done = mimics_beside(installed, "check", str(file))
+    done = _mimics(installed, "check", str(file))
     assert '#/task/reach/targets/0: no entity is called "yellow_lmp"; did you mean "yellow_lamp"' in done.stderr
 
 
 def test_without_the_wheel_its_words_are_unknown(tmp_path: Path) -> None:
-    done = mimics_beside(tmp_path, "check", SCENE)
+    done = _mimics(tmp_path, "check", SCENE)
     assert done.returncode == 3
     assert '#/task/reach: unknown key "reach"' in done.stderr
     assert '#/task/goals/0/kind: "all_reached" is not possible here' in done.stderr

@@ -85,7 +85,7 @@ def _named_form(scene: Scene) -> Settings | None:
 
 
 def _may_run_form(scene: Scene, settings: Settings) -> bool:
-    """The printed form invents a force on whatever moves and turns: a scene has to request it."""
+    """The printed form invents a force on whatever moves and turns: a scene has to ask for it."""
     return settings.get("form") != "seed"
 
 
@@ -173,7 +173,7 @@ def _named_spatialiser(scene: Scene) -> Settings | None:
 
 
 def _may_spatialise(scene: Scene, settings: Settings) -> bool:
-    """What the scene says of one of the two holds, and what only one mixer can do decides it."""
+    """What the scene says of one of the two holds, and what only one mixer can do asks for it."""
     audio = audio_of(scene)
     only_spectral = audio.sofa is not None or (audio.hrtf is False and audio.speakers != "stereo")
     return (
@@ -204,7 +204,7 @@ def _named_shadows(scene: Scene) -> Settings | None:
 
 
 def _may_shadow(scene: Scene, settings: Settings) -> bool:
-    """A distance means cascades, a named kind for maps. Darkening the picture is a look: never chosen for speed."""
+    """A distance asks for cascades, a named kind for maps. Darkening the picture is a look: never chosen for speed."""
     if "cascaded" in settings:
         return settings["cascaded"] == (shadow_distance_of(scene) > 0.0)
     may_be_volumes = shadow_distance_of(scene) == 0.0 and visual_of(scene).shadows == "auto"

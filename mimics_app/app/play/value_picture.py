@@ -61,7 +61,7 @@ def draw_values(values: NDArray[np.float64], path: Path) -> None:
         x, y = _LEFT + best * width, _TOP + i * height
         parts.append(element("rect", class_="ring", x=x, y=y, width=width, height=height))
     whole = (_LEFT + len(names) * width + 20.0, _TOP + len(values) * height + 40.0)
-    foot = ["Distance towards the place [m] that each deed is expected to bring, of this and later steps."]
+    foot = ["Way towards the place [m] that each deed is expected to bring, of this and later steps."]
     write_atomically(path, str(document(*whole, "What the avatar has learnt", parts, foot)).encode())
 
 

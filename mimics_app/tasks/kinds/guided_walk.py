@@ -87,8 +87,8 @@ class GuidedWalkPlay(KindPlay):
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
         wanted = settings.get("avatar_deed", Deed.WAIT)
         self._wanted = Deed(int(np.clip(round(wanted), 0, 5))) if isinstance(wanted, int | float) else Deed.WAIT
-        remaining = self._alley.place - self._alley.start
-        progress = float(np.clip((self._walker.x - self._alley.start) / remaining, 0.0, 1.0))
+        way = self._alley.place - self._alley.start
+        progress = float(np.clip((self._walker.x - self._alley.start) / way, 0.0, 1.0))
         return replace(seen, progress=progress)
 
     def travel(self, seen: Observation, seconds: float) -> None:
@@ -146,9 +146,9 @@ class GuidedWalkPlay(KindPlay):
         self._guide.do(deed, self._walker.x)
         if self._spec.walker == "simulated":
             self._walker.answer(self._guide.x, deed)
-        remaining = self._alley.place - self._walker.x
-        gained = abs(self._alley.place - self._from) - abs(remaining)
-        self._step = StepResult(gained, {"gap": self._guide.x - self._walker.x, "way": remaining, "deed": float(deed)})
+        way = self._alley.place - self._walker.x
+        gained = abs(self._alley.place - self._from) - abs(way)
+        self._step = StepResult(gained, {"gap": self._guide.x - self._walker.x, "way": way, "deed": float(deed)})
         self._from = self._walker.x
         self._steps += 1
 
@@ -169,7 +169,7 @@ class GuidedWalkKind(TaskKind):
         Measure(
             "walk_left_m",
             "walk_left",
-            "Distance to the place that was left [m].",
+            "Way to the place that was left [m].",
             ScorePartSpec(weight=0.0, best=0.3, worst=3.0),
             "walk_left_m",
         ),
@@ -177,7 +177,7 @@ class GuidedWalkKind(TaskKind):
     targets = ("avatar_deed",)
     completes = "brought"
     cards = ("gap", "steps")
-    label = "Path"
+    label = "Way"
 
     def takes(self, spec: TaskSpec, offers: frozenset[str]) -> bool:
         return spec.section(self.name) is not None
