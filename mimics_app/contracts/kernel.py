@@ -8,7 +8,8 @@ from functools import cache
 from typing import Any, ParamSpec, TypeVar
 
 from numba import njit
-from numba.core.errors import NumbaExperimentalFeatureWarning
+from numba.core.errors import NumbaExperimentalFeatureWarning, TypingError
+from numba.core.types import unliteral
 
 from mimics_app.contracts.kernel_cache import enable_cache
 from mimics_app.contracts.kernel_callee import callee_of
@@ -24,6 +25,10 @@ warnings.filterwarnings("ignore", "First-class function type", NumbaExperimental
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 
 
+_plain: Callable[[Any], Any] = unliteral
+"""int64 for the type of the constant 7; other types as they are."""
+
+
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function of scalars, arrays, records: no GIL, inf instead of ZeroDivisionError, cached, no fastmath."""
     compiled: Any = njit(**_OPTIONS)(function)
@@ -35,16 +40,25 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def _of_its_callee(function: Callable[..., object]) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """What numba asks a function for when another calls it: those of its callee, which is made when it first does."""
+    """What numba asks a function for when another calls it: those of its callee, which is made when it first does.
+
+    A constant that is handed over is an argument like any other: numba would compile the function for each number.
+    """
 
     @cache
     def callee() -> Any:
         return callee_of(function, _OPTIONS)
 
-    return (
-        lambda args, kws: callee().get_call_template(args, kws),
-        lambda signature: callee().get_overload(signature),
-    )
+    def get_call_template(args: Any, kws: Any) -> Any:
+        plain = tuple(map(_plain, args)), {name: _plain(kind) for name, kind in kws.items()}
+        try:
+            return callee().get_call_template(*plain)
+        except TypingError:
+            if plain == (tuple(args), kws):
+                raise
+            return callee().get_call_template(args, kws)  # a number it needs to know: the place in a tuple
+
+    return get_call_template, lambda signature: callee().get_overload(signature)
 
 
 def _with_environments(compile_core: Callable[..., Any]) -> Callable[..., Any]:

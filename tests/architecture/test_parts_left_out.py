@@ -14,7 +14,7 @@ from tests.architecture.sources import ROOT
 
 SCENE = ROOT / "scenes" / "wavy_tunnel.json"
 
-SOUND = ("openal", "mimics_app.rendering.audio")
+SOUND = ("mimics_app.rendering.audio", "mimics_app.rendering.audio.openal_library")
 PICTURE = ("moderngl", "glfw", "pyrr")
 BODIES = (
     "mimics_app.rendering.haptic.kernels.friction",

@@ -255,6 +255,33 @@ print(outer(3.0), len(outer.signatures), len(inner.signatures))
 """
 
 
+_CONSTANTS = """
+from mimics_app.contracts.kernel import kernel
+
+@kernel
+def shifted(x, by):
+    return x + by
+
+@kernel
+def member(pair, place):
+    return pair[place]
+
+@kernel
+def outer(x):
+    return shifted(x, 1) + shifted(x, 2) + shifted(x, by=4) + member((x, True), 0)
+
+print(outer(3))
+"""
+
+
+def test_constants_are_no_types_unless_a_function_needs_them(tmp_path: Path) -> None:
+    """The place in a tuple of two types is one it needs."""
+    (tmp_path / "constants_of.py").write_text(_CONSTANTS)
+    places = {"PYTHONPATH": f"{tmp_path}:{ROOT}", "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    assert _run("import constants_of", tmp_path, **places) == "19"
+    assert len(list((tmp_path / "cache").rglob("linked-*shifted*.nbc"))) == 1
+
+
 def test_a_kernel_that_only_kernels_call_never_becomes_machine_code(tmp_path: Path) -> None:
     """Its file holds intermediate code, and the next process links from there; called from Python it is compiled."""
     (tmp_path / "chain.py").write_text(_CHAIN + "print(inner(4.0))\n")
