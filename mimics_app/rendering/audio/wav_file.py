@@ -117,7 +117,7 @@ def read_wav(path: Path, rate: int) -> NDArray[np.float32]:
     return np.stack([resample(each, file_rate, rate) for each in frames.T], axis=1).astype(np.float32)
 
 
-def frames_of_wav(path: Path) -> tuple[NDArray[np.float32], int]:
+def frames_of_wav(path: Path) -> tuple[NDArray[np.float64], int]:
     """The samples of a wave file as they are, shape [n, channels], and their rate [Hz]; raises what `read_wav` does."""
     try:
         raw = read_regular(path)
@@ -140,7 +140,7 @@ def frames_of_wav(path: Path) -> tuple[NDArray[np.float32], int]:
     frames = samples[: len(samples) // channels * channels].reshape(-1, channels)
     if len(frames) == 0 or not np.isfinite(frames).all():
         raise SceneError(Issue(str(path), "", "holds no sound, or values that are not finite"))
-    return frames, file_rate
+    return frames, int(file_rate)
 
 
 def _header(rate: int, channels: int) -> bytes:
