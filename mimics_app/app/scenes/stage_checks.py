@@ -13,7 +13,6 @@ from mimics_app.contracts.errors import DeviceError, Issue, UsageError
 from mimics_app.estimation.registry import check_estimator
 from mimics_app.learning.goals import build_goal
 from mimics_app.learning.registry import check_policy
-from mimics_app.rendering.audio.scene_sounds import check_sound
 from mimics_app.rendering.haptic.devices.reach import Reach
 from mimics_app.rendering.haptic.devices.robot_checks import check_points, check_robot
 from mimics_app.rendering.haptic.force_fields import check_field
@@ -38,7 +37,6 @@ _OF_COMPONENTS: tuple[tuple[type[msgspec.Struct], Callable[[Any, str, Scene], li
     (HapticPath, check_haptic_path),
     (ForceField, check_field_count),
     (ForceField, check_field),
-    (Sound, check_sound),
 )
 """Checks of single components, each with the type it is of."""
 
@@ -63,7 +61,16 @@ def check_components(scene: Scene) -> list[Issue]:
         for kind, check in _OF_COMPONENTS
         for _, component, pointer in scene.components(kind)
         for issue in check(component, pointer, scene)
-    ]
+    ] + _check_sounds(scene)
+
+
+def _check_sounds(scene: Scene) -> list[Issue]:
+    """Sounds that cannot be made; a scene without any imports nothing of their stage."""
+    if not scene.has(Sound):
+        return []
+    from mimics_app.rendering.audio.scene_sounds import check_sound
+
+    return [issue for _, sound, pointer in scene.components(Sound) for issue in check_sound(sound, pointer, scene)]
 
 
 def _check_learning(scene: Scene) -> list[Issue]:
