@@ -77,7 +77,8 @@ def _trend(task: Mapping[str, Any], earlier: list[EarlierRun], participant: str)
     if np.isfinite(kept).sum() < 2:
         return None
     at = np.arange(1.0, len(kept) + 1.0)
-    plot = Plot(Axis("session, the last one is this", 0.5, len(kept) + 0.5), y, title, height=190.0)
+    sessions = Axis("session, the last one is this", 0.5, len(kept) + 0.5, at=tuple(at.tolist()))
+    plot = Plot(sessions, y, title, height=190.0)
     plot.line(at, kept, "robot")
     plot.points(at, kept, "contact", hovers=[f"session {i + 1}: {value:.1f}" for i, value in enumerate(kept)])
     return plot

@@ -122,7 +122,7 @@ CORPUS = {
     "glb_truncated_in_chunk": (glb(square())[:-40], "", "is cut off"),
     "glb_version_1": (glb(square(), version=1), "", "GLB version 1"),
     "glb_length_too_great": (glb(square(), length=2**31), "", "is cut off"),
-    "glb_wrong_magic": (b"glTX" + glb(square())[4:], "", "is not UTF-8"),
+    "glb_wrong_magic": (b"glTX" + glb(square())[4:], "", "is no GLB"),
     "glb_chunk_length": (
         glb(square())[:12] + struct.pack("<I", 2**32 - 1) + glb(square())[16:],
         "",

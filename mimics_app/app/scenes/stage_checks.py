@@ -31,21 +31,12 @@ from mimics_app.world.scene.scene import Scene
 
 __all__ = ["check_components", "check_stages"]
 
-
-def _check_sound(sound: Sound, pointer: str, scene: Scene) -> list[Issue]:
-    """A scene without sound imports nothing of it."""
-    from mimics_app.rendering.audio.scene_sounds import check_sound
-
-    return check_sound(sound, pointer, scene)
-
-
 _OF_COMPONENTS: tuple[tuple[type[msgspec.Struct], Callable[[Any, str, Scene], list[Issue]]], ...] = (
     (Robot, check_robot),
     (InteractionPoints, check_points),
     (HapticPath, check_haptic_path),
     (ForceField, check_field_count),
     (ForceField, check_field),
-    (Sound, _check_sound),
 )
 """Checks of single components, each with the type it is of."""
 
@@ -70,7 +61,16 @@ def check_components(scene: Scene) -> list[Issue]:
         for kind, check in _OF_COMPONENTS
         for _, component, pointer in scene.components(kind)
         for issue in check(component, pointer, scene)
-    ]
+    ] + _check_sounds(scene)
+
+
+def _check_sounds(scene: Scene) -> list[Issue]:
+    """Sounds that cannot be made; a scene without any imports nothing of their stage."""
+    if not scene.has(Sound):
+        return []
+    from mimics_app.rendering.audio.scene_sounds import check_sound
+
+    return [issue for _, sound, pointer in scene.components(Sound) for issue in check_sound(sound, pointer, scene)]
 
 
 def _check_learning(scene: Scene) -> list[Issue]:
