@@ -26,6 +26,8 @@ print(planted(np.zeros(3), 3))
 """
 
 RUN = """
+import gc
+gc.set_threshold(50_000, 20, 20)  # a compiler makes millions of objects that are no rubbish yet
 import numpy as np
 from tests.support.haptic_bench import patient_bench
 from mimics_app.contracts.haptic import Controller

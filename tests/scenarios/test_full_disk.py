@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,10 +11,12 @@ import pytest
 
 from mimics_app.contracts.resources import root
 from mimics_app.contracts.trial_counts import count_trials
+from mimics_app.recording import run_folder
 from mimics_app.recording.run import Run
+from tests.support.command import mimics
 
-SIZE = "20m"
-"""Enough to be let in (a run wants 17 MB), too little for the whole tunnel and its sound."""
+SIZE = "8m"
+"""Too little for a minute of the tunnel and its sound, which take 0.4 MB a second."""
 
 
 @pytest.fixture
@@ -29,10 +30,14 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
     subprocess.run(["umount", str(folder)], check=True)
 
 
-def test_run_on_a_disk_that_fills_ends_with_6_and_says_what_is_missing(small_disk: Path) -> None:
-    command = [sys.executable, "-m", "mimics_app.app.cli", "run", str(root() / "scenes" / "wavy_tunnel.json")]
-    options = ["--headless", "--pictures", "0", "--patient", "severe", "--json", "--runs", str(small_disk)]
-    done = subprocess.run([*command, *options], capture_output=True, text=True, timeout=240, check=False)
+def test_run_on_a_disk_that_fills_ends_with_6_and_says_what_is_missing(
+    small_disk: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Let in with less than a run wants, as one is whose disk others fill."""
+    monkeypatch.setattr(run_folder, "_LEAST_FREE", 0)
+    monkeypatch.setattr(run_folder, "BYTES_PER_SECOND", 0)
+    options = ("--headless", "--seconds", 60, "--pictures", 0, "--patient", "severe", "--sound", "file", "--json")
+    done = mimics("run", root() / "scenes" / "wavy_tunnel.json", *options, "--runs", small_disk)
     assert done.returncode == 6, done.stderr
     assert "Traceback" not in done.stderr
     assert "ticks were not recorded; the disk is full" in done.stderr

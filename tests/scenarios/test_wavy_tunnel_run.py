@@ -150,7 +150,7 @@ def test_one_ulp_of_wall_stiffness_changes_the_hash(answer, tmp_path):
 def test_action_file_changes_the_task_and_is_checked(tmp_path):
     actions = tmp_path / "actions.json"
     actions.write_text(json.dumps([{"t": 0.5, "values": {"assistance": 1.0}}]))
-    helped = run(tmp_path, "--action", actions, "--pictures", 0)
+    helped = run(tmp_path, "--action", actions, "--pictures", 0, "--seconds", 2)
     lines = [json.loads(line) for line in (Path(helped["run_dir"]) / "events.jsonl").read_text().splitlines()]
     assert any(line.get("kind") == "action" for line in lines)
     actions.write_text(json.dumps([{"t": 0.5, "values": {"asistance": 1.0}}]))

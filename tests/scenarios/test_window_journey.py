@@ -102,7 +102,8 @@ def test_a_session_ends_with_its_result_and_is_played_again(tmp_path: Path) -> N
         return len(list(tmp_path.glob("*/haptic.arrows")))
 
     words = ["run", "scenes/wavy_tunnel.json", "--sound", "off", "--participant", "P1", "--runs", str(tmp_path)]
-    with display("1280x720x24") as screen:
+    words += ["--size", "640x360"]
+    with display("640x360x24") as screen:
         process = subprocess.Popen([sys.executable, "-m", "mimics_app", *words], env={**os.environ, "DISPLAY": screen})
         try:
             wait("first session", lambda: begun() == 1, process)

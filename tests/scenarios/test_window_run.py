@@ -15,11 +15,14 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
-from tests.support.app_window import AppWindow, open_window
+from tests.support.app_window import SIZE, AppWindow, open_window
 
 SCENE = root() / "scenes" / "wavy_tunnel.json"
 STIFFNESS = 2000.0
-FORCE_BAR = (660, 50, 926, 76)
+FORCE_BAR = tuple(SIZE[0] * place // 1280 for place in (660, 50, 926, 76))
+RISEN = 200 * SIZE[0] * SIZE[1] // (1280 * 720)
+"""Coloured pixels by which the bar grows at least."""
+
 HALF_SECOND = 500
 """In ticks."""
 
@@ -104,7 +107,7 @@ def test_wall_holds_the_ball_and_letting_go_is_free(window):
     assert np.all(steady["penetration"] > 0.0)
     assert np.all(steady["penetration"] <= hand / STIFFNESS + 1e-3)
     assert np.median(steady["f_user_world"] @ -outward) > 0.8 * np.median(hand), "what is felt holds the hand back"
-    assert gained > 200, "the force bar does not rise"
+    assert gained > RISEN, "the force bar does not rise"
     free = back[HALF_SECOND:]
     felt = free["f_user_world"]
     along = curve.tangent(free["s"])

@@ -11,23 +11,32 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.contracts.haptic import SAMPLE
+from mimics_app.recording.arrow_format import decode_samples
+from mimics_app.recording.arrow_scan import read_index
 from mimics_app.recording.run import Run
+from mimics_app.recording.run_folder import FILES
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.world.scene.file import build_world
 from tests.support.xvfb import display
 
 __all__ = ["SIZE", "AppWindow", "open_journey", "open_window", "pixel_of"]
 
-SIZE = (1280, 720)
+SIZE = (640, 360)
+"""Of the screen and the window [px]: what software draws in it is a quarter of the usual."""
+
+LOOKED_AT = (1280, 720)
+"""The same where pages of words are shown and pictures are kept."""
 
 
 @dataclass
@@ -38,10 +47,12 @@ class AppWindow:
     screen: str
     runs: Path
     scene: Path
+    size: tuple[int, int] = SIZE
     terminal: str = ""
+    blocks: list[NDArray[Any]] = field(default_factory=list)
 
     def mouse(self, point_world: np.ndarray) -> None:
-        self.send("mousemove", *map(str, pixel_of(self.scene, point_world)))
+        self.send("mousemove", *map(str, pixel_of(self.scene, point_world, self.size)))
 
     def send(self, *words: str) -> None:
         subprocess.run(["xdotool", *words], env={**os.environ, "DISPLAY": self.screen}, check=True, timeout=20)
@@ -52,7 +63,14 @@ class AppWindow:
 
     @property
     def rows(self) -> Any:
-        return self.run.haptic
+        """SAMPLE rows that are recorded by now; a block is read once, however often a test looks."""
+        folder = next(self.runs.iterdir())
+        index = read_index(folder / FILES["index"])
+        with (folder / FILES["haptic"]).open("rb") as file:
+            for _, offset, length in index[len(self.blocks) :].tolist():
+                file.seek(offset)
+                self.blocks.append(decode_samples(file.read(length)).records)
+        return np.concatenate(self.blocks) if self.blocks else np.empty(0, SAMPLE)
 
     def lines(self, kind: str) -> list[dict[str, Any]]:
         return self.run.lines_of("app", kind)
@@ -90,16 +108,16 @@ class AppWindow:
 
 
 @lru_cache(maxsize=4)
-def _clip_from_world(scene: Path) -> np.ndarray:
+def _clip_from_world(scene: Path, size: tuple[int, int]) -> np.ndarray:
     """Of the scene's first camera, shape [4, 4]; a world takes seconds to build."""
-    return desktop_views(build_world(load_checked_scene(scene)).cameras[0], SIZE)[0].clip_from_world
+    return desktop_views(build_world(load_checked_scene(scene)).cameras[0], size)[0].clip_from_world
 
 
-def pixel_of(scene: Path, point_world: np.ndarray) -> tuple[int, int]:
+def pixel_of(scene: Path, point_world: np.ndarray, size: tuple[int, int] = SIZE) -> tuple[int, int]:
     """Where the scene's camera shows a point of the world [px], origin top left."""
-    clip = _clip_from_world(scene) @ np.append(point_world, 1.0)
+    clip = _clip_from_world(scene, size) @ np.append(point_world, 1.0)
     x, y = clip[:2] / clip[3]
-    return round((x + 1.0) / 2.0 * SIZE[0]), round((1.0 - y) / 2.0 * SIZE[1])
+    return round((x + 1.0) / 2.0 * size[0]), round((1.0 - y) / 2.0 * size[1])
 
 
 @contextmanager
@@ -107,11 +125,10 @@ def open_journey(scene: Path, runs: Path, *words: str) -> Iterator[AppWindow]:
     """`mimics run SCENE` as a person opens it: with its page of keys before and its page of results after the play."""
     if shutil.which("xdotool") is None:
         pytest.skip("xdotool is not installed: apt-get install xdotool")
-    width, height = SIZE
-    with display(f"{width}x{height}x24") as screen:
+    with display(f"{LOOKED_AT[0]}x{LOOKED_AT[1]}x24") as screen:
         command = [sys.executable, "-m", "mimics_app", "run", str(scene), "--sound", "off", "--runs", str(runs), *words]
         process = subprocess.Popen(command, env={**os.environ, "DISPLAY": screen}, text=True)
-        window = AppWindow(process, screen, runs, scene)
+        window = AppWindow(process, screen, runs, scene, LOOKED_AT)
         try:
             window.wait("run folder", lambda: any(runs.glob("*/haptic.arrows")), seconds=150.0)
             yield window
@@ -130,7 +147,7 @@ def open_window(scene: Path, runs: Path, seconds: float) -> Iterator[AppWindow]:
     with display(f"{width}x{height}x24") as screen:
         command = [sys.executable, "-m", "mimics_app.app.cli", "run", str(scene), "--seconds", str(seconds)]
         process = subprocess.Popen(
-            [*command, "--sound", "off", "--json", "--runs", str(runs)],
+            [*command, "--size", f"{width}x{height}", "--sound", "off", "--json", "--runs", str(runs)],
             env={**os.environ, "DISPLAY": screen}, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         )  # fmt: skip
         window = AppWindow(process, screen, runs, scene)

@@ -9,9 +9,11 @@ import pytest
 __all__ = ["LONGEST", "longest_first"]
 
 LONGEST = (
+    "test_window_run",
     "test_window_journey",
     "test_live_sound",
     "test_bounds_checked",
+    "test_window_pick",
     "test_patients",
     "test_wavy_tunnel_run",
     "test_bench_realtime",

@@ -53,8 +53,8 @@ def answers(installed: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[s
     """What commands say with the wheel installed, by name."""
     folder = tmp_path_factory.mktemp("pillow")
     (folder / "pillow.json").write_text(json.dumps(SCENE), encoding="utf-8")
-    run = ("run", folder / "pillow.json", "--headless", "--seconds", 2.5, "--pictures", 0, "--json")
-    run = (*run, "--runs", folder / "runs")
+    options = ("--headless", "--seconds", 2.5, "--pictures", 0, "--json", "--runs", folder / "runs")
+    run = ("run", folder / "pillow.json", *options)
     commands: dict[str, tuple[object, ...]] = {
         "mass_on_rails": ("devices", "check", "mass_on_rails", "--json"),
         "elbow_arm": ("devices", "check", "elbow_arm", "--json"),

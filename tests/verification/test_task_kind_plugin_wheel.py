@@ -28,7 +28,8 @@ def answers(installed: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[s
     """What commands say with the wheel installed: of a run, of a wrong size, of a name that nothing has."""
     folder = tmp_path_factory.mktemp("runs")
     scene = json.loads(Path(SCENE).read_text(encoding="utf-8"))
-    commands = {"run": ("run", SCENE, "--headless", "--seconds", 25, "--pictures", 0, "--runs", folder, "--json")}
+    options = ("--headless", "--seconds", 25, "--pictures", 0, "--runs", folder, "--json")
+    commands: dict[str, tuple[object, ...]] = {"run": ("run", SCENE, *options)}
     for name, within in (("within", 7), ("targets", 0.02)):
         scene["task"]["reach"] = {"targets": ["yellow_lmp"], "within": within}
         file = folder / f"{name}.json"

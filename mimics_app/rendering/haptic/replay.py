@@ -100,6 +100,7 @@ def replay_run(
     kin = tuple(kinematics)
     inputs, outputs = np.ascontiguousarray(inputs), np.zeros(inputs.shape[0], SAMPLE)
     events: list[Records] = []
+    taken = np.zeros(_EVENTS, EVENT)
     snapshots: dict[int, HapticSnapshot] = {}
     looked = {tick for tick in seen if 0 <= tick < len(inputs)}
     for part in _parts(len(inputs), looked):
@@ -117,7 +118,7 @@ def replay_run(
             period_ns,
             outputs[part],
         )
-        events.append(_taken(memory))
+        events.append(_take_events(memory, taken))
         if part.stop - 1 in looked:
             snapshots[part.stop - 1] = newest_snapshot(memory, int(blocks[-1]["joints"]))
     return Replayed(outputs, np.concatenate([np.zeros(0, EVENT), *events]), snapshots)
@@ -147,13 +148,10 @@ def _parts(ticks: int, looked: set[int]) -> list[slice]:
     return [slice(start, end) for start, end in zip([0, *ends], ends, strict=False)]
 
 
-def _taken(memory: SessionMemory) -> Records:
-    """The events that wait for the recorder, taken out of their ring."""
-    words = memory.recorder_event_words
-    block = np.zeros(_EVENTS, EVENT)
-    count = ring.peek(words, memory.recorder_events, block)
-    ring.release(words, count)
-    return block[:count]
+def _take_events(memory: SessionMemory, block: Records) -> Records:
+    """The events that wait for the recorder, taken out of their ring by way of `block`, which has room for all."""
+    count = ring.drain(memory.recorder_event_words, memory.recorder_events, block)
+    return block[:count].copy()
 
 
 def _room_for(blocks: Records, paths: int) -> ObjectCapacities:
