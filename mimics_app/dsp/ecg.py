@@ -13,8 +13,8 @@ from mimics_app.dsp.rhythm import Rhythm
 
 __all__ = ["TUNING", "Ecg"]
 
-BAND = (8.2, 29.0)
-"""[Hz]"""
+BANDS = ((8.2, 29.0), (15.0, 40.0))
+"""Lower and upper [Hz]."""
 ORDER = 2
 
 TUNING = np.array(
@@ -44,10 +44,17 @@ TUNING = np.array(
         0.25,  # a beat so near one of the rhythm belongs to it
         0.7,  # ... and draws it to itself by so much
         0.01,  # weight of a beat that does not belong, in how unsteady the rhythm is
+        4.0,  # powers of the two bands are means over so much time [s]
+        12.0,  # kurtosis of the lower band below which the upper one begins to count
+        8.0,  # ... and counts as much as the next two say
+        1.0,  # ratio of the kurtosis of the upper band to that of the lower one from which it begins to count
+        1.2,  # ... and counts alone
+        1.0,  # time in which one band takes over from the other [s]
     ]
 )
 """Found by a random search over the six MIT-BIH records with and without synthetic noise and the four of the noise
-stress test; what concerns the rhythm over the six with real electrode noise added, the stress test not taking part. See
+stress test; what concerns the rhythm over the six with real electrode noise added, without the stress test; what
+concerns the bands by hand over simulated electrode noise alone (decision 169). See
 docs/guide/physiology.md for what other records and other noise give."""
 
 
@@ -61,9 +68,9 @@ class Ecg(Channel):
 
     def __init__(self, rate: float) -> None:
         super().__init__(rate)
-        self._sos = band_pass(ORDER, *BAND, rate)
-        self._delay = delay_of(self._sos, _QRS, rate)
-        self._z = np.zeros((len(self._sos), 2))
+        self._sos = np.stack([band_pass(ORDER, *band, rate) for band in BANDS])
+        self._delays = np.array([delay_of(sos, qrs, rate) for sos, qrs in zip(self._sos, _QRS, strict=True)])
+        self._z = np.zeros((*self._sos.shape[:2], 2))
         self._state = np.zeros(ECG_STATE)
         self._state[UNSTEADY] = 0.5  # a rhythm is steady when a dozen beats have shown it
         self._ring = np.zeros((1, int(4 * rate)))
@@ -75,7 +82,7 @@ class Ecg(Channel):
     def _take(self, piece: Floats) -> list[Event]:
         state = self._state
         count = find_beats(
-            piece, self._sos, self._z, state, self._ring, self._kept, self.rate, self._delay, TUNING, self._out
+            piece, self._sos, self._z, state, self._ring, self._kept, self.rate, self._delays, TUNING, self._out
         )
         events = []
         for at, known, strength in self._out[:count].tolist():
@@ -99,7 +106,7 @@ class Ecg(Channel):
         return Found(features if quality > 0.0 else {}, quality)
 
 
-_QRS = 13.0
-"""Where most of a QRS's power in the band is [Hz]: what its delay is taken at."""
+_QRS = (13.0, 20.0)
+"""Where most of a QRS's power in each band is [Hz]: what its delay is taken at."""
 _UNCLEAR, _CLEAR = 1.8, 4.0
 """Ratio of the levels of beats and of what lies between them that is no good, and that is all good."""

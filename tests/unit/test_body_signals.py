@@ -19,6 +19,8 @@ from mimics_app.dsp.resp import Resp
 from mimics_app.dsp.rhythm import Rhythm
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.inputs.physio.simulated.signals import Disturbance
+from mimics_app.lab.physio.detection import Annotated
+from mimics_app.lab.physio.noise_study import noise_of, noise_rows
 from tests.support.body_signals import body, f1, feed
 
 REAL = Path(__file__).resolve().parents[3] / "shared" / "data" / "physio"
@@ -110,6 +112,28 @@ def test_real_beats(record: str, least: float) -> None:
     beats = data["beats"][data["beats"] < 120 * rate] / rate
     found = feed(Ecg(float(rate)), values, max(1, rate // 50))
     assert f1(beats.tolist(), [event.t_s for event in found], 0.15) >= least
+
+
+def test_the_table_of_noise_counts_every_kind_and_lays_what_two_excerpts_differ_by(tmp_path: Path) -> None:
+    """A heart in two sizes of one noise: what is laid upon it anew is that noise, and more of it costs more beats."""
+    signals, truth = body(20, 3)
+    heart, beats = signals["ecg"], np.array(truth.beats)
+    noise = 0.3 * np.sin(2.0 * np.pi * 11.0 * np.arange(len(heart)) / 1000.0 + np.cumsum(np.sin(np.arange(len(heart)))))
+    sizes = {"mitdb_1": 0.0, "nst_118e00": 1.0, "nst_118e06": 10.0**-0.3, "nst_118e24": 10.0**-1.2}
+    for name, size in sizes.items():
+        values = {"ecg_adc": heart + size * noise, "gain_per_mV": 1.0, "fs": 1000, "beats": np.round(beats * 1000.0)}
+        np.savez(tmp_path / f"{name}.npz", **values)
+    rows = {row.kind: row for row in noise_rows(tmp_path)}
+    assert rows["records as they are"].f1 > 0.95
+    parts = [rows[f"noise stress test, {db} dB"] for db in ("00", "06", "24")]
+    whole = rows["noise stress test, all"]
+    assert (whole.beats, whole.missed, whole.invented) == tuple(
+        sum(getattr(part, name) for part in parts) for name in ("beats", "missed", "invented")
+    )
+    assert rows["record 118, electrode noise laid anew, 6 dB"].beats == 20 * len(beats)
+    assert all(0.0 <= row.worst <= row.f1 + 1e-12 <= 1.0 + 1e-12 for row in rows.values())
+    laid = noise_of(*(Annotated(name, 1000.0, heart + sizes[name] * noise, beats) for name in list(sizes)[1:3]))
+    np.testing.assert_allclose(laid, noise, atol=1e-9)
 
 
 def test_variability_of_intervals_that_are_known() -> None:

@@ -265,8 +265,10 @@ def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
     from mimics_app.lab.physio.bench import measure_noise, measure_physio
 
     folder = args.data or (Path(os.environ["PHYSIO_DATA"]) if os.environ.get("PHYSIO_DATA") else None)
-    answer: dict[str, Any] = {"noise": measure_noise(folder)} if _NOISE in args.names else {}
     names = _physio_figures(args)
+    if _NOISE in args.names and folder is None:
+        raise UsageError("noise is laid upon annotated records", "mimics bench physio noise --data DIR")
+    answer: dict[str, Any] = {"noise": measure_noise(folder)} if _NOISE in args.names else {}
     if not args.names:
         answer = measure_physio(folder, _peers())
     if args.charts is not None and names:

@@ -70,8 +70,8 @@ def draw_values(values: NDArray[np.float64], path: Path) -> None:
         parts.append(element("rect", class_="ring", x=x, y=y, width=width, height=height))
     whole = (_LEFT + len(names) * width + 20.0, _TOP + len(values) * height + 40.0)
     foot = [
-        "Distance towards the place [m] that each deed is expected to bring, of this and later steps. Framed: the best one; "
-        "none where several are alike."
+        "Distance towards the place [m] that each deed is expected to bring, of this and later steps. Framed: the best "
+        "one; none where several are alike."
     ]
     write_atomically(path, str(document(*whole, "What the avatar has learnt", parts, foot)).encode())
 

@@ -3,8 +3,10 @@
 The energy of the QRS band is compared with a level between those of the last beats and of what lies between them; the
 level is high just after a beat and sinks until the next one is due, so that a T wave or a burst of noise in mid-cycle
 must be as strong as a beat, while a weak beat that comes in time is taken. As far as noise comes near the beats and the
-rhythm is steady, when a peak comes counts for more than how strong it is. After Pan & Tompkins, IEEE TBME 32(3), 1985,
-with the time-dependent threshold of Engelse & Zeelenberg, Computers in Cardiology, 1979.
+rhythm is steady, when a peak comes counts for more than how strong it is. Electrodes that move spoil the lower band of
+the QRS, muscles the upper one: the band is the lower one, and goes over to the upper one where beats stand out there
+and not below. After Pan & Tompkins, IEEE TBME 32(3), 1985, with the time-dependent threshold of Engelse & Zeelenberg,
+Computers in Cardiology, 1979.
 """
 
 from __future__ import annotations
@@ -16,12 +18,35 @@ from mimics_app.dsp.kernels.sections import Floats, run_sections, settle_section
 
 __all__ = ["ECG_STATE", "find_beats"]
 
-SPK, NPK, LAST, CAND_T, CAND_V, RR, SUM, BACK_T, BACK_V, N, HELD, MISSING, LEARNT, KEPT, UNSTEADY, PHASE = range(16)
-ECG_STATE = 16
+(
+    SPK,
+    NPK,
+    LAST,
+    CAND_T,
+    CAND_V,
+    RR,
+    SUM,
+    BACK_T,
+    BACK_V,
+    N,
+    HELD,
+    MISSING,
+    LEARNT,
+    KEPT,
+    UNSTEADY,
+    PHASE,
+    LOW2,
+    LOW4,
+    HIGH2,
+    HIGH4,
+    UPPER,
+) = range(21)
+ECG_STATE = 21
 """Length of the state vector: levels of beats and of noise, sample of the last beat, the candidate and its energy, mean
 RR, running sum of squares, best refused candidate, samples seen, last good input, NaN in a row, whether the levels are
 learnt, candidates kept until then, mean share by which intervals differ from the usual one, sample of the last beat of
-the rhythm itself."""
+the rhythm itself, means of second and fourth power of the lower band and of the upper one, share of the upper one in
+what is looked at."""
 
 _NEVER = 10.0
 """So long ago counts the last beat where there was none [s]."""
@@ -43,6 +68,8 @@ _DOUBTFUL_SHARE, _DOUBTFUL_RR = 0.05, 2.0
 
 _TINY = 1e-12
 """Keeps a ratio of levels finite [mV]."""
+_MOST_GAIN = 8.0
+"""Of the upper band, which gets the size of the lower one."""
 _FOLLOW = 0.1
 """Weight of a new interval in how unsteady the rhythm is."""
 _LEAST_FACTOR = 0.1
@@ -60,7 +87,7 @@ def find_beats(
     ring: Floats,
     kept: Floats,
     rate: float,
-    delay: float,
+    delays: Floats,
     tuning: Floats,
     out: Floats,
 ) -> int:
@@ -68,13 +95,13 @@ def find_beats(
 
     Args:
         x: New samples, shape [n]; NaN where the sensor gave none.
-        sos: Band-pass, second order sections, shape [s, 6].
-        z: Its state, shape [s, 2].
+        sos: Band-passes, lower and upper, second order sections, shape [2, s, 6].
+        z: Their state, shape [2, s, 2].
         state: See ECG_STATE.
         ring: The last band-passed samples and their squares' window, shape [2, m].
         kept: Candidates of the first seconds, shape [k, 2]: sample and energy.
         rate: [Hz]
-        delay: Of the band-pass [samples].
+        delays: Of the band-passes [samples], shape [2].
         tuning: See `ecg.TUNING`.
         out: Beats, shape [b, 3]: sample of the R peak, sample at which it is known, its energy over the noise's.
 
@@ -90,11 +117,12 @@ def find_beats(
             value = state[HELD]
         else:
             if state[MISSING] > 0.5 * rate or state[N] == 0.0:
-                settle_sections(value, sos, z)
+                settle_sections(value, sos[0], z[0])
+                settle_sections(value, sos[1], z[1])
                 state[LAST] = -1.0 if state[N] == 0.0 else state[N]
             state[MISSING] = 0.0
             state[HELD] = value
-        value = run_sections(value, sos, z)
+        value = _blend(run_sections(value, sos[0], z[0]), run_sections(value, sos[1], z[1]), state, rate, tuning)
         n = int(state[N])
         old = ring[0, (n - w) % m]
         state[SUM] = max(state[SUM] + value * value - old * old, 0.0)
@@ -103,8 +131,31 @@ def find_beats(
         state[N] += 1.0
         if n < w:
             continue
+        delay = delays[0] + state[UPPER] * (delays[1] - delays[0])
         count = _follow(n, energy, state, ring, kept, hold, dead, learn, delay, tuning, rate, out, count)
     return count
+
+
+@kernel
+def _blend(low: float, high: float, state: Floats, rate: float, tuning: Floats) -> float:
+    """What is looked at: the lower band, or as much of the upper one as beats stand out there and not below.
+
+    Beats stand out where the fourth power is large beside the second: rare and high, unlike noise (kurtosis).
+    """
+    weight = 1.0 / (tuning[25] * rate)
+    for power, value in ((LOW2, low), (HIGH2, high)):
+        square = value * value
+        state[power] += weight * (square - state[power])
+        state[power + 1] += weight * (square * square - state[power + 1])
+    below = state[LOW4] / max(state[LOW2] * state[LOW2], _TINY * _TINY)
+    above = state[HIGH4] / max(state[HIGH2] * state[HIGH2], _TINY * _TINY)
+    share = min(max((tuning[26] - below) / (tuning[26] - tuning[27]), 0.0), 1.0)
+    share *= min(max((above / max(below, _TINY) - tuning[28]) / (tuning[29] - tuning[28]), 0.0), 1.0)
+    if state[N] < tuning[3] * rate:
+        share = 0.0
+    state[UPPER] += (share - state[UPPER]) / (tuning[30] * rate)
+    gain = min(np.sqrt(state[LOW2] / max(state[HIGH2], _TINY * _TINY)), _MOST_GAIN)
+    return low + state[UPPER] * (gain * high - low)
 
 
 @kernel

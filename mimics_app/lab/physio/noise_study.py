@@ -23,7 +23,7 @@ from mimics_app.lab.physio.detection import (
     score_beats,
 )
 
-__all__ = ["NoiseRow", "noise_rows"]
+__all__ = ["NoiseRow", "noise_of", "noise_rows"]
 
 Floats = NDArray[np.float64]
 
@@ -84,7 +84,7 @@ def noise_rows(folder: Path) -> Iterator[NoiseRow]:
     loud, soft, clean = (excerpts.get(f"{_EXCERPT}{db:02.0f}") for db in (_LOUD_DB, _SOFT_DB, _CLEANEST_DB))
     if loud is None or soft is None or clean is None:
         return
-    noise = (loud.values - soft.values) / (1.0 - 10.0 ** ((_LOUD_DB - _SOFT_DB) / 20.0))
+    noise = noise_of(loud, soft)
     heart = Annotated("118", clean.rate, clean.values - noise * 10.0 ** (-_CLEANEST_DB / 20.0), clean.beats)
     for decibel in _ELECTRODE_DB:
         anew = (_laid(heart, noise, decibel, seed) for seed in range(_ANEW))
@@ -92,10 +92,15 @@ def noise_rows(folder: Path) -> Iterator[NoiseRow]:
         yield _row(f"other records, electrode noise, {decibel:g} dB", _pieces(hearts, noise, decibel))
 
 
+def noise_of(loud: Annotated, soft: Annotated) -> Floats:
+    """The noise of the excerpt of 0 dB, from that and the one of 6 dB: the same heart, the same noise [mV]."""
+    return (loud.values - soft.values) / (1.0 - 10.0 ** ((_LOUD_DB - _SOFT_DB) / 20.0))
+
+
 def _pieces(hearts: list[Annotated], noise: Floats, decibel: float) -> Iterator[Annotated]:
     """Pieces of each record, spread over it, with the noise laid upon them."""
     for k, heart in enumerate(hearts):
-        last = len(heart.values) / heart.rate - _PIECE_S
+        last = max(len(heart.values) / heart.rate - _PIECE_S, 0.0)
         for n in range(_PIECES):
             piece = _piece(heart, last * n / (_PIECES - 1), _PIECE_S)
             yield _laid(piece, noise, decibel, 100 + _PIECES * k + n)
