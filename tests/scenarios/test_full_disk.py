@@ -29,7 +29,7 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
     subprocess.run(["umount", str(folder)], check=True)
 
 
-def test_run_on_a_disk_that_fills_ends_with_6_and_says_what_is_missing(small_disk: Path) -> None:
+def test_run_on_a_disk_that_fills_ends_with_6_and_tells_what_is_missing(small_disk: Path) -> None:
     command = [sys.executable, "-m", "mimics_app.app.cli", "run", str(root() / "scenes" / "wavy_tunnel.json")]
     options = ["--headless", "--pictures", "0", "--patient", "severe", "--json", "--runs", str(small_disk)]
     done = subprocess.run([*command, *options], capture_output=True, text=True, timeout=240, check=False)

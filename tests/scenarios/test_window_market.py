@@ -56,12 +56,12 @@ def lead(window: AppWindow, x: float, y: float, z: float) -> None:
 
 def grip(window: AppWindow) -> None:
     """Open the hand, go to the apple from above, close it."""
-    window.send("mouseup", "1")
+    window.tell("mouseup", "1")
     x, y, z = window.lines("frame")[-1]["bodies"][0][:3]
     lead(window, x, HIGH, z)
     x, y, z = window.lines("frame")[-1]["bodies"][0][:3]
     lead(window, x, y, z)
-    window.send("mousedown", "1")
+    window.tell("mousedown", "1")
     end = time.monotonic() + PATIENCE_S
     while not is_held(window) and time.monotonic() < end:
         time.sleep(0.1)
@@ -73,7 +73,7 @@ def carry(window: AppWindow) -> None:
     lead(window, float(x), HIGH, float(z))
     lead(window, MARK[0], HIGH, MARK[2])
     lead(window, MARK[0], MARK[1] + 0.034, MARK[2])
-    window.send("mouseup", "1")
+    window.tell("mouseup", "1")
     time.sleep(1.5)
 
 
@@ -94,7 +94,7 @@ def test_three_apples_to_the_page_of_results(tmp_path: Path) -> None:
         window.wait("ready", lambda: ("ready", 0) in states(window), seconds=150.0)
         time.sleep(1.0)
         window.keep("1_keys")
-        window.send("key", "Return")
+        window.tell("key", "Return")
         time.sleep(1.0)
         window.keep("2_count")
         for trial in range(3):
@@ -102,7 +102,7 @@ def test_three_apples_to_the_page_of_results(tmp_path: Path) -> None:
         window.wait("report", lambda: any(window.runs.glob("*/report.html")), seconds=90.0)
         time.sleep(3.0)
         window.keep("6_result")
-        window.send("key", "c")
+        window.tell("key", "c")
         assert window.process.wait(timeout=60) == 0
     with next(window.runs.glob("*/trials.csv")).open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))

@@ -116,7 +116,7 @@ def test_wall_holds_the_ball_and_letting_go_is_free(window):
 
 def test_space_stops_to_zero_force_and_escape_leaves_with_its_own_exit_code(window):
     window.wait("quality", lambda: any("shadow_size" in line for line in window.lines("quality")))
-    window.send("key", "space")
+    window.tell("key", "space")
     window.wait("stop", lambda: window.rows["state"][-1] == SafetyState.E_STOP)
     rows = window.rows
     stop = int(np.argmax(rows["stop_word"] > 0.0))

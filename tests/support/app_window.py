@@ -41,9 +41,9 @@ class AppWindow:
     terminal: str = ""
 
     def mouse(self, point_world: np.ndarray) -> None:
-        self.send("mousemove", *map(str, pixel_of(self.scene, point_world)))
+        self.tell("mousemove", *map(str, pixel_of(self.scene, point_world)))
 
-    def send(self, *words: str) -> None:
+    def tell(self, *words: str) -> None:
         subprocess.run(["xdotool", *words], env={**os.environ, "DISPLAY": self.screen}, check=True, timeout=20)
 
     @property
@@ -80,13 +80,13 @@ class AppWindow:
         pytest.fail(f"no {what} within {seconds} s")
 
     def leave(self) -> tuple[int, dict[str, Any]]:
-        """(exit code, what --json gave) after Escape, twice: the first one asks where a trial is under way."""
-        self.send("key", "Escape")
+        """(exit code, what --json told) after Escape, twice: the first one asks where a trial is under way."""
+        self.tell("key", "Escape")
         time.sleep(1.0)
         if self.process.poll() is None:
-            self.send("key", "Escape")
-        reported, self.terminal = self.process.communicate(timeout=40)
-        return self.process.returncode, json.loads(reported)
+            self.tell("key", "Escape")
+        told, self.terminal = self.process.communicate(timeout=40)
+        return self.process.returncode, json.loads(told)
 
 
 @lru_cache(maxsize=4)

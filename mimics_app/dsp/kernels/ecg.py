@@ -12,9 +12,10 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.dsp.kernels.sections import Floats, run_sections, settle_sections
 
 __all__ = ["ECG_STATE", "find_beats"]
+
+Floats = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
 
 SPK, NPK, LAST, CAND_T, CAND_V, RR, SUM, BACK_T, BACK_V, N, HELD, MISSING, LEARNT, KEPT, UNSTEADY, PHASE = range(16)
 ECG_STATE = 16
@@ -90,11 +91,15 @@ def find_beats(
             value = state[HELD]
         else:
             if state[MISSING] > 0.5 * rate or state[N] == 0.0:
-                settle_sections(value, sos, z)
+                _settle(value, sos, z)
                 state[LAST] = -1.0 if state[N] == 0.0 else state[N]
             state[MISSING] = 0.0
             state[HELD] = value
-        value = run_sections(value, sos, z)
+        for s in range(sos.shape[0]):
+            y = sos[s, 0] * value + z[s, 0]
+            z[s, 0] = sos[s, 1] * value - sos[s, 4] * y + z[s, 1]
+            z[s, 1] = sos[s, 2] * value - sos[s, 5] * y
+            value = y
         n = int(state[N])
         old = ring[0, (n - w) % m]
         state[SUM] = max(state[SUM] + value * value - old * old, 0.0)
@@ -105,6 +110,17 @@ def find_beats(
             continue
         count = _follow(n, energy, state, ring, kept, hold, dead, learn, delay, tuning, rate, out, count)
     return count
+
+
+@kernel
+def _settle(value: float, sos: Floats, z: Floats) -> None:
+    """Put the filter where a constant input would have brought it: all sections after the first see zero."""
+    for s in range(sos.shape[0]):
+        gain = (sos[s, 0] + sos[s, 1] + sos[s, 2]) / (1.0 + sos[s, 4] + sos[s, 5])
+        y = gain * value
+        z[s, 1] = sos[s, 2] * value - sos[s, 5] * y
+        z[s, 0] = sos[s, 1] * value - sos[s, 4] * y + z[s, 1]
+        value = y
 
 
 @kernel

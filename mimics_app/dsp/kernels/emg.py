@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.dsp.kernels.sections import Floats, run_sections
+from mimics_app.dsp.kernels.slow import run_sections
 
 __all__ = ["EMG_STATE", "find_onsets"]
+
+Floats = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
 
 N, SUM, BASE, SPREAD, ABOVE, ACTIVE, BELOW, HELD, SINCE, TOTAL = range(10)
 EMG_STATE = 10

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.dsp.kernels.sections import Floats, run_sections, settle_sections
 
-__all__ = ["TURN_STATE", "find_breaths", "find_responses"]
+__all__ = ["TURN_STATE", "find_breaths", "find_responses", "run_sections"]
+
+Floats = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
 
 N, RISING, LOW, LOW_T, HIGH, HIGH_T, SIZE, HELD, MISSING, LAST_T = range(10)
 TURN_STATE = 10
@@ -30,7 +31,7 @@ _WAY_BACK = 0.2
 """Of the usual breath, by which the signal goes back before it has turned."""
 
 _NOTHING = 1e-9
-"""Least return, of a signal that is still [its unit]."""
+"""Least way back, of a signal that is still [its unit]."""
 
 _SHORTEST_PHASE, _SHORTEST_BREATH, _LONGEST_BREATH = 0.2, 0.8, 20.0
 """Of one direction, and of a whole breath [s]."""
@@ -43,13 +44,34 @@ _PAUSE, _FADE = 10.0, 0.2
 
 
 @kernel
+def run_sections(value: float, sos: Floats, z: Floats) -> float:
+    """One sample through second order sections [s, 6] with state [s, 2]."""
+    for s in range(sos.shape[0]):
+        y = sos[s, 0] * value + z[s, 0]
+        z[s, 0] = sos[s, 1] * value - sos[s, 4] * y + z[s, 1]
+        z[s, 1] = sos[s, 2] * value - sos[s, 5] * y
+        value = y
+    return value
+
+
+@kernel
+def _settle(value: float, sos: Floats, z: Floats) -> None:
+    for s in range(sos.shape[0]):
+        gain = (sos[s, 0] + sos[s, 1] + sos[s, 2]) / (1.0 + sos[s, 4] + sos[s, 5])
+        y = gain * value
+        z[s, 1] = sos[s, 2] * value - sos[s, 5] * y
+        z[s, 0] = sos[s, 1] * value - sos[s, 4] * y + z[s, 1]
+        value = y
+
+
+@kernel
 def _held(value: float, state: Floats, sos: Floats, z: Floats, rate: float) -> float:
     """The sample, or the last good one where there is none; after a long gap the filter begins anew."""
     if np.isnan(value):
         state[MISSING] += 1.0
         return state[HELD]
     if state[N] == 0.0 or state[MISSING] > rate:
-        settle_sections(value, sos, z)
+        _settle(value, sos, z)
         state[RISING], state[LOW], state[HIGH] = 0.0, np.inf, -np.inf
     state[MISSING], state[HELD] = 0.0, value
     return value
@@ -102,7 +124,7 @@ def find_responses(
 
 @kernel
 def find_breaths(x: Floats, sos: Floats, z: Floats, state: Floats, rate: float, out: Floats) -> int:
-    """Breaths: a trough, a crest and the next trough, each followed by a return of a fifth of the usual size.
+    """Breaths: a trough, a crest and the next trough, each followed by a way back of a fifth of the usual size.
 
     Args:
         x: Samples, shape [n].
