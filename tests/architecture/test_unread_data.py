@@ -13,7 +13,6 @@ from tests.architecture.record_stub import STUB
 from tests.architecture.sources import modules
 
 READ_ELSEWHERE = {
-    "SweepRecord.remade": "counted for the test that the list of pairs is not made anew in every tick",
     "StateRecord.others_f_meas": "copied whole into the sample, as a row of the loop's table",
 }
 """Fields of records that no module of the product reads, and why they are there."""
