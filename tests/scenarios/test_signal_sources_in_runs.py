@@ -32,7 +32,7 @@ def play(
     settings = RunSettings(TUNNEL, headless=True, seconds=seconds, runs=folder, sound="off", pictures=0, physio=source)
     with build_session(settings, live=False) as session:
         if reported is not None:
-            session.pass_on = reported.append
+            session.report = reported.append
         frames = Frames(session)
         run_virtual(session, frames, lambda frames: after_frame(frames.number))
         session.end_stages()
@@ -131,8 +131,8 @@ def write_wfdb(folder: Path, ecg: Any) -> Path:
     pytest.importorskip("wfdb", reason="WFDB is read by the extra `signals`")
     counts = np.round(1000.0 * ecg).astype("<i2")
     (folder / "body.dat").write_bytes(counts.tobytes())
-    reported = f"16 1000(0)/mV 16 0 {counts[0]} {int(counts.astype(np.int64).sum()) & 0xFFFF} 0 MLII"
-    (folder / "body.hea").write_text(f"body 1 {RATE} {len(ecg)}\nbody.dat {reported}\n")
+    layout = f"16 1000(0)/mV 16 0 {counts[0]} {int(counts.astype(np.int64).sum()) & 0xFFFF} 0 MLII"
+    (folder / "body.hea").write_text(f"body 1 {RATE} {len(ecg)}\nbody.dat {layout}\n")
     return folder / "body.hea"
 
 
