@@ -96,6 +96,26 @@ def drawn_parts(monkeypatch: pytest.MonkeyPatch) -> list[list[Rect | None]]:
     return told
 
 
+def test_where_hundreds_of_sprites_move_nothing_is_looked_for(drawn_parts):
+    world = make_world()
+    dots = [world.root.create_child(f"dot{number}", (0.0, 0.5, 0.0)) for number in range(320)]
+    for dot in dots:
+        world.effects.add(dot.index, Billboard(size=(0.02, 0.02)))
+    with create_surface("egl", SIZE) as surface:
+        renderer = Renderer(surface, world, PLAIN)
+        for frame in range(6):
+            for number, dot in enumerate(dots):
+                dot.set_position((0.005 * number - 0.8, 0.5 + 0.01 * frame, 0.0))
+            world.update()
+            renderer.draw([view()])
+        assert drawn_parts == []
+        for frame in range(6):
+            dots[0].set_position((0.0, 0.6 + 0.01 * frame, 0.0))
+            world.update()
+            renderer.draw([view()])
+    assert drawn_parts, "where one of them moves, only its part is drawn again"
+
+
 @pytest.mark.parametrize(
     "settings",
     [

@@ -176,8 +176,10 @@ def _time_still(crowd: Crowd, wanted: RenderBench, renderer: Renderer) -> dict[s
     for frame in range(wanted.frames):
         crowd.update(frame)
         views = [crowd.view(frame, wanted.size)]
+        renderer.forget_picture()
         started = process_seconds()
         vertices = renderer.draw_finished(views).bent
+        renderer.forget_picture()
         between = process_seconds()
         renderer.draw_finished(views)
         bent.append((between - started) * 1e9 / max(vertices, 1))

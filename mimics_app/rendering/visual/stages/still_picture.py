@@ -33,6 +33,9 @@ _REACH_TEXELS = 4.0
 _MOST_ITEMS = 4000
 """In a world of more, looking for what changed costs more than is likely to be saved."""
 
+_MOST_SPRITES = 300
+"""Of more that changed, finding out where they are costs more than drawing the picture, as of a fountain of dots."""
+
 _PIECES = 4
 """In which a body's way along the sun's rays is looked at: aslant on the screen, it is not the rectangle about it."""
 
@@ -83,7 +86,9 @@ class StillPicture:
     def parts(self, seen: SeenFrame) -> list[Rect] | None:
         """Rectangles outside of which a frame is as the one before [px]; None where nothing is known of that one."""
         before, listed = self._before, seen.listed
-        changed = _changed_items(before, seen) if len(listed.radii) <= _MOST_ITEMS else None
+        sprites = _changed_sprites(before.seen, seen)
+        few = len(listed.radii) <= _MOST_ITEMS and len(sprites) <= _MOST_SPRITES
+        changed = _changed_items(before, seen) if few else None
         self._count(alike=changed is not None)
         if changed is None and not self.keeps:
             self._before = _Before(seen)
@@ -97,7 +102,7 @@ class StillPicture:
         was, now = changed & before.shown, changed & shown
         touched = np.concatenate([before.boxes.corners(was), boxes.corners(now)])
         casting = np.concatenate([listed.items.casting[was], listed.items.casting[now]])
-        return self._places(seen, touched, touched[casting], _changed_sprites(before.seen.sprites, seen.sprites))
+        return self._places(seen, touched, touched[casting], sprites)
 
     def _count(self, *, alike: bool) -> None:
         """Whether the eye stands still has to hold for some frames before it counts, and to fail for more."""
@@ -150,8 +155,10 @@ def _changed_items(before: _Before, seen: SeenFrame) -> NDArray[np.bool_] | None
     return changed
 
 
-def _changed_sprites(before: F8, now: F8) -> F8:
+def _changed_sprites(last: SeenFrame | None, seen: SeenFrame) -> F8:
     """Spheres about sprites that are others now, where they were and where they are, [n, 4]."""
+    now = seen.sprites
+    before = now[:0] if last is None else last.sprites
     if before.shape != now.shape:
         return np.concatenate([before[:, :4], now[:, :4]])
     other = (before != now).any(axis=1)
