@@ -85,15 +85,15 @@ WHOLE = {12, 14, 15, 19, 21, 24}
 @pytest.fixture
 def drawn_parts(monkeypatch: pytest.MonkeyPatch) -> list[list[Rect | None]]:
     """What was drawn in parts, frame by frame."""
-    told: list[list[Rect | None]] = []
+    drawn: list[list[Rect | None]] = []
     before = WorldStage.draw_parts
 
     def draw_parts(stage, target, samples, scene, parts: list[ViewDraws]) -> int:
-        told.append([each.part for each in parts])
+        drawn.append([each.part for each in parts])
         return before(stage, target, samples, scene, parts)
 
     monkeypatch.setattr(WorldStage, "draw_parts", draw_parts)
-    return told
+    return drawn
 
 
 def test_where_hundreds_of_sprites_move_nothing_is_looked_for(drawn_parts):

@@ -184,6 +184,8 @@ def _measure_queueing(scene: Path, size: Size, frames: int) -> Row:
 
 
 def _queueing_ms(renderer: Renderer, presenter: Presenter) -> float:
+    """Of a whole frame: two eyes never draw parts of one, so one eye may not either."""
+    renderer.forget_picture()
     presenter.begin(0)
     renderer.timing = True
     renderer.draw(presenter.views(renderer.world.cameras[0]))

@@ -102,8 +102,8 @@ class Lighting:
             + (light.casts_shadow, *light.position_world, *light.direction_world)
             for light in self.places
         ]
-        told = (self.scattered.tobytes(), *(each.tobytes() for each in arrays))
-        return (*told, self.sun_casts_shadow, tuple(lamps), self.fog, self.backdrop)
+        figures = (self.scattered.tobytes(), *(each.tobytes() for each in arrays))
+        return (*figures, self.sun_casts_shadow, tuple(lamps), self.fog, self.backdrop)
 
     def sky_light(self) -> F8:
         """What surfaces get from all around, as a + b y + c y^2 of their normal's height y; rows a, b, c: [3, 3].

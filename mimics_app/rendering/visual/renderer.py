@@ -241,6 +241,10 @@ class Renderer:
             if not self._picture.holds:
                 parts = None
             drawn = self._batch_all(scene, views) if parts is None else self._batch_parts(scene, views[0], parts)
+            self._bending.bend(self.world, self._list.drawn_meshes())
+            self._frame.upload(self._arena)
+            if scene.effects is not None:
+                scene.effects.upload()
         with self._timed("shadows"):
             draws = self._shadows.draw(self._arena, self._frame)
         with self._timed("mirrors"):
@@ -261,19 +265,14 @@ class Renderer:
         return self._shadows.triangles + self._pictures.triangles + sum(each.triangles for each in drawn), draws
 
     def _batch_all(self, scene: FrameScene, views: Sequence[View]) -> list[ViewDraws]:
-        """Queue what is seen in the views and in the pictures within them, and send it to the driver."""
+        """Queue what is seen in the views and in the pictures within them."""
         places = [self._picture.rectangle(view.rectangle) for view in views]
         queued: dict[int, ViewDraws] = {}
         for numbers in group_views(views):
             eyes = [views[number] for number in numbers]
             queued |= zip(numbers, self._batch(scene, eyes, numbers[0], [places[k] for k in numbers]), strict=True)
         drawn = [queued[number] for number in range(len(views))]
-        drawn = self._pictures.queue(self.world, drawn, partial(self._batch_inside, scene), self.settings.mirror_scale)
-        self._bending.bend(self.world, self._list.drawn_meshes())
-        self._frame.upload(self._arena)
-        if scene.effects is not None:
-            scene.effects.upload()
-        return drawn
+        return self._pictures.queue(self.world, drawn, partial(self._batch_inside, scene), self.settings.mirror_scale)
 
     def _changed_parts(self, scene: FrameScene, views: Sequence[View]) -> list[Rect] | None:
         """Rectangles in which the picture is another one than before [px]; None for all of it, or of no views."""
@@ -288,21 +287,16 @@ class Renderer:
         return parts
 
     def _batch_parts(self, scene: FrameScene, view: View, parts: Sequence[Rect]) -> list[ViewDraws]:
-        """Queue what is seen in parts of a view, and send it to the driver."""
+        """Queue what is seen in parts of a view."""
         x, y, *size = self._picture.rectangle(view.rectangle)
         drawn = []
         for part in parts:
             inside = (part[0] - x, part[1] - y, part[2], part[3])
-            queue = self._list.batch_views(
+            opaque, blended, away = self._list.batch_views(
                 self._frame, [view], view.eye_world, [(size[0], size[1])], self._picture.samples, 0, inside
             )
-            opaque, blended, away = queue
             mixed = blended if scene.effects is None else scene.effects.mix(view, blended, away)
             drawn.append(ViewDraws(view, (x, y, size[0], size[1]), opaque, mixed, part=part))
-        self._bending.bend(self.world, self._list.drawn_meshes())
-        self._frame.upload(self._arena)
-        if scene.effects is not None:
-            scene.effects.upload()
         return drawn
 
     def _prepare(self, views: Sequence[View]) -> FrameScene:

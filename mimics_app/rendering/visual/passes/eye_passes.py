@@ -1,4 +1,4 @@
-"""In how many passes eyes are drawn over one queue, and what their shaders are told."""
+"""In how many passes eyes are drawn over one queue, and what their shaders are given."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ program may round the same formula otherwise, and a half rounds other places tha
 
 @dataclass(frozen=True, slots=True)
 class EyePass:
-    """What shaders that ask which eye they draw for are told, and how often each instance is drawn.
+    """What shaders that ask which eye they draw for are given, and how often each instance is drawn.
 
     Attributes:
         defines: Names besides their own.
@@ -28,7 +28,7 @@ class EyePass:
     eye: int = -1
 
 
-_TOLD: dict[EyePasses, tuple[str, ...]] = {
+_GIVEN: dict[EyePasses, tuple[str, ...]] = {
     "alone": (),
     "viewports": ("EYES_BY_VIEWPORT",),
     "viewports_in_turn": ("EYES_BY_VIEWPORT",),
@@ -42,7 +42,7 @@ _IN_TURN: tuple[EyePasses, ...] = ("viewports_in_turn", "halves_in_turn")
 
 def passes_of(eyes: EyePasses) -> tuple[EyePass, ...]:
     """The passes in which eyes are drawn over one queue."""
-    told = _TOLD[eyes]
+    given = _GIVEN[eyes]
     if eyes in _IN_TURN:
-        return tuple(EyePass(told, eye=eye) for eye in (0, 1))
-    return (EyePass(told, 2 if eyes in AT_ONCE else 1),)
+        return tuple(EyePass(given, eye=eye) for eye in (0, 1))
+    return (EyePass(given, 2 if eyes in AT_ONCE else 1),)
