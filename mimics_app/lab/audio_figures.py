@@ -35,7 +35,7 @@ _VOICES = (1, 4, 16, 64, 128, 192, 256)
 _MOST_OPENAL = 200
 _BLOCKS = 120
 _WIDTH, _HEIGHT = 1000.0, 300.0
-_LIVE = 120  # frames of a live block: 2.5 ms
+_LIVE = 80  # frames of a live block: 1.7 ms
 
 
 def draw_figures(folder: Path) -> list[Path]:
@@ -77,7 +77,7 @@ def cost_of_voices() -> Figure:
     measures: Mapping[str, Callable[[int], float]] = {
         "OpenAL, blocks of 5 ms": lambda n: 2.0 * measure_block_us(True, _BLOCKS, n),
         "spectral, blocks of 5 ms": lambda n: 2.0 * measure_block_us(True, _BLOCKS, n, "spectral"),
-        "spectral, blocks of 2.5 ms": lambda n: 4.0 * measure_block_us(True, _BLOCKS, n, "spectral", _LIVE),
+        "spectral, blocks of 1.7 ms": lambda n: 6.0 * measure_block_us(True, _BLOCKS, n, "spectral", _LIVE),
     }
     costs: dict[str, Points] = {name: [] for name in measures}
     for voices in _VOICES:

@@ -1,7 +1,8 @@
 """`mimics bench audio --soak`: the audio process beside the load of `bench realtime`, for as long as is asked.
 
 The load, a whole session with its loop, its picture as fast as it can be drawn and 8 ms of Python a frame, is a process
-of its own. The spectral mixer is streamed to OpenAL's null device, which takes blocks in real time as a card does.
+of its own. The spectral mixer is streamed to the null sink of a private PulseAudio server, which takes blocks in real
+time as a card does; where PulseAudio is not installed, to OpenAL's null device.
 """
 
 from __future__ import annotations
@@ -9,8 +10,9 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
+from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,9 +21,15 @@ from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.sound_scene import SOUND_SCENE, fill_defaults
+from mimics_app.rendering.audio.live_latency import private_pulse_server, pulse_missing
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 from mimics_app.rendering.audio.streamed_mixer import LIVE_BLOCK
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from mimics_app.contracts.audio_port import AudioReport
 
 __all__ = ["measure_soak"]
 
@@ -42,16 +50,51 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
 
     Returns:
         `seconds, voices, block_ms, turns`; `block_us` with p50, p99 and max of the work of a turn in which blocks were
-        mixed, and their `count`; `missed`, turns that began more than half a millisecond late; `ran_empty`, how often
-        the device had taken every block: the null device takes several at once where its own thread was held up.
+        mixed, and their `count`; `missed`, how often the device wanted a block that was not there: a gap that is heard;
+        `late_turns`, those that began more than half a millisecond late, which the queue bears; `device`.
+        OpenAL's null device takes several blocks at once where its own thread was held up, which counts as missed too.
 
     Raises:
-        DeviceError: There is no OpenAL library, or the audio process ended on its own.
+        DeviceError: There is no OpenAL library, the server did not start, or the audio process ended on its own.
+    """
+    empty: Mapping[str, str] = {}
+    with nullcontext(empty) if pulse_missing() else private_pulse_server() as environment:
+        report = _play(scene, seconds, environment, load=load)
+    if report.crashed:
+        raise DeviceError("the audio process ended on its own")
+    return {
+        "seconds": seconds,
+        "voices": _VOICES,
+        "block_ms": LIVE_BLOCK / report.status.rate * 1e3,
+        "turns": report.blocks,
+        "block_us": dict(report.block_us),
+        "missed": report.underruns,
+        "late_turns": report.late_blocks,
+        "device": report.status.device,
+        "load": str(scene) if load else "none",
+    }
+
+
+def _play(scene: Path, seconds: float, environment: Mapping[str, str], *, load: bool) -> AudioReport:
+    """Voices that circle for some seconds.
+
+    Args:
+        scene: Of the load.
+        seconds: How long.
+        environment: What leads to a PulseAudio server; nothing: OpenAL's null device is played to.
+        load: Whether a session runs beside.
     """
     names = [f"hum_{k}" for k in range(_VOICES)]
     sounds = {name: SoundSpec(recipe="scrape", gain=0.02, loop=True) for name in names}
     settings = AudioSettings(
-        sounds=sounds, triggers={}, scrape="", emitters=tuple(names), mixer="spectral", voices=_VOICES, driver="null"
+        sounds=sounds,
+        triggers={},
+        scrape="",
+        emitters=tuple(names),
+        mixer="spectral",
+        voices=_VOICES,
+        driver="pulse" if environment else "null",
+        environment=dict(environment),
     )
     memory, clock = SessionMemory(), MonotonicClock()
     audio = AudioProcess(memory, settings)
@@ -66,18 +109,7 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
             child.communicate(timeout=seconds + _SPARE_S)
     finally:
         report = audio.stop()
-    if report.crashed:
-        raise DeviceError("the audio process ended on its own")
-    return {
-        "seconds": seconds,
-        "voices": _VOICES,
-        "block_ms": LIVE_BLOCK / settings.rate * 1e3,
-        "turns": report.blocks,
-        "block_us": dict(report.block_us),
-        "missed": report.late_blocks,
-        "ran_empty": report.underruns,
-        "load": str(scene) if load else "none",
-    }
+    return report
 
 
 def _begin_load(scene: Path, seconds: float) -> subprocess.Popen[bytes]:

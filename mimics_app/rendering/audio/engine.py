@@ -177,24 +177,24 @@ def open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engin
     context = OpenALContext(library, settings.rate, settings.hrtf, settings.sources, loopback=False)
     pipeline = measure_pipeline(library, context.rate, context.hrtf)
     mixer = OpenALMixer(context, bank, settings, clock, Timing(clock.now_ns(), 0, pipeline))
-    latency_ms = context.buffered_ms(settings.period) + pipeline / context.rate * 1e3
+    latency_ms = context.buffered_ms + pipeline / context.rate * 1e3
     return Engine(_status(settings, mixer, context.name, "device", latency_ms), bank, mixer, None)
 
 
 def _open_stream(settings: AudioSettings, bank: SoundBank, clock: Clock, library: OpenALLibrary) -> Engine:
     """The spectral mixer on a live device."""
     from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
-    from mimics_app.rendering.audio.streamed_mixer import LIVE_LATENCY, StreamedMixer
+    from mimics_app.rendering.audio.streamed_mixer import StreamedMixer
 
     context = OpenALContext(library, settings.rate, False, 1, loopback=False)
     try:
         if context.rate != settings.rate:
             raise DeviceError(f"the device runs at {context.rate} Hz, not at {settings.rate}")
-        mixer = StreamedMixer(SpectralMixer(bank, settings, Timing()), context, clock, settings.period)
+        mixer = StreamedMixer(SpectralMixer(bank, settings, Timing()), context, clock)
     except DeviceError:
         context.close()
         raise
-    latency = (LIVE_LATENCY + mixer.timing.pipeline) / mixer.rate * 1e3 + context.buffered_ms(settings.period)
+    latency = (mixer.timing.latency + mixer.timing.pipeline) / mixer.rate * 1e3 + context.buffered_ms
     return Engine(_status(settings, mixer, context.name, "device", latency), bank, mixer, None)
 
 

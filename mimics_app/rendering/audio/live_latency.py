@@ -69,7 +69,7 @@ def pulse_missing() -> str:
 
 
 def measure_live_latency(
-    seconds: float = 10.0, period: int = 128, seed: int = 1, mixer: MixerName = "openal"
+    seconds: float = 10.0, period: int | None = None, seed: int = 1, mixer: MixerName = "openal"
 ) -> dict[str, Any]:
     """Contacts pushed into a session's ring as the haptic loop does, heard at the monitor of a null sink.
 
@@ -78,7 +78,7 @@ def measure_live_latency(
 
     Args:
         seconds: Length of the measurement, about four contacts a second.
-        period: Frames per period of the device, see AudioSettings.
+        period: Frames per period of the device, None: see AudioSettings.
         seed: Of the random times of the contacts.
         mixer: Which one plays.
 
@@ -248,7 +248,7 @@ def handed_out_ns(frames: Int64, ends: Int64, arrivals_ns: Int64) -> Int64:
 
 
 def _play_contacts(
-    environment: dict[str, str], seconds: float, period: int, seed: int, mixer: MixerName
+    environment: dict[str, str], seconds: float, period: int | None, seed: int, mixer: MixerName
 ) -> tuple[list[int], AudioReport]:
     clock = MonotonicClock()
     memory = SessionMemory()

@@ -22,6 +22,7 @@ class OpenALContext:
         name: What the library calls the device, or "loopback".
         rate: Samples per second it really runs at.
         hrtf: True when the head-related filters are on.
+        period: Frames that a live device takes at a time: what was asked for, or what it has.
     """
 
     def __init__(self, library: OpenALLibrary, rate: int, hrtf: bool, voices: int, *, loopback: bool) -> None:
@@ -40,6 +41,7 @@ class OpenALContext:
             raise
         self.rate = self._integer(ALC.FREQUENCY)
         self.hrtf = bool(self._integer(ALC.HRTF))
+        self.period = round(self.rate / max(self._integer(ALC.REFRESH), 1))
         self.name = "loopback" if loopback else self._device_name()
 
     def activate(self) -> None:
@@ -55,13 +57,14 @@ class OpenALContext:
         """False once the device has gone (unplugged, server stopped)."""
         return bool(self._integer(ALC.CONNECTED, default=1))
 
-    def buffered_ms(self, period: int) -> float:
+    @property
+    def buffered_ms(self) -> float:
         """From a started sound to its first sample leaving the device [ms]: wait for a period, then two queued ones.
 
         The library's own figure counts where it is larger and credible; on some servers it is 0 or 80 ms before the
         stream has run, so it proves nothing.
         """
-        queued = 3 * period / self.rate * 1e3
+        queued = 3 * self.period / self.rate * 1e3
         latency = (ctypes.c_int64 * 1)()
         self._call.alcGetInteger64vSOFT(self._device, ALC.DEVICE_LATENCY, 1, latency)
         self._call.alcGetError(self._device)

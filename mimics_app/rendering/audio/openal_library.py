@@ -34,6 +34,7 @@ class ALC:
     """Numbers of alc.h and alext.h that are used here."""
 
     FREQUENCY = 0x1007
+    REFRESH = 0x1008
     MONO_SOURCES = 0x1010
     ALL_DEVICES_SPECIFIER = 0x1013
     CONNECTED = 0x313
@@ -260,7 +261,7 @@ def _configuration_text(settings: AudioSettings) -> str:
     lines = [
         "[general]",
         f"frequency = {settings.rate}",
-        f"period_size = {settings.period}",
+        f"period_size = {settings.device_period}",
         "periods = 2",
         "stereo-encoding = panpot",
         "cf_level = 0",

@@ -80,7 +80,6 @@ class OpenALMixer:
         self._call = context.library.call
         self._bank = bank
         self._limit = settings.voices
-        self._period = settings.period
         self._clock = clock
         self._handles = 0
         self._changes: list[tuple[Callable[..., Any], tuple[Any, ...]]] = []
@@ -121,7 +120,7 @@ class OpenALMixer:
         """Frame of a sound's first sample (-1: only the device knows) and the session time by which it is heard."""
         if start.frame < 0:
             pipeline_ms = self.timing.pipeline / self.context.rate * 1e3
-            return -1, submitted_ns + round((self.context.buffered_ms(self._period) + pipeline_ms) * 1e6)
+            return -1, submitted_ns + round((self.context.buffered_ms + pipeline_ms) * 1e6)
         frame = start.frame + self.timing.pipeline
         return frame, self.timing.origin_ns + frame * 1_000_000_000 // self.context.rate
 

@@ -7,6 +7,7 @@ what the queue says (it is read late, never early), so a late reading moves no s
 from __future__ import annotations
 
 import ctypes
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,22 +20,31 @@ from mimics_app.rendering.audio.openal_library import AL
 from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
 from mimics_app.rendering.audio.wav_file import soften_peaks
 
-__all__ = ["LIVE_BLOCK", "LIVE_LATENCY", "StreamedMixer"]
+__all__ = ["LIVE_BLOCK", "StreamedMixer", "queued_blocks"]
 
 Vec3 = tuple[float, float, float]
 
-LIVE_BLOCK = 120
-"""Frames of a block, 2.5 ms at 48 kHz: half of a file's, as the queue's length is most of the latency."""
+LIVE_BLOCK = 80
+"""Frames of a block, 1.7 ms at 48 kHz: shorter than a file's, as the queue's length is most of the latency."""
 
-_QUEUED = 2
-"""Blocks ahead of the device."""
+_READING = 72
+"""Frames until an event is read: 1.5 ms."""
 
-LIVE_LATENCY = _QUEUED * LIVE_BLOCK + 72
-"""Frames from an event to its start: what is queued, and 1.5 ms for the event to be read."""
+_TURN = 24
+"""Frames between two looks at the queue: half a millisecond."""
 
 _DRIFT = 0.02
 """Share by which the device may fall behind our clock: far more than crystals differ, so that a pause of the device is
-followed within a second, and so little that a reading every 2.5 ms moves no sound by more than 50 us."""
+followed within a second, and so little that a reading every 1.7 ms moves no sound by more than 50 us."""
+
+
+def queued_blocks(period: int) -> int:
+    """Blocks to keep ahead of a device that takes `period` frames at a time.
+
+    Of the first block any part may have been taken already; the others last for two periods, which a device takes at
+    once when it was held up, and until the queue is looked at again.
+    """
+    return 1 + math.ceil((2 * period + _TURN) / LIVE_BLOCK)
 
 
 class StreamedMixer:
@@ -44,28 +54,28 @@ class StreamedMixer:
         mixer: What is heard, two channels.
         context: A live device without filters of its own.
         clock: Of the session.
-        period: Frames per period of the device.
 
     Attributes:
-        underruns: How often the queue ran empty.
+        underruns: How often the queue ran empty: gaps that are heard.
     """
 
-    def __init__(self, mixer: SpectralMixer, context: OpenALContext, clock: Clock, period: int) -> None:
+    def __init__(self, mixer: SpectralMixer, context: OpenALContext, clock: Clock) -> None:
         if mixer.channels != 2:
             raise DeviceError(f"a live device has two channels here, not {mixer.channels}")
         self.rate, self.channels = mixer.rate, mixer.channels
         self.underruns = 0
-        self._mixer, self._context, self._clock, self._period = mixer, context, clock, period
+        self._mixer, self._context, self._clock = mixer, context, clock
+        self._queued = queued_blocks(context.period)
         self._call = context.library.call
         context.activate()
-        source, buffers = ctypes.c_uint(), (ctypes.c_uint * _QUEUED)()
+        source, buffers = ctypes.c_uint(), (ctypes.c_uint * self._queued)()
         self._call.alGenSources(1, ctypes.byref(source))
-        self._call.alGenBuffers(_QUEUED, buffers)
+        self._call.alGenBuffers(self._queued, buffers)
         self._source, self._free = source.value, list(buffers)
         self._call.alSourcei(self._source, AL.DIRECT_CHANNELS, 1)
         context.library.check("make a stream")
         self._set_ns = clock.now_ns()
-        mixer.timing = Timing(self._set_ns, LIVE_LATENCY, mixer.timing.pipeline)
+        mixer.timing = Timing(self._set_ns, self._queued * LIVE_BLOCK + _READING, mixer.timing.pipeline)
         self.render(LIVE_BLOCK)
 
     @property
@@ -90,7 +100,7 @@ class StreamedMixer:
     def first_sample(self, start: Start, submitted_ns: int) -> tuple[int, int]:
         """Frame of a sound's first sample, and the session time by which it leaves the device's buffers."""
         frame, heard = self._mixer.first_sample(start, submitted_ns)
-        return frame, heard + round(self._context.buffered_ms(self._period) * 1e6)
+        return frame, heard + round(self._context.buffered_ms * 1e6)
 
     def hear(self, heard: Heard) -> None:
         """Take the newest snapshot."""
@@ -123,7 +133,7 @@ class StreamedMixer:
         self._call.alGetSourcei(self._source, AL.SOURCE_STATE, ctypes.byref(state))
         ran_empty = state.value != AL.PLAYING
         if ran_empty:
-            self.underruns += self.position > _QUEUED * frames
+            self.underruns += self.position > self._queued * frames
             self._call.alSourcePlay(self._source)
         self._context.library.check("keep a stream filled")
         self._follow_device(frames, ran_empty)
@@ -153,7 +163,7 @@ class StreamedMixer:
     def _follow_device(self, frames: int, ran_empty: bool) -> None:
         """Set when frame 0 was taken: each reading says too late a time, or the right one; the lowest counts."""
         now, timing = self._clock.now_ns(), self._mixer.timing
-        read = now - (self.position - _QUEUED * frames) * 1_000_000_000 // self.rate
+        read = now - (self.position - self._queued * frames) * 1_000_000_000 // self.rate
         slack = round((now - self._set_ns) * _DRIFT)
         self._set_ns = now
         origin = read if ran_empty else min(read, timing.origin_ns + slack)

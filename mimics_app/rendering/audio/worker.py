@@ -37,7 +37,7 @@ from mimics_app.rendering.audio.work_times import WorkTimes
 __all__ = ["FIFO_PRIORITY", "ask_for_fifo", "run"]
 
 _LIVE_WAIT_NS = 4_000_000
-_STREAM_WAIT_NS = 500_000  # a queue of two blocks of 2.5 ms is looked after by us
+_STREAM_WAIT_NS = 500_000  # a queue of three blocks of 1.7 ms is looked after by us
 _LIVE_STEP_NS = 1_000_000
 _IDLE_WAIT_NS = 20_000_000
 _CHECK_DEVICE_NS = 1_000_000_000
