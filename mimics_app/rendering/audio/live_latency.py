@@ -33,7 +33,7 @@ from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundSpec
 from mimics_app.rendering.audio.worker import FIFO_PRIORITY, ask_for_fifo
 
-__all__ = ["handed_out_ns", "match_onsets", "measure_live_latency", "private_pulse_server", "pulse_missing"]
+__all__ = ["Monitor", "handed_out_ns", "match_onsets", "measure_live_latency", "private_pulse_server", "pulse_missing"]
 
 Int64 = NDArray[np.int64]
 
@@ -69,7 +69,7 @@ def pulse_missing() -> str:
 
 
 def measure_live_latency(
-    seconds: float = 10.0, period: int | None = None, seed: int = 1, mixer: MixerName = "openal"
+    seconds: float = 10.0, period: int = 64, seed: int = 1, mixer: MixerName = "openal"
 ) -> dict[str, Any]:
     """Contacts pushed into a session's ring as the haptic loop does, heard at the monitor of a null sink.
 
@@ -78,7 +78,7 @@ def measure_live_latency(
 
     Args:
         seconds: Length of the measurement, about four contacts a second.
-        period: Frames per period of the device, None: see AudioSettings.
+        period: Frames per period of the device, see AudioSettings.
         seed: Of the random times of the contacts.
         mixer: Which one plays.
 
@@ -95,7 +95,7 @@ def measure_live_latency(
     why = pulse_missing()
     if why:
         raise DeviceError(why)
-    with private_pulse_server() as environment, _Recorder(environment) as recorder:
+    with private_pulse_server() as environment, Monitor(environment) as recorder:
         pushed, report = _play_contacts(environment, seconds, period, seed, mixer)
     onsets, status = recorder.onsets(), report.status
     recorded, struck = match_onsets(pushed[::2], onsets), match_onsets(pushed[1::2], onsets)
@@ -181,14 +181,14 @@ def _wait_for(socket: Path, server: subprocess.Popen[bytes]) -> None:
         clock.sleep_until_ns(clock.now_ns() + 20_000_000)
 
 
-class _Recorder:
-    """Listens to the monitor; each chunk of samples is kept with the time it arrived."""
+class Monitor:
+    """Listens to a private server's monitor; each chunk of samples is kept with the time it arrived."""
 
     def __init__(self, environment: dict[str, str]) -> None:
         self._environment = environment
         self._chunks: list[tuple[int, bytes]] = []
 
-    def __enter__(self) -> _Recorder:
+    def __enter__(self) -> Monitor:
         command = ["parec", "-d", f"{_SINK}.monitor", "--raw", "--format=float32le", f"--rate={_RATE}", "--channels=2"]
         self._process = subprocess.Popen(
             [*command, "--latency-msec=1"],
@@ -215,10 +215,14 @@ class _Recorder:
         while chunk := os.read(pipe, 65536):
             self._chunks.append((clock.now_ns(), chunk))
 
+    def frames(self) -> NDArray[np.float32]:
+        """What was heard so far, shape [n, 2]."""
+        raw = b"".join(chunk for _, chunk in self._chunks)
+        return np.frombuffer(raw[: len(raw) // _FRAME_BYTES * _FRAME_BYTES], np.float32).reshape(-1, 2)
+
     def onsets(self) -> list[int]:
         """Times at which the first samples after a quiet stretch were handed out [ns], by the device's clock."""
-        raw = b"".join(chunk for _, chunk in self._chunks)
-        frames = np.frombuffer(raw[: len(raw) // _FRAME_BYTES * _FRAME_BYTES], np.float32).reshape(-1, 2)
+        frames = self.frames()
         loud = np.flatnonzero(np.abs(frames).max(axis=1) > _THRESHOLD) if len(frames) else np.zeros(0, np.int64)
         first = loud[np.flatnonzero(np.diff(loud, prepend=-_QUIET_FRAMES - 1) > _QUIET_FRAMES)]
         ends = np.cumsum([len(chunk) for _, chunk in self._chunks]) // _FRAME_BYTES
@@ -248,7 +252,7 @@ def handed_out_ns(frames: Int64, ends: Int64, arrivals_ns: Int64) -> Int64:
 
 
 def _play_contacts(
-    environment: dict[str, str], seconds: float, period: int | None, seed: int, mixer: MixerName
+    environment: dict[str, str], seconds: float, period: int, seed: int, mixer: MixerName
 ) -> tuple[list[int], AudioReport]:
     clock = MonotonicClock()
     memory = SessionMemory()

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.rendering.audio.openal_library import AL, ALC, OpenALLibrary, quiet_stderr
+from mimics_app.rendering.audio.openal_library import AL, ALC, DEVICE_PERIODS, OpenALLibrary, quiet_stderr
 
 __all__ = ["OpenALContext", "measure_pipeline"]
 
@@ -59,12 +59,12 @@ class OpenALContext:
 
     @property
     def buffered_ms(self) -> float:
-        """From a started sound to its first sample leaving the device [ms]: wait for a period, then two queued ones.
+        """From a started sound to its first sample leaving the device [ms]: wait for a period, then the queued ones.
 
         The library's own figure counts where it is larger and credible; on some servers it is 0 or 80 ms before the
         stream has run, so it proves nothing.
         """
-        queued = 3 * self.period / self.rate * 1e3
+        queued = (1 + DEVICE_PERIODS) * self.period / self.rate * 1e3
         latency = (ctypes.c_int64 * 1)()
         self._call.alcGetInteger64vSOFT(self._device, ALC.DEVICE_LATENCY, 1, latency)
         self._call.alcGetError(self._device)

@@ -30,6 +30,10 @@ _USUAL_NAME = "libopenal.so.1"
 """Of the library on every Linux that has it."""
 
 
+DEVICE_PERIODS = 3
+"""Periods that a live device has queued. Two leave gaps where its server is held up for one (decision 020)."""
+
+
 class ALC:
     """Numbers of alc.h and alext.h that are used here."""
 
@@ -261,8 +265,8 @@ def _configuration_text(settings: AudioSettings) -> str:
     lines = [
         "[general]",
         f"frequency = {settings.rate}",
-        f"period_size = {settings.device_period}",
-        "periods = 2",
+        f"period_size = {settings.period}",
+        f"periods = {DEVICE_PERIODS}",
         "stereo-encoding = panpot",
         "cf_level = 0",
         "resampler = cubic",

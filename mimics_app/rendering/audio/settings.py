@@ -107,8 +107,7 @@ class AudioSettings:
         sofa: SOFA file of a measured head; None: a computed one of `head_width`. Of "spectral" only.
         head_width: Between the ears of the computed head [m].
         rate: Samples per second requested.
-        period: Frames per period of a live device, two periods queued; 128 or 256 keep contact to sound below 20 ms.
-            None: 128, or 64 where the spectral mixer's own queue comes before them.
+        period: Frames per period of a live device, three periods queued; 64 to 192 keep contact to sound below 20 ms.
         block: Frames per block of a file.
         voices: Most sounds at once.
         realtime: Request the first-in-first-out scheduler below the haptic loop, where the system grants it.
@@ -134,7 +133,7 @@ class AudioSettings:
     sofa: Path | None = None
     head_width: float = 0.152
     rate: int = 48_000
-    period: int | None = None
+    period: int = 64
     block: int = 240
     voices: int = 32
     realtime: bool = True
@@ -167,11 +166,6 @@ class AudioSettings:
         return next((self.triggers[each] for each in own if each in self.triggers), self.triggers.get(kind, ""))
 
     @property
-    def device_period(self) -> int:
-        """Frames per period that a live device is asked for."""
-        return self.period or (64 if self.mixer == "spectral" else 128)
-
-    @property
     def sources(self) -> int:
         """Sources of the library: one for each voice, and spare ones for sounds that are fading out."""
         return self.voices + 8
@@ -179,9 +173,9 @@ class AudioSettings:
     def __post_init__(self) -> None:
         if self.sink == "file" and self.file is None:
             raise ValueError('the sink "file" needs a file')
-        if not 64 <= self.device_period <= 512:
+        if not 64 <= self.period <= 192:
             raise ValueError(
-                f"a period of {self.period} frames is not between 64 and 512: the 20 ms bound would be lost"
+                f"a period of {self.period} frames is not between 64 and 192: the 20 ms bound would be lost"
             )
         most = _MOST_VOICES if self.mixer == "spectral" else 200
         if not 1 <= self.voices <= most:

@@ -27,8 +27,8 @@ Vec3 = tuple[float, float, float]
 LIVE_BLOCK = 80
 """Frames of a block, 1.7 ms at 48 kHz: shorter than a file's, as the queue's length is most of the latency."""
 
-_READING = 72
-"""Frames until an event is read: 1.5 ms."""
+_READING = 48
+"""Frames until an event is read: a millisecond."""
 
 _TURN = 24
 """Frames between two looks at the queue: half a millisecond."""
