@@ -215,6 +215,10 @@ class Display(Protocol):
         """What the display itself knows of head and hands, in the frame of the head at rest; () for nothing."""
         ...
 
+    def take_pressed(self) -> Sequence[str]:
+        """Gamepad buttons that the person's own controllers stand for and that went down since the last call."""
+        ...
+
     def renew(self) -> None:
         """The surface has a new context: what was bound to the old one is gone."""
         ...

@@ -14,6 +14,7 @@ from mimics_app.contracts.tracker_port import TrackedPose, TrackerSample, Tracke
 from mimics_app.inputs.trackers.calibration import Calibration
 from mimics_app.inputs.trackers.headset_tracker import HeadsetTracker
 from mimics_app.inputs.trackers.pointer_tracker import PointerTracker
+from mimics_app.inputs.trackers.scripted_person import ScriptedPerson
 from mimics_app.inputs.trackers.tape import TapeWriter
 from mimics_app.inputs.trackers.track import Track
 
@@ -124,6 +125,8 @@ class TrackerHub:
         """room_from_part of a role at a time [ns]; None where no tracker has reported it yet."""
         stale: TrackedPose | None = None
         for number, each in enumerate(self._trackers):
+            if stale is not None and isinstance(each.source, ScriptedPerson):
+                continue  # a person who was there does not go on as one who is not
             for sensor in (sensor for sensor, played in each.roles.items() if played == role):
                 track = self._tracks.get((number, sensor))
                 found = None if track is None else track.pose(at_ns)

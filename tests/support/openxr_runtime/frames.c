@@ -356,7 +356,8 @@ static XrResult sync_actions(XrHandle session, const XrActionsSyncInfo *info) {
 
 static XrResult boolean_state(XrHandle session, const XrActionStateGetInfo *info, XrActionStateBoolean *found) {
     (void)session;
-    found->active = synced, found->state = synced && pressed && info->action >= ACTIONS, found->changed = 0, found->time = 0;
+    int right_select = !strcmp(actions[info->action - ACTIONS].name, "select") && info->subaction != left_hand;
+    found->active = synced, found->state = synced && pressed && right_select, found->changed = 0, found->time = 0;
     return attached ? XR_SUCCESS : XR_ERROR_ACTIONSET_NOT_ATTACHED;
 }
 

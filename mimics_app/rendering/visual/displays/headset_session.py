@@ -106,6 +106,10 @@ class HeadsetRuntime(Protocol):
         """Head and hands in the frame of the head at rest, at the display time of the newest frame."""
         ...
 
+    def take_pressed(self) -> Sequence[str]:
+        """See `Display.take_pressed`."""
+        ...
+
     def close(self) -> None:
         """Free everything."""
         ...
@@ -186,6 +190,9 @@ class HeadsetDisplay(PlainDisplay):
         except RuntimeLostError as error:
             self._lose(error)
             return ()
+
+    def take_pressed(self) -> Sequence[str]:
+        return () if self._lost else self._runtime.take_pressed()
 
     def renew(self) -> None:
         self._lost = self._lost or "the picture's context was made anew"

@@ -1,4 +1,4 @@
-"""A headset's controllers as hands: one action for their poses, bound for every controller that a runtime has.
+"""A headset's controllers: their poses as hands, their buttons as those of a gamepad, for every one a runtime has.
 
 A grip's +x goes through the palm to the left, -z towards the thumb ("Standard pose identifiers", OpenXR 1.0, 6.3.2). A
 hand's -z is where its fingers point, its +y the back of it, as for every tracker; its place is the wrist.
@@ -22,6 +22,13 @@ __all__ = ["OpenXrHands"]
 F8 = NDArray[np.float64]
 _PROFILE = "/interaction_profiles/khr/simple_controller"
 """The one that every runtime has, and maps its own controllers to."""
+_BUTTONS = {
+    ("hand_left", "select"): "dpad_left",
+    ("hand_right", "select"): "dpad_right",
+    ("hand_left", "menu"): "a",
+    ("hand_right", "menu"): "a",
+}
+"""What of a gamepad each button stands for: the triggers move a mark to the left and right, the menu takes it."""
 _KNOWN = 3
 _WRIST_M = 0.08
 """From the middle of the palm back to the wrist [m]."""
@@ -52,23 +59,19 @@ class OpenXrHands:
     ) -> None:
         self._xr, self._session = xr, session
         sides = {"hand_left": "/user/hand/left", "hand_right": "/user/hand/right"}
-        paths = {sensor: xr.string_to_path(instance, path) for sensor, path in sides.items()}
+        self._paths = {sensor: xr.string_to_path(instance, path) for sensor, path in sides.items()}
         made = xr.create_action_set(
             instance, xr.ActionSetCreateInfo(action_set_name="mimics", localized_action_set_name="mimics", priority=0)
         )
         self._set = owns(xr.destroy_action_set, made)
-        action = xr.create_action(
-            self._set,
-            xr.ActionCreateInfo(
-                action_name="hand",
-                action_type=xr.ActionType.POSE_INPUT,
-                subaction_paths=list(paths.values()),
-                localized_action_name="Hand",
-            ),
-        )
+        kinds = xr.ActionType
+        inputs = {"grip/pose": self._action("hand", kinds.POSE_INPUT)}
+        self._clicks = {name: self._action(name, kinds.BOOLEAN_INPUT) for name in ("select", "menu")}
+        inputs |= {f"{name}/click": action for name, action in self._clicks.items()}
         bindings = [
-            xr.ActionSuggestedBinding(action, xr.string_to_path(instance, f"{path}/input/grip/pose"))
-            for path in sides.values()
+            xr.ActionSuggestedBinding(action, xr.string_to_path(instance, f"{side}/input/{place}"))
+            for place, action in inputs.items()
+            for side in sides.values()
         ]
         xr.suggest_interaction_profile_bindings(
             instance,
@@ -77,19 +80,49 @@ class OpenXrHands:
             ),
         )
         xr.attach_session_action_sets(session, xr.SessionActionSetsAttachInfo(action_sets=[self._set]))
+        hand = inputs["grip/pose"]
         self._spaces = {
             sensor: owns(
                 xr.destroy_space,
-                xr.create_action_space(session, xr.ActionSpaceCreateInfo(action=action, subaction_path=path)),
+                xr.create_action_space(session, xr.ActionSpaceCreateInfo(action=hand, subaction_path=path)),
             )
-            for sensor, path in paths.items()
+            for sensor, path in self._paths.items()
         }
+        self._held: set[tuple[str, str]] = set()
+        self._pressed: list[str] = []
 
-    def poses(self, base: Any, time: int) -> dict[str, F8]:
-        """base_from_wrist of each hand that is known at a time of the runtime's, float64 [4, 4]."""
+    def _action(self, name: str, kind: Any) -> Any:
+        """One action of both hands."""
+        info = self._xr.ActionCreateInfo(
+            action_name=name,
+            action_type=kind,
+            subaction_paths=list(self._paths.values()),
+            localized_action_name=name,
+        )
+        return self._xr.create_action(self._set, info)
+
+    def sync(self) -> None:
+        """Once a frame: read what the controllers are at now."""
         xr = self._xr
         active = xr.ActiveActionSet(self._set, xr.NULL_PATH)
         xr.sync_actions(self._session, xr.ActionsSyncInfo(active_action_sets=[active]))
+        held = {key for key in _BUTTONS if self._is_held(*key)}
+        self._pressed += [_BUTTONS[key] for key in sorted(held - self._held)]
+        self._held = held
+
+    def take_pressed(self) -> list[str]:
+        """Gamepad buttons that went down since the last call."""
+        taken, self._pressed = self._pressed, []
+        return taken
+
+    def _is_held(self, sensor: str, name: str) -> bool:
+        xr = self._xr
+        asked = xr.ActionStateGetInfo(action=self._clicks[name], subaction_path=self._paths[sensor])
+        state = xr.get_action_state_boolean(self._session, asked)
+        return bool(state.is_active and state.current_state)
+
+    def poses(self, base: Any, time: int) -> dict[str, F8]:
+        """base_from_wrist of each hand that is known at a time of the runtime's, float64 [4, 4]."""
         grips = {sensor: self.place(space, base, time) for sensor, space in self._spaces.items()}
         sides = {"hand_left": -1.0, "hand_right": 1.0}
         return {sensor: grip @ _grip_from_wrist(sides[sensor]) for sensor, grip in grips.items() if grip is not None}

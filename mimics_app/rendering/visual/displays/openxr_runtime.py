@@ -180,6 +180,7 @@ class OpenXrRuntime(HeadsetRuntime):
     def begin_frame(self) -> None:
         with self._asking():
             self._xr.begin_frame(self._session, self._xr.FrameBeginInfo())
+            self._hands.sync()
 
     def locate(self, display_ns: int) -> list[EyeLocation]:
         """Of eyes that the headset does not know now: where they were last."""
@@ -216,6 +217,9 @@ class OpenXrRuntime(HeadsetRuntime):
             head = self._hands.place(self._head, self._space, self._display)
         poses = ({} if head is None else {"head": head}) | found
         return [sample_of(sensor, self._display_ns, pose) for sensor, pose in poses.items()]
+
+    def take_pressed(self) -> list[str]:
+        return self._hands.take_pressed()
 
     def close(self) -> None:
         self._owned.close()

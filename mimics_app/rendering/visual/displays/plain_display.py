@@ -67,6 +67,9 @@ class PlainDisplay(Display):
     def tracked(self) -> Sequence[TrackerSample]:
         return ()
 
+    def take_pressed(self) -> Sequence[str]:
+        return ()
+
     def renew(self) -> None:
         """Nothing of it lives in a context."""
 

@@ -127,10 +127,13 @@ class SimulatedRuntime(HeadsetRuntime):
         return interpolate_pose(first, second, (t - t0) / (t1 - t0))
 
     def tracked(self) -> list[TrackerSample]:
-        """The head alone: it has no controllers."""
-        if self._display_ns is None:
+        """The head alone, where it has a script: there are no controllers."""
+        if self._display_ns is None or not self._heads:
             return []
         return [sample_of("head", self._display_ns, self.head(self._display_ns))]
+
+    def take_pressed(self) -> list[str]:
+        return []
 
     def close(self) -> None:
         self.calls.append("close")
