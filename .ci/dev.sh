@@ -203,7 +203,7 @@ same_place() {
 }
 
 build() {
-    say "setting up .venv (about 200 MB to download the first time)"
+    say "setting up .venv (about 260 MB to download the first time)"
     same_place || rm -rf "$venv"
     ensure_python
     if ! with_uv; then

@@ -15,6 +15,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.tracker_port import TrackerSample
+
 __all__ = [
     "MAX_PREDICTION_NS",
     "Composing",
@@ -190,7 +192,11 @@ class Display(Protocol):
         ...
 
     def begin_frame(self, now_ns: int) -> FrameTiming:
-        """Wait for the display where it paces; when the frame will be seen."""
+        """Wait for the display where it paces; when the frame will be seen.
+
+        Raises:
+            DeviceError: it is gone for good.
+        """
         ...
 
     def eyes(self, viewpoint: Viewpoint, drawn: Size, display_ns: int) -> list[Eye]:
@@ -203,6 +209,18 @@ class Display(Protocol):
 
     def take_faults(self) -> list[str]:
         """What could not be shown as it should since the last call, a line each; each fault is reported once."""
+        ...
+
+    def tracked(self) -> Sequence[TrackerSample]:
+        """What the display itself knows of head and hands, in the frame of the head at rest; () for nothing."""
+        ...
+
+    def take_pressed(self) -> Sequence[str]:
+        """Gamepad buttons that the person's own controllers stand for and that went down since the last call."""
+        ...
+
+    def renew(self) -> None:
+        """The surface has a new context: what was bound to the old one is gone."""
         ...
 
     def close(self) -> None:

@@ -125,6 +125,7 @@ def test_both_eyes_are_composed_into_what_the_panels_show(tmp_path: Path) -> Non
 
 _LOUD = """
 import sys
+exception = type("exception", (), {})
 print("the loader talks", file=sys.stderr)
 def enumerate_instance_extension_properties():
     raise RuntimeError("The loader was unable to find or load a runtime.")

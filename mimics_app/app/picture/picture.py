@@ -162,7 +162,7 @@ class Picture:
 
     def draw(self, board: Board, now_ns: int = 0) -> FrameStats:
         """Draw one frame with a board over it, to be seen at a session time [ns]."""
-        timing = self.presenter.begin(now_ns)
+        timing = self.presenter.begin_seen(now_ns)
         views = self._board_laid_out(board)
         self.stats = self.renderer.draw(views, self._latch)
         if timing.render:

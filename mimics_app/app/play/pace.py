@@ -87,8 +87,13 @@ def _run_frames(session: Session, frames: Frames, after_frame: Progress) -> None
                 return
             governor.note((done_ns - begun_ns) * 1e-6, done_ns)
         after_frame(frames)
-        due = max(due + FRAME_NS, session.clock.now_ns() - FRAME_NS)
+        due = max(due + _period_ns(session), session.clock.now_ns() - FRAME_NS)
         session.clock.sleep_until_ns(due)
+
+
+def _period_ns(session: Session) -> int:
+    """From one frame to the next [ns]: a headset's own, else the usual one."""
+    return FRAME_NS if session.picture is None else session.picture.presenter.timing.period_ns or FRAME_NS
 
 
 def _govern(session: Session) -> FrameGovernor | None:

@@ -126,9 +126,11 @@ def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
     log.doing("Starting touch, sound and recording")
     start_loop(session)
     log.doing("Making the picture")
-    stereo = chosen_display(session.scene, session.settings.display).kind == "quad"
+    kind = chosen_display(session.scene, session.settings.display).kind
     title = session.scene.title or session.scene.name
-    surface = create_surface("window", session.settings.size, title, stereo=stereo)
+    # A headset keeps its own pace: its mirror in the window waits for no monitor.
+    vsync = kind not in ("openxr", "sim-hmd")
+    surface = create_surface("window", session.settings.size, title, vsync=vsync, stereo=kind == "quad")
     open_picture(session, surface, keep=log.asked)
     session.inputs = person_inputs(session)
 

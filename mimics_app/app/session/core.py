@@ -103,6 +103,8 @@ class SessionCore:
     def shown_by(self, presenter: Presenter) -> None:
         """Have a display follow the person's head, and the scenario know where the person is seen."""
         presenter.follow(self.trackers.head)
+        if self.live:  # on the virtual clock the simulation does not go by what shows it
+            self.trackers.listen_to(presenter.tracked)
         if presenter.surrounds:
             self.scenario.stand_before_walls()
             self.world.update()

@@ -116,6 +116,7 @@ class Frames:
             self._touch(vr, orders, snapshot)
             self._feel(orders, now_ns)
         with stage("scenario"):
+            core.trackers.see(core.inputs.frame)
             core.trackers.poll(now_ns)
             for problem in core.trackers.take_problems():
                 core.report(problem)

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mimics_app.app.session.core import simulated_person
 from mimics_app.app.session.session import Session
+from mimics_app.contracts.window_input import GamepadState, InputEvent
 from mimics_app.inputs.interaction.plane import FrontalPlane
 from mimics_app.inputs.interaction.pointer import Pointer, PointerSettings
 from mimics_app.inputs.stage import Inputs
 from mimics_app.rendering.haptic.devices.reach import Reach
 from mimics_app.world.components.robot import Ball, Robot
+
+if TYPE_CHECKING:
+    from mimics_app.app.picture.picture import Picture
 
 __all__ = ["person_inputs"]
 
@@ -34,7 +41,24 @@ def person_inputs(session: Session) -> Inputs:
     settings = PointerSettings() if ball is None else PointerSettings(grasp_full=ball.grasp_force_full)
     at_mouse = Pointer(plane, picture.ray, settings)
     on_robot = [simulated_person(session.scene, session.scenario)] if session.haptics.plugin.real_time else []
-    return Inputs([*on_robot, at_mouse], session.inputs.signals, window=picture.surface)
+    return Inputs([*on_robot, at_mouse], session.inputs.signals, window=_WindowAndHands(picture))
+
+
+class _WindowAndHands:
+    """The window of a picture, and the buttons of controllers that its display has."""
+
+    def __init__(self, picture: Picture) -> None:
+        self._picture = picture
+
+    @property
+    def gamepad(self) -> GamepadState:
+        """Of the window."""
+        return self._picture.surface.gamepad
+
+    def poll(self) -> Sequence[InputEvent]:
+        """Events of both since the last call; a controller's button is let go at once."""
+        names = self._picture.presenter.display.take_pressed()
+        return [*self._picture.surface.poll(), *(InputEvent("pad", name, pressed=True) for name in names)]
 
 
 def _half_sizes(reach: Reach) -> tuple[float, float]:

@@ -8,6 +8,7 @@ from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.contracts.tracker_port import TrackerSource
 from mimics_app.inputs.trackers.calibration import UNITS, Calibration, axis_map, fit_room
+from mimics_app.inputs.trackers.headset_tracker import HeadsetTracker
 from mimics_app.inputs.trackers.hub import Placed, TrackerHub
 from mimics_app.inputs.trackers.pointer_tracker import PointerTracker
 from mimics_app.inputs.trackers.scripted_person import ScriptedPerson
@@ -52,8 +53,8 @@ def _source(scene: Scene, spec: TrackerSpec, pointer: str, clock: Clock, seed: i
             raise SceneError(scene.issue(f"{pointer}/address", fault.what, fault.fix)) from None
     if spec.kind == "scripted":
         return ScriptedPerson(spec.name, seed)
-    if spec.kind == "pointer":
-        return PointerTracker(spec.name)
+    if spec.kind in ("pointer", "headset"):
+        return PointerTracker(spec.name) if spec.kind == "pointer" else HeadsetTracker(spec.name)
     return _of_a_line(spec, clock)
 
 

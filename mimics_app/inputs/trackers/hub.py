@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.display_port import MAX_PREDICTION_NS
+from mimics_app.contracts.input_port import WindowFrame
 from mimics_app.contracts.tracker_port import TrackedPose, TrackerSample, TrackerSource
 from mimics_app.inputs.trackers.calibration import Calibration
+from mimics_app.inputs.trackers.headset_tracker import HeadsetTracker
+from mimics_app.inputs.trackers.pointer_tracker import PointerTracker
+from mimics_app.inputs.trackers.scripted_person import ScriptedPerson
 from mimics_app.inputs.trackers.tape import TapeWriter
 from mimics_app.inputs.trackers.track import Track
 
@@ -100,6 +104,18 @@ class TrackerHub:
                 source.stop()
             raise
 
+    def see(self, frame: WindowFrame) -> None:
+        """What happened at the window, for those that follow mouse and gamepad."""
+        for each in self._trackers:
+            if isinstance(each.source, PointerTracker):
+                each.source.see(frame)
+
+    def listen_to(self, display: Callable[[], Sequence[TrackerSample]]) -> None:
+        """What the display itself knows of head and hands, for those that report it."""
+        for each in self._trackers:
+            if isinstance(each.source, HeadsetTracker):
+                each.source.listen_to(display)
+
     def poll(self, now_ns: int) -> None:
         """Once a frame."""
         for each in self._trackers:
@@ -109,6 +125,8 @@ class TrackerHub:
         """room_from_part of a role at a time [ns]; None where no tracker has reported it yet."""
         stale: TrackedPose | None = None
         for number, each in enumerate(self._trackers):
+            if stale is not None and isinstance(each.source, ScriptedPerson):
+                continue  # a person who was there does not go on as one who is not
             for sensor in (sensor for sensor, played in each.roles.items() if played == role):
                 track = self._tracks.get((number, sensor))
                 found = None if track is None else track.pose(at_ns)

@@ -338,14 +338,16 @@ class Renderer:
         passes = self._pair_up([*opaque, *blended], places)
         at_once = passes in AT_ONCE
         if at_once:
-            opaque = self._frame.double(opaque)
-            blended = self._frame.double(blended) if scene.effects is None else blended
+            self._frame.double(opaque)
+            if scene.effects is None:
+                self._frame.double(blended)
         drawn = [ViewDraws(eye, place, opaque, blended, passes=passes) for eye, place in zip(eyes, places, strict=True)]
         if scene.effects is None:
             return drawn
         projected = scene.effects.meet(eyes, self._list, self._frame)
         if at_once:
-            projected = [replace(beam, runs=self._frame.double(beam.runs)) for beam in projected]
+            for beam in projected:
+                self._frame.double(beam.runs)
         return [
             replace(each, transparent=scene.effects.mix(each.view, blended, away), projected=projected)
             for each in drawn

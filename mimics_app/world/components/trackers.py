@@ -26,9 +26,10 @@ class TrackerSpec(Component, frozen=True):
 
     name: Annotated[_Name, Meta(description="For messages")]
     kind: Annotated[
-        Literal["fastrak", "flock", "vrpn", "osc", "lsl", "scripted", "pointer", "tape"],
+        Literal["fastrak", "flock", "vrpn", "osc", "lsl", "scripted", "pointer", "headset", "tape"],
         Meta(
-            description="Protocol; scripted: a person who is not there; pointer: mouse and gamepad; tape: a recording"
+            description="Protocol; scripted: a person who is not there; pointer: mouse and gamepad; headset: the "
+            "display's own head and hands; tape: a recording"
         ),
     ]
     address: Annotated[

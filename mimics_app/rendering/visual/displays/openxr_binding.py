@@ -6,7 +6,7 @@ The context must be current on this thread. `xr.utils` of pyopenxr is not used: 
 from __future__ import annotations
 
 import ctypes
-from ctypes import POINTER, byref, c_int, c_uint, c_void_p, cast
+from ctypes import POINTER, byref, c_int, c_uint, c_ulong, c_void_p, cast
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.errors import DeviceError
@@ -14,11 +14,11 @@ from mimics_app.contracts.errors import DeviceError
 if TYPE_CHECKING:
     from types import ModuleType
 
-__all__ = ["EGL_EXTENSION", "copy_image", "graphics_binding"]
+__all__ = ["EGL_EXTENSION", "OwnContext", "graphics_binding"]
 
 EGL_EXTENSION = "XR_MNDX_egl_enable"
 
-_EGL_CONFIG_ID, _EGL_NONE = 0x3028, 0x3038
+_EGL_CONFIG_ID, _EGL_NONE, _EGL_DRAW, _EGL_READ = 0x3028, 0x3038, 0x3059, 0x305A
 _GLX_FBCONFIG_ID, _GLX_VISUAL_ID = 0x8013, 0x800B
 _TEXTURE_2D = 0x0DE1
 _FIX = "use a desktop display, or --display sim-hmd"
@@ -100,20 +100,54 @@ def _glx_binding(xr: ModuleType) -> Any:
     )
 
 
-def copy_image(backend: str, source: int, x: int, target: int, layer: int, size: tuple[int, int]) -> None:
-    """Copy part of a texture bit for bit: display values go into an sRGB image as they are, nothing is encoded twice.
+class OwnContext:
+    """The context that is current on this thread: taken back where a runtime left another one, and copied in.
 
     Args:
-        backend: Of the context that is current.
-        source: Texture of RGBA, 8 bits each.
-        x: Left edge of the part [px].
-        target: Texture of a swapchain; its format is RGBA or sRGB with alpha, 8 bits each.
-        layer: Of an array; 0 for a plain texture.
-        size: Of the part [px].
+        backend: Of the surface: "egl" or "window".
+
+    Raises:
+        DeviceError: another backend.
     """
-    loader = _library("libEGL.so.1").eglGetProcAddress if backend == "egl" else _library("libGL.so.1").glXGetProcAddress
-    loader.restype, loader.argtypes = c_void_p, [ctypes.c_char_p]
-    address = loader(b"glCopyImageSubData")
-    arguments = [c_uint, c_uint, *[c_int] * 4, c_uint, c_uint, *[c_int] * 4, *[c_int] * 3]
-    call = ctypes.CFUNCTYPE(None, *arguments)(address)
-    call(source, _TEXTURE_2D, 0, x, 0, 0, target, _TEXTURE_2D, 0, 0, 0, layer, *size, 1)
+
+    def __init__(self, backend: str) -> None:
+        if backend not in ("egl", "window"):
+            raise DeviceError(f"OpenXR takes no context of {backend}", _FIX)
+        egl = backend == "egl"
+        library = _library("libEGL.so.1" if egl else "libGL.so.1")
+        prefix = "egl" if egl else "glX"
+        drawable = c_void_p if egl else c_ulong
+        self._current = getattr(library, f"{prefix}GetCurrentContext")
+        self._current.restype, self._current.argtypes = c_void_p, []
+        self._context = self._current()
+        display = getattr(library, f"{prefix}GetCurrentDisplay")
+        display.restype = c_void_p
+        if egl:
+            surface = library.eglGetCurrentSurface
+            surface.restype, surface.argtypes = c_void_p, [c_int]
+            drawables = [surface(_EGL_DRAW), surface(_EGL_READ)]
+        else:
+            library.glXGetCurrentDrawable.restype = c_ulong
+            drawables = [library.glXGetCurrentDrawable()]
+        self._make = getattr(library, f"{prefix}MakeCurrent")
+        self._make.argtypes = [c_void_p, *[drawable] * len(drawables), c_void_p]
+        self._arguments = [display(), *drawables, self._context]
+        loader = getattr(library, "eglGetProcAddress" if egl else "glXGetProcAddress")
+        loader.restype, loader.argtypes = c_void_p, [ctypes.c_char_p]
+        arguments = [c_uint, c_uint, *[c_int] * 4, c_uint, c_uint, *[c_int] * 4, *[c_int] * 3]
+        self._copy = ctypes.CFUNCTYPE(None, *arguments)(loader(b"glCopyImageSubData"))
+
+    def take_back(self) -> None:
+        """Make it current again where it is not: some runtimes leave their own behind, or none (pyopenxr#55)."""
+        if self._current() != self._context:
+            self._make(*self._arguments)
+
+    def copy_image(self, source: int, target: int, size: tuple[int, int]) -> None:
+        """Copy a texture bit for bit: display values go into an sRGB image as they are, nothing is encoded twice.
+
+        Args:
+            source: Texture of RGBA, 8 bits each.
+            target: Texture of a swapchain; its format is sRGB with alpha, 8 bits each.
+            size: Of both [px].
+        """
+        self._copy(source, _TEXTURE_2D, 0, 0, 0, 0, target, _TEXTURE_2D, 0, 0, 0, 0, *size, 1)

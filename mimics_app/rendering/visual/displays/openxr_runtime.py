@@ -12,7 +12,8 @@ import math
 import os
 import platform
 import sys
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from ctypes import POINTER, byref, c_void_p, cast, pointer
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,12 +22,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app import __version__
-from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.display_port import DisplayFrame, FrameTiming, HeadsetState, Size
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.tracker_port import TrackerSample
 from mimics_app.maths.poses import pose_from_parts
-from mimics_app.rendering.visual.displays.headset_session import EyeLocation, HeadsetRuntime
-from mimics_app.rendering.visual.displays.openxr_binding import EGL_EXTENSION, copy_image, graphics_binding
+from mimics_app.rendering.visual.displays.headset_session import (
+    EyeLocation,
+    HeadsetRuntime,
+    RuntimeLostError,
+    sample_of,
+)
+from mimics_app.rendering.visual.displays.openxr_binding import EGL_EXTENSION, OwnContext, graphics_binding
+from mimics_app.rendering.visual.displays.openxr_hands import OpenXrHands
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -37,8 +45,12 @@ __all__ = ["OpenXrRuntime", "load_openxr", "no_runtime"]
 
 F8 = NDArray[np.float64]
 _NS = 1_000_000_000
-_FORMATS = (0x8C43, 0x8058)
-"""SRGB8_ALPHA8, then RGBA8: both take display values bit for bit."""
+_SRGB8_ALPHA8 = 0x8C43
+"""Takes display values bit for bit. A compositor takes those of any other format of 8 bits for linear light."""
+_KNOWN = 3
+"""That a pose's direction (1) and place (2) are valid."""
+_PATIENCE_NS = 1_000_000_000
+"""How long a session is given to stop when it is left [ns]."""
 _TIME_EXTENSION = "XR_KHR_convert_timespec_time"
 
 
@@ -53,6 +65,8 @@ def load_openxr() -> ModuleType:
         import xr  # type: ignore[import-not-found,unused-ignore]
     except ImportError:
         raise DeviceError("pyopenxr is not installed", "pip install mimics_app[hmd]") from None
+    # "Not focused" and "a frame was discarded" are answers, no errors.
+    xr.exception.raise_on_qualified_success = False
     return xr  # type: ignore[no-any-return,unused-ignore]
 
 
@@ -76,7 +90,7 @@ def no_runtime() -> str:
     try:
         xr.enumerate_instance_extension_properties()
     except Exception as error:  # noqa: BLE001  the loader's errors share no useful base
-        return f"no OpenXR runtime: {' '.join(str(error).split()) or type(error).__name__}"
+        return f"no OpenXR runtime: {_words(error)}"
     return ""
 
 
@@ -94,47 +108,61 @@ class OpenXrRuntime(HeadsetRuntime):
 
     Args:
         backend: Of the surface: "egl" or "window".
-        clock: The session's; OpenXR's time is converted to it.
 
     Raises:
         DeviceError: no runtime, no headset, or a context it does not take.
     """
 
-    def __init__(self, backend: str, clock: Clock | None = None) -> None:
+    def __init__(self, backend: str) -> None:
         self._xr = load_openxr()
-        self._backend, self._clock = backend, clock or MonotonicClock()
-        try:
-            self._open()
-        except self._xr.exception.XrException as error:
-            raise DeviceError(f"OpenXR: {error or type(error).__name__}", "start the headset's runtime") from None
+        self._backend, self._clock = backend, MonotonicClock()
+        self._state = HeadsetState.IDLE
+        self._display, self._display_ns = 0, 0
+        self._views: Any = None
+        self._located: list[EyeLocation] = []
+        self._open()
 
     def eye_size(self, shown: Size) -> Size:
         return self._size
 
     def states(self) -> list[HeadsetState]:
         xr, entered = self._xr, list[HeadsetState]()
-        while True:
-            try:
-                event = xr.poll_event(self._instance)
-            except xr.EventUnavailable:
-                return entered
-            if event.type == xr.StructureType.EVENT_DATA_SESSION_STATE_CHANGED:
-                changed = cast(byref(event), POINTER(xr.EventDataSessionStateChanged)).contents
-                name = xr.SessionState(changed.state).name.lower()
-                with suppress(ValueError):  # a state that an extension brings
-                    entered.append(HeadsetState(name))
-            elif event.type == xr.StructureType.EVENT_DATA_INSTANCE_LOSS_PENDING:
-                entered.append(HeadsetState.LOSS_PENDING)
+        with self._asking():
+            while (event := xr.poll_event(self._instance)).type != xr.StructureType.EVENT_DATA_BUFFER:
+                if event.type == xr.StructureType.EVENT_DATA_SESSION_STATE_CHANGED:
+                    changed = cast(byref(event), POINTER(xr.EventDataSessionStateChanged)).contents
+                    with suppress(ValueError):  # a state that an extension brings
+                        entered.append(HeadsetState(xr.SessionState(changed.state).name.lower()))
+                elif event.type == xr.StructureType.EVENT_DATA_INSTANCE_LOSS_PENDING:
+                    entered.append(HeadsetState.LOSS_PENDING)
+        self._state = entered[-1] if entered else self._state
+        return entered
 
     def begin_session(self) -> None:
         xr = self._xr
-        xr.begin_session(
-            self._session,
-            xr.SessionBeginInfo(primary_view_configuration_type=xr.ViewConfigurationType.PRIMARY_STEREO),
-        )
+        with self._asking():
+            kind = xr.ViewConfigurationType.PRIMARY_STEREO
+            xr.begin_session(self._session, xr.SessionBeginInfo(primary_view_configuration_type=kind))
 
     def end_session(self) -> None:
-        self._xr.end_session(self._session)
+        """One that is not stopping is asked to: it is ended by its own runtime alone."""
+        xr = self._xr
+        with self._asking():
+            if self._state is not HeadsetState.STOPPING:
+                xr.request_exit_session(self._session)
+                self._wait_for_stop()
+            if self._state is HeadsetState.STOPPING:
+                xr.end_session(self._session)
+
+    def _wait_for_stop(self) -> None:
+        limit_ns = self._clock.now_ns() + _PATIENCE_NS
+        while self._clock.now_ns() < limit_ns:
+            if HeadsetState.STOPPING in self.states():
+                self._state = HeadsetState.STOPPING
+                return
+            self.wait_frame(0)  # a runtime may stop between frames only
+            self.begin_frame()
+            self.end_frame(0, [], None)
 
     def rebuild(self) -> None:
         self.close()
@@ -142,64 +170,123 @@ class OpenXrRuntime(HeadsetRuntime):
 
     def wait_frame(self, now_ns: int) -> FrameTiming:
         # Through ctypes: the haptic thread and Python's others run on while this one waits.
-        self._state = self._xr.wait_frame(self._session, self._xr.FrameWaitInfo())
-        display = int(self._state.predicted_display_time)
-        return FrameTiming(
-            self._to_session(display), int(self._state.predicted_display_period), bool(self._state.should_render)
-        )
+        asked_ns = self._clock.now_ns()
+        with self._asking():
+            frame = self._xr.wait_frame(self._session, self._xr.FrameWaitInfo())
+        self._display = int(frame.predicted_display_time)
+        self._display_ns = now_ns + self._display - self._epoch_ns - asked_ns
+        return FrameTiming(self._display_ns, int(frame.predicted_display_period), bool(frame.should_render))
 
     def begin_frame(self) -> None:
-        self._xr.begin_frame(self._session, self._xr.FrameBeginInfo())
+        with self._asking():
+            self._xr.begin_frame(self._session, self._xr.FrameBeginInfo())
+            self._hands.sync()
 
     def locate(self, display_ns: int) -> list[EyeLocation]:
-        xr = self._xr
-        _, views = xr.locate_views(
-            self._session,
-            xr.ViewLocateInfo(
-                view_configuration_type=xr.ViewConfigurationType.PRIMARY_STEREO,
-                display_time=self._state.predicted_display_time,
-                space=self._space,
-            ),
-        )
-        self._views = views
-        return [_location(view) for view in views]
+        """Of eyes that the headset does not know now: where they were last."""
+        if self._display:
+            xr = self._xr
+            with self._asking():
+                state, views = xr.locate_views(
+                    self._session,
+                    xr.ViewLocateInfo(
+                        view_configuration_type=xr.ViewConfigurationType.PRIMARY_STEREO,
+                        display_time=self._display,
+                        space=self._space,
+                    ),
+                )
+            if int(state.view_state_flags) & _KNOWN == _KNOWN:
+                self._views = views
+                self._located = [_location(view) for view in views]
+        return self._located
 
     def end_frame(self, display_ns: int, eyes: list[EyeLocation], frame: DisplayFrame | None) -> None:
         xr = self._xr
-        layers = [] if frame is None else [byref(self._project(frame))]
-        xr.end_frame(
-            self._session,
-            xr.FrameEndInfo(
-                display_time=self._state.predicted_display_time,
-                environment_blend_mode=xr.EnvironmentBlendMode.OPAQUE,
-                layers=layers,
-            ),
-        )
+        with self._asking():
+            layers = [] if frame is None or self._views is None else [byref(self._project(frame))]
+            xr.end_frame(
+                self._session,
+                xr.FrameEndInfo(display_time=self._display, environment_blend_mode=self._blend, layers=layers),
+            )
+
+    def tracked(self) -> list[TrackerSample]:
+        if not self._display:
+            return []
+        with self._asking():
+            found = self._hands.poses(self._space, self._display)
+            head = self._hands.place(self._head, self._space, self._display)
+        poses = ({} if head is None else {"head": head}) | found
+        return [sample_of(sensor, self._display_ns, pose) for sensor, pose in poses.items()]
+
+    def take_pressed(self) -> list[str]:
+        return self._hands.take_pressed()
 
     def close(self) -> None:
-        xr = self._xr
-        with suppress(xr.exception.XrException):  # of a runtime that is gone nothing can be freed
-            xr.destroy_swapchain(self._swapchain)
-            xr.destroy_session(self._session)
-            xr.destroy_instance(self._instance)
+        self._owned.close()
+        self._own_context.take_back()
+
+    @contextmanager
+    def _asking(self) -> Iterator[None]:
+        """Around calls of the runtime: its errors in our words, and the context taken back afterwards."""
+        try:
+            yield
+        except self._xr.exception.XrException as error:
+            raise RuntimeLostError(f"OpenXR: {_words(error)}", "start the headset's runtime") from None
+        finally:
+            self._own_context.take_back()
+
+    def _owns(self, destroy: Callable[[Any], object], handle: Any) -> Any:
+        """What is freed with the rest, whatever becomes of the runtime."""
+
+        def free() -> None:
+            with suppress(self._xr.exception.XrException):  # of a runtime that is gone nothing can be freed
+                destroy(handle)
+
+        self._owned.callback(free)
+        return handle
 
     def _open(self) -> None:
+        """Everything anew.
+
+        Raises:
+            DeviceError: it cannot be had; nothing of it is left open.
+        """
+        self._own_context = OwnContext(self._backend)
+        self._state, self._display, self._views = HeadsetState.IDLE, 0, None
+        with ExitStack() as self._owned:
+            with self._asking():
+                self._make()
+            self._owned = self._owned.pop_all()
+
+    def _make(self) -> None:
         xr = self._xr
         wanted = [xr.KHR_OPENGL_ENABLE_EXTENSION_NAME, _TIME_EXTENSION]
         wanted += [EGL_EXTENSION] if self._backend == "egl" else []
+        offered = {each.extension_name.decode() for each in xr.enumerate_instance_extension_properties()}
+        missing = [name for name in wanted if name not in offered]
+        if missing:
+            raise DeviceError(f"the OpenXR runtime has no {' and no '.join(missing)}", "use another runtime")
         application = xr.ApplicationInfo(application_name=f"mimics {__version__}", api_version=xr.Version(1, 0, 0))
         info = xr.InstanceCreateInfo(application_info=application, enabled_extension_names=wanted)
-        self._instance = xr.create_instance(info)
+        self._instance = self._owns(xr.destroy_instance, xr.create_instance(info))
         system = xr.get_system(self._instance, xr.SystemGetInfo(form_factor=xr.FormFactor.HEAD_MOUNTED_DISPLAY))
         self._ask_requirements(system)
         binding = graphics_binding(xr, self._backend)
-        info = xr.SessionCreateInfo(system_id=system, next=cast(pointer(binding), c_void_p))
-        self._session = xr.create_session(self._instance, info)
-        self._space = xr.create_reference_space(
-            self._session, xr.ReferenceSpaceCreateInfo(reference_space_type=xr.ReferenceSpaceType.LOCAL)
-        )
+        create = xr.SessionCreateInfo(system_id=system, next=cast(pointer(binding), c_void_p))
+        self._session = self._owns(xr.destroy_session, xr.create_session(self._instance, create))
+        self._own_context.take_back()
+        self._space, self._head = (self._make_space(kind) for kind in ("LOCAL", "VIEW"))
+        self._blend = xr.enumerate_environment_blend_modes(
+            self._instance, system, xr.ViewConfigurationType.PRIMARY_STEREO
+        )[0]
+        self._hands = OpenXrHands(xr, self._instance, self._session, self._owns)
         self._make_swapchain(system)
-        self._offset_ns = self._clock_offset()
+        self._epoch_ns = self._time_offset()
+
+    def _make_space(self, kind: str) -> Any:
+        xr = self._xr
+        info = xr.ReferenceSpaceCreateInfo(reference_space_type=xr.ReferenceSpaceType[kind])
+        return self._owns(xr.destroy_space, xr.create_reference_space(self._session, info))
 
     def _ask_requirements(self, system: int) -> None:
         """Obligatory before a session is created, whatever the answer."""
@@ -211,17 +298,21 @@ class OpenXrRuntime(HeadsetRuntime):
         """One wide picture for both eyes: each is a rectangle of it."""
         xr = self._xr
         views = xr.enumerate_view_configuration_views(self._instance, system, xr.ViewConfigurationType.PRIMARY_STEREO)
-        self._size = (views[0].recommended_image_rect_width, views[0].recommended_image_rect_height)
-        offered = list(xr.enumerate_swapchain_formats(self._session))
-        chosen = next((one for one in _FORMATS if one in offered), None)
-        if chosen is None:
-            raise DeviceError("the headset takes no pictures of 8 bits a colour", "update its runtime")
+        most = xr.get_system_properties(self._instance, system).graphics_properties
+        wanted = [
+            max(view.recommended_image_rect_width for view in views),
+            max(view.recommended_image_rect_height for view in views),
+        ]
+        share = min(1.0, most.max_swapchain_image_width / (2 * wanted[0]), most.max_swapchain_image_height / wanted[1])
+        self._size = int(share * wanted[0]), int(share * wanted[1])
+        if _SRGB8_ALPHA8 not in list(xr.enumerate_swapchain_formats(self._session)):
+            raise DeviceError("the headset takes no pictures of 8 bits a colour in sRGB", "update its runtime")
         flags = xr.SwapchainUsageFlags
-        self._swapchain = xr.create_swapchain(
+        chain = xr.create_swapchain(
             self._session,
             xr.SwapchainCreateInfo(
                 usage_flags=flags.COLOR_ATTACHMENT_BIT | flags.SAMPLED_BIT | flags.TRANSFER_DST_BIT,
-                format=chosen,
+                format=_SRGB8_ALPHA8,
                 sample_count=1,
                 width=2 * self._size[0],
                 height=self._size[1],
@@ -230,31 +321,29 @@ class OpenXrRuntime(HeadsetRuntime):
                 mip_count=1,
             ),
         )
-        self._images = [
-            image.image for image in xr.enumerate_swapchain_images(self._swapchain, xr.SwapchainImageOpenGLKHR)
-        ]
+        self._swapchain = self._owns(xr.destroy_swapchain, chain)
+        images = xr.enumerate_swapchain_images(self._swapchain, xr.SwapchainImageOpenGLKHR)
+        self._images = [image.image for image in images]
 
-    def _clock_offset(self) -> int:
-        """Session time minus OpenXR's time [ns]; both count at the same rate."""
+    def _time_offset(self) -> int:
+        """OpenXR's time minus the monotonic clock's [ns]; both count at the same rate."""
         xr = self._xr
         address = xr.get_instance_proc_addr(self._instance, "xrConvertTimespecTimeToTimeKHR")
         moment, converted = _Timespec(), ctypes.c_int64()
         now_ns = self._clock.now_ns()
-        moment.seconds, moment.nanoseconds = divmod(MonotonicClock().now_ns(), _NS)
+        moment.seconds, moment.nanoseconds = divmod(now_ns, _NS)
         convert = ctypes.CFUNCTYPE(ctypes.c_int, c_void_p, POINTER(_Timespec), POINTER(ctypes.c_int64))
         if cast(address, convert)(cast(self._instance, c_void_p), byref(moment), byref(converted)) != 0:
             raise DeviceError("OpenXR does not convert its time", "update the headset's runtime")
-        return now_ns - int(converted.value)
-
-    def _to_session(self, xr_time: int) -> int:
-        return xr_time + self._offset_ns
+        return int(converted.value) - now_ns
 
     def _project(self, frame: DisplayFrame) -> Any:
         """Copy the picture into the swapchain and describe it with the very poses it was drawn from."""
         xr = self._xr
         index = xr.acquire_swapchain_image(self._swapchain, xr.SwapchainImageAcquireInfo())
         xr.wait_swapchain_image(self._swapchain, xr.SwapchainImageWaitInfo(timeout=xr.INFINITE_DURATION))
-        copy_image(self._backend, frame.texture, 0, self._images[index], 0, frame.size)
+        self._own_context.take_back()
+        self._own_context.copy_image(frame.texture, self._images[index], frame.size)
         xr.release_swapchain_image(self._swapchain, xr.SwapchainImageReleaseInfo())
         width, height = self._size
         parts = [
@@ -276,6 +365,11 @@ class OpenXrRuntime(HeadsetRuntime):
 
 class _Timespec(ctypes.Structure):
     _fields_ = (("seconds", ctypes.c_long), ("nanoseconds", ctypes.c_long))
+
+
+def _words(error: Exception) -> str:
+    """What an error of pyopenxr says, in one line."""
+    return " ".join(str(error).split()) or type(error).__name__
 
 
 def _location(view: xr.View) -> EyeLocation:

@@ -18,6 +18,7 @@ from mimics_app.contracts.display_port import (
     Viewpoint,
     WindowPlace,
 )
+from mimics_app.contracts.tracker_port import TrackerSample
 
 __all__ = ["PlainDisplay", "eye_offset", "no_head"]
 
@@ -62,6 +63,15 @@ class PlainDisplay(Display):
         new = [what for what, taken in self._faults.items() if not taken]
         self._faults = dict.fromkeys(self._faults, True)
         return new
+
+    def tracked(self) -> Sequence[TrackerSample]:
+        return ()
+
+    def take_pressed(self) -> Sequence[str]:
+        return ()
+
+    def renew(self) -> None:
+        """Nothing of it lives in a context."""
 
     def close(self) -> None:
         """Nothing is open."""

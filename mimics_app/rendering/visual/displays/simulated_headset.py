@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.display_port import DisplayFrame, FrameTiming, HeadsetState, Size
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.tracker_port import TrackerSample
 from mimics_app.maths.poses import interpolate_pose, pose_from_parts
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec
-from mimics_app.rendering.visual.displays.headset_session import EyeLocation, HeadsetRuntime
+from mimics_app.rendering.visual.displays.headset_session import EyeLocation, HeadsetRuntime, sample_of
 
 __all__ = ["SimulatedRuntime"]
 
@@ -47,6 +48,7 @@ class SimulatedRuntime(HeadsetRuntime):
         self._frame = -1
         self._asked = 0
         self._located_ns: int | None = None
+        self._display_ns: int | None = None
         self._located: list[EyeLocation] = []
         self.calls: list[str] = []
         self.composed: NDArray[np.uint8] | None = None
@@ -84,7 +86,7 @@ class SimulatedRuntime(HeadsetRuntime):
         self._frame = now_ns // self._period
         self._waited = True
         late = self._frame in self._spec.dropped
-        display_ns = (self._frame + (2 if late else 1)) * self._period
+        display_ns = self._display_ns = (self._frame + (2 if late else 1)) * self._period
         return FrameTiming(display_ns, self._period, self._state in _SEEN)
 
     def begin_frame(self) -> None:
@@ -123,6 +125,15 @@ class SimulatedRuntime(HeadsetRuntime):
             return self._heads[min(after, len(self._heads) - 1)][1]
         (t0, first), (t1, second) = self._heads[after - 1], self._heads[after]
         return interpolate_pose(first, second, (t - t0) / (t1 - t0))
+
+    def tracked(self) -> list[TrackerSample]:
+        """The head alone, where it has a script: there are no controllers."""
+        if self._display_ns is None or not self._heads:
+            return []
+        return [sample_of("head", self._display_ns, self.head(self._display_ns))]
+
+    def take_pressed(self) -> list[str]:
+        return []
 
     def close(self) -> None:
         self.calls.append("close")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,9 +30,11 @@ _INSTANCES = 1
 _COMMAND_BYTES = 4 * COMMAND_WORDS
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class DrawRun:
-    """Consecutive indirect draws that share a state: one call to the driver.
+    """Consecutive indirect draws that share a state: one call to the driver. `FrameBuffers` alone makes and changes it.
+
+    Not frozen: a frame makes thousands, and each would take three times as long.
 
     Attributes:
         look: Material and shaders, one of those that share the state.
@@ -121,11 +123,12 @@ class FrameBuffers:
         of_state = listed.of_shadow if shadow else listed.of_state
         return [_run(row, of_state) for row in self._runs[:runs].tolist()]
 
-    def double(self, runs: list[DrawRun]) -> list[DrawRun]:
-        """The same runs with commands that draw each of their instances for two eyes."""
+    def double(self, runs: list[DrawRun]) -> None:
+        """Have runs that were added together draw each of their instances for two eyes."""
+        if runs:
+            self._commands[runs[0].first : runs[-1].first + runs[-1].count, _INSTANCES] *= 2
         for run in runs:
-            self._commands[run.first : run.first + run.count, _INSTANCES] *= 2
-        return [replace(run, eyes=2) for run in runs]
+            run.eyes = 2
 
     def upload(self, arena: MeshArena) -> None:
         """Send the frame to the GPU."""

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.display_port import Composing, Display, DisplayFrame, Eye, FrameTiming, HeadSource, Viewpoint
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.rendering.visual.displays.desktop import DesktopDisplay
 from mimics_app.rendering.visual.presenting.beside import BesideWindows
 from mimics_app.rendering.visual.presenting.compose import ComposePass
 from mimics_app.rendering.visual.surfaces.eye_buffer import EyeBuffer
@@ -33,6 +38,9 @@ _HEADSETS = ("sim-hmd", "openxr")
 _OVER_EACH_OTHER = ("interleaved", "anaglyph", "quad")
 """Kinds that show both eyes in the same place."""
 
+_PATIENCE_NS, _STEP_NS = 5_000_000_000, 2_000_000
+"""How long a still waits for a headset to come up, and how often it looks [ns]."""
+
 _SHOW = Composing("post/resample.frag", {}, each_eye=True)
 """For a display whose picture has another size than the surface: a mirror of it."""
 
@@ -56,6 +64,7 @@ class Presenter:
             surface.resize(display.drawn_size(self._asked))
         self._beside = BesideWindows(display, surface) if display.windows and surface.backend == "window" else None
         apart = display.composing is not None or self._beside is not None or self._wanted() != surface.size
+        apart = apart or display.kind == "openxr"  # its runtime is given a texture
         self.drawn: Surface = EyeBuffer(surface, self._wanted()) if apart else surface
         self.timing = FrameTiming(0)
         self._begun = False
@@ -84,8 +93,36 @@ class Presenter:
         if self._begun:
             self.skip()
         self._begun = True
-        self.timing = self.display.begin_frame(now_ns)
+        try:
+            self.timing = self.display.begin_frame(now_ns)
+        except DeviceError as error:
+            self._show_on_desktop(error)
+            self.timing = self.display.begin_frame(now_ns)
         return self.timing
+
+    def begin_seen(self, now_ns: int) -> FrameTiming:
+        """Begin a frame that somebody sees: a headset's session takes some frames to come up."""
+        clock = MonotonicClock()
+        limit_ns = clock.now_ns() + (_PATIENCE_NS if self.display.kind == "openxr" else 0)
+        while not self.begin(now_ns).render and clock.now_ns() < limit_ns:
+            clock.sleep_until_ns(clock.now_ns() + _STEP_NS)
+        return self.timing
+
+    def _show_on_desktop(self, error: DeviceError) -> None:
+        """A display that is gone for good: what it showed is shown where its mirror was."""
+        faults = self.display.take_faults()
+        self.display.close()
+        desktop = DesktopDisplay()
+        for fault in [*faults, f"{error}: the picture is shown on the desktop"]:
+            desktop.note(fault)
+        self.display = desktop
+
+    def tracked(self) -> list[TrackerSample]:
+        """Head and hands as the display itself knows them, in the room: the head at rest is where a person's is."""
+        return [
+            replace(each, position=(each.position[0], each.position[1] + _REST_HEIGHT, each.position[2]))
+            for each in self.display.tracked()
+        ]
 
     def views(self, camera: Camera) -> list[View]:
         """What each eye sees when the frame is shown."""
@@ -169,6 +206,7 @@ class Presenter:
     def renew(self) -> None:
         """The surface has a new context: what lived in the old one is gone."""
         self._compose = None
+        self.display.renew()
         if self._beside is not None:
             self._beside = BesideWindows(self.display, self.surface)  # the old ones went with what they shared
         if self.drawn is not self.surface:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
 from mimics_app.rendering.visual.passes.eye_passes import EyePasses
@@ -12,15 +11,12 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.capabilities import Capabilities
 from mimics_app.rendering.visual.view import Rect, View
 
-if TYPE_CHECKING:
-    from mimics_app.rendering.visual.materials.look import LookPass
-
 __all__ = ["VIEWPORT_EXTENSION", "eye_passes", "group_views", "see_from_between"]
 
 VIEWPORT_EXTENSION = "GL_ARB_shader_viewport_layer_array"
 """Lets a vertex shader choose its viewport."""
 
-_KNOWS_EYES = ("common/mesh.vert", "plain/plain.vert")
+_KNOW_EYES = {"common/mesh.vert", "plain/plain.vert"}
 """Vertex shaders that ask common/eyes.glsl; one that a scene brings may not."""
 
 
@@ -56,17 +52,13 @@ def eye_passes(
         runs: Everything queued for both.
         places: The eyes' rectangles [px].
     """
-    if not all(_knows_eyes(each) for run in runs for each in run.look.passes):
+    if not {each.shader.vertex for run in runs for each in run.look.passes} <= _KNOW_EYES:
         return "alone"
     if _side_by_side(*places):
         return "halves_in_turn" if settings.stereo == "two_pass" else "halves"
     if VIEWPORT_EXTENSION not in has.extensions:
         return "alone"
     return "viewports" if settings.stereo == "viewports" else "viewports_in_turn"
-
-
-def _knows_eyes(drawn: LookPass) -> bool:
-    return drawn.shader.vertex in _KNOWS_EYES
 
 
 def _side_by_side(left: Rect, right: Rect) -> bool:

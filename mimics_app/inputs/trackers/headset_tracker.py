@@ -1,0 +1,41 @@
+"""Head and hands as a headset knows them: sensors `head`, `hand_left` and `hand_right`, in the room."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
+
+__all__ = ["HeadsetTracker"]
+
+
+class HeadsetTracker(TrackerSource):
+    """Asks the display of the session once a frame; one that knows nothing of a person reports nothing.
+
+    Args:
+        name: As the scene calls it.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name, self.problem, self.rejected = name, "", 0
+        self._sink: TrackerSink | None = None
+        self._ask: Callable[[], Sequence[TrackerSample]] = tuple
+        self._newest_ns = -1
+
+    def listen_to(self, ask: Callable[[], Sequence[TrackerSample]]) -> None:
+        """Take reports from here, each with the time its pose is predicted for."""
+        self._ask = ask
+
+    def start(self, sink: TrackerSink) -> None:
+        self._sink = sink
+
+    def poll(self, now_ns: int) -> None:
+        if self._sink is None:
+            return
+        samples = [sample for sample in self._ask() if sample.t_ns > self._newest_ns]
+        for sample in samples:
+            self._sink(sample)
+            self._newest_ns = max(self._newest_ns, sample.t_ns)
+
+    def stop(self) -> None:
+        self._sink = None
