@@ -10,7 +10,7 @@ import pytest
 
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.stages.screen_places import balls_about, box_corners, cover_of, screen_bounds
+from mimics_app.rendering.visual.stages.screen_places import box_corners, cover_of, screen_bounds
 from mimics_app.rendering.visual.stages.world_stage import ViewDraws, WorldStage
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
@@ -185,7 +185,7 @@ def test_bounds_hold_what_is_projected_and_rectangles_hold_the_bounds():
     chance, eye = np.random.default_rng(3), view()
     centres, axes = chance.uniform(-2.0, 2.0, (300, 3)), chance.normal(0.0, 0.15, (300, 3, 3))
     corners = box_corners(centres, axes)
-    bounds = screen_bounds(eye, balls_about(corners, np.full(300, 0.05)))
+    bounds = screen_bounds(eye, corners, np.full(300, 0.05))
     inside = np.einsum("nij,nkj->nki", axes, chance.uniform(-1.0, 1.0, (300, 50, 3))) + centres[:, None]
     around = chance.normal(size=(300, 50, 3))
     inside += 0.05 * around / np.linalg.norm(around, axis=2, keepdims=True)
@@ -208,6 +208,6 @@ def test_what_reaches_behind_the_eye_is_seen_everywhere_it_may_be():
     back = eye.world_from_eye[:3, 2]
     here = eye.world_from_eye[:3, 3]
     through = np.stack([here - 1.0 * back, here + 1.0 * back + [0.1, 0.0, 0.0]])[None]
-    left, right, _, _ = screen_bounds(eye, through)[0]
+    left, right, _, _ = screen_bounds(eye, through, np.zeros(1))[0]
     assert left <= 0.5 and right >= 1.0
-    assert len(screen_bounds(eye, through + 3.0 * back)) == 0
+    assert len(screen_bounds(eye, through + 3.0 * back, np.zeros(1))) == 0

@@ -7,15 +7,15 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.rendering.visual.kernels.screen_bounds import bound_balls
+from mimics_app.rendering.visual.kernels.screen_cover import cover_marks, mark_cells
 from mimics_app.rendering.visual.view import Rect, View
 
-__all__ = ["balls_about", "box_corners", "cover_of", "screen_bounds"]
+__all__ = ["box_corners", "cover_of", "screen_bounds"]
 
 F8 = NDArray[np.float64]
 
 _SIGNS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
-_OCTAHEDRON = 3.0**0.5 * np.concatenate([np.eye(3), -np.eye(3)])
-"""Corners of the one that holds the unit ball."""
 
 _CELL = 16
 """Side of the squares that rectangles are made of [px]."""
@@ -29,45 +29,22 @@ _MARGIN_PX = 2.0
 
 def box_corners(centres: F8, axes: F8) -> F8:
     """Corners of boxes [m], [n, 8, 3], by their middles [n, 3] and half edges, which are the columns of [n, 3, 3]."""
-    return np.asarray(centres[:, None] + np.einsum("nij,kj->nki", axes, _SIGNS))
+    return np.asarray(centres[:, None] + _SIGNS @ axes.transpose(0, 2, 1))
 
 
-def balls_about(points: F8, radii: F8) -> F8:
-    """Points whose convex hull holds balls about the points of each set [m], [n, 6 k, 3].
-
-    Args:
-        points: [n, k, 3].
-        radii: Of each set's balls, [n].
-    """
-    around = points[:, :, None] + radii[:, None, None, None] * _OCTAHEDRON
-    return np.asarray(around.reshape(len(points), 6 * points.shape[1], 3))
-
-
-def screen_bounds(view: View, points: F8) -> F8:
-    """Rectangles about the convex hulls of sets of points, as shares of the picture: left, right, bottom, top; [m, 4].
+def screen_bounds(view: View, points: F8, radii: F8) -> F8:
+    """Rectangles about the convex hulls of sets of balls, as shares of the picture: left, right, bottom, top; [m, 4].
 
     Hulls behind the near plane are left out; of one that reaches through it the rectangle may be far too large.
 
     Args:
         view: From where.
-        points: World [m], [n, k, 3].
+        points: Middles of each set's balls, world [m], [n, k, 3].
+        radii: Of each set's balls [m], [n].
     """
-    left, right, bottom, top = view.tangents
-    seen = (points - view.world_from_eye[:3, 3]) @ view.world_from_eye[:3, :3]
-    away = -seen[..., 2]
-    before = away.max(axis=1) >= view.near
-    seen, away = seen[before], away[before]
-    through = away.min(axis=1) < view.near
-    least, most = seen[..., :2].min(axis=1), seen[..., :2].max(axis=1)
-    ends = np.stack([np.full(len(away), view.near), away.max(axis=1, initial=view.near)], axis=1)
-    low = (least[:, None] / ends[..., None]).min(axis=1)
-    high = (most[:, None] / ends[..., None]).max(axis=1)
-    shown = seen[..., :2] / np.maximum(away, view.near)[..., None]
-    low = np.where(through[:, None], low, shown.min(axis=1))
-    high = np.where(through[:, None], high, shown.max(axis=1))
-    bounds = np.stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]], axis=1)
-    shares = (bounds - [left, left, bottom, bottom]) / [right - left, right - left, top - bottom, top - bottom]
-    return np.asarray(shares)
+    bounds = np.empty((len(points), 4))
+    pose, tangents = np.ascontiguousarray(view.world_from_eye), np.array(view.tangents)
+    return bounds[: bound_balls(np.ascontiguousarray(points), radii, pose, tangents, view.near, bounds)]
 
 
 def cover_of(bounds: F8, size: tuple[int, int]) -> list[Rect]:
@@ -78,74 +55,13 @@ def cover_of(bounds: F8, size: tuple[int, int]) -> list[Rect]:
         size: Of the picture [px].
     """
     width, height = size
-    pixels = bounds * [width, width, height, height] + _MARGIN_PX * np.array([-1.0, 1.0, -1.0, 1.0])
-    inside = (pixels[:, 0] < width) & (pixels[:, 1] > 0.0) & (pixels[:, 2] < height) & (pixels[:, 3] > 0.0)
-    ends = [width - 1.0, width - 1.0, height - 1.0, height - 1.0]
-    cells = np.floor(np.clip(pixels[inside], 0.0, ends) / _CELL).astype(int)
-    marked = np.zeros((-(-height // _CELL), -(-width // _CELL)), np.bool_)
-    for first, last, low, high in np.unique(cells, axis=0).tolist():
-        marked[low : high + 1, first : last + 1] = True
+    marked = np.zeros((-(-height // _CELL), -(-width // _CELL)), np.uint8)
+    mark_cells(bounds, width, height, _MARGIN_PX, _CELL, marked)
+    rects = np.zeros((_MOST_PARTS, 4), np.int32)
     covered = []
-    for x, y, wide, high in _cover(marked):
+    for x, y, wide, high in rects[: cover_marks(marked, _WORTH * marked.size, rects)].tolist():
         left, bottom = x * _CELL, y * _CELL
         covered.append(
             (left, bottom, min(width, left + wide * _CELL) - left, min(height, bottom + high * _CELL) - bottom)
         )
     return covered
-
-
-def _cover(marked: NDArray[np.bool_]) -> list[Rect]:
-    """Rectangles of cells about all marks: the one about all, cut in two where that leaves out most, and so on."""
-    if not marked.any():
-        return []
-    found = [_trimmed(marked, (0, 0, marked.shape[1], marked.shape[0]))]
-    while len(found) < _MOST_PARTS:
-        cuts = [_best_cut(marked, rect) for rect in found]
-        best = max(range(len(found)), key=lambda number: cuts[number][0])
-        gain, halves = cuts[best]
-        if gain < _WORTH * marked.size:
-            break
-        found[best : best + 1] = halves
-    return found
-
-
-def _best_cut(marked: NDArray[np.bool_], rect: Rect) -> tuple[int, list[Rect]]:
-    """How many cells a cut of a rectangle leaves out at most, and the two halves; none where it leaves out nothing."""
-    x, y, width, height = rect
-    inside = marked[y : y + height, x : x + width]
-    across, saved_across = _cut(inside)
-    along, saved_along = _cut(inside.T)
-    if max(saved_across, saved_along) <= 0:
-        return 0, []
-    if saved_across >= saved_along:
-        halves = [(x, y, across, height), (x + across, y, width - across, height)]
-    else:
-        halves = [(x, y, width, along), (x, y + along, width, height - along)]
-    return max(saved_across, saved_along), [_trimmed(marked, half) for half in halves]
-
-
-def _cut(inside: NDArray[np.bool_]) -> tuple[int, int]:
-    """Before which column a cut leaves out most of a trimmed rectangle, and how many cells that is."""
-    rows, columns = inside.shape
-    if columns < 2:
-        return 0, 0
-    some, numbers = inside.any(axis=0), np.arange(columns)
-    low = np.where(some, inside.argmax(axis=0), rows)
-    high = np.where(some, rows - inside[::-1].argmax(axis=0), 0)
-    last = np.maximum.accumulate(np.where(some, numbers, -1))
-    first = np.minimum.accumulate(np.where(some, numbers, columns)[::-1])[::-1]
-    before = (last + 1) * (np.maximum.accumulate(high) - np.minimum.accumulate(low))
-    upper, lower = np.maximum.accumulate(high[::-1])[::-1], np.minimum.accumulate(low[::-1])[::-1]
-    behind = (columns - first) * (upper - lower)
-    total = before[:-1] + behind[1:]
-    best = int(np.argmin(total))
-    return best + 1, int(rows * columns - total[best])
-
-
-def _trimmed(marked: NDArray[np.bool_], rect: Rect) -> Rect:
-    """The smallest rectangle about the marks in one."""
-    x, y, width, height = rect
-    inside = marked[y : y + height, x : x + width]
-    columns, rows = np.flatnonzero(inside.any(axis=0)), np.flatnonzero(inside.any(axis=1))
-    left, bottom = int(columns[0]), int(rows[0])
-    return x + left, y + bottom, int(columns[-1]) + 1 - left, int(rows[-1]) + 1 - bottom

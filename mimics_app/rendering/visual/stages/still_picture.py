@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
-from mimics_app.rendering.visual.stages.screen_places import balls_about, box_corners, cover_of, screen_bounds
+from mimics_app.rendering.visual.stages.screen_places import box_corners, cover_of, screen_bounds
 from mimics_app.rendering.visual.stages.seen_frame import SeenFrame
 from mimics_app.rendering.visual.view import Rect
 
@@ -118,13 +118,14 @@ class StillPicture:
         view, (x, y, width, height) = seen.view, seen.rectangle
         if len(casters) and (seen.cones or (seen.sun is not None and seen.sun[1] < _LOWEST_SUN)):
             return None
-        bounds = [screen_bounds(view, touched), screen_bounds(view, balls_about(sprites[:, None, :3], sprites[:, 3]))]
+        bounds = [screen_bounds(view, touched, np.zeros(len(touched)))]
+        bounds.append(screen_bounds(view, sprites[:, None, :3], sprites[:, 3].copy()))
         if seen.sun is not None and seen.maps and len(casters):
             reach = _REACH_TEXELS * max(each.texel for each in seen.maps)
             ends = self._shadow_ends(seen.sun, casters)
             cuts = [casters + share * (ends - casters) for share in np.linspace(0.0, 1.0, _PIECES + 1)]
             pieces = np.concatenate([np.concatenate(pair, axis=1) for pair in itertools.pairwise(cuts)])
-            bounds.append(screen_bounds(view, balls_about(pieces, np.full(len(pieces), reach))))
+            bounds.append(screen_bounds(view, pieces, np.full(len(pieces), reach)))
         covered = cover_of(np.concatenate(bounds), (width, height))
         if sum(wide * high for _, _, wide, high in covered) > _WHOLE * width * height:
             return None

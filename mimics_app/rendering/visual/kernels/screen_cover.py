@@ -1,0 +1,145 @@
+"""Few rectangles about all marks of a grid of cells: the one about all, cut in two where that leaves out most."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.kernel import kernel
+
+__all__ = ["cover_marks", "mark_cells"]
+
+F8 = NDArray[np.float64]
+I4 = NDArray[np.int32]
+U1 = NDArray[np.uint8]
+
+
+@kernel
+def mark_cells(bounds: F8, width: int, height: int, margin: float, cell: int, marked: U1) -> None:
+    """Mark the cells of a picture that rectangles reach into.
+
+    Args:
+        bounds: As shares of the picture: left, right, bottom, top; [n, 4].
+        width: Of the picture [px].
+        height: The same.
+        margin: About each rectangle [px].
+        cell: Side of a cell [px].
+        marked: Set to 1, [rows, columns].
+    """
+    for i in range(bounds.shape[0]):
+        left, right = bounds[i, 0] * width - margin, bounds[i, 1] * width + margin
+        bottom, top = bounds[i, 2] * height - margin, bounds[i, 3] * height + margin
+        if not (left < width and right > 0.0 and bottom < height and top > 0.0):
+            continue
+        first, last = math.floor(max(left, 0.0) / cell), math.floor(min(right, width - 1.0) / cell)
+        low, high = math.floor(max(bottom, 0.0) / cell), math.floor(min(top, height - 1.0) / cell)
+        for row in range(low, high + 1):
+            for column in range(first, last + 1):
+                marked[row, column] = 1
+
+
+@kernel
+def _trim(marked: U1, rect: I4) -> None:
+    """Make a rectangle, x, y, width and height, the smallest one about the marks in it; it has some."""
+    x, y, width, height = rect[0], rect[1], rect[2], rect[3]
+    left, right, bottom, top = width, -1, height, -1
+    for row in range(height):
+        for column in range(width):
+            if marked[y + row, x + column]:
+                left, right = min(left, column), max(right, column)
+                bottom, top = min(bottom, row), max(top, row)
+    rect[0], rect[1], rect[2], rect[3] = x + left, y + bottom, right + 1 - left, top + 1 - bottom
+
+
+@kernel
+def _spans(marked: U1, rect: I4, low: I4, high: I4, columns: bool) -> None:
+    """First mark and the one past the last of each column or row of a rectangle; of one without any, last and 0."""
+    x, y, width, height = rect[0], rect[1], rect[2], rect[3]
+    lines, across = (width, height) if columns else (height, width)
+    low[:lines], high[:lines] = across, 0
+    for row in range(height):
+        for column in range(width):
+            if marked[y + row, x + column]:
+                line, place = (column, row) if columns else (row, column)
+                low[line], high[line] = min(low[line], place), max(high[line], place + 1)
+
+
+@kernel
+def _best_cut(low: I4, high: I4, lines: int, across: int, before: I4) -> tuple[int, int]:
+    """Before which line a cut of a trimmed rectangle leaves out most, and how many cells that is.
+
+    Args:
+        low: First mark of each line, [>= lines].
+        high: The one past its last.
+        lines: How many.
+        across: Cells of each.
+        before: Scratch, [>= lines].
+    """
+    least, most, last = across, 0, -1
+    for line in range(lines):
+        least, most = min(least, low[line]), max(most, high[line])
+        last = line if high[line] else last
+        before[line] = (last + 1) * (most - least)
+    least, most, first = across, 0, lines
+    best, fewest = 0, lines * across
+    for line in range(lines - 1, 0, -1):
+        least, most = min(least, low[line]), max(most, high[line])
+        first = line if high[line] else first
+        total = before[line - 1] + (lines - first) * (most - least)
+        if total <= fewest:
+            best, fewest = line, total
+    return best, lines * across - fewest
+
+
+@kernel
+def _find_cut(marked: U1, rect: I4, spare: I4) -> tuple[int, int, bool]:
+    """The best cut of a rectangle: before which of its lines, how many cells it leaves out, whether across."""
+    _spans(marked, rect, spare[0], spare[1], True)
+    across, saved_across = _best_cut(spare[0], spare[1], rect[2], rect[3], spare[2])
+    _spans(marked, rect, spare[0], spare[1], False)
+    along, saved_along = _best_cut(spare[0], spare[1], rect[3], rect[2], spare[2])
+    if saved_across >= saved_along:
+        return across, saved_across, True
+    return along, saved_along, False
+
+
+@kernel
+def cover_marks(marked: U1, worth: float, rects: I4) -> int:
+    """Rectangles of cells about all marks.
+
+    Args:
+        marked: 1 where a cell is marked, [rows, columns].
+        worth: Fewest cells that a cut has to leave out.
+        rects: x, y, width, height [cells]; written, [most, 4].
+
+    Returns:
+        How many there are, at most `len(rects)`.
+    """
+    rows, columns = marked.shape
+    if not marked.any():
+        return 0
+    spare = np.zeros((3, max(rows, columns)), np.int32)
+    rects[0, 0], rects[0, 1], rects[0, 2], rects[0, 3] = 0, 0, columns, rows
+    _trim(marked, rects[0])
+    count = 1
+    while count < rects.shape[0]:
+        cut, number, at, upright = 0, -1, 0, True
+        for i in range(count):
+            place, saved, across = _find_cut(marked, rects[i], spare)
+            if saved > cut:
+                cut, number, at, upright = saved, i, place, across
+        if number < 0 or cut < worth:
+            return count
+        for i in range(count, number + 1, -1):
+            rects[i] = rects[i - 1]
+        rects[number + 1] = rects[number]
+        side = 0 if upright else 1
+        rects[number, side + 2] = at
+        rects[number + 1, side] += at
+        rects[number + 1, side + 2] -= at
+        _trim(marked, rects[number])
+        _trim(marked, rects[number + 1])
+        count += 1
+    return count
