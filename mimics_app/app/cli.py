@@ -7,6 +7,7 @@ Ctrl-C, 143 SIGTERM.
 from __future__ import annotations
 
 import argparse
+import atexit
 import gc
 import importlib
 import os
@@ -142,6 +143,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     _open_missing_streams()
     gc.set_threshold(_YOUNG_OBJECTS)
+    if argv is None:  # what is left at the end goes with the process: no round looks through it for useless rings
+        atexit.register(gc.freeze)
     arguments = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in arguments
     try:

@@ -18,7 +18,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,7 @@ from numba.core.compiler import CR_FIELDS, CompileResult
 from numba.core.runtime.nrt import rtsys
 
 from mimics_app.contracts.kernel_sources import ROOT, changed_since_start, source_key
+from mimics_app.contracts.kernel_sweep import mark_used, sweep
 
 __all__ = [
     "KernelCache",
@@ -166,6 +167,12 @@ class _Locator(_CacheLocator):
     def get_cache_path(self) -> str:
         return str((cache_folder or Path(tempfile.gettempdir())) / f"{self._module}-{self._key}")
 
+    def ensure_cache_path(self) -> None:
+        """Make the folder; a process that makes one sweeps, once."""
+        if not os.path.exists(self.get_cache_path()):
+            _sweep_once()
+        super().ensure_cache_path()  # type: ignore[no-untyped-call]
+
     def get_source_stamp(self) -> str:
         return self._key
 
@@ -175,6 +182,19 @@ class _Locator(_CacheLocator):
     @classmethod
     def from_function(cls, py_func: Callable[..., object], py_file: str) -> _Locator | None:
         return cls(py_func, py_file) if os.path.exists(py_file) else None
+
+
+@cache
+def _sweep_once() -> None:
+    if cache_folder is not None:
+        sweep(cache_folder.parent, _is_present)
+
+
+def _is_present(name: str) -> bool:
+    """Whether the folder of a module belongs to the sources as they are now."""
+    module, _, key = name.rpartition("-")
+    source = ROOT.joinpath(*module.split(".")).with_suffix(".py")
+    return source.is_file() and source_key(source) == key
 
 
 _MACHINE_CODE = "machine code"
@@ -287,6 +307,8 @@ class KernelCache(FunctionCache):
         """Keep machine code; an index that names types of modules this process does not have is begun anew."""
         try:
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+        except FileNotFoundError:  # another process swept the folder while this one opened it
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
         except _NOT_LOADABLE:
             self.flush()  # type: ignore[no-untyped-call]
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
@@ -308,7 +330,9 @@ class _Deferred:
         source = Path(self._py_func.__code__.co_filename).resolve()
         if changed_since_start(source):
             return NullCache()
-        return self._kind(self._py_func)
+        opened = self._kind(self._py_func)
+        mark_used(Path(opened.cache_path))
+        return opened
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._opened, name)

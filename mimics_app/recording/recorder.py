@@ -9,7 +9,7 @@ from contextlib import suppress
 from multiprocessing import get_context
 from multiprocessing.util import Finalize
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import msgspec
 import numpy as np
@@ -102,9 +102,12 @@ class Recorder:
         deadline = self._clock.now_ns() + int(_START_S * 1e9)
         while not self._status[StatusWord.READY]:
             if self._clock.now_ns() > deadline or not self.alive:
-                self.kill()
-                raise PartialDataError(f"the recorder of {self.folder} does not start", "see the message above")
+                self._give_up_start()
             self._clock.sleep_until_ns(self._clock.now_ns() + 1_000_000)
+
+    def _give_up_start(self) -> NoReturn:
+        self.kill()
+        raise PartialDataError(f"the recorder of {self.folder} does not start", "see the message above")
 
     def _spawn(self) -> None:
         """Start the process; its target's module reaches no compiler, which would double what it costs to come up."""
@@ -150,9 +153,15 @@ class Recorder:
         return self._outbox.dropped
 
     def supervise(self) -> None:
-        """Replace the process when it died or hangs, and pass on what waits; every `journal` calls it: once a frame."""
+        """Replace the process when it died or hangs, and pass on what waits; every `journal` calls it: once a frame.
+
+        Raises:
+            PartialDataError: The first one did not come up.
+        """
         self._look_for_passes(replace=True)
         if not self._closed and self._process is not None and not self.alive and self._restarts <= _MOST_RESTARTS:
+            if self._restarts == 0 and not self._status[StatusWord.READY]:
+                self._give_up_start()
             self._restarts += 1
             if self._restarts <= _MOST_RESTARTS:
                 self._status[StatusWord.READY] = 0
@@ -272,11 +281,12 @@ class Recorder:
         self.supervise()
         self._outbox.send(CLOSE, to_json({"summary": summary or {}, "dropped": self._outbox.dropped}))
         deadline = self._clock.now_ns() + int(timeout_s * 1e9)
-        while self.alive and self._clock.now_ns() < deadline:
+        while self.alive and not self._status[StatusWord.SEALED] and self._clock.now_ns() < deadline:
             self._look_for_passes(replace=False)  # sealing a long run is one long pass
             self._outbox.flush()
             self._clock.sleep_until_ns(self._clock.now_ns() + 1_000_000)
-        manifest = None if self.alive else read_manifest(self.folder)[0]
+        hung = self.alive and not self._status[StatusWord.SEALED]
+        manifest = None if hung else read_manifest(self.folder)[0]
         self.kill()
         if manifest is None:
             raise PartialDataError(f"{self.folder} was not closed", f"try: mimics record recover {self.folder}")

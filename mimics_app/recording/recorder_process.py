@@ -7,6 +7,7 @@ next one goes on; killing the app loses nothing at all, for the rings and the ch
 from __future__ import annotations
 
 import errno
+import gc
 import json
 import os
 import shutil
@@ -74,7 +75,9 @@ def record(memory: SessionMemory, reader: Connection, status: RecorderStatus, fo
         busy = session.step(clock.now_ns())
         if not session.over:
             clock.sleep_until_ns(clock.now_ns() + (_BUSY_PASS_NS if busy else _PASS_NS))
-    session.finish()
+    if session.finish():
+        status[StatusWord.SEALED] = 1
+    gc.freeze()  # nothing that is left at the end is looked through
 
 
 @dataclass
@@ -326,8 +329,8 @@ class _Session:
 
     # the end
 
-    def finish(self) -> None:
-        """Empty everything, end the files as their formats want it, and seal them."""
+    def finish(self) -> bool:
+        """Empty everything, end the files as their formats want it, and seal them; whether the seal is on the disk."""
         self._take_messages()
         status: Literal["clean", "interrupted"] = "interrupted" if self._close_message is None else "clean"
         self._end_of_loss()
@@ -343,9 +346,9 @@ class _Session:
                 stream.close()
             except OSError as error:
                 self._trouble(error)
-        self._seal(status)
+        return self._seal(status)
 
-    def _seal(self, status: Literal["clean", "interrupted"]) -> None:
+    def _seal(self, status: Literal["clean", "interrupted"]) -> bool:
         said = self._close_message or {}
         extent = self._memory.capacities.extent
         state = hash_of_files(self._folder, self._trials.rows, extent) if self._restarts else self._hash
@@ -373,3 +376,5 @@ class _Session:
             write_manifest(self._folder, manifest)
         except OSError as error:
             self._trouble(error)
+            return False
+        return True

@@ -25,6 +25,7 @@ class StatusWord(IntEnum):
     PROBLEM = 5  # Problem, 0 while all is well
     LOST_ROWS = 6  # samples that could not be written
     PASSES = 7  # passes of its loop: it lives while this counts
+    SEALED = 8  # 1: every file is closed and the manifest written; all that is left is to leave
 
 
 class Problem(IntEnum):

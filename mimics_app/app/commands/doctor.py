@@ -32,6 +32,7 @@ _PACKAGES = (
     "pillow",
 )
 _GIGABYTE = 1e9
+_MEGABYTE = 1e6
 _HOUR_S = 3600.0
 _FIFO_ADVICE = (
     'for SCHED_FIFO type: echo "$USER - rtprio 60" | sudo tee /etc/security/limits.d/mimics.conf, and log in again'
@@ -129,11 +130,14 @@ def _machine() -> dict[str, Any]:
 def _kernel_cache() -> dict[str, Any]:
     try:
         from mimics_app.contracts.kernel_cache import cache_folder
+        from mimics_app.contracts.kernel_sweep import cache_bytes
     except ImportError as error:
-        return {"folder": None, "compiled": 0, "fix": str(error)}
+        return {"folder": None, "compiled": 0, "bytes": 0, "fix": str(error)}
     if cache_folder is None:
-        return {"folder": None, "compiled": 0, "fix": "make the home folder writable, or set NUMBA_CACHE_DIR"}
-    return {"folder": cache_folder, "compiled": sum(1 for _ in cache_folder.rglob("*.nbc")), "fix": ""}
+        advice = "make the home folder writable, or set NUMBA_CACHE_DIR"
+        return {"folder": None, "compiled": 0, "bytes": 0, "fix": advice}
+    compiled = sum(1 for _ in cache_folder.rglob("*.nbc"))
+    return {"folder": cache_folder, "compiled": compiled, "bytes": cache_bytes(cache_folder.parent), "fix": ""}
 
 
 def _runs_folder(runs: Path) -> dict[str, Any]:
@@ -219,8 +223,9 @@ def _plugin_line(plugin: dict[str, str]) -> str:
 
 def _folder_lines(findings: dict[str, Any]) -> list[str]:
     cache, runs, data = findings["kernel_cache"], findings["runs"], findings["data"]
+    kernels = f"{cache['compiled']} compiled; {cache['bytes'] / _MEGABYTE:.0f} MB with those of other versions"
     return [
-        _line(bool(cache["folder"]), "kernels", f"{cache['folder'] or cache['fix']} ({cache['compiled']} compiled)"),
+        _line(bool(cache["folder"]), "kernels", f"{cache['folder'] or cache['fix']} ({kernels})"),
         _line(runs["writable"], "runs", _room_said(runs)),
         _line(not data["error"], "data", str(data["folder"] or data["error"])),
     ]

@@ -20,6 +20,7 @@ __all__ = ["PARTS", "add_arguments", "compile_beside", "run", "shipped_tasks"]
 _COLLECTOR = (50_000, 20, 20)
 """Thresholds of the garbage collector while compiling: a compiler makes millions of objects that are no rubbish yet.
 At Python's own thresholds 8 % of the time goes into looking through them."""
+_MEGABYTE = 1e6
 _SIZE = (64, 36)
 _SECONDS = 0.1
 
@@ -33,6 +34,7 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.terminal import output
     from mimics_app.contracts.clock import MonotonicClock
     from mimics_app.contracts.kernel_cache import cache_folder
+    from mimics_app.contracts.kernel_sweep import cache_bytes
 
     clock = MonotonicClock()
     started = clock.now_ns()
@@ -40,11 +42,14 @@ def run(args: argparse.Namespace) -> int:
         sys.stderr.write("compiling kernels: some minutes the first time ...\n")
     _compile_everything()
     seconds = (clock.now_ns() - started) * 1e-9
-    folder = str(cache_folder) if cache_folder else ""
+    folder, size = "", 0
+    if cache_folder is not None:
+        folder, size = str(cache_folder), cache_bytes(cache_folder)
     if args.json:
-        output.write_object("warmup", {"seconds": seconds, "cache": folder})
+        output.write_object("warmup", {"seconds": seconds, "cache": folder, "bytes": size})
     else:
-        sys.stderr.write(f"kernels ready in {seconds:.1f} s, kept in {folder or 'memory only'}\n")
+        kept = f"{folder} ({size / _MEGABYTE:.0f} MB)" if folder else "memory only"
+        sys.stderr.write(f"kernels ready in {seconds:.1f} s, kept in {kept}\n")
     return 0
 
 

@@ -30,6 +30,7 @@ from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.renderer import Latch, Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
+from mimics_app.rendering.visual.surfaces.headless import WritePng, write_png
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.components.visible import Hud as HudComponent
@@ -267,9 +268,9 @@ class Picture:
         origin, direction = self.presenter.ray(self._camera, right, up)
         return _triple(origin), _triple(direction)
 
-    def save(self, file: Path) -> list[Path]:
+    def save(self, file: Path, write: WritePng = write_png) -> list[Path]:
         """Write the frame drawn last as PNG; the files, see `Presenter.save`."""
-        return self.presenter.save(file)
+        return self.presenter.save(file, write)
 
     def abandon(self) -> None:
         """Finish the film where the driver is gone: nothing else is left to be freed."""

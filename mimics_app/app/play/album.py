@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from mimics_app.app.picture.picture import Picture, picture_quality
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.contracts.trial_state import TaskView, TrialState
+from mimics_app.rendering.visual.surfaces.headless import write_png
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future, ThreadPoolExecutor
 
 __all__ = ["Album"]
 
@@ -29,6 +37,8 @@ class Album:
         self._files: list[Path] = []
         self._kept = 0
         self._first_trial: int | None = None
+        self._writer: ThreadPoolExecutor | None = None
+        self._writing: Future[None] | None = None
 
     def look(self, frames: Frames) -> None:
         """Draw this frame if it is one to keep."""
@@ -37,9 +47,12 @@ class Album:
             self._draw(frames, keep=due)
 
     def finish(self, frames: Frames) -> list[Path]:
-        """The pictures kept; one of the last frame where the run was too short for any."""
+        """The pictures kept, written; one of the last frame where the run was too short for any."""
         if not self._files and self._wanted > 0 and frames.number > 0:
             self._draw(frames, keep=True)
+        if self._writer is not None:
+            self._wait()
+            self._writer.shutdown()
         return self._files
 
     def _is_due(self, frames: Frames) -> bool:
@@ -65,7 +78,19 @@ class Album:
             self._folder.mkdir(parents=True, exist_ok=True)
             file = self._folder / f"frame_{frames.number:06d}.png"
             self._kept += 1
-            self._files += picture.save(file)
+            self._files += picture.save(file, self._write)
+
+    def _write(self, pixels: NDArray[np.uint8], file: Path) -> None:
+        """Have a picture compressed and written while frames go on; no more than one waits."""
+        from concurrent.futures import ThreadPoolExecutor
+
+        self._wait()
+        self._writer = self._writer or ThreadPoolExecutor(1, "pictures")
+        self._writing = self._writer.submit(write_png, pixels, file)
+
+    def _wait(self) -> None:
+        if self._writing is not None:
+            self._writing.result()
 
     def _open(self) -> Picture:
         from mimics_app.app.picture.shown_on import open_display

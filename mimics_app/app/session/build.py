@@ -47,7 +47,8 @@ def build_session(settings: RunSettings, *, live: bool, read: Scene | None = Non
         stack.callback(parts.plugin.close)
         parts.parameter_store.fit(device_values(parts.plugin, parts.scene))
         session = _assemble(parts, stack)
-        session.recorder.wait_until_ready()
+        if session.live:  # the virtual clock waits for room in the rings, and begins meanwhile
+            session.recorder.wait_until_ready()
         session.trackers.start()
         session.on_close = stack.pop_all()
     session.begin()

@@ -17,7 +17,7 @@ from mimics_app.rendering.visual.displays.desktop import DesktopDisplay
 from mimics_app.rendering.visual.presenting.beside import BesideWindows
 from mimics_app.rendering.visual.presenting.compose import ComposePass
 from mimics_app.rendering.visual.surfaces.eye_buffer import EyeBuffer
-from mimics_app.rendering.visual.surfaces.headless import read_pixels, save_png
+from mimics_app.rendering.visual.surfaces.headless import WritePng, read_pixels, write_png
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.world.camera import Camera
@@ -182,16 +182,20 @@ class Presenter:
         self._begun = False
         self.display.end_frame(None)
 
-    def save(self, file: Path) -> list[Path]:
+    def save(self, file: Path, write: WritePng = write_png) -> list[Path]:
         """Write what is shown as PNG, and each eye's picture beside it where there are several.
+
+        Args:
+            file: Of what is shown.
+            write: What writes pixels; they are read before this returns.
 
         Returns:
             The files: FILE.png, then FILE_left.png and so on; of walls one each and none of all together.
         """
-        eyes = [self._save_eye(eye, file) for eye in self._eyes if eye.name]
+        eyes = [self._save_eye(eye, file, write) for eye in self._eyes if eye.name]
         if self.display.kind in _WALLS:
             return eyes
-        save_png(self.surface, file)
+        write(read_pixels(self.surface), file)
         return [file, *eyes]
 
     @property
@@ -226,14 +230,12 @@ class Presenter:
     def _read(self) -> NDArray[np.uint8]:
         return read_pixels(self.drawn)
 
-    def _save_eye(self, eye: Eye, file: Path) -> Path:
-        from PIL import Image
-
+    def _save_eye(self, eye: Eye, file: Path, write: WritePng) -> Path:
         x, y, width, height = eye.rectangle
         pixels = read_pixels(self.surface if self.display.kind in _WALLS else self.drawn)
         top = pixels.shape[0] - y - height
         place = file.with_name(f"{file.stem}_{eye.name}{file.suffix}")
-        Image.fromarray(pixels[top : top + height, x : x + width, :3]).save(place, compress_level=6)
+        write(pixels[top : top + height, x : x + width], place)
         return place
 
 
