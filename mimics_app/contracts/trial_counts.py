@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 __all__ = [
+    "ABORTED",
     "COUNTED_PRACTICE",
     "COUNTED_TRIALS",
     "COUNTED_UNDER_WAY",
@@ -17,10 +18,14 @@ __all__ = [
     "SESSION_ENDED",
     "TrialCounts",
     "count_trials",
+    "counted_rows",
 ]
 
 FINISHED = "finished"
 """Outcome of an attempt that reached its goal."""
+
+ABORTED = "aborted"
+"""Outcome of an attempt that neither reached its goal nor ran out of time."""
 
 SESSION_ENDED = "session ended"
 """Cause of the row of an attempt that was under way when the session was closed."""
@@ -60,6 +65,16 @@ def count_trials(rows: Iterable[Mapping[str, object]]) -> TrialCounts:
     practice = [row for row in ended if row.get("practice")]
     counted = [row for row in ended if not row.get("practice")]
     return TrialCounts(_completed(counted), len(counted), _completed(practice), len(practice))
+
+
+def counted_rows(rows: Iterable[Mapping[str, object]]) -> tuple[str, list[Mapping[str, object]]]:
+    """What the totals of a session are over, and these rows; none ended: ("under way", []).
+
+    They are those of travels that came to their goal or their time; practice only where there is nothing else.
+    """
+    ended = [row for row in rows if row.get("outcome") != ABORTED]
+    trials = [row for row in ended if not row.get("practice")]
+    return COUNTED_TRIALS if trials else COUNTED_PRACTICE if ended else COUNTED_UNDER_WAY, trials or ended
 
 
 def _completed(rows: Iterable[Mapping[str, object]]) -> int:

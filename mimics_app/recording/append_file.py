@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import errno
 import os
+from contextlib import suppress
 from pathlib import Path
 
+from mimics_app.contracts.regular_file import open_regular
 from mimics_app.recording.run_folder import PRIVATE_FILE
 
-__all__ = ["AppendFile"]
+try:
+    import fcntl
+except ImportError:  # pragma: no cover - Windows: nothing there says who writes
+    fcntl = None  # type: ignore[assignment]
+
+__all__ = ["AppendFile", "is_claimed"]
 
 _sync = getattr(os, "fdatasync", os.fsync)  # macOS has no fdatasync
 
@@ -29,6 +36,12 @@ class AppendFile:
             os.ftruncate(self._descriptor, resume_at)
         os.lseek(self._descriptor, self.length, os.SEEK_SET)
         self._unsynced = False
+
+    def claim(self) -> None:
+        """Mark the file as being written until this process lets it go or dies; see `is_claimed`."""
+        if fcntl is not None:
+            with suppress(OSError):  # a disk without locks
+                fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
     def append(self, data: bytes | bytearray | memoryview) -> None:
         """Write all of it.
@@ -60,3 +73,14 @@ class AppendFile:
         """Bring everything onto the medium and let the file go."""
         self.sync()
         os.close(self._descriptor)
+
+
+def is_claimed(path: Path) -> bool:
+    """Whether a process that lives is writing the file, see `AppendFile.claim`; False where nobody can know."""
+    if fcntl is not None:
+        try:
+            with open_regular(path) as file:
+                fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except OSError as error:
+            return isinstance(error, BlockingIOError)
+    return False

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from mimics_app.recording.manifest import read_manifest
+from mimics_app.recording.manifest import Manifest, read_manifest
+from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.session_header import read_session
+from mimics_app.recording.session_totals import session_totals
+from mimics_app.recording.trial_table import read_trials
 
 __all__ = ["EarlierRun", "earlier_runs", "recent_runs"]
 
@@ -62,8 +66,8 @@ def _closed(parent: Path, besides: Path | None = None) -> Iterator[EarlierRun]:
     """Closed runs with trials that ended, newest first."""
     for folder in sorted((path for path in parent.glob("*_*") if path != besides), reverse=True)[:_MOST_FOLDERS]:
         manifest, _ = read_manifest(folder)
-        task = manifest.summary.get("task") if manifest is not None else None
-        if not isinstance(task, dict) or not task.get("trials"):
+        task = _totals(folder, manifest)
+        if not task.get("trials"):
             continue
         header, _ = read_session(folder)
         name, participant = _named(header)
@@ -80,6 +84,16 @@ def _closed(parent: Path, besides: Path | None = None) -> Iterator[EarlierRun]:
         )
 
 
+def _totals(folder: Path, manifest: Manifest | None) -> Mapping[str, Any]:
+    """What a closed run came to; {} of one that is open, or whose trials cannot be read."""
+    if manifest is None:
+        return {}
+    with suppress(OSError):
+        rows = [] if manifest.summary.get("task") else read_trials(folder / FILES["trials"])
+        return session_totals(manifest.summary, rows)
+    return {}
+
+
 def _named(header: dict[str, Any]) -> tuple[str, str]:
     """Scene and participant of a run; those of older recordings have no participant."""
     scene, settings = header.get("scene"), header.get("settings")
@@ -87,11 +101,11 @@ def _named(header: dict[str, Any]) -> tuple[str, str]:
     return str(name), str(settings.get("participant", "")) if isinstance(settings, dict) else ""
 
 
-def _count(task: dict[str, Any], key: str) -> int:
+def _count(task: Mapping[str, Any], key: str) -> int:
     value = task.get(key)
     return value if isinstance(value, int) else 0
 
 
-def _figure(task: dict[str, Any], key: str) -> float | None:
+def _figure(task: Mapping[str, Any], key: str) -> float | None:
     value = task.get(key)
     return float(value) if isinstance(value, int | float) else None

@@ -104,6 +104,7 @@ class _Session:
         self._hash = StateHash(extent)
         resume = restarts > 0
         self._samples = SampleStream(folder, self._hash, extent, resume=resume)
+        self._samples.claim()
         self._parameters = ParameterStream(folder, resume=resume)
         self._signals = SignalStream(folder, resume=resume)
         self._events = EventStream(folder, self._hash, resume=resume)

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.environment import clock_pair
+from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.regular_file import open_regular, read_regular
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
@@ -60,9 +61,11 @@ def recover(folder: Path) -> Recovery:
     the file under its name with `.damaged`. A run that was closed and needs no repair is left as it is.
 
     Raises:
-        SceneError: It is no run folder.
+        SceneError: It is no run folder, or its session is under way: the recorder would go on in files that are gone.
     """
     before = Run.open(folder)
+    if before.being_recorded:
+        raise SceneError(Issue(str(folder), "", "this run is being recorded", "end its session first"))
     repaired: list[str] = []
     unwritten: list[str] = []
     if before.needs_mending:

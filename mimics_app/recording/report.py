@@ -42,6 +42,7 @@ from mimics_app.recording.report_trips import MOST_DRAWN, Trip, trips_of
 from mimics_app.recording.report_values import NONE, mapping, number, one, scaled, shown, thousands
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import FILES, write_atomically
+from mimics_app.recording.session_totals import session_totals
 from mimics_app.recording.verdict import judge
 
 __all__ = ["Page", "Punctuality", "page_of", "punctuality", "write_report"]
@@ -208,7 +209,7 @@ def page_of(run: Run, sections: Sequence[ReportSection]) -> Page:
         line=_head_line(run),
         problems=list(judge(run).problems),
         cards={name: text for name, text in _cards(run, attempts, section).items() if text != NONE},
-        counted=str(task.get("counted", COUNTED_TRIALS)) if (task := mapping(run.summary.get("task"))) else "",
+        counted=str(task.get("counted", COUNTED_TRIALS)) if (task := session_totals(run.summary, run.trials)) else "",
         front=front_of(run),
         trials=trials_of(run),
         heading=section.heading if attempts else "Movement",
@@ -256,7 +257,7 @@ def _local_time(utc: object) -> str:
 
 
 def _cards(run: Run, attempts: list[Attempt], section: ReportSection) -> dict[str, str]:
-    task = mapping(run.summary.get("task"))
+    task = session_totals(run.summary, run.trials)
     felt = [_largest(attempt.samples[attempt.free]["f_user_world"]) for attempt in attempts]
     return {
         **_trial_cards(run),

@@ -19,6 +19,7 @@ from mimics_app.recording.report_tables import Table
 from mimics_app.recording.report_values import mapping, number
 from mimics_app.recording.result_words import mean_time, result_sentence, trial_lines
 from mimics_app.recording.run import Run
+from mimics_app.recording.session_totals import session_totals
 
 __all__ = ["Front", "front_of"]
 
@@ -47,14 +48,14 @@ class Front:
 
 def front_of(run: Run) -> Front:
     """Page one of a run."""
-    task = mapping(run.summary.get("task"))
+    task = session_totals(run.summary, run.trials)
     name = str(mapping(run.session.get("scene")).get("name", ""))
     participant = str(mapping(run.session.get("settings")).get("participant", ""))
     found = earlier_runs(run.folder.parent, name, participant, besides=run.folder)
     earlier = [each for each in found if each.folder.name < run.folder.name]
     head, lines = trial_lines(run.trials)
     return Front(
-        sentence=result_sentence(task, earlier) if run.summary else "",
+        sentence=result_sentence(task, earlier) if run.summary or task else "",
         picture=_picture(run.folder, name),
         trials=Table(head, lines) if lines else None,
         trend=_trend(task, earlier[1 - _MOST_SESSIONS :], participant),

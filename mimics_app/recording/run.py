@@ -17,6 +17,7 @@ from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.regular_file import open_regular
+from mimics_app.recording.append_file import is_claimed
 from mimics_app.recording.arrow_format import (
     Block,
     decode_parameters,
@@ -90,6 +91,11 @@ class Run:
     def status(self) -> str:
         """How the run ended, as its manifest says, or "open": it was never closed, or is still being recorded."""
         return self.manifest.status if self.manifest else "open"
+
+    @property
+    def being_recorded(self) -> bool:
+        """Whether its session is under way: nobody closed it, and its recorder lives."""
+        return self.manifest is None and is_claimed(self.folder / FILES["haptic"])
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -261,7 +267,8 @@ class Run:
         """Everything that is not as it should be, one sentence each; [] for a whole run."""
         if self.manifest is None:
             reason = self._manifest_problem
-            ended = [f"{FILES['manifest']} cannot be read: {reason}" if reason else "the run was never closed"]
+            open_end = "the run is being recorded" if self.being_recorded else "the run was never closed"
+            ended = [f"{FILES['manifest']} cannot be read: {reason}" if reason else open_end]
         else:
             ended = [] if self.manifest.status == "clean" else [ending(self.manifest.status)]
         return list(dict.fromkeys([*ended, *self.losses()]))

@@ -75,6 +75,10 @@ class SampleStream:
         index = [row for row in known.tolist() if row[1] < last.offset]
         return [*index, (last.block.seq, last.offset, last.length)], last.offset + last.length
 
+    def claim(self) -> None:
+        """Let everybody know that the run is being recorded, until this process ends."""
+        self._file.claim()
+
     def append(self, samples: NDArray[Any], first: int) -> None:
         """Write SAMPLE records [n], of which the first is number `first` since the session's start.
 

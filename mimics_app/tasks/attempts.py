@@ -7,14 +7,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from mimics_app.contracts.messages import TrialResult
-from mimics_app.contracts.trial_counts import (
-    COUNTED_PRACTICE,
-    COUNTED_TRIALS,
-    COUNTED_UNDER_WAY,
-    FINISHED,
-    SESSION_ENDED,
-    count_trials,
-)
+from mimics_app.contracts.trial_counts import ABORTED, FINISHED, SESSION_ENDED, count_trials, counted_rows
 from mimics_app.tasks.kinds.kind import KindPlay
 from mimics_app.tasks.observation import Observation
 from mimics_app.tasks.score import session_result, trial_points
@@ -22,7 +15,7 @@ from mimics_app.tasks.tally import Measures, Tally
 from mimics_app.tasks.task import ScoreSpec
 from mimics_app.tasks.trials import Trial
 
-__all__ = ["ABORTED", "TIMEOUT", "Attempts", "Row"]
+__all__ = ["TIMEOUT", "Attempts", "Row"]
 
 Row = dict[str, Any]
 """One attempt: trial, attempt, block, label, repetition, practice, outcome, cause, begin_ns, end_ns, the fields of
@@ -30,7 +23,7 @@ Row = dict[str, Any]
 end. The same keys in every row; a measure is None where it does not apply or cannot be judged, the score where the
 attempt was aborted or the task has none."""
 
-TIMEOUT, ABORTED = "timeout", "aborted"
+TIMEOUT = "timeout"
 
 
 class Attempts:
@@ -173,13 +166,11 @@ class Attempts:
         none has ended yet, the one under way, or cut off by the session's end, is measured as it stands. `counted`
         says which of these it was.
         """
-        ended = [row for row in self.rows if row["outcome"] != ABORTED]
         cut_off = [row for row in self.rows if row["cause"] == SESSION_ENDED and row["time_s"] > 0.0]
         if self._open and self.tally is not None:
             cut_off.append(self._row(ABORTED, SESSION_ENDED, {}, now_ns))
-        trials = [row for row in ended if not row["practice"]]
-        which = COUNTED_TRIALS if trials else COUNTED_PRACTICE if ended else COUNTED_UNDER_WAY
-        totals: dict[str, Any] = session_result(trials or ended or cut_off)
+        which, ended = counted_rows(self.rows)
+        totals: dict[str, Any] = session_result(ended or cut_off)
         if totals:
             totals["counted"] = which
         counts = count_trials(self.rows)

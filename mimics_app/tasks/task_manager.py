@@ -23,12 +23,12 @@ from mimics_app.contracts.messages import (
     VRInput,
 )
 from mimics_app.contracts.scenario_port import Home, TaskContext
-from mimics_app.contracts.trial_counts import FINISHED, SESSION_ENDED
+from mimics_app.contracts.trial_counts import ABORTED, FINISHED, SESSION_ENDED
 from mimics_app.contracts.trial_state import TaskView, TrialState
 from mimics_app.tasks.actions import ActionSpace, Settings, build_action_space, settings_for
 from mimics_app.tasks.adaptation import Adaptation
 from mimics_app.tasks.arrival import Arrival
-from mimics_app.tasks.attempts import ABORTED, TIMEOUT, Attempts, Row
+from mimics_app.tasks.attempts import TIMEOUT, Attempts, Row
 from mimics_app.tasks.cards import count_card, force_card, progress_card, state_card, time_card, trial_card
 from mimics_app.tasks.control import RobotControl
 from mimics_app.tasks.countdown import Countdown

@@ -15,6 +15,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from mimics_app.contracts.errors import SceneError
 from mimics_app.recording.recover import recover
 from mimics_app.recording.run import Run
 from tests.support.recorder_app import CLOSED, PID, TICK, TRIALS, fake_samples, main
@@ -104,6 +105,22 @@ def _start_apps(tmp_path: Path, count: int) -> list[App]:
 @pytest.mark.parametrize("moments", [_moments(10)[:5], _moments(10)[5:]], ids=["first five", "last five"])
 def test_app_killed_loses_at_most_100_ms_and_no_finished_trial(tmp_path: Path, moments: list[float]) -> None:
     _kill_apps(tmp_path, moments)
+
+
+def test_a_session_under_way_is_not_repaired_before_its_end(tmp_path: Path) -> None:
+    """Repairing takes the files from under the recorder: what it wrote after that would be lost."""
+    (app,) = _start_apps(tmp_path, 1)
+    try:
+        app.wait_until(lambda: app.words[TICK] > 300)
+        assert Run.open(app.folder).problems()[0] == "the run is being recorded"
+        with pytest.raises(SceneError, match="this run is being recorded"):
+            recover(app.folder)
+        os.kill(app.process.pid, signal.SIGKILL)
+        app.wait_for_end_of(int(app.words[PID]))
+        assert recover(app.folder).verdict.status == "interrupted"
+        _assert_rows_are_those_pushed(Run.open(app.folder))
+    finally:
+        app.end()
 
 
 @pytest.mark.slow

@@ -15,7 +15,11 @@ from mimics_app.app.play.journey import Opening, play_through, run_words
 from mimics_app.app.play.journey_log import JourneyLog, read_journey
 from mimics_app.app.play.outcome import result_content
 from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.errors import UsageError
 from mimics_app.recording.history import EarlierRun, earlier_runs
+from mimics_app.recording.report_front import front_of
+from mimics_app.recording.run import Run
+from mimics_app.recording.trial_table import table_text
 
 ROWS = [
     {"trial": 0, "practice": True, "outcome": "timeout", "cause": "", "time_s": 9.0, "contacts": 3, "score": 10.0},
@@ -98,12 +102,36 @@ def test_history_is_of_the_same_scene_and_participant_oldest_first(tmp_path: Pat
     assert earlier_runs(tmp_path / "nowhere", "tunnel", "P1") == []
 
 
+def test_a_session_that_could_not_say_its_end_counts_with_the_trials_it_left(tmp_path: Path) -> None:
+    folder = write_run(tmp_path, "20260101T000000Z_a", "tunnel", "P1", {})
+    manifest = json.loads((folder / "manifest.json").read_text())
+    (folder / "manifest.json").write_text(json.dumps({**manifest, "status": "recovered", "summary": {}}))
+    rows = [*ROWS, {"trial": 3, "practice": False, "outcome": "aborted", "cause": "session ended", "time_s": 1.0}]
+    (folder / "trials.csv").write_bytes(table_text(rows))
+    (found,) = earlier_runs(tmp_path, "tunnel", "P1")
+    assert (found.completed, found.trials, found.score, found.time_s) == (1, 2, 90.0, 4.0)
+    front = front_of(Run.open(folder))
+    assert front.sentence == "1 of 2 trials finished."
+
+
+@pytest.mark.parametrize(("typed", "code"), [(" P07 ", "P07"), ("Mu\u0308ller", "M\u00fcller"), ("../x", "../x")])
+def test_a_code_has_one_form(typed: str, code: str) -> None:
+    assert cli.parse(["run", f"--participant={typed}"]).participant == code
+
+
+@pytest.mark.parametrize("typed", ["a\nb", "a" * 300, "\udcff"])
+def test_what_is_no_code_is_refused(typed: str) -> None:
+    with pytest.raises(UsageError, match="a participant code has at most"):
+        cli.parse(["run", f"--participant={typed}"])
+
+
 def test_the_words_of_a_run_ask_for_the_same_run() -> None:
     changed = RunSettings(
         Path("scenes/a.json"), headless=True, seconds=2.5, seed=7, profile="study", quality="full", device="pointer",
         patient="severe", sound="off", size=(640, 360), pictures=2, runs=Path("elsewhere"), participant="P 07",
     )  # fmt: skip
-    for settings in (changed, RunSettings(Path("scenes/a.json"))):
+    hyphen = RunSettings(Path("scenes/a.json"), participant="--json")
+    for settings in (changed, hyphen, RunSettings(Path("scenes/a.json"))):
         read = vars(cli.parse(["run", *run_words(settings)]))
         assert RunSettings(**{field.name: read[field.name] for field in fields(RunSettings)}) == settings
 

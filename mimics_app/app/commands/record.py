@@ -83,6 +83,8 @@ def _verdict_lines(opened: Run, verdict: Verdict, repaired: list[str] | None) ->
 
 
 def _verdict(opened: Run, verdict: Verdict) -> str:
+    if opened.being_recorded:
+        return "its session is under way"
     if opened.manifest is None:
         return f"nothing seals it; mimics record recover {opened.folder} seals what is good"
     if verdict.fresh:

@@ -9,6 +9,7 @@ from pathlib import Path
 from mimics_app.app.settings import DIFFICULTIES, PROFILES, QUALITIES, RECIPES, SOUNDS, RunSettings
 from mimics_app.app.terminal.arguments import (
     add_display_argument,
+    participant_code,
     picture_size,
     positive_time,
     random_seed,
@@ -144,6 +145,7 @@ def _add_session(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--participant",
+        type=participant_code,
         default="",
         metavar="CODE",
         help="code of the person, never a name; results are compared under it",

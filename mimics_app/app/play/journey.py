@@ -60,9 +60,9 @@ def run_words(settings: RunSettings) -> list[str]:
         value = getattr(settings, each.name)
         if each.name in ("scene", "journey") or value == getattr(defaults, each.name):
             continue
-        words.append(f"--{each.name.replace('_', '-')}")
-        if value is not True:
-            words.append("x".join(map(str, value)) if isinstance(value, tuple) else str(value))
+        word = f"--{each.name.replace('_', '-')}"
+        text = "x".join(map(str, value)) if isinstance(value, tuple) else str(value)
+        words.append(word if value is True else f"{word}={text}")  # a code may begin with a hyphen
     return words
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from argparse import ArgumentParser, ArgumentTypeError
 from collections.abc import Callable
 
@@ -11,6 +12,7 @@ from mimics_app.contracts.errors import UsageError
 __all__ = [
     "add_display_argument",
     "frame_count",
+    "participant_code",
     "picture_size",
     "positive_time",
     "random_seed",
@@ -20,6 +22,8 @@ __all__ = [
 
 _MOST_DIGITS = 20
 """More are no number that anything here could use, and take long to read."""
+
+_LONGEST_CODE = 60
 
 
 def whole_number(what: str, allowed: range) -> Callable[[str], int]:
@@ -37,6 +41,14 @@ def whole_number(what: str, allowed: range) -> Callable[[str], int]:
         return int(text)
 
     return read
+
+
+def participant_code(text: str) -> str:
+    """A person's code in one form, however it was typed: without blanks about it, letters with accents composed."""
+    code = unicodedata.normalize("NFC", text).strip()
+    if not code.isprintable() or len(code) > _LONGEST_CODE:
+        raise ArgumentTypeError(f"a participant code has at most {_LONGEST_CODE} letters, on one line")
+    return code
 
 
 def real_number(what: str, fits: Callable[[float], bool]) -> Callable[[str], float]:

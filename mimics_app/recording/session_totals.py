@@ -1,0 +1,35 @@
+"""What a session came to in numbers: as the application said at its end, else from the trials on the disk."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from mimics_app.contracts.trial_counts import count_trials, counted_rows
+from mimics_app.recording.report_values import mapping, number
+
+__all__ = ["session_totals"]
+
+_MEANS = ("score", "time_s")
+"""Measures that are compared from session to session: each is the mean of its column of trials.csv."""
+
+
+def session_totals(summary: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:
+    """Totals under the keys of `mimics run --json`.
+
+    Args:
+        summary: Of the manifest. Without a `task`, because the application died before it could say so, the trials
+            that had ended are counted, with their mean score and time.
+        rows: Of trials.csv.
+    """
+    if said := mapping(summary.get("task")):
+        return said
+    which, counted = counted_rows(rows)
+    if not counted:
+        return {}
+    totals: dict[str, Any] = count_trials(rows).as_dict()
+    for name in _MEANS:
+        values = [value for row in counted if (value := number(row.get(name))) is not None]
+        if values:
+            totals[name] = sum(values) / len(values)
+    return {**totals, "counted": which}
