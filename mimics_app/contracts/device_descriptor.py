@@ -21,8 +21,8 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numba import types
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import MAX_GEOMETRY
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_fields import MAX_CONTACTS, MAX_JOINTS, Extent
@@ -48,7 +48,6 @@ __all__ = [
     "not_given",
 ]
 
-Vec = NDArray[np.float64]
 
 CONTACTS = ("hand", "fingers", "left foot", "right foot", "tool")
 """What a point of contact may be."""

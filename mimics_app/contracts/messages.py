@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.board import Board
 from mimics_app.contracts.loop_fields import HapticSnapshot
 from mimics_app.contracts.trial_state import TaskView
@@ -30,8 +31,6 @@ __all__ = [
     "UserState",
     "VRInput",
 ]
-
-Vec3 = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)

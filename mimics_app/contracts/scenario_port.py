@@ -9,12 +9,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.haptic import Controller
 from mimics_app.contracts.messages import Aim, HapticSnapshot, TaskOrders
 
 __all__ = ["BodyPose", "Home", "Scenario", "TaskContext"]
 
-Vec3 = tuple[float, float, float]
 
 BodyPose = Callable[[str, int], NDArray[np.float64] | None]
 """(role, session time [ns]) -> room_from_part, float64 [4, 4]; None where no tracker knows that part of the body."""

@@ -13,7 +13,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
 
 __all__ = ["DEPTH", "GROUP", "RATES", "SPEED", "STIFFNESS", "tap_leak"]
 
-Vec = NDArray[np.float64]
 
 GROUP = "haptic rate"
 

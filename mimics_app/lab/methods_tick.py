@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.haptic import INBOX, SAMPLE, Projection
 from mimics_app.contracts.kernel import kernel
@@ -29,7 +30,6 @@ from mimics_app.world.components.robot import Patient, Robot
 
 __all__ = ["GROUP", "NO_TUNNEL", "REFERENCE_CALLS", "reference_us", "tick_us"]
 
-Array = NDArray[np.float64]
 
 GROUP = "haptic tick"
 NO_TUNNEL = "no tunnel"
@@ -43,7 +43,7 @@ _REACH = 0.15
 
 
 @kernel
-def _turn_often(R: Array, p: Array, calls: int) -> None:
+def _turn_often(R: F8, p: F8, calls: int) -> None:
     for _ in range(calls):
         x = R[0, 0] * p[0] + R[0, 1] * p[1] + R[0, 2] * p[2]
         y = R[1, 0] * p[0] + R[1, 1] * p[1] + R[1, 2] * p[2]
@@ -130,7 +130,7 @@ def _inputs() -> NDArray[Any]:
     return _Bench(Projection.NEWTON_WARM).advance(_TICKS).copy()
 
 
-def _forces(projection: Projection | None) -> Array:
+def _forces(projection: Projection | None) -> F8:
     """Virtual force on the user in that travel [N], shape [ticks, 3]."""
     block, rows = _block(projection)
     return replay_ticks(_inputs(), {1: block}, {1: rows})["f_virt_world"].copy()

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+
+from mimics_app.contracts.arrays import F8
 
 __all__ = [
     "interpolate_pose",
@@ -16,7 +17,6 @@ __all__ = [
     "rotation_vector",
 ]
 
-F8 = NDArray[np.float64]
 
 _SMALL = 1e-8
 """Angles [rad] below which sin x / x is 1 in a double."""

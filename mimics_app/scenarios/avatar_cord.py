@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import FRAME_NS
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
@@ -28,7 +28,6 @@ from mimics_app.world.world import World
 
 __all__ = ["AvatarCord"]
 
-F8 = NDArray[np.float64]
 _NS = 1_000_000_000
 
 _PARTS = ("head", "hand_left", "hand_right")

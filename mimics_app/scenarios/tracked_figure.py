@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import SceneError
 from mimics_app.maths.poses import quaternion_of
 from mimics_app.scenarios.planted_feet import PlantedFeet
@@ -19,7 +19,6 @@ from mimics_app.world.world import World
 
 __all__ = ["TrackedFigure"]
 
-F8 = NDArray[np.float64]
 Parts = Mapping[str, F8 | None]
 
 _LEAST_STANDING, _MOST_STANDING = 1.2, 2.1

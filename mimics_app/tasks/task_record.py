@@ -7,8 +7,9 @@ from typing import Any
 
 import msgspec
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.haptic import Controller
-from mimics_app.contracts.scenario_port import Home, TaskContext, Vec3
+from mimics_app.contracts.scenario_port import Home, TaskContext
 from mimics_app.tasks.task import TaskSpec
 
 __all__ = ["task_of_record", "task_record"]

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.builders.kit.chance import Chance, hash_noise, smooth_noise
 from mimics_app.builders.kit.picture import Canvas, Ramp
+from mimics_app.contracts.arrays import I8
 
 __all__ = [
     "LANE_HALF",
@@ -44,11 +44,10 @@ TILE: dict[str, tuple[float, float]] = {
 LANE_HALF = 5.7
 """Half the carriageway with its parking lanes, kerb to kerb [m]."""
 
-Grid = NDArray[np.int64]
 _SIDE = 256
 
 
-def _pixels(width: int = _SIDE, height: int = _SIDE) -> tuple[Grid, Grid]:
+def _pixels(width: int = _SIDE, height: int = _SIDE) -> tuple[I8, I8]:
     x, y = np.meshgrid(np.arange(width), np.arange(height))
     return x.astype(np.int64), y.astype(np.int64)
 

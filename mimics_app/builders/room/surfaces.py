@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.builders.kit.chance import hash_noise, smooth_noise
 from mimics_app.builders.kit.picture import Canvas, Ramp
+from mimics_app.contracts.arrays import F8, I8
 
 __all__ = [
     "paint_boards",
@@ -17,13 +17,11 @@ __all__ = [
     "paint_rubber",
 ]
 
-F8 = NDArray[np.float64]
-Grid = NDArray[np.int64]
 
 _SIDE = 256
 
 
-def _pixels(width: int = _SIDE, height: int = _SIDE) -> tuple[Grid, Grid]:
+def _pixels(width: int = _SIDE, height: int = _SIDE) -> tuple[I8, I8]:
     x, y = np.meshgrid(np.arange(width), np.arange(height))
     return x.astype(np.int64), y.astype(np.int64)
 

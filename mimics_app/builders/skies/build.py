@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from mimics_app.contracts.arrays import F8
+
 __all__ = ["compose"]
 
-F8 = NDArray[np.float64]
 
 _FACE, _DOME, _PLANE = 256, 640, 256
 """Sides of a face of the box, height of the dome, and side of the clouds [px]."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 import io
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
+
+from mimics_app.contracts.arrays import F8
 
 __all__ = ["compose"]
 
-F8 = NDArray[np.float64]
 
 _FINE = 3
 """What has hard edges is drawn this much larger, and made smaller by `smaller`."""

@@ -15,8 +15,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, Settings, registry
 from mimics_app.contracts.probe import shortest_us
@@ -40,7 +40,6 @@ __all__ = [
     "restitution_spring_damper",
 ]
 
-Array = NDArray[np.float64]
 
 LAW_GROUP = "contact law"
 BOX_GROUP = "box face"
@@ -155,7 +154,7 @@ def restitution_error(law: str, dt: float = _DT) -> float:
 
 
 @kernel
-def _press(number: int, ticks: int, depth: Array, rate: Array, total: Array) -> None:
+def _press(number: int, ticks: int, depth: F8, rate: F8, total: F8) -> None:
     """One tick after the other of some contacts, their depths moving so that nothing can be taken out of the loop."""
     for _ in range(ticks):
         for i in range(depth.shape[0]):
@@ -190,7 +189,7 @@ _INWARD = np.array([0.0, 0.0, -0.008])
 
 
 @kernel
-def _touch(number: int, p: Array, v: Array, dimensions: Array, contact: ContactRecord) -> None:
+def _touch(number: int, p: F8, v: F8, dimensions: F8, contact: ContactRecord) -> None:
     if number == 0:
         cube(p, v, dimensions, contact)
     elif number == 1:
@@ -200,9 +199,7 @@ def _touch(number: int, p: Array, v: Array, dimensions: Array, contact: ContactR
 
 
 @kernel
-def _slide(
-    number: int, path: Array, v: Array, dimensions: Array, contacts: Table[ContactRecord], forces: Array
-) -> None:
+def _slide(number: int, path: F8, v: F8, dimensions: F8, contacts: Table[ContactRecord], forces: F8) -> None:
     contact = contacts[0]
     for tick in range(path.shape[0]):
         _touch(number, path[tick], v, dimensions, contact)
@@ -210,7 +207,7 @@ def _slide(
             forces[tick, i] = _STIFFNESS * contact.depth * contact.normal[i]
 
 
-def _corner_path() -> Array:
+def _corner_path() -> F8:
     """In by the top to 3 mm in 1 s, then along x to 0.5 mm from the side: 8 and 4 um a tick."""
     down = np.linspace(0.025, 0.017, 1001)
     along = np.linspace(0.015, 0.0195, 1126)

@@ -10,8 +10,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, Words
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group
 from mimics_app.contracts.probe import shortest_us
@@ -22,8 +22,6 @@ from mimics_app.rendering.haptic.kernels.objects.cull import find_near, find_nea
 
 __all__ = ["GROUP", "misses", "spread_bounds"]
 
-Array = NDArray[np.float64]
-Words = NDArray[np.int64]
 
 GROUP = "shape cull"
 
@@ -34,7 +32,7 @@ _CELL = 0.06
 
 
 @kernel
-def _in_cell(starts: Words, members: Words, bounds: Array, side: int, x: float, y: float, near: Words) -> int:
+def _in_cell(starts: Words, members: Words, bounds: F8, side: int, x: float, y: float, near: Words) -> int:
     """Shapes found through a grid of cells that was filled beforehand; a point outside it is near nothing."""
     column, row = math.floor(x / _CELL + 0.5), math.floor(y / _CELL + 0.5)
     if column < 0 or row < 0 or column >= side or row >= side:
@@ -52,7 +50,7 @@ def _in_cell(starts: Words, members: Words, bounds: Array, side: int, x: float, 
 
 @kernel
 def _cull_often(
-    number: int, bounds: Array, points: Array, starts: Words, members: Words, side: int, near: Words, totals: Words
+    number: int, bounds: F8, points: F8, starts: Words, members: Words, side: int, near: Words, totals: Words
 ) -> None:
     shapes = bounds.shape[1]
     for k in range(points.shape[0]):
@@ -64,7 +62,7 @@ def _cull_often(
             totals[k] = _in_cell(starts, members, bounds, side, points[k, 0], points[k, 1], near)
 
 
-def spread_bounds(count: int) -> tuple[Array, int]:
+def spread_bounds(count: int) -> tuple[F8, int]:
     """(bounds [4, count] of spheres of RADIUS in the plane on a square grid of 6 cm, cells along its side)."""
     side = max(1, math.ceil(math.sqrt(count)))
     places = np.arange(count)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import shortest_us
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
 
 __all__ = ["GROUP", "LAWS", "Hold", "hold"]
 
-Array = NDArray[np.float64]
 
 GROUP = "friction"
 
@@ -108,7 +108,7 @@ class Hold:
 
 
 @kernel
-def _friction(number: int, x: Array, v: Array, load: Array, state: FrictionRecord, out: Array) -> None:
+def _friction(number: int, x: F8, v: F8, load: F8, state: FrictionRecord, out: F8) -> None:
     if number == 0:
         regularised_printed(v, _NORMAL, _MU, _THRESHOLD, out)
     elif number == 1:
@@ -129,7 +129,7 @@ def _load_at(tick: int) -> float:
 
 
 @kernel
-def _hold(number: int, ticks: int, states: Table[FrictionRecord], vectors: Array, path: Array) -> float:
+def _hold(number: int, ticks: int, states: Table[FrictionRecord], vectors: F8, path: F8) -> float:
     """Place [m] at every tick into path; returns the greatest friction force [N]."""
     x, v, load, force = vectors[0], vectors[1], vectors[2], vectors[3]
     state = states[0]
@@ -146,7 +146,7 @@ def _hold(number: int, ticks: int, states: Table[FrictionRecord], vectors: Array
     return greatest
 
 
-def _fresh() -> tuple[NDArray[Any], Array]:
+def _fresh() -> tuple[NDArray[Any], F8]:
     """(state, rows of position, velocity, load and force along one axis) of the probe body."""
     vectors = np.zeros((4, 1))
     vectors[1, 0] = _SPEED
@@ -169,7 +169,7 @@ def _error(law: str) -> float:
 
 
 @kernel
-def _slide(number: int, ticks: int, states: Table[FrictionRecord], x: Array, v: Array, load: Array, out: Array) -> None:
+def _slide(number: int, ticks: int, states: Table[FrictionRecord], x: F8, v: F8, load: F8, out: F8) -> None:
     for i in range(x.shape[0]):
         x_i, v_i, load_i, state_i, out_i = x[i], v[i], load[i], states[i], out[i]
         for _ in range(ticks):

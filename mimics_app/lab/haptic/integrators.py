@@ -11,8 +11,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import shortest_us
@@ -28,7 +28,6 @@ from mimics_app.rendering.haptic.kernels.integrators import (
 
 __all__ = ["GROUP", "RATES_KHZ", "STEPS", "contact_error", "follow_contact"]
 
-Array = NDArray[np.float64]
 
 GROUP = "integrator"
 RATES_KHZ = (1, 4, 16)
@@ -96,7 +95,7 @@ def _step(number: int, x: float, v: float, dt: float) -> tuple[float, float]:
 
 
 @kernel
-def _walk(number: int, ticks: int, steps: int, x: Array, v: Array) -> None:
+def _walk(number: int, ticks: int, steps: int, x: F8, v: F8) -> None:
     """Advance every body by some ticks of `steps` steps each."""
     dt = _TICK / steps
     for _ in range(ticks):
@@ -105,7 +104,7 @@ def _walk(number: int, ticks: int, steps: int, x: Array, v: Array) -> None:
                 x[i], v[i] = _step(number, x[i], v[i], dt)
 
 
-def follow_contact(name: str, steps: int, ticks: int = _TICKS) -> Array:
+def follow_contact(name: str, steps: int, ticks: int = _TICKS) -> F8:
     """Depth [m] at every tick of the probe contact by one integrator, `steps` steps a tick; shape [ticks]."""
     x, v = np.zeros(1), np.full(1, _SPEED)
     depth = np.empty(ticks)
@@ -116,7 +115,7 @@ def follow_contact(name: str, steps: int, ticks: int = _TICKS) -> Array:
 
 
 @cache
-def _reference_depth() -> Array:
+def _reference_depth() -> F8:
     return follow_contact("exact", _REFERENCE_STEPS)
 
 

@@ -10,8 +10,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group
 from mimics_app.contracts.probe import shortest_us
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 
 __all__ = ["GROUP", "false_slide"]
 
-Array = NDArray[np.float64]
 
 GROUP = "mesh finger"
 
@@ -43,9 +42,7 @@ _TYPICAL = 1000
 
 
 @kernel
-def _hold_nearest(
-    meshes: MeshTable, mesh: MeshRecord, p: Array, brute: bool, out: Array, n: Array, force: Array
-) -> None:
+def _hold_nearest(meshes: MeshTable, mesh: MeshRecord, p: F8, brute: bool, out: F8, n: F8, force: F8) -> None:
     """Push out of the closest triangle of every tick, found through the tree or among all."""
     if brute:
         t, best = -1, np.inf
@@ -69,11 +66,11 @@ def _hold_nearest(
 def _slide_finger(
     number: int,
     meshes: MeshTable,
-    path: Array,
+    path: F8,
     scratches: Table[ContactScratchRecord],
     memories: Table[MemoryRecord],
-    vectors: Array,
-    forces: Array,
+    vectors: F8,
+    forces: F8,
 ) -> None:
     scratch, contact = scratches[0], memories[0].contact
     out, n = vectors[0], vectors[1]
@@ -88,7 +85,7 @@ def _slide_finger(
             forces[tick, i] = STIFFNESS * contact.depth * contact.normal[i]
 
 
-def _slide(number: int, meshes: MeshTable, path: Array) -> tuple[Array, Callable[[], None]]:
+def _slide(number: int, meshes: MeshTable, path: F8) -> tuple[F8, Callable[[], None]]:
     forces, vectors = np.zeros_like(path), np.zeros((2, 3))
     scratches, memories = np.zeros(1, CONTACT_SCRATCH), np.zeros(1, MEMORY)
     return forces, lambda: _slide_finger(number, meshes, path, scratches, memories, vectors, forces)

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import shortest_us
@@ -29,7 +29,6 @@ from mimics_app.rendering.haptic.kernels.rotation import (
 
 __all__ = ["GROUP", "MOMENTS", "RATE", "UPDATES", "Drift", "angle_between", "drift_of", "follow_top"]
 
-Array = NDArray[np.float64]
 
 GROUP = "rotation update"
 MOMENTS = (0.01, 0.02, 0.03)
@@ -86,7 +85,7 @@ class Drift:
 
 
 @kernel
-def _update(number: int, q: Array, momentum: Array, inverse_inertia: Array, dt: float) -> None:
+def _update(number: int, q: F8, momentum: F8, inverse_inertia: F8, dt: float) -> None:
     if number == 0:
         rotate_printed(q, momentum, inverse_inertia, dt)
     elif number == 1:
@@ -100,20 +99,20 @@ def _update(number: int, q: Array, momentum: Array, inverse_inertia: Array, dt: 
 
 
 @kernel
-def _walk(number: int, steps: int, q: Array, momentum: Array, inverse_inertia: Array, dt: float) -> None:
+def _walk(number: int, steps: int, q: F8, momentum: F8, inverse_inertia: F8, dt: float) -> None:
     for i in range(q.shape[0]):
         q_i = q[i]
         for _ in range(steps):
             _update(number, q_i, momentum, inverse_inertia, dt)
 
 
-def _top() -> tuple[Array, Array, Array]:
+def _top() -> tuple[F8, F8, F8]:
     """(orientation [1, 4], angular momentum [3], inverse inertia [3]) of the probe top."""
     moments = np.array(MOMENTS)
     return np.array([[0.0, 0.0, 0.0, 1.0]]), moments * np.array(RATE), 1.0 / moments
 
 
-def follow_top(name: str, dt: float = _DT) -> Array:
+def follow_top(name: str, dt: float = _DT) -> F8:
     """Orientation of the probe top every 0.1 s for 10 s by one update; shape [100, 4], xyzw."""
     q, momentum, inverse = _top()
     steps = round(_SECONDS / _SAMPLES / dt)
@@ -125,11 +124,11 @@ def follow_top(name: str, dt: float = _DT) -> Array:
 
 
 @cache
-def _reference_path() -> Array:
+def _reference_path() -> F8:
     return follow_top("rk4", _REFERENCE_DT)
 
 
-def angle_between(a: Array, b: Array) -> Array:
+def angle_between(a: F8, b: F8) -> F8:
     """Angle [rad] of the turn between unit quaternions, shape [n, 4] each; q and -q are one orientation."""
     nearer = np.where(np.sum(a * b, axis=-1, keepdims=True) < 0.0, -b, b)
     chord = np.linalg.norm(a - nearer, axis=-1)
@@ -149,7 +148,7 @@ def drift_of(name: str, dt: float = _DT) -> Drift:
     )
 
 
-def _momentum_error(name: str, q: Array, momentum: Array, inverse: Array) -> float:
+def _momentum_error(name: str, q: F8, momentum: F8, inverse: F8) -> float:
     omega, again = np.zeros(3), np.zeros(3)
     if name == "printed":
         omega[:] = inverse * momentum

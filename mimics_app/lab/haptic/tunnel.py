@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import MAX_PIECES, TUNNEL
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.methods import Group, Method, registry
@@ -32,8 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = ["FRAME_GROUP", "PROJECTION_GROUP", "closest_by_roots", "helix", "twist_between"]
 
-Array = NDArray[np.float64]
-Helix = tuple[Array, Array, Array, Array, Array]
+Helix = tuple[F8, F8, F8, F8, F8]
 
 PROJECTION_GROUP = "tunnel projection"
 FRAME_GROUP = "tunnel frame"
@@ -48,7 +48,7 @@ _HELIX_POINTS = 385  # two turns of a tunnel of 24 pieces, 16 steps each
 _UP = np.array([0.0, 1.0, 0.0])
 
 
-def closest_by_roots(pieces: Array, p: Array) -> tuple[float, float]:
+def closest_by_roots(pieces: F8, p: F8) -> tuple[float, float]:
     """(s, distance [m]) of the closest point by the real roots of the slope of every piece: the slow reference.
 
     Args:
@@ -71,7 +71,7 @@ def closest_by_roots(pieces: Array, p: Array) -> tuple[float, float]:
 
 
 @cache
-def _probe_tunnel(pieces: int = _PIECES) -> tuple[TunnelCurve, NDArray[Any], Array]:
+def _probe_tunnel(pieces: int = _PIECES) -> tuple[TunnelCurve, NDArray[Any], F8]:
     """A wavy tunnel, its record (shape [1]), and a ball's path in it at 0.3 m/s, shape [4000, 3]."""
     i = np.arange(pieces + 3)
     points = np.column_stack([0.03 * i - 0.27, 0.05 * np.sin(0.9 * i), 0.02 * np.cos(0.7 * i)])
@@ -88,7 +88,7 @@ def _probe_tunnel(pieces: int = _PIECES) -> tuple[TunnelCurve, NDArray[Any], Arr
 
 
 @kernel
-def _walk(number: int, tunnels: Table[TunnelRecord], path: Array, states: Table[TunnelStateRecord], out: Array) -> None:
+def _walk(number: int, tunnels: Table[TunnelRecord], path: F8, states: Table[TunnelStateRecord], out: F8) -> None:
     """The parameter found at every point of a path, by the rival of a number."""
     for i in range(path.shape[0]):
         x, y, z = path[i, 0], path[i, 1], path[i, 2]
@@ -110,7 +110,7 @@ def _projection_us(number: int, pieces: int) -> float:
 
 
 @cache
-def _reference_parameters() -> Array:
+def _reference_parameters() -> F8:
     curve, _, path = _probe_tunnel()
     return np.array([closest_by_roots(curve.pieces, p)[0] for p in path[::_EVERY]])
 
@@ -148,34 +148,34 @@ def helix(count: int, radius: float = 0.1, pitch: float = 0.08, turns: float = 2
     return points, first, second, tangents, normals
 
 
-def twist_between(tangents: Array, normals: Array, reference: Array) -> Array:
+def twist_between(tangents: F8, normals: F8, reference: F8) -> F8:
     """Angle [rad] in -pi..pi by which normals are turned about the tangents against the reference, shape [m]."""
     along = np.sum(normals * reference, axis=1)
     across = np.sum(np.cross(reference, normals) * tangents, axis=1)
     return np.arctan2(across, along)
 
 
-def _double_reflection(curve: Helix) -> Array:
+def _double_reflection(curve: Helix) -> F8:
     points, _, _, tangents, normals = curve
     return frames.rotation_minimising_normals(points, tangents, normals[0])
 
 
-def _frenet(curve: Helix) -> Array:
+def _frenet(curve: Helix) -> F8:
     return frames.frenet_normals(curve[1], curve[2])
 
 
-def _projected_up(curve: Helix) -> Array:
+def _projected_up(curve: Helix) -> F8:
     return frames.projected_up_normals(curve[3], _UP)
 
 
-def _frame_error(normals_of: Callable[[Helix], Array]) -> float:
+def _frame_error(normals_of: Callable[[Helix], F8]) -> float:
     """Greatest turn about the tangent against the closed form, both starting alike [rad]."""
     curve = helix(_HELIX_POINTS)
     twist = np.unwrap(twist_between(curve[3], normals_of(curve), curve[4]))
     return float(np.max(np.abs(twist - twist[0])))
 
 
-def _frame_us(normals_of: Callable[[Helix], Array]) -> float:
+def _frame_us(normals_of: Callable[[Helix], F8]) -> float:
     curve = helix(_HELIX_POINTS)
     return shortest_us(lambda: normals_of(curve), _HELIX_POINTS)
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.estimation.fusion import FusionEstimation
@@ -22,7 +22,6 @@ from mimics_app.inputs.physio.simulated.signals import SignalGenerator
 
 __all__ = ["draw_load_people", "write_shipped_people"]
 
-Floats = NDArray[np.float64]
 _SECOND = 1_000_000_000
 
 _REST_S, _TRIAL_S, _ROUNDS = 90, 90, 4
@@ -71,7 +70,7 @@ class _Session:
         self._generator = SignalGenerator(rng)
         self._dsp, self._fusion, self._second = PhysioDsp(), FusionEstimation(_BASELINE_S), 0
 
-    def live(self, seconds: int, demand: float, power: float) -> tuple[TrialView, Floats]:
+    def live(self, seconds: int, demand: float, power: float) -> tuple[TrialView, F8]:
         """Let time pass; what was seen towards its end, and what the fusion said of the load then."""
         view, loads = TrialView(), []
         for _ in range(seconds):
@@ -88,7 +87,7 @@ class _Session:
         return view, np.mean(loads[-30:], axis=0)
 
 
-def _play(rng: np.random.Generator, family: Family, gap: float) -> tuple[Floats, Floats, Floats]:
+def _play(rng: np.random.Generator, family: Family, gap: float) -> tuple[F8, F8, F8]:
     """One person: features [t, f], classes [t] and the fusion's word [t, 3] of each trial."""
     session = _Session(rng, family)
     slope, right = rng.uniform(*_SLOPES), rng.uniform(*_RIGHT)

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.messages import SignalBlock, TrialResult, UserState
 from mimics_app.contracts.stages import Estimation
 from mimics_app.dsp.stage import PhysioDsp
@@ -22,7 +22,6 @@ from mimics_app.learning.registry import POLICIES
 
 __all__ = ["PEOPLE", "TRIALS", "LoopScore", "loop_study"]
 
-Floats = NDArray[np.float64]
 
 PEOPLE, TRIALS = 20, 14
 """Of the study."""
@@ -48,7 +47,7 @@ class LoopScore:
         regret: 1 less the benefit, by person and trial, shape [n, trials].
     """
 
-    regret: Floats
+    regret: F8
 
     @property
     def mean(self) -> float:
@@ -101,7 +100,7 @@ class _Person:
         self._slope, self._ease = who.uniform(*_SLOPES), who.normal(*_EASE)
         self._generator, self._dsp, self._second = SignalGenerator(self._body), PhysioDsp(), 0
 
-    def play(self, policy: Policy, trials: int, *, sees: bool) -> Floats:
+    def play(self, policy: Policy, trials: int, *, sees: bool) -> F8:
         """Regret of each trial, shape [trials]; `sees`: signals are made and the load is estimated."""
         estimation = build_estimation(DEFAULT, _BASELINE_S) if sees else None
         policy.begin(np.full(1, 0.5), self._choice)

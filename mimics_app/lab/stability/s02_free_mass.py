@@ -12,8 +12,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
 from mimics_app.lab.stability.growth import largest_exponent, square_up
@@ -22,7 +22,6 @@ from mimics_app.rendering.haptic.kernels.integrators import step_free
 
 __all__ = ["EXPERIMENT", "exact_growth_rate", "simulated_growth_rate"]
 
-Vec = NDArray[np.float64]
 
 _MASS = 3.0
 _STIFFNESSES = (500.0, 2000.0, 5000.0)

@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.session_memory import SessionMemory
@@ -36,7 +36,6 @@ from mimics_app.world.components.robot import Robot
 
 __all__ = ["EXPERIMENT", "measure_lateness", "stalls"]
 
-Vec = NDArray[np.float64]
 
 _STROKE = Stroke()
 _BETWEEN = 50

@@ -12,8 +12,8 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
@@ -29,7 +29,6 @@ from mimics_app.world.world import World
 
 __all__ = ["ANGLES", "GROUP", "edge_error", "given_samples"]
 
-F8 = NDArray[np.float64]
 
 GROUP = "anti aliasing"
 ANGLES = (0.02, 0.06, 0.15, 0.3, 0.6, math.pi / 4.0, 1.0, 1.3, 1.52)

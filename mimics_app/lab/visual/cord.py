@@ -8,8 +8,8 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
 from mimics_app.maths.cord import Catenary, Ripple, Ripples, hang
@@ -18,7 +18,6 @@ from mimics_app.world.cords import Cord
 
 __all__ = ["GROUP", "link_rope"]
 
-F8 = NDArray[np.float64]
 
 GROUP = "cord"
 _ENDS = np.array([[0.0, 1.2, 0.0], [0.0, 1.1, -1.0]])

@@ -10,8 +10,8 @@ from collections.abc import Callable
 from functools import cache, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
 from mimics_app.maths.cord import hang
@@ -19,7 +19,6 @@ from mimics_app.rendering.visual.passes.cord import RINGS
 
 __all__ = ["CURVES", "FRAMES", "GROUP", "twist_error"]
 
-F8 = NDArray[np.float64]
 Frame = Callable[[F8, F8], F8]
 """Places and unit tangents of rings, [n, 3] each -> unit normals, [n, 3]."""
 

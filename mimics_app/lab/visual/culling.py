@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.methods import Group, Method, Settings, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
 from mimics_app.lab.visual.box_items import box_items
@@ -24,8 +24,6 @@ from mimics_app.rendering.visual.view_matrices import compose_look_at
 
 __all__ = ["GROUP", "CullingProbe", "make_probe"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 GROUP = "culling"
 SIZES = (100, 1000, 10_000, 100_000)

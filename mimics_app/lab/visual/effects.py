@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.methods import Group, Method, Settings, registry
 from mimics_app.contracts.probe import reference_us
 from mimics_app.lab.visual.probe import frame_us, show_picture
@@ -27,7 +28,6 @@ from mimics_app.world.world import World
 
 __all__ = ["BLOOM", "CORNERS", "bloom_error", "corner_error"]
 
-F8 = NDArray[np.float64]
 
 BLOOM, CORNERS = "bloom", "ambient occlusion"
 

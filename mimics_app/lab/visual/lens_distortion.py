@@ -7,8 +7,8 @@ out where an eye's picture is looked up, on the processor.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec
@@ -16,7 +16,6 @@ from mimics_app.rendering.visual.displays.lens import distort
 
 __all__ = ["GROUP", "mesh_error"]
 
-F8 = NDArray[np.float64]
 
 GROUP = "lens distortion"
 _PIXELS = 1080

@@ -14,7 +14,6 @@ from itertools import cycle
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts.methods import Group, Method, Settings, registry
 from mimics_app.contracts.probe import reference_us
@@ -31,7 +30,6 @@ from mimics_app.world.world import World
 
 __all__ = ["CROWD", "Crowd", "crowd_error", "load_person"]
 
-F8 = NDArray[np.float64]
 
 CROWD = "crowd"
 _PEOPLE, _NEAREST, _FARTHEST = 40, 4.0, 60.0

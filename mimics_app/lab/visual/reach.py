@@ -12,6 +12,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.methods import Group, Method, Settings, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
 from mimics_app.world.motion.kernels.iterative import reach_by_descent, reach_by_fabrik
@@ -19,7 +20,6 @@ from mimics_app.world.motion.kernels.two_bone import reach_two_bones
 
 __all__ = ["GROUP", "arms", "elbow_gain"]
 
-F8 = NDArray[np.float64]
 
 GROUP = "limb reach"
 UPPER, LOWER, SOFT = 0.30, 0.27, 0.03

@@ -11,14 +11,13 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
 
 __all__ = ["BENDS", "GROUP", "crest_error", "midway", "straight"]
 
-F8 = NDArray[np.float64]
 Distance = Callable[[F8, F8, float, float], F8]
 
 GROUP = "ripple distance"

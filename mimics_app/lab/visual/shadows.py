@@ -13,8 +13,8 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.methods import Group, Method, Settings, registry
 from mimics_app.contracts.probe import reference_us
 from mimics_app.lab.visual.probe import frame_us, show_picture
@@ -28,7 +28,6 @@ from mimics_app.world.world import World
 
 __all__ = ["GROUP", "edge_error", "yard_us"]
 
-F8 = NDArray[np.float64]
 
 GROUP = "sun shadows"
 

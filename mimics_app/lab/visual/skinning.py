@@ -11,8 +11,8 @@ from collections.abc import Callable
 from functools import cache, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, F8
 from mimics_app.contracts.methods import Group, Method, Settings, registry
 from mimics_app.contracts.probe import reference_us, shortest_us
 from mimics_app.rendering.visual.drawing.feedback import FeedbackSkinning
@@ -28,8 +28,6 @@ from mimics_app.world.world import World
 
 __all__ = ["BY", "MIXING", "figure_world", "ring_left"]
 
-F4 = NDArray[np.float32]
-F8 = NDArray[np.float64]
 
 BY, MIXING = "skinning", "joint mixing"
 SIZES = (1_000, 10_000, 100_000)

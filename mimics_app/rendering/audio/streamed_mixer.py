@@ -11,6 +11,7 @@ import ctypes
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.audio_port import Heard, Start, Timing
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError
@@ -21,7 +22,6 @@ from mimics_app.rendering.audio.wav_file import soften_peaks
 
 __all__ = ["LIVE_BLOCK", "LIVE_LATENCY", "StreamedMixer"]
 
-Vec3 = tuple[float, float, float]
 
 LIVE_BLOCK = 120
 """Frames of a block, 2.5 ms at 48 kHz: half of a file's, as the queue's length is most of the latency."""

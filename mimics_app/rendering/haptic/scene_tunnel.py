@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.haptic import Projection
 from mimics_app.contracts.haptic_objects import TUNNEL
@@ -23,7 +22,6 @@ from mimics_app.world.scene.scene import Scene
 
 __all__ = ["PROJECTIONS", "built_tunnel", "check_tunnel", "planned_projection", "tunnel_of_scene", "tunnel_rows"]
 
-Records = NDArray[Any]
 
 PROJECTIONS: Mapping[str, Projection] = {
     "newton warm": Projection.NEWTON_WARM,

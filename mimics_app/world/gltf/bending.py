@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.gltf.file import GltfDocument
 from mimics_app.world.gltf.nodes import GltfNode
 from mimics_app.world.meshes.mesh import MeshData
@@ -18,7 +19,6 @@ from mimics_app.world.scene_node import SceneNode
 
 __all__ = ["bind_body", "make_animator", "missing_joints", "unbent_meshes"]
 
-F8 = NDArray[np.float64]
 Made = Mapping[int, SceneNode]
 """Nodes of the world by number of the node of the file, parents first."""
 

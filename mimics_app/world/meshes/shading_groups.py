@@ -7,12 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I8
 from mimics_app.world.meshes.mesh import MeshData
 
 __all__ = ["CREASE", "shaded_mesh"]
 
-F8 = NDArray[np.float64]
-I8 = NDArray[np.int64]
 
 CREASE = math.radians(40.0)
 """Angle between two faces from which their edge is seen as an edge."""

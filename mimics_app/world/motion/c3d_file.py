@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError, UsageError
 from mimics_app.world.scene.source import read_bytes
 
 __all__ = ["MarkerTake", "read_c3d"]
 
-F8 = NDArray[np.float64]
 
 _MOST_BYTES = 256 * 1024 * 1024
 _METRES = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "in": 0.0254}

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.maths.quat import slerp
 from mimics_app.world.motion.animator import Animator, Rig
 from mimics_app.world.motion.humanoid import HumanoidMap
@@ -20,7 +20,6 @@ from mimics_app.world.motion.retarget import Retarget
 
 __all__ = ["Calibration", "DelayedTwin", "Trackers", "UpperBody", "calibrate"]
 
-F8 = NDArray[np.float64]
 
 _WANTED = (
     *("hips", "spine", "chest", "upperChest", "neck", "head"),

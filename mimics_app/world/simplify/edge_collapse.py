@@ -7,12 +7,11 @@ import heapq
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I8
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["collapse", "farthest"]
 
-F8 = NDArray[np.float64]
-I8 = NDArray[np.int64]
 
 Edge = tuple[float, int, int, int, int]
 """An edge to collapse: its loss [m^2], from, to, and the stamps of both as it was queued."""

@@ -15,9 +15,7 @@ is kept for demonstration. Damping is not printed either; against a hand that st
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import AdmittanceForm
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.kinematics import (
@@ -29,7 +27,6 @@ from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, norm, scale
 
 __all__ = ["acceleration_cartesian", "acceleration_polar", "acceleration_seed", "admit", "limit_motion"]
 
-Vec = NDArray[np.float64]
 
 _SEED = int(AdmittanceForm.SEED)
 _CARTESIAN = int(AdmittanceForm.CARTESIAN)

@@ -12,8 +12,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import Controller, SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_limits import common_share, is_pressed
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ACTING", "FREE_TIME", "account", "act", "acting_contact", "device_delay", "own_damping"]
 
-Vec = NDArray[np.float64]
 
 _LINE = 32
 """Ticks of delay that can be counted; what is longer is counted as this."""

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import Kin
 from mimics_app.contracts.haptic import AdmittanceForm, Controller, SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
@@ -36,7 +34,6 @@ if TYPE_CHECKING:
 
 __all__ = ["control", "note_arrival"]
 
-Vec = NDArray[np.float64]
 
 _EXTRA_DAMPING = 30.0
 """Added to the virtual damping while the virtual force is off or ramping down [N s/m]."""

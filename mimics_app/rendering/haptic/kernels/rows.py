@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, moves_of
@@ -41,7 +39,6 @@ if TYPE_CHECKING:
 
 __all__ = ["read_inputs", "write_command", "write_inputs", "write_outputs", "write_snapshot"]
 
-Vec = NDArray[np.float64]
 
 _copy_outputs = field_copier(moves_of(LOOP_FIELDS, recorded=True))
 _copy_published = field_copier(moves_of(LOOP_FIELDS, recorded=False))

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import Kin
 from mimics_app.contracts.haptic import (
     SECOND_NS,
@@ -32,7 +30,6 @@ if TYPE_CHECKING:
 
 __all__ = ["find_motion", "size_ball", "take_data"]
 
-Vec = NDArray[np.float64]
 
 _BALL_TIME = 0.05
 """Time constant with which the ball follows the grasp force [s]."""

@@ -10,9 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import Kin
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
@@ -45,7 +43,6 @@ if TYPE_CHECKING:
 
 __all__ = ["tick"]
 
-Vec = NDArray[np.float64]
 
 _ACTIVE = int(SafetyState.ACTIVE)
 _DEGRADED = int(SafetyState.DEGRADED)

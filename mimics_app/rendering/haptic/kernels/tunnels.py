@@ -14,7 +14,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.stability import spring_share, stiffness_limit
@@ -34,7 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ["HOLDING", "OWN_TUNNEL", "follow_tunnels", "forget_tunnels", "share_in_touch"]
 
-Vec = NDArray[np.float64]
 
 HOLDING = np.dtype(
     [

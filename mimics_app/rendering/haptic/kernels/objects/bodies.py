@@ -15,9 +15,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import BodyFlag, ObjectIntegrator
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths import quat
@@ -47,7 +45,6 @@ if TYPE_CHECKING:
 
 __all__ = ["is_free", "place_bodies", "rest_time", "step_bodies", "wake"]
 
-Vec = NDArray[np.float64]
 
 _TRANSLATION = int(BodyFlag.TRANSLATION)
 _ROTATION = int(BodyFlag.ROTATION)

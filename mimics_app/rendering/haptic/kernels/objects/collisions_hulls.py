@@ -12,9 +12,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.triples import (
@@ -34,7 +32,6 @@ if TYPE_CHECKING:
 
 __all__ = ["separate_hulls", "support"]
 
-Simplex = NDArray[np.float64]
 
 _BOX = int(ShapeKind.BOX)
 
@@ -96,17 +93,17 @@ def support(solid: SolidRecord, d: Three, skin: float) -> Three:
 
 
 @kernel
-def _corner(simplex: Simplex, i: int) -> Three:
+def _corner(simplex: F8, i: int) -> Three:
     return simplex[i, 0], simplex[i, 1], simplex[i, 2]
 
 
 @kernel
-def _keep(simplex: Simplex, slot: int, p: Three) -> None:
+def _keep(simplex: F8, slot: int, p: Three) -> None:
     simplex[slot, 0], simplex[slot, 1], simplex[slot, 2] = p
 
 
 @kernel
-def _on_line(simplex: Simplex) -> tuple[int, Three]:
+def _on_line(simplex: F8) -> tuple[int, Three]:
     """Closest point of a line to the origin; the simplex keeps the corners it lies between."""
     a, b = _corner(simplex, 0), _corner(simplex, 1)
     ab = minus(b, a)
@@ -156,7 +153,7 @@ def _inside_triangle(a: Three, b: Three, c: Three, d123: Three, d456: Three, are
 
 
 @kernel
-def _on_triangle(simplex: Simplex) -> tuple[int, Three]:
+def _on_triangle(simplex: F8) -> tuple[int, Three]:
     """Closest point of a triangle to the origin; the simplex keeps the corners it lies between."""
     bits, point = _triangle(_corner(simplex, 0), _corner(simplex, 1), _corner(simplex, 2))
     count = 0
@@ -168,7 +165,7 @@ def _on_triangle(simplex: Simplex) -> tuple[int, Three]:
 
 
 @kernel
-def _drop_corner(simplex: Simplex, dropped: int) -> None:
+def _drop_corner(simplex: F8, dropped: int) -> None:
     """Leave the triangle of a tetrahedron that lacks one corner in the first three rows."""
     for slot in range(dropped, 3):
         _keep(simplex, slot, _corner(simplex, slot + 1))
@@ -182,7 +179,7 @@ def _outside_of(a: Three, b: Three, c: Three, other: Three) -> bool:
 
 
 @kernel
-def _on_tetrahedron(simplex: Simplex) -> tuple[int, Three]:
+def _on_tetrahedron(simplex: F8) -> tuple[int, Three]:
     """The nearest of the faces the origin is outside of; 4 corners: it is inside."""
     nearest, dropped = math.inf, -1
     for i in range(_TETRAHEDRON):
@@ -199,7 +196,7 @@ def _on_tetrahedron(simplex: Simplex) -> tuple[int, Three]:
 
 
 @kernel
-def _on_simplex(simplex: Simplex, count: int) -> tuple[int, Three]:
+def _on_simplex(simplex: F8, count: int) -> tuple[int, Three]:
     """Closest point of a simplex to the origin; the simplex is reduced to what holds it."""
     if count == 1:
         return 1, _corner(simplex, 0)

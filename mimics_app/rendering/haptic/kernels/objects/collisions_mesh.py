@@ -11,9 +11,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.manifold import add_point
@@ -41,8 +39,6 @@ if TYPE_CHECKING:
 
 __all__ = ["depth_in_mesh", "points_in_mesh", "project_depths", "touch_mesh"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int32]
 
 _SPHERE = int(ShapeKind.SPHERE)
 _BOX = int(ShapeKind.BOX)
@@ -103,9 +99,9 @@ def depth_in_mesh(
     reach: float,
     toward: Three,
     meshes: Table[MeshRecord],
-    vertices: Array,
-    corners: Indices,
-    boxes: Array,
+    vertices: F8,
+    corners: I4,
+    boxes: F8,
     room: ScratchRecord,
 ) -> tuple[float, Three]:
     """Depth of a ball in a mesh [m], 0 where it does not touch, and the outward normal there, world.
@@ -156,9 +152,9 @@ def points_in_mesh(
     b: SolidRecord,
     toward: Three,
     meshes: Table[MeshRecord],
-    vertices: Array,
-    corners: Indices,
-    boxes: Array,
+    vertices: F8,
+    corners: I4,
+    boxes: F8,
     room: ScratchRecord,
 ) -> tuple[int, Three]:
     """What of shape a is inside a mesh; arguments as `touch_mesh` and `depth_in_mesh`, but balls look anywhere.
@@ -185,9 +181,9 @@ def touch_mesh(
     b: SolidRecord,
     last: Three,
     meshes: Table[MeshRecord],
-    vertices: Array,
-    corners: Indices,
-    boxes: Array,
+    vertices: F8,
+    corners: I4,
+    boxes: F8,
     room: ScratchRecord,
 ) -> tuple[int, Three]:
     """Contact points of shape a at a mesh of the static scene.

@@ -10,9 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.distances import distance_to
@@ -24,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["touch_by_capsule", "touch_by_sphere"]
 
-Points = NDArray[np.float64]
 Span = tuple[float, float]
 
 _BOX = int(ShapeKind.BOX)
@@ -48,7 +45,7 @@ _NO_RUN = 1e-24
 
 
 @kernel
-def touch_by_sphere(a: SolidRecord, b: SolidRecord, last: Three, points: Points) -> tuple[int, Three]:
+def touch_by_sphere(a: SolidRecord, b: SolidRecord, last: Three, points: F8) -> tuple[int, Three]:
     """Contact point of sphere a with shape b (not a wall).
 
     Args:
@@ -131,7 +128,7 @@ def _common_part(kind: int, size: Floats, p: Three, run: Three, n: Three) -> Spa
 
 
 @kernel
-def touch_by_capsule(a: SolidRecord, b: SolidRecord, last: Three, points: Points) -> tuple[int, Three]:
+def touch_by_capsule(a: SolidRecord, b: SolidRecord, last: Three, points: F8) -> tuple[int, Three]:
     """Contact points of capsule a with shape b (capsule, cylinder or box); arguments as `touch_by_sphere`."""
     radius = a.size[0]
     run = times(a.size[1], axis(a, 1))

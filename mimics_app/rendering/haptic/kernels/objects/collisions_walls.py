@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.manifold import add_point, write_feature
@@ -25,7 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["touch_wall"]
 
-Points = NDArray[np.float64]
 
 _SPHERE = int(ShapeKind.SPHERE)
 _BOX = int(ShapeKind.BOX)
@@ -43,7 +40,7 @@ _UP = 4
 
 
 @kernel
-def _sink(p: Three, height: float, share: float, n: Three, points: Points, count: int) -> int:
+def _sink(p: Three, height: float, share: float, n: Three, points: F8, count: int) -> int:
     """Add point p at a height over the wall, if it is below; the contact is half way to the wall."""
     if height >= 0.0:
         return count
@@ -51,7 +48,7 @@ def _sink(p: Three, height: float, share: float, n: Three, points: Points, count
 
 
 @kernel
-def _box(solid: SolidRecord, height: float, n: Three, points: Points) -> int:
+def _box(solid: SolidRecord, height: float, n: Three, points: F8) -> int:
     """The corners below the wall: of a box that is not in it to the middle at most four."""
     size, centre = solid.size, middle(solid)
     x, y, z = axis(solid, 0), axis(solid, 1), axis(solid, 2)
@@ -72,7 +69,7 @@ def _box(solid: SolidRecord, height: float, n: Three, points: Points) -> int:
 
 
 @kernel
-def touch_wall(a: SolidRecord, b: SolidRecord, corners: Floats, points: Points) -> tuple[int, Three]:
+def touch_wall(a: SolidRecord, b: SolidRecord, corners: Floats, points: F8) -> tuple[int, Three]:
     """Contact points of shape a in wall b.
 
     Args:

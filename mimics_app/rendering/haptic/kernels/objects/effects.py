@@ -10,9 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import BodyFlag, EffectKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import FIELD_PARAMETERS, MAX_FIELDS
@@ -46,7 +44,6 @@ if TYPE_CHECKING:
 
 __all__ = ["apply_effects"]
 
-Vec = NDArray[np.float64]
 
 _SPRING = int(EffectKind.SPRING)
 _PATH_SPRING = int(EffectKind.PATH_SPRING)

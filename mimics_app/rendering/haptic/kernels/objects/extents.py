@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 
@@ -16,7 +14,6 @@ if TYPE_CHECKING:
 
 __all__ = ["half_extent", "mesh_extent"]
 
-Vec = NDArray[np.float64]
 
 _SPHERE = int(ShapeKind.SPHERE)
 _CYLINDER = int(ShapeKind.CYLINDER)

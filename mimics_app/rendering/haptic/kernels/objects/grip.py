@@ -13,9 +13,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.friction import forget_friction, hayward_armstrong
@@ -37,7 +35,6 @@ if TYPE_CHECKING:
 
 __all__ = ["grip_bodies"]
 
-Vec = NDArray[np.float64]
 
 _TAKE_FORCE = 0.3
 """Grasp force from which the fingers count as closed [N]."""

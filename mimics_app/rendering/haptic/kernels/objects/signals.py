@@ -8,9 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import SignalSource, SignalTarget
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.hand import (
@@ -27,7 +25,6 @@ if TYPE_CHECKING:
 
 __all__ = ["carry_signals"]
 
-Vec = NDArray[np.float64]
 
 _POSITION_ROBOT = int(SignalSource.POSITION_ROBOT)
 _VELOCITY_ROBOT = int(SignalSource.VELOCITY_ROBOT)

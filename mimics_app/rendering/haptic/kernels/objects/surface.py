@@ -11,9 +11,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import ForceLaw
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, spring_damper
@@ -25,7 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["anchor_stiffness", "lower_by_ripple", "normal_force", "rub"]
 
-Vec = NDArray[np.float64]
 
 _HUNT_CROSSLEY = int(ForceLaw.HUNT_CROSSLEY)
 
