@@ -13,11 +13,10 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group
 from mimics_app.contracts.probe import shortest_us
-from mimics_app.lab.haptic.numbered import NumberedRival, register_numbered
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, ball_mesh, slide_path
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.objects.contact_scratch import CONTACT_SCRATCH
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     ANYWHERE,
@@ -37,8 +36,7 @@ __all__ = ["GROUP", "false_slide"]
 
 GROUP = "mesh finger"
 
-_ALL = (100, 1000, 10_000, 100_000, 1_000_000)
-_TYPICAL = 1000
+_SIZES = (100, 1000, 10_000, 100_000, 1_000_000)
 
 
 @kernel
@@ -114,28 +112,20 @@ def _finger_us(number: int, triangles: int) -> float:
     return shortest_us(run, len(path))
 
 
-register_numbered(
-    Group(
-        name=GROUP,
-        what="where a point behind a mesh rests; error: false force of a slide to an edge, 3 mm deep on 2 kN/m",
-        unit="N",
-        work="triangles",
-        reference=reference_us,
-    ),
-    (
-        NumberedRival(
-            "walk", "a stand-in that walks over the surface, held where it is", "meshes without cuts", {}, _ALL
-        ),
-        NumberedRival("closest by tree", "closest triangle of every tick", "turns at edges: demonstration", None, _ALL),
-        NumberedRival(
-            "closest of all",
-            "closest triangle, one by one",
-            "small meshes: demonstration",
-            None,
-            _ALL[:3],
-        ),
-    ),
+compare(
+    GROUP,
+    "where a point behind a mesh rests; error: false force of a slide to an edge, 3 mm deep on 2 kN/m",
+    "N",
+    [
+        Rival("walk", "a stand-in that walks over the surface, held where it is", "meshes without cuts", {}, (0,)),
+        Rival("closest by tree", "closest triangle of every tick", "turns at edges: demonstration", None, (1,)),
+        Rival("closest of all", "closest triangle, one by one", "small meshes: demonstration", None, (2,), _SIZES[:3]),
+    ],
     cost=_finger_us,
     error=false_slide,
-    typical=_TYPICAL,
+    default="walk",
+    work="triangles",
+    sizes=_SIZES,
+    typical=1000,
+    reference=reference_us,
 )

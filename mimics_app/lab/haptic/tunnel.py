@@ -6,7 +6,7 @@ Importing this module registers them. Probes run when asked: each takes well und
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache, partial
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import MAX_PIECES, TUNNEL
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
-from mimics_app.lab.haptic.numbered import NumberedRival, register_numbered
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.maths import frames
 from mimics_app.rendering.haptic.kernels.tunnel_projection import (
     project_brute_force,
@@ -180,90 +179,75 @@ def _frame_us(normals_of: Callable[[Helix], F8]) -> float:
     return shortest_us(lambda: normals_of(curve), _HELIX_POINTS)
 
 
-register_numbered(
-    Group(
-        name=PROJECTION_GROUP,
-        what="closest point of a wavy tunnel's bisector for a ball that travels it at 0.3 m/s, tick by tick",
-        unit="m",
-        work="pieces of the tunnel",
-        reference=reference_us,
-    ),
-    (
-        NumberedRival(
+compare(
+    PROJECTION_GROUP,
+    "closest point of a wavy tunnel's bisector for a ball that travels it at 0.3 m/s, tick by tick",
+    "m",
+    [
+        Rival(
             "newton warm",
             "Newton on the slope of the square distance from the last tick's point; whole search when it is lost",
             "radius x curvature < 1; stays on its branch where the tunnel crosses or meets itself",
             {"projection": "newton warm"},
-            _SIZES,
+            (0,),
         ),
-        NumberedRival(
+        Rival(
             "newton one step",
             "one Newton step a tick from the last tick's point; the guards of newton warm",
             "as newton warm; errs by about the square of a tick's motion over the bend's radius",
             {"projection": "newton one step"},
-            _SIZES,
+            (1,),
         ),
-        NumberedRival(
+        Rival(
             "brute force",
             "nearest of 256 points a piece",
             "any curve; jumps between branches where the tunnel crosses itself",
             {"projection": "brute force"},
-            _SIZES,
+            (2,),
         ),
-        NumberedRival(
+        Rival(
             "golden section",
             "golden section around the nearest of 8 points a piece (Kiefer 1953)",
             "any curve; to the square root of machine precision; jumps between branches",
             {"projection": "golden section"},
-            _SIZES,
+            (3,),
         ),
-    ),
+    ],
     cost=_projection_us,
     error=_projection_error,
+    default="newton warm",
+    work="pieces of the tunnel",
+    sizes=_SIZES,
     typical=_PIECES,
 )
-registry.describe(
-    Group(
-        name=FRAME_GROUP,
-        what=f"normals along two turns of a helix at {_HELIX_POINTS} points, against the closed form; cost per point",
-        unit="rad",
-        work="",
-        reference=reference_us,
-    )
+compare(
+    FRAME_GROUP,
+    f"normals along two turns of a helix at {_HELIX_POINTS} points, against the closed form; cost per point",
+    "rad",
+    [
+        Rival(
+            "double reflection",
+            "rotation-minimising frame (Wang, Juettler, Zheng & Liu 2008)",
+            "any smooth curve; error of order 4 in the step",
+            {},
+            (_double_reflection,),
+        ),
+        Rival(
+            "frenet",
+            "principal normal (Frenet 1847, Serret 1851)",
+            "curves without inflection or straight part; turns with the torsion",
+            None,
+            (_frenet,),
+        ),
+        Rival(
+            "projected up",
+            "world's up made square to the tangent",
+            "curves that are nowhere vertical",
+            None,
+            (_projected_up,),
+        ),
+    ],
+    cost=_frame_us,
+    error=_frame_error,
+    default="double reflection",
 )
-for _name, _source, _valid, _settings, _normals in (
-    (
-        "double reflection",
-        "rotation-minimising frame (Wang, Juettler, Zheng & Liu 2008)",
-        "any smooth curve; error of order 4 in the step",
-        {},
-        _double_reflection,
-    ),
-    (
-        "frenet",
-        "principal normal (Frenet 1847, Serret 1851)",
-        "curves without inflection or straight part; turns with the torsion",
-        None,
-        _frenet,
-    ),
-    (
-        "projected up",
-        "world's up made square to the tangent",
-        "curves that are nowhere vertical",
-        None,
-        _projected_up,
-    ),
-):
-    registry.register(
-        Method(
-            group=FRAME_GROUP,
-            name=_name,
-            source=_source,
-            cost=partial(_frame_us, _normals),
-            error=partial(_frame_error, _normals),
-            unit="rad",
-            valid_range=_valid,
-            settings=_settings,
-            default=_normals is _double_reflection,
-        )
-    )

@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import process_seconds
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.probe import differing_pixels
 from mimics_app.rendering.visual.displays.stereo import StereoDisplay
 from mimics_app.rendering.visual.presenting.presenter import Presenter
@@ -52,19 +51,6 @@ _WALL, _DISTANCE = 3.0, 4.0
 """Side of the square that the bodies fill, and how far it is away [m]."""
 _SETTINGS = RenderSettings(msaa=0, tone_map="none", occlusion="off")
 _ERROR_SIZE = (640, 360)
-_RIVALS: dict[StereoPasses, tuple[str, str, str]] = {
-    "two_pass": ("two passes", "one eye after the other, over one queue", "any"),
-    "viewports": (
-        "two viewports",
-        "every second instance for the other eye, into a viewport of its own",
-        "eyes not side by side, GL_ARB_shader_viewport_layer_array, no vertex shader that a scene brings",
-    ),
-    "clip_distance": (
-        "two halves",
-        "every second instance for the other eye, into its half of one viewport, clipped at the middle (Wilson 2015)",
-        "eyes side by side; no vertex shader that a scene brings",
-    ),
-}
 
 
 def body_world(bodies: int, subdivisions: int, *, own_materials: bool) -> World:
@@ -158,31 +144,36 @@ def _error(passes: StereoPasses) -> float:
     return differing_pixels(one, other)
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what="three frames of both eyes: of 1000 bodies of as many materials, of 400 and of 200 of one; error: share "
-        "of pixels that differ at all from two passes",
-        unit="share of pixels",
-        work="bodies",
-        reference=reference_us,
-        why_default="one pass saves a quarter of a frame that is bound by its draws and costs no more elsewhere "
-        "(`mimics bench displays` measures each kind of frame; this chart adds three of them)",
-    )
+def _rival(passes: StereoPasses, name: str, source: str, valid: str) -> Rival:
+    return Rival(name, source, valid, {"stereo": passes}, (passes,), cost=partial(_three_frames_us, passes))
+
+
+compare(
+    GROUP,
+    "three frames of both eyes: of 1000 bodies of as many materials, of 400 and of 200 of one; error: share "
+    "of pixels that differ at all from two passes",
+    "share of pixels",
+    [
+        _rival("two_pass", "two passes", "one eye after the other, over one queue", "any"),
+        _rival(
+            "viewports",
+            "two viewports",
+            "every second instance for the other eye, into a viewport of its own",
+            "eyes not side by side, GL_ARB_shader_viewport_layer_array, no vertex shader that a scene brings",
+        ),
+        _rival(
+            "clip_distance",
+            "two halves",
+            "every second instance for the other eye, into its half of one viewport, clipped at the middle "
+            "(Wilson 2015)",
+            "eyes side by side; no vertex shader that a scene brings",
+        ),
+    ],
+    cost=_cost_us,
+    error=_error,
+    default="two halves",
+    work="bodies",
+    sizes=(1, 10, 100, 1000),
+    why_default="one pass saves a quarter of a frame that is bound by its draws and costs no more elsewhere "
+    "(`mimics bench displays` measures each kind of frame; this chart adds three of them)",
 )
-for _passes, (_name, _source, _valid) in _RIVALS.items():
-    registry.register(
-        Method(
-            group=GROUP,
-            name=_name,
-            source=_source,
-            cost=partial(_three_frames_us, _passes),
-            error=partial(_error, _passes),
-            unit="share of pixels",
-            valid_range=_valid,
-            settings={"stereo": _passes},
-            default=_passes == _SETTINGS.stereo,
-            growth=partial(_cost_us, _passes),
-            sizes=(1, 10, 100, 1000),
-        )
-    )
