@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import Issue, SceneError, UsageError
 from mimics_app.contracts.messages import Experience, SignalBlock
 
 __all__ = ["FileSource", "Recorded", "name_of_channel", "read_signal_file"]
 
-_SECOND = 1_000_000_000
 _MOST_BYTES = 4 << 30
 _LONGEST_S = 7 * 24 * 3600.0
 
@@ -200,11 +200,11 @@ class FileSource:
             self._start_ns = now_ns
         blocks = []
         for signal in self._signals:
-            begin_ns = self._start_ns + round((signal.start_s - self._first_s) * _SECOND)
-            due = min(int((now_ns - begin_ns) * signal.rate / _SECOND), len(signal.values))
+            begin_ns = self._start_ns + round((signal.start_s - self._first_s) * SECOND_NS)
+            due = min(int((now_ns - begin_ns) * signal.rate / SECOND_NS), len(signal.values))
             taken = self._taken[signal.name]
             if due > taken:
-                t_ns = begin_ns + round(taken / signal.rate * _SECOND)
+                t_ns = begin_ns + round(taken / signal.rate * SECOND_NS)
                 blocks.append(SignalBlock(signal.name, signal.rate, t_ns, signal.values[taken:due]))
                 self._taken[signal.name] = due
         return tuple(blocks)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from functools import cache, partial
 from itertools import count
 
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.messages import FeatureFrame
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.estimation.load_people import shipped_people
@@ -19,7 +20,6 @@ from mimics_app.lab.rivals import Rival, compare
 __all__ = ["GROUP"]
 
 GROUP = "load of the person"
-_SECOND = 1_000_000_000
 _FEATURES = {"heart_rate": 72.0, "scr_rate": 3.0, "scl": 6.0, "rmssd": 35.0, "breath_rate": 15.0}
 _BASELINE_S = 20.0
 
@@ -36,7 +36,7 @@ def _cost_us(estimator: str) -> float:
     def update() -> None:
         second = next(seconds)
         values = {name: value + 0.1 * (second % 3) for name, value in _FEATURES.items()}
-        estimation.update(FeatureFrame(second * _SECOND, values, {"ecg": 1.0, "gsr": 1.0, "resp": 1.0}))
+        estimation.update(FeatureFrame(second * SECOND_NS, values, {"ecg": 1.0, "gsr": 1.0, "resp": 1.0}))
 
     for _ in range(60):
         update()

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.estimation.fusion import FusionEstimation
@@ -22,7 +23,6 @@ from mimics_app.inputs.physio.simulated.signals import SignalGenerator
 
 __all__ = ["draw_load_people", "write_shipped_people"]
 
-_SECOND = 1_000_000_000
 
 _REST_S, _TRIAL_S, _ROUNDS = 90, 90, 4
 """Trials of a minute and a half: the features look at one minute."""
@@ -77,11 +77,11 @@ class _Session:
             acting = np.array([float(np.isfinite(demand))])
             self.people.step(1.0, np.array([demand]), np.array([power]), acting)
             made = self._generator.second(self.people.drive(np.zeros(1))) | {"power": np.array([power])}
-            t_ns = self._second * _SECOND
+            t_ns = self._second * SECOND_NS
             rates = {"power": 1.0}
             blocks = [SignalBlock(n, rates.get(n, 1000.0), t_ns, v) for n, v in made.items() if n != "emg"]
             self._second += 1
-            state = self._fusion.update(self._dsp.process(blocks, self._second * _SECOND))
+            state = self._fusion.update(self._dsp.process(blocks, self._second * SECOND_NS))
             view.see(self._fusion.seen)
             loads.append((1.0 / 3.0,) * 3 if state.load is None else state.load)
         return view, np.mean(loads[-30:], axis=0)

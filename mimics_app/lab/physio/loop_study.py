@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.messages import SignalBlock, TrialResult, UserState
 from mimics_app.contracts.stages import Estimation
 from mimics_app.dsp.stage import PhysioDsp
@@ -26,7 +27,6 @@ __all__ = ["PEOPLE", "TRIALS", "LoopScore", "loop_study"]
 PEOPLE, TRIALS = 20, 14
 """Of the study."""
 
-_SECOND = 1_000_000_000
 _REST_S, _TRIAL_S, _BASELINE_S = 90, 90, 60.0
 _POWER_W = 0.2
 """Of an arm that moves slowly against little."""
@@ -124,12 +124,12 @@ class _Person:
             if estimation is None:
                 continue
             made = self._generator.second(self._latent.drive(np.zeros(1))) | {"power": np.array([power])}
-            t_ns, rates = (self._second - 1) * _SECOND, {"power": 1.0}
+            t_ns, rates = (self._second - 1) * SECOND_NS, {"power": 1.0}
             blocks = [SignalBlock(k, rates.get(k, 1000.0), t_ns, v) for k, v in made.items() if k != "emg"]
-            estimation.update(self._dsp.process(blocks, self._second * _SECOND))
+            estimation.update(self._dsp.process(blocks, self._second * SECOND_NS))
 
     def _judge(self, estimation: Estimation, share: float) -> UserState:
-        return estimation.judge(TrialResult(0, self._second * _SECOND + 1, "finished", share, share, False))
+        return estimation.judge(TrialResult(0, self._second * SECOND_NS + 1, "finished", share, share, False))
 
 
 def _outcome(demand: float, share: float, state: UserState | None) -> Outcome:

@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 
 from mimics_app.contracts.arrays import Records, Vec
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.haptic import SCENE, AdmittanceForm, Controller
 from mimics_app.contracts.loop_fields import MAX_JOINTS
@@ -38,7 +39,6 @@ _FORMS = {
     "polar": AdmittanceForm.POLAR,
     "cartesian": AdmittanceForm.CARTESIAN,
 }
-_NS = 1_000_000_000
 _CAP = {"cap": 1, "warn": 0}
 
 _SECONDS = {"ramp_time": "ramp_time_s"}
@@ -144,7 +144,7 @@ def apply_safety(block: Records, safety: Safety) -> None:
     for field, name in _SECONDS.items():
         record[field] = getattr(safety, name)
     for field, name in _NANOSECONDS.items():
-        record[field] = round(getattr(safety, name) * _NS)
+        record[field] = round(getattr(safety, name) * SECOND_NS)
     record["cap"] = _CAP[safety.stiffness_cap]
 
 
@@ -155,7 +155,7 @@ def safety_of(block: Records) -> Safety:
         name: record[name].item() for name in Safety.__struct_fields__ if name in (SCENE.names or ())
     }
     values |= {name: record[field].item() for field, name in _SECONDS.items()}
-    values |= {name: record[field].item() / _NS for field, name in _NANOSECONDS.items()}
+    values |= {name: record[field].item() / SECOND_NS for field, name in _NANOSECONDS.items()}
     values["stiffness_cap"] = next(word for word, number in _CAP.items() if number == record["cap"])
     return msgspec.convert(values, Safety, strict=False)
 
