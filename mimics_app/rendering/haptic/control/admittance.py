@@ -28,10 +28,6 @@ from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, norm, scale
 __all__ = ["acceleration_cartesian", "acceleration_polar", "acceleration_seed", "admit", "limit_motion"]
 
 
-_SEED = int(AdmittanceForm.SEED)
-_CARTESIAN = int(AdmittanceForm.CARTESIAN)
-
-
 @kernel
 def acceleration_seed(q: Vec, f: Vec, mass: float, d1: float, ddq: Vec) -> None:
     """Joint accelerations [m/s^2, rad/s^2, m/s^2] as printed in (6) and (7), f [N] in the tool frame."""
@@ -101,7 +97,7 @@ def admit(
         v: Velocity of the mass, robot frame [m/s]; state of the Cartesian form, output of the others.
         dq: Joint velocities; state of the polar and seed forms, output of the Cartesian one.
     """
-    if form == _CARTESIAN:
+    if form == AdmittanceForm.CARTESIAN:
         acceleration_cartesian(q, f, mass, scratch)
         for i in range(3):
             scratch[i] -= damping / mass * v[i]
@@ -111,7 +107,7 @@ def admit(
         clamp_norm(v, max_velocity)
         apply_inverse_jacobian(q, d1, v, dq)
         return
-    if form == _SEED:
+    if form == AdmittanceForm.SEED:
         acceleration_seed(q, f, mass, d1, scratch)
     else:
         acceleration_polar(q, dq, f, mass, d1, scratch)

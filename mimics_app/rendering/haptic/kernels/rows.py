@@ -46,9 +46,6 @@ _copy_published = field_copier(moves_of(LOOP_FIELDS, recorded=False))
 _OTHERS = 3 * (MAX_CONTACTS - 1)
 """Components of a vector of every point of contact behind the first."""
 
-_HOMED = int(SafetyState.HOMED)
-_SAFE_STOP = int(SafetyState.SAFE_STOP)
-
 
 @kernel
 def write_command(scene: SceneRecord, states: Table[StateRecord], command: Vec) -> None:
@@ -62,7 +59,7 @@ def write_command(scene: SceneRecord, states: Table[StateRecord], command: Vec) 
             command[COMMAND_FORCE + 3 * c + i] = states[c].f_command[i]
         felt = norm(states[c].f_user_world)
         command[COMMAND_VIBRATION + c] = min(1.0, felt / scene.force_limit) if felt > 0.0 else 0.0
-    command[COMMAND_ENABLED] = 1.0 if _HOMED <= state.safety < _SAFE_STOP else 0.0
+    command[COMMAND_ENABLED] = 1.0 if SafetyState.HOMED <= state.safety < SafetyState.SAFE_STOP else 0.0
     command[COMMAND_STATE] = float(state.safety)
 
 

@@ -37,8 +37,6 @@ _BALL_TIME = 0.05
 _ABSURD = 1e6
 """Beyond this a number from a device counts as not finite."""
 
-_FRESH = int(DeviceStatus.FRESH)
-
 
 @kernel
 def _is_plausible(data: Vec) -> bool:
@@ -61,7 +59,7 @@ def take_data(scene: SceneRecord, states: Table[StateRecord], data: Vec, status:
     """Device data into the states; data that is not finite, or not fresh, leaves the last good motion standing."""
     state = states[0]
     state.readable = 1
-    if status != _FRESH:
+    if status != DeviceStatus.FRESH:
         state.age += dt
     elif _is_plausible(data):
         copy(data[DATA_Q : DATA_Q + MAX_JOINTS], state.q)

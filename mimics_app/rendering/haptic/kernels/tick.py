@@ -44,14 +44,10 @@ if TYPE_CHECKING:
 __all__ = ["tick"]
 
 
-_ACTIVE = int(SafetyState.ACTIVE)
-_DEGRADED = int(SafetyState.DEGRADED)
-
-
 @kernel
 def _follow_contacts(objects: ObjectWork, counts: ObjectCountsRecord, state: StateRecord, dt: float) -> None:
     """Begin and end of contacts with a tunnel's wall and with objects; only what the user can feel counts."""
-    felt = state.safety == _ACTIVE or state.safety == _DEGRADED
+    felt = state.safety == SafetyState.ACTIVE or state.safety == SafetyState.DEGRADED
     state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
     follow_touches(objects, counts, felt, dt)
 

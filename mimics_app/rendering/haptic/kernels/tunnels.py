@@ -72,9 +72,6 @@ OWN_TUNNEL = np.dtype(
 """What the sample holds of the task's own tunnel."""
 
 
-_FOLLOWING = int(TunnelStatus.FOLLOWING)
-
-
 @kernel
 def share_in_touch(last: float, now: float, touching: bool) -> float:
     """A share that may fall at any time but rises only in free motion: a stiffening contact would make energy."""
@@ -126,12 +123,12 @@ def _follow_one(
 def _holder(tunnels: Table[TunnelStateRecord], count: int, state: StateRecord) -> int:
     """Row of the tunnel that the ball is in from now on."""
     row = state.tunnel.row
-    stays = state.tunnel.chosen == 1 and row < count and tunnels[row].status == _FOLLOWING
+    stays = state.tunnel.chosen == 1 and row < count and tunnels[row].status == TunnelStatus.FOLLOWING
     if stays and tunnels[row].penetration <= 0.0:
         return row
     best = row if stays else -1
     for k in range(count):
-        if tunnels[k].status != _FOLLOWING:
+        if tunnels[k].status != TunnelStatus.FOLLOWING:
             continue
         if stays:
             if tunnels[k].penetration <= 0.0:

@@ -33,8 +33,6 @@ if TYPE_CHECKING:
 __all__ = ["separate_hulls", "support"]
 
 
-_BOX = int(ShapeKind.BOX)
-
 _SKIN = 0.1
 """Skin of a solid, as a share of half of its thinnest side."""
 
@@ -70,7 +68,7 @@ _AXES_OF_BOTH, _DIRECTIONS = 6, 15
 @kernel
 def _skin(solid: SolidRecord) -> float:
     size = solid.size
-    if solid.kind == _BOX:
+    if solid.kind == ShapeKind.BOX:
         thin = 0.5 * min(size[0], min(size[1], size[2]))
     else:
         thin = min(size[0], 0.5 * size[1])
@@ -81,7 +79,7 @@ def _skin(solid: SolidRecord) -> float:
 def support(solid: SolidRecord, d: Three, skin: float) -> Three:
     """Farthest point [m] along d of a box or cylinder without its skin."""
     size, p = solid.size, middle(solid)
-    if solid.kind == _BOX:
+    if solid.kind == ShapeKind.BOX:
         for j in range(3):
             edge = axis(solid, j)
             p = along(p, math.copysign(0.5 * size[j] - skin, dot(edge, d)), edge)

@@ -40,10 +40,6 @@ if TYPE_CHECKING:
 __all__ = ["depth_in_mesh", "points_in_mesh", "project_depths", "touch_mesh"]
 
 
-_SPHERE = int(ShapeKind.SPHERE)
-_BOX = int(ShapeKind.BOX)
-_CAPSULE = int(ShapeKind.CAPSULE)
-
 _RIM = 8
 
 _UNDER = 0.5
@@ -64,11 +60,11 @@ _CORNERS = 8
 def _samples(solid: SolidRecord) -> tuple[int, float, float, float]:
     """(points, their radius [m], share of the stiffness of each, how far behind the surface they are seen [m])."""
     size = solid.size
-    if solid.kind == _SPHERE:
+    if solid.kind == ShapeKind.SPHERE:
         return 1, size[0], 1.0, size[0]
-    if solid.kind == _CAPSULE:
+    if solid.kind == ShapeKind.CAPSULE:
         return 2, size[0], 0.5, size[0]
-    if solid.kind == _BOX:
+    if solid.kind == ShapeKind.BOX:
         return _CORNERS, 0.0, _OF_A_CORNER, _DEEPEST * min(size[0], min(size[1], size[2]))
     return 2 * _RIM, 0.0, 1.0 / _RIM, _DEEPEST * min(2.0 * size[0], size[1])
 
@@ -77,14 +73,14 @@ def _samples(solid: SolidRecord) -> tuple[int, float, float, float]:
 def _sample(solid: SolidRecord, k: int) -> Three:
     """Point k of a shape, world [m]."""
     size, p = solid.size, middle(solid)
-    if solid.kind == _SPHERE:
+    if solid.kind == ShapeKind.SPHERE:
         return p
-    if solid.kind == _BOX:
+    if solid.kind == ShapeKind.BOX:
         for j in range(3):
             p = along(p, 0.5 * size[j] if k & (1 << j) else -0.5 * size[j], axis(solid, j))
         return p
     p = along(p, 0.5 * size[1] if k % 2 == 1 else -0.5 * size[1], axis(solid, 1))
-    if solid.kind == _CAPSULE:
+    if solid.kind == ShapeKind.CAPSULE:
         return p
     angle = 2.0 * math.pi * (k // 2) / _RIM
     p = along(p, size[0] * math.cos(angle), axis(solid, 0))

@@ -24,8 +24,6 @@ __all__ = ["touch_by_capsule", "touch_by_sphere"]
 
 Span = tuple[float, float]
 
-_BOX = int(ShapeKind.BOX)
-_CYLINDER = int(ShapeKind.CYLINDER)
 
 _HALVINGS = 40
 """Steps of the search along the axis: to 1e-12 of its length."""
@@ -113,16 +111,16 @@ def _disc(p: Three, run: Three, radius: float, span: Span) -> Span:
 def _common_part(kind: int, size: Floats, p: Three, run: Three, n: Three) -> Span:
     """Part of the axis that runs over the face with normal n; reversed where there is none. All in the frame of b."""
     span = (0.0, 1.0)
-    if kind == _BOX:
+    if kind == ShapeKind.BOX:
         if max(abs(n[0]), max(abs(n[1]), abs(n[2]))) < _FACE:
             return 1.0, 0.0
         for i in range(3):
             if abs(n[i]) < 0.5:
                 span = _slab(p[i], run[i], 0.5 * size[i], span)
         return span
-    if kind == _CYLINDER and abs(n[1]) > _FACE:
+    if kind == ShapeKind.CYLINDER and abs(n[1]) > _FACE:
         return _disc(p, run, size[0], span)
-    if abs(n[1]) > 1.0 - _FACE and kind == _CYLINDER:
+    if abs(n[1]) > 1.0 - _FACE and kind == ShapeKind.CYLINDER:
         return 1.0, 0.0
     return _slab(p[1], run[1], 0.5 * size[1], span)
 

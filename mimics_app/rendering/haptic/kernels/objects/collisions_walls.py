@@ -24,11 +24,6 @@ if TYPE_CHECKING:
 __all__ = ["touch_wall"]
 
 
-_SPHERE = int(ShapeKind.SPHERE)
-_BOX = int(ShapeKind.BOX)
-_CAPSULE = int(ShapeKind.CAPSULE)
-
-
 _OF_A_CORNER = 0.25
 """Share of a face's stiffness that each of its four corners has [-]."""
 
@@ -84,12 +79,12 @@ def touch_wall(a: SolidRecord, b: SolidRecord, corners: Floats, points: F8) -> t
     n, centre, size = axis(b, 2), middle(a), a.size
     height = dot(minus(centre, middle(b)), n)
     kind, into = a.kind, times(-1.0, n)
-    if kind == _SPHERE:
+    if kind == ShapeKind.SPHERE:
         return _sink(along(centre, -size[0], n), height - size[0], 1.0, n, points, 0), into
-    if kind == _BOX:
+    if kind == ShapeKind.BOX:
         return _box(a, height, n, points), into
     up, count = axis(a, 1), 0
-    if kind == _CAPSULE:
+    if kind == ShapeKind.CAPSULE:
         for end in range(2):
             reach = (end - 0.5) * size[1]
             p = along(along(centre, reach, up), -size[0], n)

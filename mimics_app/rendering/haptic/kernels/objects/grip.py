@@ -55,8 +55,6 @@ _LONGEST_LEAD = 0.02
 _PATCH_ARM = 2.0 / 3.0
 """Mean arm of Coulomb friction over a disc of even pressure, in radii."""
 
-_WALL = int(ShapeKind.WALL)
-_MESH = int(ShapeKind.MESH)
 _FORCE_ON = int(BodyFlag.FORCE_ON_OBJECT)
 _TORQUE_ON = int(BodyFlag.TORQUE_ON_OBJECT)
 
@@ -112,12 +110,12 @@ def _measure(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, body: int
     surface = -1
     for k in range(counts.shapes):
         shape = rows.shapes[k]
-        if shape.body != body or shape.enabled == 0 or shape.kind == _WALL:
+        if shape.body != body or shape.enabled == 0 or shape.kind == ShapeKind.WALL:
             continue
         middle = 0.0
         for i in range(3):
             middle += (work.shape_positions[k, i] - grip.centre[i]) * grip.axis[i]
-        if shape.kind == _MESH:
+        if shape.kind == ShapeKind.MESH:
             mesh = work.meshes.rows[shape.mesh]
             low, high = mesh_extent(mesh, work.meshes.hulls, work.shape_rotations[k], grip.axis)
         else:

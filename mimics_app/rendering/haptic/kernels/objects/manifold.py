@@ -44,7 +44,6 @@ _RIM = 8
 _LEANS = math.sqrt(0.5)
 """Cosine between the axis of a cylinder and the normal from which its cap counts and no longer its side."""
 
-_BOX = int(ShapeKind.BOX)
 
 Plane = tuple[float, float, float]
 """Height over the plane of contact as h = a + b u + c v."""
@@ -138,7 +137,7 @@ def write_feature(solid: SolidRecord, d: Three, corners: Floats) -> tuple[int, T
     Returns:
         (corners, outward normal of the feature, share of a lone corner of it). Two corners are a line.
     """
-    if solid.kind == _BOX:
+    if solid.kind == ShapeKind.BOX:
         return _FACE, _box_face(solid, d, corners), _OF_A_CORNER
     count, n = _cylinder_feature(solid, d, corners)
     if count == 2:

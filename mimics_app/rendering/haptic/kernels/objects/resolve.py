@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 __all__ = ["part", "push_apart"]
 
 
-_HUNT_CROSSLEY = int(ForceLaw.HUNT_CROSSLEY)
-
 _NEW_AFTER = 0.02
 """A contact that was apart for less than this [s] is not a new one: a box that rocks does not knock each tick."""
 
@@ -72,7 +70,7 @@ def _press(
         p = (points[k, 0], points[k, 1], points[k, 2])
         closing = minus(_velocity_at(first, p), _velocity_at(second, p))
         rate = dot(closing, n)
-        if pair.law == _HUNT_CROSSLEY:
+        if pair.law == ForceLaw.HUNT_CROSSLEY:
             force = hunt_crossley(points[k, 3], rate, pair.stiffness, pair.stiffness * pair.damping, pair.exponent)
         else:
             force = pair_force(points[k, 3], rate, pair.stiffness, pair.damping)

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 __all__ = ["anchor_stiffness", "lower_by_ripple", "normal_force", "rub"]
 
 
-_HUNT_CROSSLEY = int(ForceLaw.HUNT_CROSSLEY)
-
 _AT_REST = 1e-9
 """Share of its reach by which friction may be overstretched and still counts as holding: rounding, not motion."""
 
@@ -65,7 +63,7 @@ def lower_by_ripple(shape: ShapeRecord, p: Vec, contact: ContactRecord, slope: V
 @kernel
 def normal_force(shape: ShapeRecord, depth: float, rate: float) -> tuple[float, float, float]:
     """Force [N] of the shape's law, its stiffness [N/m] and its damping [N s/m] at this depth [m] and rate [m/s]."""
-    if shape.law == _HUNT_CROSSLEY:
+    if shape.law == ForceLaw.HUNT_CROSSLEY:
         lam = shape.stiffness * shape.damping
         force = hunt_crossley(depth, rate, shape.stiffness, lam, shape.exponent)
         pushed = depth**shape.exponent

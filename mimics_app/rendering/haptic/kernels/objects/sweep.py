@@ -36,13 +36,6 @@ if TYPE_CHECKING:
 __all__ = ["find_pairs", "near"]
 
 
-_WALL = int(ShapeKind.WALL)
-_SPHERE = int(ShapeKind.SPHERE)
-_BOX = int(ShapeKind.BOX)
-_CYLINDER = int(ShapeKind.CYLINDER)
-_CAPSULE = int(ShapeKind.CAPSULE)
-_MESH = int(ShapeKind.MESH)
-
 _MARGIN = 0.05
 """Room around a shape, as a share of its bounding radius."""
 
@@ -75,14 +68,14 @@ def _may_come_near(a: SolidRecord, b: SolidRecord) -> bool:
 def _extent(solid: SolidRecord, k: int) -> float:
     """Half of a shape's extent along world axis k [m]; inf for one without bounds."""
     size, R = solid.size, solid.rotation
-    if solid.kind == _BOX:
+    if solid.kind == ShapeKind.BOX:
         return 0.5 * (size[0] * abs(R[k, 0]) + size[1] * abs(R[k, 1]) + size[2] * abs(R[k, 2]))
-    if solid.kind == _SPHERE:
+    if solid.kind == ShapeKind.SPHERE:
         return size[0]
     upright = abs(R[k, 1])
-    if solid.kind == _CAPSULE:
+    if solid.kind == ShapeKind.CAPSULE:
         return 0.5 * size[1] * upright + size[0]
-    if solid.kind == _CYLINDER:
+    if solid.kind == ShapeKind.CYLINDER:
         return 0.5 * size[1] * upright + size[0] * math.sqrt(max(0.0, 1.0 - upright * upright))
     return math.inf
 
@@ -110,7 +103,7 @@ def _bound_mesh(solid: SolidRecord, mesh: MeshRecord, boxes: Floats) -> None:
 
 @kernel
 def _bound_any(solid: SolidRecord, meshes: Table[MeshRecord], boxes: Floats) -> None:
-    if solid.kind == _MESH:
+    if solid.kind == ShapeKind.MESH:
         _bound_mesh(solid, meshes[solid.mesh], boxes)
     else:
         _bound(solid)
@@ -128,7 +121,7 @@ def _room_of(solid: SolidRecord, motion: MotionRecord, dt: float) -> float:
     """How far a moving shape may go [m]."""
     v, w = motion.velocity, motion.omega
     radius = solid.radius
-    if solid.kind == _MESH:
+    if solid.kind == ShapeKind.MESH:
         radius = 0.0
         for k in range(3):
             radius = max(radius, 0.5 * (solid.high[k] - solid.low[k]))
@@ -157,7 +150,7 @@ def _take_shapes(
         solid = solids[i]
         if not solid.enabled:
             continue
-        if solid.kind == _WALL:
+        if solid.kind == ShapeKind.WALL:
             sweep.walls += 1
             order[order.shape[0] - sweep.walls] = i
             continue
