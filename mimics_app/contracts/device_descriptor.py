@@ -96,7 +96,7 @@ class Kinematics(NamedTuple):
         torque: J^T f of given forces on the points: forces [N] of sliding, torques [N m] of turning joints.
         rates: Joint velocities of given velocities of the points.
         to_robot: Forces from the frame of the sensor to the robot frame; absent: they are the same.
-        to_tool: The way back.
+        to_tool: The inverse.
     """
 
     forward: Callable[..., Any]
@@ -144,7 +144,7 @@ class DeviceDescriptor:
         kinematics: Its functions.
         geometry: Up to MAX_GEOMETRY numbers for them, from the scene's robot component.
         polar: Its joints are radial, angle about the vertical, vertical: the admittance forms of D2.1 4.2.7 hold, and
-            joints are driven by way of the velocity of the one point. Otherwise motion is computed in its joints.
+            joints are driven by the velocity of the one point. Otherwise motion is computed in its joints.
         torques: It measures torques at its joints, and takes torques.
     """
 

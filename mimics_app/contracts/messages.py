@@ -215,7 +215,7 @@ class SoundTrigger:
     """Something that happened and may have a sound: which one, the scene says by kind and material.
 
     Attributes:
-        kind: Such as "step", "kick", "goal"; those of the haptic loop go their own way.
+        kind: Such as "step", "kick", "goal"; those of the haptic loop have a ring of their own.
         t_ns: When, on the session's clock.
         position_world: Where [m], or None to play it at the listener.
         material: What of, such as "grass"; "" where it does not matter.

@@ -96,7 +96,7 @@ class Scenario(Protocol):
         """The picture is on screens about the person, who sees the real body before them: none is drawn for it."""
 
     def aim(self, snapshot: HapticSnapshot) -> Aim | None:
-        """What a person does next with the hand, going by what is seen; None where the way alone says it."""
+        """What a person does next with the hand, going by what is seen; None where the path alone says it."""
         return None
 
     def haptic_orders(self) -> Mapping[str, object]:

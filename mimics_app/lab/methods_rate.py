@@ -1,7 +1,7 @@
 """How often a wall is felt: the energy a sampled wall generates at every tap, against what the ticks cost.
 
 A point goes in at constant speed v to depth d and out again. The force of a spring sampled every T and held is too
-small on the way in and too large on the way out: the wall gives K T v d away (Gillespie & Cutkosky 1996), whatever
+small as it goes in and too large as it comes out: the wall gives K T v d away (Gillespie & Cutkosky 1996), whatever
 device is behind it. The tap is rendered by the functions of the loop: shape, law, and passivity observer.
 
 Importing this module registers the group.

@@ -114,7 +114,7 @@ def _log_ticks(low: float, high: float) -> list[float]:
 
 
 def format_ticks(values: Sequence[float]) -> list[str]:
-    """Numbers along an axis, in one way: where one is written as a power of ten, all whole powers are."""
+    """Numbers along an axis, in one notation: where one is written as a power of ten, all whole powers are."""
     plain = [format_number(value) for value in values]
     exponents = [math.log10(value) if value > 0.0 else math.nan for value in values]
     whole = all(abs(exponent - round(exponent)) < 1e-9 for exponent in exponents if not math.isnan(exponent))

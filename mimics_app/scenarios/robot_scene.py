@@ -58,7 +58,7 @@ class Places(Mapping[str, Vec3]):
 
 
 def start_at(scene: Scene, point_world: NDArray[np.float64]) -> tuple[tuple[float, ...], Home | None]:
-    """How a trial is begun at a point of the world [m]: the joints there, and the way there where it is by world PD.
+    """How a trial is begun at a point of the world [m]: the joints there, and the path there where it is by world PD.
 
     Further points of contact stay where the middle of their joints has them.
     """

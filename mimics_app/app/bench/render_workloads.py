@@ -100,7 +100,7 @@ class City(Workload):
 
 
 class Walk(City):
-    """The product's own city as its scene requests it: a few steps at a walking pace, and again some way further on.
+    """The product's own city as its scene requests it: a few steps at a walking pace, and again some streets on.
 
     Attributes:
         scene: The city's.

@@ -1,4 +1,4 @@
-"""What two ears are given, measured: delay and level between them against a reference head, and steps on the way.
+"""What two ears are given, measured: delay and level between them against a reference head, and steps between them.
 
 The delay is that below 1.5 kHz (peak of the correlation), the level that of bands as wide as the ear's own (ERB,
 Glasberg & Moore 1990).

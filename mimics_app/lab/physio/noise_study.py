@@ -33,7 +33,7 @@ _ELECTRODE_DB = (6.0, 0.0)
 _PIECES, _PIECE_S = 4, 120.0
 """Pieces of each record, and how long they are [s]."""
 _ANEW = 20
-"""Ways in which the noise is laid upon the heart that it was recorded with."""
+"""Seeds by which the noise is laid upon the heart that it was recorded with."""
 _SYNTHETIC_S = 300.0
 
 

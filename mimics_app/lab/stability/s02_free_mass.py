@@ -1,6 +1,6 @@
 """S2: a free mass on a sampled spring without damping gains energy at every rate, 60 to 4000 Hz.
 
-The force of each tick is held until the next, so the spring pushes a little too long on the way out. The growth per
+The force of each tick is held until the next, so the spring pushes a little too long as the mass leaves. The growth per
 tick has a closed form, |lambda| = sqrt(1 + K T^2 / 2 m) > 1. Below 500 Hz the rendering "can become unstable"
 (D2.1 4.3.1); nothing changes at 500 Hz: without damping the wall is unstable at any rate, only ever more slowly.
 Where damping makes it stable is S3.

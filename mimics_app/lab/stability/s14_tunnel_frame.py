@@ -1,6 +1,6 @@
-"""S14: which way is n? At an inflection Frenet's normal turns over, and with it every force given along n and b.
+"""S14: where does n point? At an inflection Frenet's normal turns over, and with it every force given along n and b.
 
-A ball is carried along a wavy tunnel, pressed into the same wall all the way. What the wall does is the same in any
+A ball is carried along a wavy tunnel, pressed into the same wall throughout. What the wall does is the same in any
 frame; what a task shows or records along n and b is not: along Frenet's normal the force changes sign at every
 inflection of the bisector, by twice its size in one tick. In the frame of the tick it stays as it is.
 

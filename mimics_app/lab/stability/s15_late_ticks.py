@@ -3,7 +3,7 @@
 Every 50 ms one tick wakes late and the ones behind it follow back to back, so that the mean period stays 1 ms and a
 rule with the mean sees nothing. What counts is the mean hold weighted by its own length. Policy on, the late tick's
 output is held until the loop has caught up, 10 us a tick: hardly worse. From 10 ms on the policy ramps the force down
-instead, and no wall is left that could give anything. The lateness of a live loop is replayed the same way.
+instead, and no wall is left that could give anything. The lateness of a live loop is replayed likewise.
 """
 
 from __future__ import annotations

@@ -106,7 +106,7 @@ def given_samples(samples: int) -> int:
     """Samples a pixel that the driver really takes when so many are requested: an edge shows one level more.
 
     Raises:
-        DeviceError: there is no way to draw without a display.
+        DeviceError: nothing here draws without a display.
     """
     with open_offscreen("auto", _EDGE) as surface:
         renderer = Renderer(surface, _card(ANGLES[3]), replace(_PLAIN, msaa=samples))

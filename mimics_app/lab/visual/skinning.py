@@ -68,7 +68,7 @@ def figure_world(vertices: int, skinning: Skinning) -> tuple[World, SkinnedBody]
 
 @cache
 def _exact(skinning: Skinning) -> F8:
-    """Vertices by double precision all the way."""
+    """Vertices in double precision throughout."""
     world, body = figure_world(_VERTICES, skinning)
     mesh, table = body.meshes[_KEY], world.transforms
     assert body.binding is not None and mesh.weights is not None
@@ -163,7 +163,7 @@ def _cost_with_driver(by: type[ProcessorSkinning] | type[FeedbackSkinning], skin
 
 
 def ring_left(skinning: Skinning, twist: float) -> float:
-    """Radius of the ring half way along a tube whose ends are turned against each other [rad], of its own.
+    """Radius of the ring in the middle of a tube whose ends are turned against each other [rad], of its own.
 
     By matrices it is cos(twist / 2), by dual quaternions 1.
     """

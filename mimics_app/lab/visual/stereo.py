@@ -77,7 +77,7 @@ def body_world(bodies: int, subdivisions: int, *, own_materials: bool) -> World:
 
 @contextmanager
 def _opened(world: World, eye_size: Size, *passes: StereoPasses) -> Iterator[list[Callable[[], NDArray[np.uint8]]]]:
-    """For each way something that draws a frame of both eyes and gives it back, all on one picture."""
+    """For each method something that draws a frame of both eyes and gives it back, all on one picture."""
     above = "viewports" in passes
     size = (eye_size[0], 2 * eye_size[1]) if above else (2 * eye_size[0], eye_size[1])
     with open_offscreen("auto", size) as surface:
@@ -97,7 +97,7 @@ def _draw(renderer: Renderer, views: Sequence[View], surface: Surface) -> NDArra
 
 
 def show_stereo(world: World, eye_size: Size, *passes: StereoPasses) -> list[NDArray[np.uint8]]:
-    """Pictures of both eyes beside each other, one drawn in each way; above each other where one way is viewports.
+    """Pictures of both eyes beside each other, one by each method; above each other where one is viewports.
 
     RGBA, row 0 at the top.
     """
@@ -106,12 +106,12 @@ def show_stereo(world: World, eye_size: Size, *passes: StereoPasses) -> list[NDA
 
 
 def turns(workload: str, *passes: StereoPasses) -> list[list[float]]:
-    """Processor time of frames of a workload in each way [us], frame by frame in turns, all threads together.
+    """Processor time of frames of a workload by each method [us], frame by frame in turns, all threads together.
 
     Not the time on the wall: whatever else a machine does falls on one method more than on another.
 
     Raises:
-        DeviceError: there is no way to draw without a display.
+        DeviceError: nothing here draws without a display.
     """
     bodies, subdivisions, own, size = WORKLOADS[workload]
     with _opened(body_world(bodies, subdivisions, own_materials=own), size, *passes) as drawn:
@@ -128,7 +128,7 @@ def _processor_us(work: Callable[[], object]) -> float:
 
 
 def _three_frames_us(passes: StereoPasses) -> float:
-    """Of workloads in which calls, and bodies of different sizes, cost most: no way is cheap by one of them alone."""
+    """Of workloads in which calls, and bodies of different sizes, cost most: no method is cheap by one alone."""
     return sum(median(turns(workload, passes)[0]) for workload in ("draws", "small bodies", "bodies"))
 
 

@@ -133,7 +133,7 @@ def _morph_weights(model: GltfDocument, nodes: list[GltfNode]) -> F8:
 
 
 def _turned_over(inverse_bind: F8, joints: tuple[int, ...], made: Made, body: SceneNode) -> bool:
-    """Whether joints mirror the mesh and its node does not, or the other way round.
+    """Whether joints mirror the mesh and its node does not, or the reverse.
 
     Which side of a triangle is outside is given by the node, which has no say where the vertices of a skin are.
     """

@@ -90,7 +90,7 @@ def hull_corners(mesh: SolidMesh) -> F8:
 def enclosing_sphere(vertices: F8) -> tuple[F8, float]:
     """Centre [m] and radius [m] of a sphere round points, at most a few per cent wider than the smallest.
 
-    Ever shorter steps towards the farthest point (Badoiu & Clarkson 2003); the best centre on the way counts.
+    Ever shorter steps towards the farthest point (Badoiu & Clarkson 2003); the best centre of all steps counts.
     """
     centre = best = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
     radius = np.inf

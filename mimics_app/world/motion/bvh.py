@@ -67,7 +67,7 @@ def read_bvh(path: Path) -> MotionCapture:
 
 
 def capture_clip(capture: MotionCapture, name: str, target: Rig, bones: HumanoidMap) -> tuple[Clip, list[str]]:
-    """A clip of a model that does what was recorded, and what was found and guessed on the way.
+    """A clip of a model that does what was recorded, and what was found and guessed.
 
     Args:
         capture: What was recorded.

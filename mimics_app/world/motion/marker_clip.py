@@ -39,7 +39,7 @@ _SPINE = ("spine", "chest", "upperChest")
 
 
 def marker_clip(take: MarkerTake, name: str, target: Rig, bones: HumanoidMap) -> tuple[Clip, list[str]]:
-    """A clip of a model that does what markers show, and what was found and guessed on the way.
+    """A clip of a model that does what markers show, and what was found and guessed.
 
     Args:
         take: What was recorded.

@@ -64,7 +64,7 @@ def _points(scene: Scene) -> Iterator[F8]:
 
 
 def _world_matrix(entity: SceneEntity, by_id: dict[str, SceneEntity], matrices: dict[str, F8]) -> F8:
-    """T_world_from_entity, [4, 4]; those found on the way are kept, so that every one is computed once."""
+    """T_world_from_entity, [4, 4]; those of parents are kept, so that every one is computed once."""
     chain = []
     step: SceneEntity | None = entity
     while step is not None and step.id not in matrices:

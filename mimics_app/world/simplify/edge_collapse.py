@@ -80,7 +80,7 @@ def collapse(
 
 @kernel
 def _push(heap: list[Edge], t: int, only: int, corners: I8, quadrics: F8, places: F8, stamps: I8) -> None:
-    """Queue a triangle's edges, both ways; of one corner only, or of all: -1."""
+    """Queue a triangle's edges, in both directions; of one corner only, or of all: -1."""
     for k in range(3):
         u, v = corners[t, k], corners[t, (k + 1) % 3]
         if only in (-1, u, v):

@@ -18,7 +18,7 @@ __all__ = ["FAMILIES", "Drive", "Family", "LatentPeople", "Traits", "draw_traits
 
 Family = Literal["linear", "saturating", "lagged", "blocked", "flipped"]
 FAMILIES: tuple[Family, ...] = ("linear", "saturating", "lagged", "blocked", "flipped")
-"""How the heart follows arousal: in proportion; up to a ceiling; late; hardly (beta blocker); the other way round."""
+"""How the heart follows arousal: in proportion; up to a ceiling; late; hardly (beta blocker); inverted."""
 
 _NON_RESPONDERS = 0.12
 """Share of people whose body does not show arousal; 10-15 % do not respond electrodermally (Dawson, Schell & Filion,
