@@ -120,6 +120,7 @@ _POLL = _IN + _IN_PLACES
 HAPTICMASTER_LENGTH = _POLL + 1
 
 _FRESH, _NO_DATA, _FAULT = 0, 1, 2
+_ACTIVE = int(SafetyState.ACTIVE)
 
 _DEAF = 50
 """Ticks without an answer after which the conversation is given up and begun anew: nothing says what was missed."""
@@ -240,7 +241,7 @@ def _bias_force(memory: Vec, command: Vec, force: Vec) -> None:
     fill(force, 0.0)
     if command[COMMAND_ENABLED] == 0.0:
         return
-    if command[COMMAND_STATE] >= SafetyState.ACTIVE:
+    if command[COMMAND_STATE] >= _ACTIVE:
         if memory[OBJECTS] == 0.0:
             force[:] = command[COMMAND_FORCE : COMMAND_FORCE + 3]
         return
