@@ -15,6 +15,8 @@ __all__ = [
     "quaternion_of",
     "rotation_from_vector",
     "rotation_vector",
+    "turn_vector",
+    "turned_back",
 ]
 
 
@@ -95,3 +97,14 @@ def invert_pose(pose: F8) -> F8:
     inverse[:3, :3] = pose[:3, :3].T
     inverse[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
     return inverse
+
+
+def turned_back(rotation: F8) -> F8:
+    """The opposite of a unit quaternion, xyzw."""
+    return rotation * (-1.0, -1.0, -1.0, 1.0)
+
+
+def turn_vector(rotation: F8, vector: F8) -> F8:
+    """A vector, shape [3], turned by a unit quaternion, xyzw."""
+    turn = 2.0 * np.cross(rotation[:3], vector)
+    return np.asarray(vector + rotation[3] * turn + np.cross(rotation[:3], turn))

@@ -66,6 +66,15 @@ def _row(source: str, length: float, wakes: Wakes) -> dict[str, Any]:
     }
 
 
+def _note(times: float, down: dict[str, Any]) -> str:
+    return (
+        f"K = {STIFFNESS:.0f} N/m. One tick in 50 late by 9 ms needs {times:.1f} times the damping of a loop "
+        f"in time, though the mean period is the same. At 12 ms and 2 N s/m the wall generates "
+        f"{-1e3 * down['energy_at_2_N_s_m_policy_off_J']:.0f} mJ with the policy off; on, it takes "
+        f"{1e3 * down['energy_at_2_N_s_m_policy_on_J']:.0f} mJ."
+    )
+
+
 def _simulate_grid(points: int) -> Outcome:
     lengths = [float(length) for length in np.linspace(0.0, _LONGEST, max(points, 2))]
     rows = [_row("every 50th tick", length, stalls(length)) for length in lengths]
@@ -78,12 +87,7 @@ def _simulate_grid(points: int) -> Outcome:
     simulated, exact, live = curve("needed_N_s_m"), curve("exact_N_s_m"), curve("live_limit_N_s_m")
     down = _row("every 50th tick", _RAMPED_DOWN, stalls(_RAMPED_DOWN))
     rows.append(down)
-    note = (
-        f"K = {STIFFNESS:.0f} N/m. One tick in 50 late by 9 ms needs {exact[-1][1]:.1f} times the damping of a loop "
-        f"in time, though the mean period is the same. At 12 ms and 2 N s/m the wall generates "
-        f"{-1e3 * down['energy_at_2_N_s_m_policy_off_J']:.0f} mJ with the policy off; on, it takes "
-        f"{1e3 * down['energy_at_2_N_s_m_policy_on_J']:.0f} mJ."
-    )
+    note = _note(exact[-1][1], down)
     if points >= _LIVE_POINTS:
         lateness = measure_lateness(_LIVE_SECONDS)
         rows.append(_row("measured live", float(np.max(lateness)), wakes_with(lateness, _STROKE.seconds)))
