@@ -15,9 +15,10 @@ from numba import types
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Words
+
 __all__ = ["exchange", "load_acquire", "now_ns", "scratch", "sleep_until_ns", "store_release"]
 
-Words = NDArray[np.int64]
 
 _CLOCK_MONOTONIC = 1
 _TIMER_ABSTIME = 1

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.messages import SoundEvent
 
 __all__ = [
@@ -24,9 +25,6 @@ __all__ = [
     "frame_at",
     "percentiles_ms",
 ]
-
-Vec3 = tuple[float, float, float]
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,18 +48,18 @@ class Heard:
     """
 
     t_ns: int
-    head_position: Floats
-    head_velocity: Floats
-    head_forward: Floats
-    head_up: Floats
+    head_position: F8
+    head_velocity: F8
+    head_forward: F8
+    head_up: F8
     room_level: float
     room_time: float
     handles: NDArray[np.int64]
-    position: Floats
-    velocity: Floats
-    forward: Floats
-    gain: Floats
-    passes: Floats
+    position: F8
+    velocity: F8
+    forward: F8
+    gain: F8
+    passes: F8
 
 
 @dataclass(frozen=True, slots=True)

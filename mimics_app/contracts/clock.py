@@ -9,6 +9,7 @@ from typing import Protocol
 __all__ = [
     "FRAMES_PER_SECOND",
     "FRAME_NS",
+    "SECOND_NS",
     "TICKS_PER_SECOND",
     "TICK_NS",
     "Clock",
@@ -20,13 +21,15 @@ __all__ = [
     "wall_time",
 ]
 
+SECOND_NS = 1_000_000_000
+
 TICKS_PER_SECOND = 1000
-TICK_NS = 1_000_000_000 // TICKS_PER_SECOND
+TICK_NS = SECOND_NS // TICKS_PER_SECOND
 
 FRAMES_PER_SECOND = 60
 """Of the picture, and of the stages that are called once a frame; a film has as many."""
 
-FRAME_NS = 1_000_000_000 // FRAMES_PER_SECOND
+FRAME_NS = SECOND_NS // FRAMES_PER_SECOND
 """Shortest distance of two live frames, less than a nanosecond short of a sixtieth of a second."""
 
 

@@ -16,9 +16,10 @@ from numba import types
 from numba.extending import overload
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import U1
+
 __all__ = ["HUNG_UP", "QUIET", "READABLE", "look_at", "read_bytes", "receive_bytes", "send_bytes", "write_bytes"]
 
-Bytes = NDArray[np.uint8]
 
 QUIET, READABLE, HUNG_UP = 0, 1, 2
 """What `look_at` sees."""
@@ -45,7 +46,7 @@ def look_at(fd: int, request: NDArray[np.int32]) -> int:
     return HUNG_UP if seen & _GONE else READABLE if seen & _IN else QUIET
 
 
-def read_bytes(fd: int, buffer: Bytes, start: int, count: int) -> int:
+def read_bytes(fd: int, buffer: U1, start: int, count: int) -> int:
     """Read at most `count` bytes into buffer[start:]; how many, 0 at an end, -1 when there are none now."""
     try:
         got = os.read(fd, count)
@@ -55,7 +56,7 @@ def read_bytes(fd: int, buffer: Bytes, start: int, count: int) -> int:
     return len(got)
 
 
-def write_bytes(fd: int, buffer: Bytes, start: int, count: int) -> int:
+def write_bytes(fd: int, buffer: U1, start: int, count: int) -> int:
     """Write buffer[start : start + count]; how many were taken, -1 when none could be."""
     try:
         return os.write(fd, buffer[start : start + count].tobytes())
@@ -63,12 +64,12 @@ def write_bytes(fd: int, buffer: Bytes, start: int, count: int) -> int:
         return -1
 
 
-def receive_bytes(fd: int, buffer: Bytes, start: int, count: int) -> int:
+def receive_bytes(fd: int, buffer: U1, start: int, count: int) -> int:
     """`read_bytes` of a socket: 0 says that the other side has closed it."""
     return read_bytes(fd, buffer, start, count)
 
 
-def send_bytes(fd: int, buffer: Bytes, start: int, count: int) -> int:
+def send_bytes(fd: int, buffer: U1, start: int, count: int) -> int:
     """`write_bytes` of a socket; a closed one is -1, never a signal."""
     return write_bytes(fd, buffer, start, count)
 

@@ -21,8 +21,8 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numba import types
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import MAX_GEOMETRY
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_fields import MAX_CONTACTS, MAX_JOINTS, Extent
@@ -48,7 +48,6 @@ __all__ = [
     "not_given",
 ]
 
-Vec = NDArray[np.float64]
 
 CONTACTS = ("hand", "fingers", "left foot", "right foot", "tool")
 """What a point of contact may be."""
@@ -97,7 +96,7 @@ class Kinematics(NamedTuple):
         torque: J^T f of given forces on the points: forces [N] of sliding, torques [N m] of turning joints.
         rates: Joint velocities of given velocities of the points.
         to_robot: Forces from the frame of the sensor to the robot frame; absent: they are the same.
-        to_tool: The way back.
+        to_tool: The inverse.
     """
 
     forward: Callable[..., Any]
@@ -145,7 +144,7 @@ class DeviceDescriptor:
         kinematics: Its functions.
         geometry: Up to MAX_GEOMETRY numbers for them, from the scene's robot component.
         polar: Its joints are radial, angle about the vertical, vertical: the admittance forms of D2.1 4.2.7 hold, and
-            joints are driven by way of the velocity of the one point. Otherwise motion is computed in its joints.
+            joints are driven by the velocity of the one point. Otherwise motion is computed in its joints.
         torques: It measures torques at its joints, and takes torques.
     """
 

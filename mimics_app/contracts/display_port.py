@@ -13,8 +13,8 @@ from enum import Enum
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, U1
 from mimics_app.contracts.tracker_port import TrackerSample
 
 __all__ = [
@@ -30,8 +30,6 @@ __all__ = [
     "WindowPlace",
 ]
 
-F8 = NDArray[np.float64]
-U1 = NDArray[np.uint8]
 Rect = tuple[int, int, int, int]
 Size = tuple[int, int]
 Tangents = tuple[float, float, float, float]

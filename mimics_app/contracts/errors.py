@@ -28,6 +28,7 @@ __all__ = [
     "SceneError",
     "UsageError",
     "all_sought",
+    "first_line",
     "listed_issues",
     "more_issues",
     "nearest",
@@ -162,6 +163,11 @@ class PartialDataError(MimicsError):
     """A recording ends early, misses a part, or does not agree with its replay."""
 
     exit_code = 6
+
+
+def first_line(error: Exception) -> str:
+    """What a library says of its failure, or the failure's name where it says nothing."""
+    return (str(error) or type(error).__name__).splitlines()[0]
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -9,12 +9,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.messages import Aim, Experience, PointerState, SignalBlock
 from mimics_app.contracts.window_input import GamepadState, InputEvent
 
 __all__ = ["PointerSource", "Ray", "RayFromWindow", "SignalSource", "Window", "WindowFrame"]
 
-Vec3 = tuple[float, float, float]
 
 Ray = tuple[Vec3, Vec3]
 """(origin [m], direction of any length), both in the world."""

@@ -13,7 +13,8 @@ from enum import Enum
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from mimics_app.contracts.arrays import Vec
 
 __all__ = [
     "LOOP_FIELDS",
@@ -31,7 +32,6 @@ __all__ = [
     "state_fields",
 ]
 
-Vec = NDArray[np.float64]
 
 Move = tuple[int, tuple[str, ...], str]
 """Which record is copied from (0: STATE, 1: TOTALS of the objects), where in it, and the field copied to."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.board import Board
 from mimics_app.contracts.loop_fields import HapticSnapshot
 from mimics_app.contracts.trial_state import TaskView
@@ -30,8 +31,6 @@ __all__ = [
     "UserState",
     "VRInput",
 ]
-
-Vec3 = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,7 +215,7 @@ class SoundTrigger:
     """Something that happened and may have a sound: which one, the scene says by kind and material.
 
     Attributes:
-        kind: Such as "step", "kick", "goal"; those of the haptic loop go their own way.
+        kind: Such as "step", "kick", "goal"; those of the haptic loop have a ring of their own.
         t_ns: When, on the session's clock.
         position_world: Where [m], or None to play it at the listener.
         material: What of, such as "grass"; "" where it does not matter.

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.haptic_objects import BODY, EFFECT, MAX_POINTS, POINT, SHAPE, TUNNEL, WIRE
 
 __all__ = [
@@ -23,7 +23,6 @@ __all__ = [
     "unpack_rows",
 ]
 
-Records = NDArray[Any]
 
 _NEIGHBOURS = 24
 """Pairs to a shape: in a heap of equal cubes each has 26 neighbours, so 13 pairs; the rest is for unequal ones."""

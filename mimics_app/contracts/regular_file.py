@@ -8,7 +8,7 @@ import stat
 from io import BufferedReader
 from pathlib import Path
 
-__all__ = ["open_regular", "read_regular"]
+__all__ = ["open_regular", "read_or_nothing", "read_regular"]
 
 _NEVER_WAIT = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 
@@ -42,3 +42,11 @@ def read_regular(path: str | os.PathLike[str], at_most: int | None = None) -> by
     """
     with open_regular(Path(path)) as stream:
         return stream.read() if at_most is None else stream.read(at_most)
+
+
+def read_or_nothing(path: Path) -> bytes:
+    """All bytes of a regular file; none where it cannot be read."""
+    try:
+        return read_regular(path)
+    except OSError:
+        return b""

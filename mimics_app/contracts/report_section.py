@@ -12,10 +12,11 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
+
 __all__ = ["Curve", "Marks", "ReportSection", "ReportedAttempt", "Traces", "TunnelShape", "Word", "frontal"]
 
-Values = NDArray[np.float64]
-Traces = Mapping[str, Mapping[str, tuple[str, Values]]]
+Traces = Mapping[str, Mapping[str, tuple[str, F8]]]
 """By the label of an axis with its unit: by style, the name and the values of each line."""
 
 
@@ -23,8 +24,8 @@ Traces = Mapping[str, Mapping[str, tuple[str, Values]]]
 class TunnelShape:
     """Bisector and radius of a tunnel, sampled along its length: world frame [m], shapes [n, 3] and [n]."""
 
-    bisector_world: Values
-    radius: Values
+    bisector_world: F8
+    radius: F8
 
 
 class ReportedAttempt(Protocol):
@@ -61,7 +62,7 @@ class Curve:
         label: In the legend, "" for none.
     """
 
-    points: Values
+    points: F8
     style: str
     label: str = ""
 
@@ -70,7 +71,7 @@ class Curve:
 class Marks:
     """Points in the frontal plane [m], shape [n, 2], with what a pointer over each reads."""
 
-    points: Values
+    points: F8
     label: str
     hovers: Sequence[str]
     style: str = "contact"
@@ -81,8 +82,8 @@ class Word:
     """A word at a place of the frontal plane [m], pushed away from there along a direction, shape [2] each."""
 
     text: str
-    place: Values
-    outward: Values
+    place: F8
+    outward: F8
 
 
 class ReportSection:
@@ -135,7 +136,7 @@ class ReportSection:
         return {}
 
 
-def frontal(attempt: ReportedAttempt) -> Values:
+def frontal(attempt: ReportedAttempt) -> F8:
     """Path of the hand in the frontal plane, lateral and vertical [m], shape [n, 2]."""
-    path: Values = attempt.samples["hip_world"][:, :2]
+    path: F8 = attempt.samples["hip_world"][:, :2]
     return path

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Words
 from mimics_app.contracts.atomics import load_acquire, store_release
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.shared_words import DROPPED, HEAD, TAIL
 
 __all__ = ["drain", "peek", "position", "push", "release", "room", "waiting"]
 
-Words = NDArray[np.int64]
 Records = NDArray[np.void]
 
 

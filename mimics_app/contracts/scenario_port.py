@@ -9,12 +9,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.haptic import Controller
 from mimics_app.contracts.messages import Aim, HapticSnapshot, TaskOrders
 
 __all__ = ["BodyPose", "Home", "Scenario", "TaskContext"]
 
-Vec3 = tuple[float, float, float]
 
 BodyPose = Callable[[str, int], NDArray[np.float64] | None]
 """(role, session time [ns]) -> room_from_part, float64 [4, 4]; None where no tracker knows that part of the body."""
@@ -96,7 +96,7 @@ class Scenario(Protocol):
         """The picture is on screens about the person, who sees the real body before them: none is drawn for it."""
 
     def aim(self, snapshot: HapticSnapshot) -> Aim | None:
-        """What a person does next with the hand, going by what is seen; None where the way alone says it."""
+        """What a person does next with the hand, going by what is seen; None where the path alone says it."""
         return None
 
     def haptic_orders(self) -> Mapping[str, object]:

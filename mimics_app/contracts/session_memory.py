@@ -9,11 +9,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
 from operator import attrgetter
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, get_type_hints
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from mimics_app.contracts.arrays import Records, Words
 from mimics_app.contracts.contact_force import CONTACT_FORCE
 from mimics_app.contracts.haptic import EVENT, INBOX, POSE, SAMPLE, SCENE, SNAPSHOT
 from mimics_app.contracts.loop_fields import Extent
@@ -68,9 +69,6 @@ class Shared:
         """The shape in numbers."""
         return tuple(each if isinstance(each, int) else int(attrgetter(each)(capacities)) for each in self.shape)
 
-
-Words = NDArray[np.int64]
-Records = NDArray[Any]
 
 _Exchange = Annotated[Words, Shared(np.int64, (EXCHANGE_WORDS,))]
 _Ends = Annotated[Words, Shared(np.int64, (RING_WORDS,))]

@@ -7,16 +7,13 @@ first axis is the slot.
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Words
 from mimics_app.contracts.atomics import exchange, load_acquire
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.shared_words import BACK, FRONT, SHARED
 
 __all__ = ["acquire", "back_slot", "publish"]
 
-Words = NDArray[np.int64]
 
 _FRESH = 4
 """Bit of the shared word: its slot is newer than the reader's."""

@@ -15,7 +15,7 @@ from mimics_app.lab.audio.hearing import BAND_CENTRES, level_differences
 from mimics_app.lab.audio.rendered import render_clicks
 from mimics_app.lab.audio.spatialiser import measure_block_us
 from mimics_app.lab.audio_bench import find_measured_head
-from mimics_app.lab.figure import Figure, no_boundary, write_figure
+from mimics_app.lab.figure import Figure, write_figure
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.drawing import document, legend
 from mimics_app.plotting.panel import Panel
@@ -115,4 +115,4 @@ def _figure(name: str, title: str, panels: list[Panel], names: list[str], rows: 
     height = 70.0 + len(panels) * (_HEIGHT + 10.0) + 30.0
     svg = str(document(_WIDTH, height, title, parts, [f"{_COMMAND}   on   {machine}"]))
     whole = [{**row, "valid": True} for row in rows]
-    return Figure("figure", name, _COMMAND, machine, whole, [], "", no_boundary(), svg, {"what": title, "unit": "us"})
+    return Figure("figure", name, _COMMAND, machine, whole, svg, more={"what": title, "unit": "us"})

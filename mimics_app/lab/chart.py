@@ -9,7 +9,7 @@ from itertools import pairwise
 from statistics import median
 
 from mimics_app.contracts.machine import describe_machine
-from mimics_app.lab.figure import Figure, no_boundary
+from mimics_app.lab.figure import Figure
 from mimics_app.lab.measure import Measured, MeasuredGroup
 from mimics_app.plotting.axis import Axis, format_number
 from mimics_app.plotting.drawing import SERIES, document, legend
@@ -49,7 +49,6 @@ def draw_chart(measured: MeasuredGroup) -> Figure:
         rows=[_row(row) for row in rows],
         front=front,
         default=measured.default,
-        boundary=no_boundary(),
         svg=_draw(measured, front, f"{command}   on   {machine}"),
         more={
             "what": measured.group.what,

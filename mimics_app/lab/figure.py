@@ -11,7 +11,17 @@ from typing import Any
 
 from mimics_app.lab.experiment import Points
 
-__all__ = ["Figure", "no_boundary", "write_figure"]
+__all__ = ["Figure", "write_figure"]
+
+
+_WRITTEN = ("kind", "name", "command", "machine", "rows", "front", "default", "boundary")
+"""Of a figure, in the order of its file; what else it has follows."""
+
+
+def _no_boundary() -> dict[str, Any]:
+    """The boundary of a figure that has none."""
+    empty: Points = []
+    return {"simulated": empty, "exact": empty, "rule": {}, "disagreement": None}
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,22 +48,16 @@ class Figure:
     command: str
     machine: str
     rows: list[dict[str, Any]]
-    front: list[str]
-    default: str
-    boundary: dict[str, Any]
     svg: str
+    front: list[str] = field(default_factory=list)
+    default: str = ""
+    boundary: dict[str, Any] = field(default_factory=_no_boundary)
     more: dict[str, Any] = field(default_factory=dict)
 
     @property
     def stem(self) -> str:
         """Name of its files: the name without blanks."""
         return self.name.replace(" ", "_")
-
-
-def no_boundary() -> dict[str, Any]:
-    """The boundary of a figure that has none."""
-    empty: Points = []
-    return {"simulated": empty, "exact": empty, "rule": {}, "disagreement": None}
 
 
 def write_figure(figure: Figure, folder: Path) -> tuple[Path, Path]:
@@ -66,17 +70,7 @@ def write_figure(figure: Figure, folder: Path) -> tuple[Path, Path]:
         OSError: The folder cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    data = {
-        "kind": figure.kind,
-        "name": figure.name,
-        "command": figure.command,
-        "machine": figure.machine,
-        "rows": figure.rows,
-        "front": figure.front,
-        "default": figure.default,
-        "boundary": figure.boundary,
-        **figure.more,
-    }
+    data = {key: getattr(figure, key) for key in _WRITTEN} | figure.more
     numbers, drawing = folder / f"{figure.stem}.json", folder / f"{figure.stem}.svg"
     numbers.write_text(json.dumps(_plain(data), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
     drawing.write_text(figure.svg, encoding="utf-8")

@@ -22,6 +22,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel, typed_kernel
@@ -47,7 +48,6 @@ if TYPE_CHECKING:
 
 __all__ = ["BODY_WORKLOADS", "SLIDE", "Scene", "measure_haptic", "reference_us"]
 
-Array = NDArray[np.float64]
 Step = Callable[[str], None]
 
 _SHAPES = {
@@ -85,7 +85,7 @@ _CREEP = 1e-9
 
 
 @kernel
-def _test_spheres(centres: Array, p: Array, calls: int) -> float:
+def _test_spheres(centres: F8, p: F8, calls: int) -> float:
     """Depth of a point in each of many spheres, `calls` times: the loop that costs are compared with."""
     total = 0.0
     for _ in range(calls):
@@ -135,7 +135,7 @@ class Scene:
     rows: Rows
     counts: NDArray[Any]
     capacities: ObjectCapacities
-    hand: Array
+    hand: F8
     meshes: MeshTable = field(default_factory=build_mesh_table)
 
     def fresh_work(self) -> ObjectWork:
@@ -149,11 +149,11 @@ def _simulate_often(
     rows: Rows,
     work: ObjectWork,
     counts: ObjectCountsRecord,
-    hand: Array,
+    hand: F8,
     fields: Fields,
     dt: float,
-    force: Array,
-    path: Array,
+    force: F8,
+    path: F8,
     first: int,
     ticks: int,
 ) -> None:
@@ -218,7 +218,7 @@ def bodies_on_a_floor(kind: ShapeKind, count: int, fixed: int = 0) -> Scene:
     return Scene(rows, counts, capacities, bodies["position"][0] + (0.0, RADIUS - _PRESSED, 0.0))
 
 
-def _places_on_a_floor(count: int) -> Array:
+def _places_on_a_floor(count: int) -> F8:
     """Middles of bodies side by side on a square, half a millimetre in the floor [m], shape [count, 3]."""
     side, numbers = max(1, int(np.ceil(np.sqrt(count)))), np.arange(count)
     places = np.full((count, 3), RADIUS - 5e-4)

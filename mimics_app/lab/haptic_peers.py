@@ -13,16 +13,15 @@ from importlib.metadata import version
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.probe import shortest_us
 
 __all__ = ["PEERS", "ROUNDS", "best_us", "measure_peer"]
 
-Array = NDArray[np.float64]
 Step = Callable[[], object]
-Build = Callable[[str, int, Array, ExitStack], tuple[str, Step]]
+Build = Callable[[str, int, F8, ExitStack], tuple[str, Step]]
 
 ROUNDS = 20
 """Rounds of each measurement, ours and the peers': the shortest counts."""
@@ -52,7 +51,7 @@ def best_us(run: Callable[[int], object]) -> float:
     return shortest_us(lambda: run(ticks), ticks, ROUNDS)
 
 
-def measure_peer(build: Build, kind: str, count: int, slide: Array) -> tuple[str, float] | None:
+def measure_peer(build: Build, kind: str, count: int, slide: F8) -> tuple[str, float] | None:
     """(name and version, cost of a step [us]) of a peer called from Python; None where it is not installed.
 
     Args:
@@ -79,7 +78,7 @@ def _places(count: int) -> list[tuple[float, float]]:
     return [((i % side) * _PITCH, (i // side) * _PITCH) for i in range(count)]
 
 
-def _mujoco(kind: str, count: int, slide: Array, _: ExitStack) -> tuple[str, Step]:
+def _mujoco(kind: str, count: int, slide: F8, _: ExitStack) -> tuple[str, Step]:
     import mujoco
 
     size = {"sphere": f"{_HALF}", "box": f"{_HALF} {_HALF} {_HALF}", "cylinder": f"{_HALF} {_HALF}"}[kind]
@@ -102,7 +101,7 @@ def _mujoco(kind: str, count: int, slide: Array, _: ExitStack) -> tuple[str, Ste
     return f"MuJoCo {mujoco.__version__}", step
 
 
-def _bullet(kind: str, count: int, slide: Array, stack: ExitStack) -> tuple[str, Step]:
+def _bullet(kind: str, count: int, slide: F8, stack: ExitStack) -> tuple[str, Step]:
     import pybullet as bullet
 
     bullet.connect(bullet.DIRECT)

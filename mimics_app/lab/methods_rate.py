@@ -1,7 +1,7 @@
 """How often a wall is felt: the energy a sampled wall generates at every tap, against what the ticks cost.
 
 A point goes in at constant speed v to depth d and out again. The force of a spring sampled every T and held is too
-small on the way in and too large on the way out: the wall gives K T v d away (Gillespie & Cutkosky 1996), whatever
+small as it goes in and too large as it comes out: the wall gives K T v d away (Gillespie & Cutkosky 1996), whatever
 device is behind it. The tap is rendered by the functions of the loop: shape, law, and passivity observer.
 
 Importing this module registers the group.
@@ -9,15 +9,13 @@ Importing this module registers the group.
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.contact import rate_of_depth, wall
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
@@ -28,7 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["DEPTH", "GROUP", "RATES", "SPEED", "STIFFNESS", "tap_leak"]
 
-Vec = NDArray[np.float64]
 
 GROUP = "haptic rate"
 
@@ -103,27 +100,22 @@ def _cost_us(rate: int) -> float:
     return shortest_us(lambda: _stay(100 * rate, STIFFNESS, contact, observer), 100)
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what=f"a wall of {STIFFNESS:g} N/m tapped {DEPTH * 1e3:g} mm deep at {SPEED:g} m/s; cost per second of touch, "
-        "error: energy it generates per tap (K T v d)",
-        unit="J",
-        work="",
-        reference=reference_us,
-    )
-)
-for _rate in RATES:
-    registry.register(
-        Method(
-            group=GROUP,
-            name=f"{_rate} Hz",
-            source=f"wall, spring and observer of the loop every {1e3 / _rate:.3g} ms",
-            cost=partial(_cost_us, _rate),
-            error=partial(tap_leak, _rate),
-            unit="J",
-            valid_range=f"stable up to K = 2 b / T: {2 * 5 * _rate:g} N/m with b = 5 N s/m",
-            settings={} if _rate == _OURS else None,
-            default=_rate == _OURS,
+compare(
+    GROUP,
+    f"a wall of {STIFFNESS:g} N/m tapped {DEPTH * 1e3:g} mm deep at {SPEED:g} m/s; cost per second of touch, "
+    "error: energy it generates per tap (K T v d)",
+    "J",
+    [
+        Rival(
+            f"{rate} Hz",
+            f"wall, spring and observer of the loop every {1e3 / rate:.3g} ms",
+            f"stable up to K = 2 b / T: {2 * 5 * rate:g} N/m with b = 5 N s/m",
+            {} if rate == _OURS else None,
+            (rate,),
         )
-    )
+        for rate in RATES
+    ],
+    cost=_cost_us,
+    error=tap_leak,
+    default=f"{_OURS} Hz",
+)

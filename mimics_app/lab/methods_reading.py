@@ -11,20 +11,17 @@ import json
 import struct
 import tempfile
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.world.gltf.file import GltfDocument, load_gltf
 
 __all__ = ["GROUP", "KINDS", "count_parts", "document_of"]
 
 GROUP = "model reading"
 
-_SIZES = (100, 1000, 10_000, 50_000)
 _TYPICAL = 1000
 _TRIANGLE = struct.pack("<9f", 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
 
@@ -99,30 +96,20 @@ def _lost(kind: str) -> float:
     return 1.0 - _read(kind, _TYPICAL)[1] / _TYPICAL
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what="glTF files read, checked and decoded: cost of a file of 1000 parts, by what it has many of; "
-        "error: share of the parts that are not there afterwards",
-        unit="share of parts",
-        work="parts of the file",
-        reference=reference_us,
-        why_default="the rows are contents of files, which are not rivals; files of many meshes are the usual ones",
-    )
+compare(
+    GROUP,
+    "glTF files read, checked and decoded: cost of a file of 1000 parts, by what it has many of; "
+    "error: share of the parts that are not there afterwards",
+    "share of parts",
+    [
+        Rival(kind, f"our reader on a file of many {kind}", "up to 100 000 of each and 256 MiB in all", {})
+        for kind in KINDS
+    ],
+    cost=_cost_us,
+    error=_lost,
+    default="meshes",
+    work="parts of the file",
+    sizes=(100, 1000, 10_000, 50_000),
+    typical=_TYPICAL,
+    why_default="the rows are contents of files, which are not rivals; files of many meshes are the usual ones",
 )
-for _kind in KINDS:
-    registry.register(
-        Method(
-            group=GROUP,
-            name=_kind,
-            source=f"our reader on a file of many {_kind}",
-            cost=partial(_cost_us, _kind, _TYPICAL),
-            error=partial(_lost, _kind),
-            unit="share of parts",
-            valid_range="up to 100 000 of each and 256 MiB in all",
-            settings={},
-            default=_kind == "meshes",
-            growth=partial(_cost_us, _kind),
-            sizes=_SIZES,
-        )
-    )

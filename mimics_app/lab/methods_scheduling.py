@@ -16,10 +16,9 @@ import numpy as np
 
 from mimics_app.contracts.clock import TICKS_PER_SECOND, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.lab.python_loop import PythonLoop
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.scene_block import scene_from_components
@@ -34,7 +33,6 @@ SECONDS = 2.0
 """Of each run [s], after the first second that does not count."""
 
 _WARM_UP_S = 1.0
-_THREAD = "python thread"
 
 Figures = tuple[float, float]
 """Lateness at the 99th percentile [us], time on the processor per second [us]."""
@@ -120,46 +118,33 @@ def _on_processor_ns(thread: threading.Thread) -> int:
         raise DeviceError(f"{sys.platform} does not report the time of one thread", "measure on Linux") from failure
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what="the 1 kHz loop beside a Python thread that works half of the time; cost: processor time per second",
-        unit="us late at the 99th percentile",
-        work="",
-        reference=reference_us,
-    )
-)
-for _recipe, _source, _valid in (
-    ("fifo", "compiled loop, SCHED_FIFO, timer slack 1 ns, spin of 60 us before each deadline", "where it is granted"),
-    (
-        "ordinary",
-        "compiled loop, timer slack 1 ns, short slices of the fair scheduler, main thread at nice 19",
-        "Linux, any user",
-    ),
-    ("plain", "compiled loop without any wish to the system", "everywhere"),
-):
-    registry.register(
-        Method(
-            group=GROUP,
-            name=_recipe,
-            source=_source,
-            cost=lambda recipe=_recipe: measure_recipe(recipe)[1],  # type: ignore[misc]
-            error=lambda recipe=_recipe: measure_recipe(recipe)[0],  # type: ignore[misc]
-            unit="us late at the 99th percentile",
-            valid_range=_valid,
-            settings={"recipe": _recipe},
-            default=_recipe == "fifo",
-        )
-    )
-registry.register(
-    Method(
-        group=GROUP,
-        name=_THREAD,
-        source="time.sleep to each deadline, then the same compiled tick; holds the interpreter's lock",
-        cost=lambda: measure_thread()[1],
-        error=lambda: measure_thread()[0],
-        unit="us late at the 99th percentile",
-        valid_range="demonstration",
-        settings=None,
-    )
+compare(
+    GROUP,
+    "the 1 kHz loop beside a Python thread that works half of the time; cost: processor time per second",
+    "us late at the 99th percentile",
+    [
+        Rival(
+            "fifo",
+            "compiled loop, SCHED_FIFO, timer slack 1 ns, spin of 60 us before each deadline",
+            "where it is granted",
+            {"recipe": "fifo"},
+        ),
+        Rival(
+            "ordinary",
+            "compiled loop, timer slack 1 ns, short slices of the fair scheduler, main thread at nice 19",
+            "Linux, any user",
+            {"recipe": "ordinary"},
+        ),
+        Rival("plain", "compiled loop without any wish to the system", "everywhere", {"recipe": "plain"}),
+        Rival(
+            "python thread",
+            "time.sleep to each deadline, then the same compiled tick; holds the interpreter's lock",
+            "demonstration",
+            cost=lambda: measure_thread()[1],
+            error=lambda: measure_thread()[0],
+        ),
+    ],
+    cost=lambda recipe: measure_recipe(recipe)[1],
+    error=lambda recipe: measure_recipe(recipe)[0],
+    default="fifo",
 )

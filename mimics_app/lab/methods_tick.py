@@ -5,20 +5,21 @@ The planner predicts a scene's tick cost from these figures. Importing this modu
 
 from __future__ import annotations
 
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.haptic import INBOX, SAMPLE, Projection
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group, Method, Settings, registry
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.replay import replay_ticks
@@ -29,7 +30,6 @@ from mimics_app.world.components.robot import Patient, Robot
 
 __all__ = ["GROUP", "NO_TUNNEL", "REFERENCE_CALLS", "reference_us", "tick_us"]
 
-Array = NDArray[np.float64]
 
 GROUP = "haptic tick"
 NO_TUNNEL = "no tunnel"
@@ -43,7 +43,7 @@ _REACH = 0.15
 
 
 @kernel
-def _turn_often(R: Array, p: Array, calls: int) -> None:
+def _turn_often(R: F8, p: F8, calls: int) -> None:
     for _ in range(calls):
         x = R[0, 0] * p[0] + R[0, 1] * p[1] + R[0, 2] * p[2]
         y = R[1, 0] * p[0] + R[1, 1] * p[1] + R[1, 2] * p[2]
@@ -130,7 +130,7 @@ def _inputs() -> NDArray[Any]:
     return _Bench(Projection.NEWTON_WARM).advance(_TICKS).copy()
 
 
-def _forces(projection: Projection | None) -> Array:
+def _forces(projection: Projection | None) -> F8:
     """Virtual force on the user in that travel [N], shape [ticks, 3]."""
     block, rows = _block(projection)
     return replay_ticks(_inputs(), {1: block}, {1: rows})["f_virt_world"].copy()
@@ -142,33 +142,18 @@ def _false_force(projection: Projection | None) -> float:
     return float(np.max(np.linalg.norm(_forces(projection) - _forces(other), axis=1)))
 
 
-def _register(name: str, projection: Projection | None, settings: Settings) -> None:
-    registry.register(
-        Method(
-            group=GROUP,
-            name=name,
-            source="kernels.tick with this projection of the tunnel"
-            if projection is not None
-            else "kernels.tick alone",
-            cost=partial(tick_us, projection),
-            error=partial(_false_force, projection),
-            unit="N",
-            valid_range="one tunnel, one ball, the simulated robot",
-            settings=settings,
-            default=projection is Projection.NEWTON_WARM,
-        )
-    )
-
-
-registry.describe(
-    Group(
-        name=GROUP,
-        what="one tick of the loop, simulated robot and patient in a wavy tunnel; error: false force on the same hand",
-        unit="N",
-        work="",
-        reference=reference_us,
-    )
+_VALID = "one tunnel, one ball, the simulated robot"
+_PROJECTED = "kernels.tick with this projection of the tunnel"
+compare(
+    GROUP,
+    "one tick of the loop, simulated robot and patient in a wavy tunnel; error: false force on the same hand",
+    "N",
+    [
+        *(Rival(word, _PROJECTED, _VALID, {"projection": word}, (each,)) for word, each in PROJECTIONS.items()),
+        Rival(NO_TUNNEL, "kernels.tick alone", _VALID, {}, (None,)),
+    ],
+    cost=tick_us,
+    error=_false_force,
+    default="newton warm",
+    reference=reference_us,
 )
-for _word, _projection in PROJECTIONS.items():
-    _register(_word, _projection, {"projection": _word})
-_register(NO_TUNNEL, None, {})

@@ -9,7 +9,7 @@ from typing import Any
 from markupsafe import Markup
 
 from mimics_app.contracts.machine import describe_machine
-from mimics_app.lab.figure import Figure, no_boundary
+from mimics_app.lab.figure import Figure
 from mimics_app.plotting.drawing import document
 from mimics_app.plotting.marks import element, word
 
@@ -45,7 +45,7 @@ def physio_figure(
     foot = [line for line in (what, _WARNING * simulated, f"{command}   on   {machine}") if line]
     svg = str(document(*size, title, parts, foot))
     more = {"what": f"{title}. {what}", "unit": "1"}
-    return Figure("figure", name, command, machine, rows, [], "", no_boundary(), svg, more)
+    return Figure("figure", name, command, machine, rows, svg, more=more)
 
 
 def row_of(method: str, x: float, error: float, cost_ns: float | None = None) -> dict[str, Any]:

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.dsp.ecg import Ecg
 from mimics_app.estimation.load_people import shipped_people
@@ -28,8 +28,7 @@ from mimics_app.plotting.panel import Label, Panel
 
 __all__ = ["FIGURES", "detectors", "draw_figures", "learning_curves", "load_accuracy"]
 
-Floats = NDArray[np.float64]
-Detector = Callable[[Floats, float], Floats]
+Detector = Callable[[F8, float], F8]
 
 _SHOWN = ("random", "staircase", "proportional", "kalman", "thompson", "q")
 _GAPS = (0.08, 0.11, 0.15, 0.22)
@@ -114,7 +113,7 @@ def _records(folder: Path | None) -> dict[str, list[Annotated]]:
     return {"clean": clean_ones, "ectopic": ectopic_ones, "noisy": noisy}
 
 
-def _ours(values: Floats, rate: float) -> Floats:
+def _ours(values: F8, rate: float) -> F8:
     channel, block = Ecg(rate), max(1, round(_BLOCK_S * rate))
     return np.array([e.t_s for i in range(0, len(values), block) for e in channel.push(values[i : i + block])])
 
@@ -159,22 +158,22 @@ def learning_curves(people: int = 400, trials: int = 40) -> Figure:
     return physio_figure("physio learning curves", f"Regret of a trial, {people} people", size, parts, rows)
 
 
-def _line(x: Floats, y: Floats) -> str:
+def _line(x: F8, y: F8) -> str:
     return "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x.tolist(), y.tolist(), strict=True))
 
 
 _METHODS = ("neurokit", "pantompkins1985", "hamilton2002", "elgendi2010", "engzeemod2012")
 
 
-def _neurokit_detectors() -> dict[str, Callable[[Floats, float], Floats]]:
+def _neurokit_detectors() -> dict[str, Callable[[F8, float], F8]]:
     """Times of the R peaks [s] from an ECG [mV] at a rate [Hz], by method; none where NeuroKit2 is not installed."""
     try:
         import neurokit2
     except ImportError:
         return {}
 
-    def detector(method: str) -> Callable[[Floats, float], Floats]:
-        def find(values: Floats, rate: float) -> Floats:
+    def detector(method: str) -> Callable[[F8, float], F8]:
+        def find(values: F8, rate: float) -> F8:
             whole = round(rate)
             cleaned = neurokit2.ecg_clean(values, sampling_rate=whole, method=method)
             _, found = neurokit2.ecg_peaks(cleaned, sampling_rate=whole, method=method)

@@ -30,8 +30,6 @@ def draw_outcome(experiment: Experiment, outcome: Outcome, points: int) -> Figur
         command=command,
         machine=machine,
         rows=_rows(outcome),
-        front=[],
-        default="",
         boundary={
             "simulated": outcome.simulated,
             "exact": outcome.exact,

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike, NDArray
 
+from mimics_app.contracts.arrays import F8
+
 __all__ = [
     "Ends",
     "arc_length_at",
@@ -31,14 +33,13 @@ __all__ = [
     "subdivide",
 ]
 
-Array = NDArray[np.float64]
 Ends = Literal["clamped", "uniform"]
 
 _DEGREE = 3
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(24)
 
 
-def knots(count: int, ends: Ends = "clamped") -> Array:
+def knots(count: int, ends: Ends = "clamped") -> F8:
     """Knot vector of `count` cubic basis functions over s in [0, count - 3], shape [count + 4].
 
     Raises:
@@ -51,7 +52,7 @@ def knots(count: int, ends: Ends = "clamped") -> Array:
 
 
 @cache
-def basis_pieces(count: int, ends: Ends = "clamped") -> Array:
+def basis_pieces(count: int, ends: Ends = "clamped") -> F8:
     """The basis functions as explicit polynomials, by the Cox-de Boor recursion on coefficients.
 
     Args:
@@ -75,9 +76,9 @@ def basis_pieces(count: int, ends: Ends = "clamped") -> Array:
     return table
 
 
-def _raise_degree(alive: dict[int, Array], t: Array, piece: int, degree: int) -> dict[int, Array]:
+def _raise_degree(alive: dict[int, F8], t: F8, piece: int, degree: int) -> dict[int, F8]:
     """One Cox-de Boor step on the piece s = piece + u; 0/0 of repeated knots counts as 0."""
-    raised: dict[int, Array] = {}
+    raised: dict[int, F8] = {}
     for j in range(piece + _DEGREE - degree, piece + _DEGREE + 1):
         total: NDArray[np.floating] = np.zeros(1)
         if j in alive and t[j + degree] > t[j]:
@@ -90,14 +91,14 @@ def _raise_degree(alive: dict[int, Array], t: Array, piece: int, degree: int) ->
     return raised
 
 
-def local_basis(count: int, s: ArrayLike, ends: Ends = "clamped") -> tuple[NDArray[np.int64], Array]:
+def local_basis(count: int, s: ArrayLike, ends: Ends = "clamped") -> tuple[NDArray[np.int64], F8]:
     """(piece of each s, shape [m]; values of the four basis functions alive there, shape [m, 4])."""
     piece, u = _split(count - _DEGREE, s)
-    values: Array = np.einsum("mkc,mc->mk", basis_pieces(count, ends)[piece], u[:, None] ** np.arange(4))
+    values: F8 = np.einsum("mkc,mc->mk", basis_pieces(count, ends)[piece], u[:, None] ** np.arange(4))
     return piece, values
 
 
-def basis_functions(count: int, s: ArrayLike, ends: Ends = "clamped") -> Array:
+def basis_functions(count: int, s: ArrayLike, ends: Ends = "clamped") -> F8:
     """Values of all N basis functions at each s in [0, N - 3] (clipped), shape [len(s), N]; every row sums to 1."""
     piece, values = local_basis(count, s, ends)
     matrix = np.zeros((len(piece), count))
@@ -105,7 +106,7 @@ def basis_functions(count: int, s: ArrayLike, ends: Ends = "clamped") -> Array:
     return matrix
 
 
-def pieces_of(control_points: ArrayLike, ends: Ends = "clamped") -> Array:
+def pieces_of(control_points: ArrayLike, ends: Ends = "clamped") -> F8:
     """Cubic pieces of the curve with these control points.
 
     Args:
@@ -121,15 +122,15 @@ def pieces_of(control_points: ArrayLike, ends: Ends = "clamped") -> Array:
     points = np.asarray(control_points, np.float64)
     table = basis_pieces(len(points), ends)
     windows = np.lib.stride_tricks.sliding_window_view(points, 4, axis=0)
-    pieces: Array = np.einsum("pkc,pdk->pdc", table, windows)
+    pieces: F8 = np.einsum("pkc,pdk->pdc", table, windows)
     return pieces
 
 
-def raise_to_cubic(control_points: ArrayLike) -> Array:
+def raise_to_cubic(control_points: ArrayLike) -> F8:
     """Four control points of the same curve where only two (a line) or three (a parabola) are given; else unchanged."""
     points = np.asarray(control_points, np.float64)
     if len(points) == 2:
-        line: Array = points[0] + np.linspace(0.0, 1.0, 4)[:, None] * (points[1] - points[0])
+        line: F8 = points[0] + np.linspace(0.0, 1.0, 4)[:, None] * (points[1] - points[0])
         return line
     if len(points) == 3:
         a, b, c = points
@@ -137,7 +138,7 @@ def raise_to_cubic(control_points: ArrayLike) -> Array:
     return points
 
 
-def subdivide(pieces: Array, factor: int) -> Array:
+def subdivide(pieces: F8, factor: int) -> F8:
     """The same curve in `factor` times as many pieces; s grows by the factor, continuity is kept."""
     start = np.arange(factor) / factor
     scale = (1.0 / factor) ** np.arange(4)
@@ -146,11 +147,11 @@ def subdivide(pieces: Array, factor: int) -> Array:
     for low in range(4):
         for high in range(low, 4):
             shift[:, low, high] = binomial[low, high] * start ** (high - low) * scale[low]
-    fine: Array = np.einsum("flh,pdh->pfdl", shift, pieces).reshape(-1, *pieces.shape[1:])
+    fine: F8 = np.einsum("flh,pdh->pfdl", shift, pieces).reshape(-1, *pieces.shape[1:])
     return fine
 
 
-def evaluate(pieces: Array, s: ArrayLike, derivative: int = 0) -> Array:
+def evaluate(pieces: F8, s: ArrayLike, derivative: int = 0) -> F8:
     """Curve, or its first, second or third derivative by s.
 
     Args:
@@ -166,41 +167,41 @@ def evaluate(pieces: Array, s: ArrayLike, derivative: int = 0) -> Array:
     for k in range(derivative, 4):
         factor = float(np.prod(np.arange(k - derivative + 1, k + 1)))
         powers[:, k] = factor * u ** (k - derivative)
-    values: Array = np.einsum("mdc,mc->md", pieces[piece], powers)
+    values: F8 = np.einsum("mdc,mc->md", pieces[piece], powers)
     return values
 
 
-def _split(count: int, s: ArrayLike) -> tuple[NDArray[np.int64], Array]:
+def _split(count: int, s: ArrayLike) -> tuple[NDArray[np.int64], F8]:
     clipped = np.clip(np.atleast_1d(np.asarray(s, np.float64)), 0.0, count)
     piece = np.minimum(clipped.astype(np.int64), count - 1)
     return piece, clipped - piece
 
 
-def arc_lengths(pieces: Array) -> Array:
+def arc_lengths(pieces: F8) -> F8:
     """Arc length at the start of each piece and at the end, by 24-point Gauss-Legendre a piece, shape [pieces + 1]."""
     start = np.arange(len(pieces), dtype=np.float64)
     return np.concatenate([[0.0], np.cumsum(_lengths_between(pieces, start, start + 1.0))])
 
 
-def _lengths_between(pieces: Array, low: Array, high: Array) -> Array:
+def _lengths_between(pieces: F8, low: F8, high: F8) -> F8:
     """Arc length from low to high, elementwise; each pair lies in one piece."""
     half = 0.5 * (high - low)
     # Kept strictly inside the piece, so that the end of one is not taken for the start of the next.
     s = 0.5 * (low + high)[:, None] + half[:, None] * _GAUSS_X
     speed = np.linalg.norm(evaluate(pieces, s.ravel(), 1), axis=1).reshape(s.shape)
-    lengths: Array = half * (speed @ _GAUSS_W)
+    lengths: F8 = half * (speed @ _GAUSS_W)
     return lengths
 
 
-def arc_length_at(pieces: Array, table: Array, s: ArrayLike) -> Array:
+def arc_length_at(pieces: F8, table: F8, s: ArrayLike) -> F8:
     """Arc length from the start to each s; `table` is `arc_lengths(pieces)`. Shape [m]."""
     piece, u = _split(len(pieces), s)
     start = piece.astype(np.float64)
-    lengths: Array = table[piece] + _lengths_between(pieces, start, start + u)
+    lengths: F8 = table[piece] + _lengths_between(pieces, start, start + u)
     return lengths
 
 
-def parameter_at(pieces: Array, table: Array, length: ArrayLike) -> Array:
+def parameter_at(pieces: F8, table: F8, length: ArrayLike) -> F8:
     """Inverse of `arc_length_at`: s where the arc length from the start is `length` (clipped), shape [m].
 
     Newton kept inside a shrinking bracket, so that it converges where the speed is small as well.
@@ -226,18 +227,18 @@ def parameter_at(pieces: Array, table: Array, length: ArrayLike) -> Array:
     return s
 
 
-def curvature(pieces: Array, s: ArrayLike) -> Array:
+def curvature(pieces: F8, s: ArrayLike) -> F8:
     """Curvature vector, towards the centre of curvature [1/m], shape [m, dimensions]; infinite where the speed is 0."""
     first = evaluate(pieces, s, 1)
     second = evaluate(pieces, s, 2)
     speed2 = np.sum(first * first, axis=1, keepdims=True)
     with np.errstate(divide="ignore", invalid="ignore"):
         across = second - first * (np.sum(first * second, axis=1, keepdims=True) / speed2)
-        vector: Array = across / speed2
+        vector: F8 = across / speed2
     return np.where(speed2 > 0.0, vector, np.inf)
 
 
-def interpolate_values(values: ArrayLike, share: ArrayLike) -> tuple[Array, Array]:
+def interpolate_values(values: ArrayLike, share: ArrayLike) -> tuple[F8, F8]:
     """Smooth function through values at equal distances over share 0..1, and its derivative by share.
 
     Monotone piecewise cubic (Fritsch & Butland 1984): between two values it never leaves their interval, so a positive

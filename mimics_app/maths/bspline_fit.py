@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.maths import bspline
 
 __all__ = ["SplineFit", "fit_spline"]
 
-Array = NDArray[np.float64]
 
 _ROUNDS = 40
 _PLAIN_ROUNDS = 3
@@ -30,8 +30,8 @@ class SplineFit:
         residual_max: Greatest distance of a sample from the curve.
     """
 
-    control_points: Array
-    parameters: Array
+    control_points: F8
+    parameters: F8
     residual_rms: float
     residual_max: float
 
@@ -57,7 +57,7 @@ def fit_spline(path: ArrayLike, count: int) -> SplineFit:
     if len(samples) < count:
         raise ValueError(f"{count} basis functions need as many different samples, the path has {len(samples)}")
     s = _chord_parameters(samples, count - 3)
-    points: Array = np.linalg.lstsq(bspline.basis_functions(count, s), samples, rcond=None)[0].astype(np.float64)
+    points: F8 = np.linalg.lstsq(bspline.basis_functions(count, s), samples, rcond=None)[0].astype(np.float64)
     s = _slide(samples, bspline.pieces_of(points), s)
     best = _measured(samples, points, s)
     slip = 1.0
@@ -76,7 +76,7 @@ def fit_spline(path: ArrayLike, count: int) -> SplineFit:
     return best
 
 
-def _without_repeats(path: ArrayLike) -> Array:
+def _without_repeats(path: ArrayLike) -> F8:
     samples = np.asarray(path, np.float64)
     if samples.ndim != 2 or not np.isfinite(samples).all():
         raise ValueError("a path is a finite array of points, shape [m, dimensions]")
@@ -84,7 +84,7 @@ def _without_repeats(path: ArrayLike) -> Array:
     return samples[np.concatenate([[True], moved])] if len(samples) else samples
 
 
-def _chord_parameters(samples: Array, pieces: int) -> Array:
+def _chord_parameters(samples: F8, pieces: int) -> F8:
     """First guess of s: chord length along the path, read off a straight spline of evenly spaced control points.
 
     Such a spline is slower between its clamped ends than at them; plain chord length would put the samples of the ends
@@ -93,11 +93,11 @@ def _chord_parameters(samples: Array, pieces: int) -> Array:
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(samples, axis=0), axis=1))])
     s = np.linspace(0.0, pieces, 64 * pieces + 1)
     share = bspline.basis_functions(pieces + 3, s) @ np.linspace(0.0, 1.0, pieces + 3)
-    guess: Array = np.interp(along / along[-1], share, s)
+    guess: F8 = np.interp(along / along[-1], share, s)
     return guess
 
 
-def _slide(samples: Array, pieces: Array, s: Array) -> Array:
+def _slide(samples: F8, pieces: F8, s: F8) -> F8:
     """A few Newton steps of every sample towards its nearest curve point, a quarter of a piece at most each.
 
     The first and the last sample stay at the ends of the curve, which else would grow beyond the path.
@@ -115,12 +115,12 @@ def _slide(samples: Array, pieces: Array, s: Array) -> Array:
     return s
 
 
-def _measured(samples: Array, points: Array, s: Array) -> SplineFit:
+def _measured(samples: F8, points: F8, s: F8) -> SplineFit:
     distance = np.linalg.norm(bspline.evaluate(bspline.pieces_of(points), s) - samples, axis=1)
     return SplineFit(points, s, float(np.sqrt(np.mean(distance**2))), float(distance.max()))
 
 
-def _improve(samples: Array, fit: SplineFit, slip: float) -> SplineFit:
+def _improve(samples: F8, fit: SplineFit, slip: float) -> SplineFit:
     """One round: a least-squares step of the control points, then samples to their nearest curve points.
 
     `slip` weighs the squared tangential residual: 1 counts it whole (plain least squares), 0 not at all.
@@ -137,7 +137,7 @@ def _improve(samples: Array, fit: SplineFit, slip: float) -> SplineFit:
     return _measured(samples, points, _slide(samples, bspline.pieces_of(points), fit.parameters))
 
 
-def _solve(s: Array, weight: Array, residual: Array, shape: tuple[int, ...]) -> Array:
+def _solve(s: F8, weight: F8, residual: F8, shape: tuple[int, ...]) -> F8:
     """Change of the control points that minimises the weighted residuals; normal equations, piece by piece."""
     count, dimensions = shape
     piece, basis = bspline.local_basis(count, s)
@@ -151,5 +151,5 @@ def _solve(s: Array, weight: Array, residual: Array, shape: tuple[int, ...]) -> 
     square = normal.reshape(count * dimensions, -1)
     # A basis function that meets no sample keeps its control point.
     square[np.diag_indices(len(square))] += _RIDGE * np.trace(square) / len(square)
-    step: Array = np.linalg.solve(square, right.ravel()).astype(np.float64).reshape(shape)
+    step: F8 = np.linalg.solve(square, right.ravel()).astype(np.float64).reshape(shape)
     return step

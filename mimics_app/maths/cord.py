@@ -11,13 +11,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.maths.poses import rotation_from_vector
 
 __all__ = ["Catenary", "Ripple", "Ripples", "hang"]
 
-F8 = NDArray[np.float64]
 
 _TAUT = 1e-9
 """Share by which a cord must be longer than its chord to hang at all."""

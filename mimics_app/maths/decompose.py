@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from mimics_app.contracts.arrays import F8
 
 __all__ = ["decompose_trs"]
 
-Array = NDArray[np.float64]
 
-
-def decompose_trs(matrix: Array) -> tuple[Array, Array, Array, float]:
+def decompose_trs(matrix: F8) -> tuple[F8, F8, F8, float]:
     """Translation [m], unit quaternion (w >= 0), scale and shear of an affine matrix.
 
     A mirrored matrix gets a negative x scale. Exact when matrix = T R S; otherwise the rotation is the nearest one
@@ -32,7 +31,7 @@ def decompose_trs(matrix: Array) -> tuple[Array, Array, Array, float]:
     return np.array(matrix[:3, 3], np.float64), _quaternion(u @ vt), scale, shear
 
 
-def _quaternion(rotation: Array) -> Array:
+def _quaternion(rotation: F8) -> F8:
     """The unit quaternion xyzw, w >= 0, of a rotation matrix: the dominant eigenvector of Bar-Itzhack (2000), eq. 5."""
     (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation
     k = np.array(
@@ -43,5 +42,5 @@ def _quaternion(rotation: Array) -> Array:
             [zy - yz, xz - zx, yx - xy, xx + yy + zz],
         ]
     )
-    q: Array = np.linalg.eigh(k)[1][:, 3]
+    q: F8 = np.linalg.eigh(k)[1][:, 3]
     return -q if q[3] < 0.0 else q

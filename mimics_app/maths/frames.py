@@ -8,8 +8,9 @@ fault: it follows the tangent by the smallest possible turn.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
 
 __all__ = [
@@ -21,17 +22,15 @@ __all__ = [
     "start_normal",
 ]
 
-Array = NDArray[np.float64]
-
 
 @kernel
-def _dot(a: Array, b: Array) -> float:
+def _dot(a: F8, b: F8) -> float:
     total: float = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     return total
 
 
 @kernel
-def rotation_minimising_normals(points: Array, tangents: Array, first_normal: Array) -> Array:
+def rotation_minimising_normals(points: F8, tangents: F8, first_normal: F8) -> F8:
     """Normals of the rotation-minimising frame by double reflection (Wang, Juettler, Zheng & Liu 2008), order 4.
 
     Args:
@@ -62,7 +61,7 @@ def rotation_minimising_normals(points: Array, tangents: Array, first_normal: Ar
     return normals
 
 
-def carry_normals(from_points: Array, from_tangents: Array, normals: Array, points: Array, tangents: Array) -> Array:
+def carry_normals(from_points: F8, from_tangents: F8, normals: F8, points: F8, tangents: F8) -> F8:
     """One double reflection for many pairs of points at once.
 
     Args:
@@ -79,19 +78,19 @@ def carry_normals(from_points: Array, from_tangents: Array, normals: Array, poin
     normals = _reflect(normals, chord)
     normals = _reflect(normals, tangents - _reflect(from_tangents, chord))
     normals = normals - tangents * np.sum(normals * tangents, axis=1, keepdims=True)
-    unit: Array = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    unit: F8 = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     return unit
 
 
-def _reflect(vectors: Array, mirror: Array) -> Array:
+def _reflect(vectors: F8, mirror: F8) -> F8:
     """Reflect each vector in the plane square to its mirror; unchanged where the mirror is zero."""
     square = np.sum(mirror * mirror, axis=1, keepdims=True)
     along = 2.0 * np.sum(vectors * mirror, axis=1, keepdims=True)
-    reflected: Array = vectors - mirror * np.divide(along, square, out=np.zeros_like(square), where=square > 0.0)
+    reflected: F8 = vectors - mirror * np.divide(along, square, out=np.zeros_like(square), where=square > 0.0)
     return reflected
 
 
-def frenet_normals(first: ArrayLike, second: ArrayLike) -> Array:
+def frenet_normals(first: ArrayLike, second: ArrayLike) -> F8:
     """Principal normals from the first and second derivative of the curve, each of shape [m, 3].
 
     They point to the centre of curvature, hence jump by 180 degrees at an inflection; NaN where the curve is straight.
@@ -105,7 +104,7 @@ def frenet_normals(first: ArrayLike, second: ArrayLike) -> Array:
         return np.where(straight | (size == 0.0), np.nan, across / size)
 
 
-def projected_up_normals(tangents: ArrayLike, up: ArrayLike) -> Array:
+def projected_up_normals(tangents: ArrayLike, up: ArrayLike) -> F8:
     """The direction `up` made square to each unit tangent, shape [m, 3]; NaN where the curve is parallel to it."""
     t = np.asarray(tangents, np.float64)
     across = np.asarray(up, np.float64) - t * (t @ np.asarray(up, np.float64))[:, None]
@@ -114,7 +113,7 @@ def projected_up_normals(tangents: ArrayLike, up: ArrayLike) -> Array:
         return np.where(size <= 1e-12, np.nan, across / size)
 
 
-def plane_normal(points: ArrayLike) -> Array:
+def plane_normal(points: ArrayLike) -> F8:
     """Unit normal of the plane that fits the points best; its largest component is positive, shape [3].
 
     For points on one line it is the world axis most square to the line, made square to it (z before y before x).
@@ -122,7 +121,7 @@ def plane_normal(points: ArrayLike) -> Array:
     centred = np.asarray(points, np.float64)
     centred = centred - centred.mean(axis=0)
     _, sizes, axes = np.linalg.svd(centred, full_matrices=False)
-    normal: Array = axes[2] if len(axes) > 2 else np.cross(axes[0], axes[-1])
+    normal: F8 = axes[2] if len(axes) > 2 else np.cross(axes[0], axes[-1])
     if len(sizes) < 2 or sizes[1] <= 1e-9 * sizes[0]:
         order = np.array([2, 1, 0])
         square = order[np.argmin(np.round(np.abs(axes[0][order]), 6))]
@@ -132,7 +131,7 @@ def plane_normal(points: ArrayLike) -> Array:
     return normal * sign
 
 
-def start_normal(points: ArrayLike, tangent: ArrayLike) -> Array:
+def start_normal(points: ArrayLike, tangent: ArrayLike) -> F8:
     """Normal that starts the frame of a tunnel: in the plane of the curve, so that b is the normal of that plane.
 
     Args:
@@ -144,7 +143,7 @@ def start_normal(points: ArrayLike, tangent: ArrayLike) -> Array:
     """
     t = np.asarray(tangent, np.float64)
     b = plane_normal(points)
-    n: Array = np.cross(b, t)
+    n: F8 = np.cross(b, t)
     if np.linalg.norm(n) < 1e-3:
         n = np.cross(np.eye(3)[np.argmin(np.abs(t))], t)
     return n / np.linalg.norm(n)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+
+from mimics_app.contracts.arrays import F8
 
 __all__ = [
     "interpolate_pose",
@@ -14,9 +15,10 @@ __all__ = [
     "quaternion_of",
     "rotation_from_vector",
     "rotation_vector",
+    "turn_vector",
+    "turned_back",
 ]
 
-F8 = NDArray[np.float64]
 
 _SMALL = 1e-8
 """Angles [rad] below which sin x / x is 1 in a double."""
@@ -95,3 +97,14 @@ def invert_pose(pose: F8) -> F8:
     inverse[:3, :3] = pose[:3, :3].T
     inverse[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
     return inverse
+
+
+def turned_back(rotation: F8) -> F8:
+    """The opposite of a unit quaternion, xyzw."""
+    return rotation * (-1.0, -1.0, -1.0, 1.0)
+
+
+def turn_vector(rotation: F8, vector: F8) -> F8:
+    """A vector, shape [3], turned by a unit quaternion, xyzw."""
+    turn = 2.0 * np.cross(rotation[:3], vector)
+    return np.asarray(vector + rotation[3] * turn + np.cross(rotation[:3], turn))

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["Axis", "Values", "format_number", "format_ticks", "nice_ticks"]
+from mimics_app.contracts.arrays import F8
 
-Values = NDArray[np.float64]
+__all__ = ["Axis", "format_number", "format_ticks", "nice_ticks"]
+
 
 _TICKS = 6
 """About so many lines of the grid along a straight axis."""
@@ -43,7 +43,7 @@ class Axis:
     at: tuple[float, ...] = ()
 
     @classmethod
-    def of(cls, label: str, *data: Values, margin: float = 0.04, zero: bool = False) -> Axis:
+    def of(cls, label: str, *data: F8, margin: float = 0.04, zero: bool = False) -> Axis:
         """An axis that holds all finite values, with a margin; `zero` makes it start at or below 0."""
         finite = np.concatenate([np.asarray(d, np.float64).ravel() for d in data]) if data else np.zeros(0)
         finite = finite[np.isfinite(finite)]
@@ -74,10 +74,10 @@ class Axis:
         space = 0.06 * (high - low) or 0.1 * abs(high) or 1.0
         return cls(label, 0.0 if zero and low >= 0.0 else low - space, high + space)
 
-    def share(self, values: Values) -> Values:
+    def share(self, values: F8) -> F8:
         """Values as shares of the axis, 0 at `low` and 1 at `high`."""
         if self.log:
-            shares: Values = np.log(np.maximum(values, self.low) / self.low) / math.log(self.high / self.low)
+            shares: F8 = np.log(np.maximum(values, self.low) / self.low) / math.log(self.high / self.low)
             return shares
         return (np.asarray(values, np.float64) - self.low) / (self.high - self.low)
 
@@ -114,7 +114,7 @@ def _log_ticks(low: float, high: float) -> list[float]:
 
 
 def format_ticks(values: Sequence[float]) -> list[str]:
-    """Numbers along an axis, in one way: where one is written as a power of ten, all whole powers are."""
+    """Numbers along an axis, in one notation: where one is written as a power of ten, all whole powers are."""
     plain = [format_number(value) for value in values]
     exponents = [math.log10(value) if value > 0.0 else math.nan for value in values]
     whole = all(abs(exponent - round(exponent)) < 1e-9 for exponent in exponents if not math.isnan(exponent))

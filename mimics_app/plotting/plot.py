@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from markupsafe import Markup
 
-from mimics_app.plotting.axis import Axis, Values
+from mimics_app.contracts.arrays import F8
+from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.marks import circle, element, joined, path, rect, word
 
 __all__ = ["Plot", "envelope"]
@@ -22,7 +23,7 @@ _WIDTH, _MOST_HEIGHT = 860.0, 620.0
 """Of a plot [px]; the height of one whose axes have the same scale follows from their ranges."""
 
 
-def envelope(x: Values, y: Values, buckets: int = 900) -> tuple[Values, Values]:
+def envelope(x: F8, y: F8, buckets: int = 900) -> tuple[F8, F8]:
     """Thin a trace for drawing so that no peak is lost: of each bucket its lowest and highest point, in their order.
 
     Args:
@@ -79,18 +80,18 @@ class Plot:
     def _inner(self) -> tuple[float, float]:
         return self.width - _LEFT - _RIGHT, self.height - _TOP - _BOTTOM
 
-    def _pixels(self, x: Values, y: Values) -> tuple[Values, Values]:
+    def _pixels(self, x: F8, y: F8) -> tuple[F8, F8]:
         width, height = self._inner
         return _LEFT + self.x.share(x) * width, _TOP + (1.0 - self.y.share(y)) * height
 
-    def line(self, x: Values, y: Values, kind: str, name: str = "") -> None:
+    def line(self, x: F8, y: F8, kind: str, name: str = "") -> None:
         """A line through points; `kind` is its class in the style sheet, `name` its entry in the legend."""
         d = self._path(np.asarray(x, np.float64), np.asarray(y, np.float64))
         if d:
             self._parts.append(path(f"line {kind}", d, name))
         self._name("line", kind, name)
 
-    def _path(self, x: Values, y: Values) -> str:
+    def _path(self, x: F8, y: F8) -> str:
         """Polyline without the points that fall on the same quarter of a pixel; not-a-number lifts the pen."""
         px, py = self._pixels(x, y)
         gx, gy = np.round(px / _GRID_PX), np.round(py / _GRID_PX)
@@ -107,7 +108,7 @@ class Plot:
             pen = "L"
         return "".join(text)
 
-    def spans(self, starts: Values, ends: Values, kind: str, name: str = "") -> None:
+    def spans(self, starts: F8, ends: F8, kind: str, name: str = "") -> None:
         """Vertical bands between two places of the x axis each."""
         zeros = np.zeros(len(starts))
         left, right = self._pixels(starts, zeros)[0], self._pixels(ends, zeros)[0]
@@ -117,7 +118,7 @@ class Plot:
             self._parts.append(rect(f"fill {kind}", (a, _TOP, width, height), name))
         self._name("fill", kind, name)
 
-    def bars(self, edges: Values, heights: Values, kind: str, name: str = "") -> None:
+    def bars(self, edges: F8, heights: F8, kind: str, name: str = "") -> None:
         """A histogram: bar i from edges[i] to edges[i + 1]."""
         left, top = self._pixels(edges[:-1], heights)
         right = self._pixels(edges[1:], heights)[0]
@@ -128,7 +129,7 @@ class Plot:
             self._parts.append(rect(f"fill {kind}", corner, what))
         self._name("fill", kind, name)
 
-    def points(self, x: Values, y: Values, kind: str, name: str = "", hovers: list[str] | None = None) -> None:
+    def points(self, x: F8, y: F8, kind: str, name: str = "", hovers: list[str] | None = None) -> None:
         """Small circles, each with its own hover text."""
         px, py = self._pixels(np.asarray(x, np.float64), np.asarray(y, np.float64))
         for i, (a, b) in enumerate(zip(px.tolist(), py.tolist(), strict=True)):

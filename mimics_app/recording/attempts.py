@@ -22,8 +22,6 @@ __all__ = ["Attempt", "find_attempts", "tunnel_shape"]
 _STEPS_PER_PIECE = 24
 _TUNNEL = {"pieces", "centre", "radius", "radius_scale"}
 
-Values = NDArray[np.float64]
-
 
 @dataclass(frozen=True, slots=True)
 class Attempt:

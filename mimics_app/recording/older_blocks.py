@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.haptic import SCENE, AdmittanceForm
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS
 from mimics_app.contracts.object_rows import ROW_DTYPES, Rows, count_rows
 
 __all__ = ["current_block", "rows_with_tunnel"]
 
-Records = NDArray[Any]
 
 _TUNNEL = "tunnel"
 """The field that held it."""

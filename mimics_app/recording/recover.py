@@ -16,7 +16,7 @@ import numpy as np
 
 from mimics_app.contracts.environment import clock_pair
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.regular_file import open_regular, read_regular
+from mimics_app.contracts.regular_file import open_regular, read_or_nothing
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
     END_OF_STREAM,
@@ -173,7 +173,7 @@ def _is_own_file(path: Path) -> bool:
 
 def _write_if_other(path: Path, content: bytes, *, keep: bool) -> list[str]:
     """`_replace` what is not so yet; the name of the file where it was written."""
-    if _is_own_file(path) and _read_if_any(path) == content:
+    if _is_own_file(path) and read_or_nothing(path) == content:
         return []
     _replace(path, content, keep=keep)
     return [path.name]
@@ -203,7 +203,7 @@ def _copy_blocks(path: Path, file: AppendFile, layout: SampleLayout) -> tuple[li
 def _mend_parameters(folder: Path) -> list[str]:
     path = folder / FILES["parameters"]
     schema = read_schema(path) or parameters_schema()
-    data = _read_if_any(path)
+    data = read_or_nothing(path)
     pieces = list(scan_stream(path, lambda part: decode_parameters(part, schema), schema))
     good = [data[piece.offset : piece.offset + piece.length] for piece in pieces if isinstance(piece, Found)]
     damaged = any(isinstance(piece, Damage) for piece in pieces)
@@ -214,7 +214,7 @@ def _mend_signals(folder: Path) -> list[str]:
     path = folder / FILES["signals"]
     if not os.path.lexists(path):
         return []
-    data = _read_if_any(path)
+    data = read_or_nothing(path)
     pieces = list(scan_stream(path, decode_signals, signals_schema()))
     good = [data[piece.offset : piece.offset + piece.length] for piece in pieces if isinstance(piece, Found)]
     damaged = any(isinstance(piece, Damage) for piece in pieces)
@@ -223,7 +223,7 @@ def _mend_signals(folder: Path) -> list[str]:
 
 def _mend_events(folder: Path) -> list[str]:
     path = folder / FILES["events"]
-    good, bad = split_lines(_read_if_any(path))
+    good, bad = split_lines(read_or_nothing(path))
     text = b"".join(line + b"\n" for line, _ in good)
     return _write_if_other(path, text, keep=bad > 0)
 
@@ -238,13 +238,6 @@ def _mend_trials(folder: Path) -> list[str]:
             return []
     _replace(path, table_text(rows), keep=bad > 0)
     return [path.name]
-
-
-def _read_if_any(path: Path) -> bytes:
-    try:
-        return read_regular(path)
-    except OSError:
-        return b""
 
 
 _REPAIRS: dict[str, Callable[[Path], list[str]]] = {

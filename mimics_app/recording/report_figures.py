@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic import EventKind, SafetyState
 from mimics_app.contracts.report_section import Marks, ReportSection, Traces, Word, frontal
 from mimics_app.plotting.axis import Axis
@@ -18,7 +19,6 @@ from mimics_app.recording.report_stability import stability_lines
 
 __all__ = ["draw_lateness", "draw_path", "draw_states", "draw_traces"]
 
-Values = NDArray[np.float64]
 
 _MM = 1000.0
 _LEAST_LATENESS_US = 0.1
@@ -93,7 +93,7 @@ def _free_plots(attempt: Attempt, traces: Traces, touching: str) -> list[Plot]:
 
 
 def _trace_plot(
-    attempt: Attempt, label: str, lines: Mapping[str, tuple[str, Values]], touching: str, *, only_free: bool = False
+    attempt: Attempt, label: str, lines: Mapping[str, tuple[str, F8]], touching: str, *, only_free: bool = False
 ) -> Plot:
     """Traces around the time the person moved; `only_free` leaves out what means nothing while the robot drives."""
     near = _near_free(attempt)
@@ -129,11 +129,11 @@ def _runs(inside: NDArray[np.bool_]) -> list[slice]:
     return [slice(start, end) for start, end in pairs]
 
 
-def _norm(vectors: Values) -> Values:
+def _norm(vectors: F8) -> F8:
     return np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
 
 
-def _stretches(t: Values, inside: NDArray[np.bool_]) -> tuple[Values, Values]:
+def _stretches(t: F8, inside: NDArray[np.bool_]) -> tuple[F8, F8]:
     """Begin and end of each stretch where `inside` holds."""
     runs = _runs(inside)
     return t[[run.start for run in runs]], t[[run.stop - 1 for run in runs]]
@@ -170,7 +170,7 @@ def draw_states(samples: NDArray[Any]) -> Plot:
     return plot
 
 
-def _stretches_joined(t: Values, inside: NDArray[np.bool_]) -> tuple[Values, Values]:
+def _stretches_joined(t: F8, inside: NDArray[np.bool_]) -> tuple[F8, F8]:
     """Like `_stretches`, each drawn up to the tick after it, so that neighbours touch."""
     starts, ends = _stretches(t, inside)
     following = t[np.minimum(np.searchsorted(t, ends, side="right"), len(t) - 1)]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.recording.attempts import Attempt
 from mimics_app.recording.report_tables import Table
@@ -18,8 +19,6 @@ __all__ = ["smallest_margin", "stability_lines", "stability_tables"]
 
 _MOST_SHOWN = 10.0
 _MOST_LOSSES = 20
-
-Values = NDArray[np.float64]
 
 
 def _touching(samples: NDArray[Any]) -> NDArray[np.bool_]:
@@ -44,7 +43,7 @@ def _contacts(run: Run) -> list[tuple[str, float]]:
     return sorted(known, key=lambda item: item[1])
 
 
-def stability_lines(attempt: Attempt) -> dict[str, dict[str, tuple[str, Values]]]:
+def stability_lines(attempt: Attempt) -> dict[str, dict[str, tuple[str, F8]]]:
     """The traces of an attempt: label of the axis -> kind of line -> its name and values, shape [n].
 
     {} where nothing was touched: the margin and the energy are those of a contact.

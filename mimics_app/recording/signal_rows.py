@@ -1,4 +1,4 @@
-"""Signals on their way from the app to the recorder; the app loads no Arrow for it."""
+"""Signals between the app and the recorder; the app loads no Arrow for it."""
 
 from __future__ import annotations
 

@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections import deque
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.haptic import SAMPLE, EventKind
 from mimics_app.contracts.loop_fields import Extent
 from mimics_app.contracts.session_memory import Capacities
@@ -31,7 +30,6 @@ from mimics_app.recording.run_folder import PRIVATE_FOLDER, write_atomically
 
 __all__ = ["FOLDER", "MOST_TRIPS", "ROWS_BEFORE", "TripLog", "complete_trips", "read_trip", "trip_file"]
 
-Records = NDArray[Any]
 
 FOLDER = "trips"
 """Of a run folder."""

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.clock import FRAME_NS
+from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.clock import FRAME_NS, SECOND_NS
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import BodyPose
@@ -28,8 +28,6 @@ from mimics_app.world.world import World
 
 __all__ = ["AvatarCord"]
 
-F8 = NDArray[np.float64]
-_NS = 1_000_000_000
 
 _PARTS = ("head", "hand_left", "hand_right")
 """Parts of a person that move a body."""
@@ -151,7 +149,7 @@ class AvatarCord(TouchScene):
 
     def _arrange(self) -> None:
         """Put everything where it is in this frame."""
-        settings, now_s = self._settings, self._now_ns / _NS
+        settings, now_s = self._settings, self._now_ns / SECOND_NS
         self._world.effects.time = max(self._world.effects.time, now_s)
         front = np.eye(4)
         front[2, 3] = -float(settings["avatar.distance"])
@@ -180,7 +178,7 @@ class AvatarCord(TouchScene):
     def _sway(self) -> float:
         """The swing of the cord, set off by how its ends move sideways: a damped pendulum, a step a frame [rad]."""
         middle = self._cord.ends.mean(axis=0)
-        dt = FRAME_NS / _NS
+        dt = FRAME_NS / SECOND_NS
         moved = 0.0 if self._middle is None else float(middle[0] - self._middle[0]) / dt
         self._middle = middle
         omega = 2.0 * math.pi * _SWING_HZ
@@ -209,8 +207,8 @@ class AvatarCord(TouchScene):
     def _ball_at(self, tap: Tap) -> F8:
         """The middle of the tapping ball on its way from the touch before to this one."""
         before = self._before or tap
-        since_s = math.inf if self._before is None else (self._now_ns - before[0]) / _NS
-        share, gap = ball_motion(since_s, (tap[0] - self._now_ns) / _NS)
+        since_s = math.inf if self._before is None else (self._now_ns - before[0]) / SECOND_NS
+        share, gap = ball_motion(since_s, (tap[0] - self._now_ns) / SECOND_NS)
         if before[1] == tap[1] == "cord":
             along, around = (a + share * (b - a) for a, b in zip(before[2:4], tap[2:4], strict=True))
             return self._over(("cord", along, around), gap)
@@ -232,10 +230,10 @@ class AvatarCord(TouchScene):
             return
         due_ns, _, share, theta, self._last_tap = tap
         cord = self._cord
-        cord.tap(share * cord.curve.length, theta, due_ns / _NS, _RIPPLE_SHARE * cord.shown_radius)
+        cord.tap(share * cord.curve.length, theta, due_ns / SECOND_NS, _RIPPLE_SHARE * cord.shown_radius)
 
     def _drop_threat(self, due_ns: int | None) -> None:
-        fallen_s = -1.0 if due_ns is None else (self._now_ns - due_ns) / _NS
+        fallen_s = -1.0 if due_ns is None else (self._now_ns - due_ns) / SECOND_NS
         self._threat.visible = 0.0 <= fallen_s < 3.0
         low = 0.12 + _THREAT_BALL
         height = max(low, _THREAT_FROM - 0.5 * _G * max(fallen_s, 0.0) ** 2)

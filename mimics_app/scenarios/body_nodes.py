@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.maths import mat, quat
 from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.world import World
 
 __all__ = ["BodyNodes"]
-
-Array = NDArray[np.float64]
 
 
 class BodyNodes:
@@ -40,7 +39,7 @@ class BodyNodes:
                 _place(node, pose[:3], pose[3:7])
 
 
-def _place(node: SceneNode, position: Array, orientation: Array) -> None:
+def _place(node: SceneNode, position: F8, orientation: F8) -> None:
     """Set the pose of a node in the world, whatever it hangs on."""
     parent = node.parent
     if parent is not None and parent.parent is not None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.components.robot import NextMark
 from mimics_app.world.extent import Extent, world_extent
 from mimics_app.world.scene.placing import pose_of
@@ -14,8 +14,6 @@ from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
 __all__ = ["NextStation"]
-
-F8 = NDArray[np.float64]
 
 
 class NextStation:

@@ -7,11 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum, auto
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.messages import Aim
 
 __all__ = ["Picker", "Sight"]
 
-Vec3 = tuple[float, float, float]
 
 _HOVER = 0.10
 """Height above the thing from which the hand goes down on it [m]."""

@@ -9,6 +9,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.haptic import Controller
 from mimics_app.contracts.scenario_port import Home
 from mimics_app.rendering.haptic.devices.described import descriptor_of
@@ -19,8 +20,6 @@ from mimics_app.world.scene.placing import pose_of
 from mimics_app.world.scene.scene import Scene
 
 __all__ = ["Places", "Vec3", "robot_block", "start_at", "triple"]
-
-Vec3 = tuple[float, float, float]
 
 
 def robot_block(scene: Scene) -> NDArray[Any]:
@@ -59,7 +58,7 @@ class Places(Mapping[str, Vec3]):
 
 
 def start_at(scene: Scene, point_world: NDArray[np.float64]) -> tuple[tuple[float, ...], Home | None]:
-    """How a trial is begun at a point of the world [m]: the joints there, and the way there where it is by world PD.
+    """How a trial is begun at a point of the world [m]: the joints there, and the path there where it is by world PD.
 
     Further points of contact stay where the middle of their joints has them.
     """

@@ -12,7 +12,7 @@ Tap = tuple[int, str, float, float, int]
 _HOVER, _FALL_S = 0.09, 0.14
 """The ball rests so far over what it taps [m], and takes so long down and up again [s]."""
 _QUICK = 0.35
-"""Share of the time between two touches that each fall has at most: the rest is for the way between the places."""
+"""Share of the time between two touches that each fall has at most: the rest is for the path between the places."""
 
 
 def ball_motion(since_s: float, until_s: float) -> tuple[float, float]:
@@ -23,7 +23,7 @@ def ball_motion(since_s: float, until_s: float) -> tuple[float, float]:
         until_s: Until the coming touch [s]; negative after it.
 
     Returns:
-        Share of the way from one place to the other, and how far the ball is over either [m]: 0 at a touch.
+        Share of the path from one place to the other, and how far the ball is over either [m]: 0 at a touch.
     """
     whole = max(since_s + until_s, 1e-9)
     fall_s = min(_FALL_S, _QUICK * whole)

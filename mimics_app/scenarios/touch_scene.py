@@ -123,7 +123,7 @@ class TouchScene(Scenario):
         return list(curve.point(curve.parameter_at(np.linspace(0.0, curve.length, count))))
 
     def _reachable(self, point: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The point itself, or where the robot can get to on the way to it [m]."""
+        """The point itself, or where the robot can get to on the path to it [m]."""
         robot, limits = self._robot, self._reach.limits
         q, _ = self._reach.joints(self._reach.from_world(point))
         x = self._reach.points(_inside(q, np.array(limits.lowest), np.array(limits.highest)))[0]

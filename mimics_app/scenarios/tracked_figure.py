@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import SceneError
-from mimics_app.maths.poses import quaternion_of
+from mimics_app.maths.poses import quaternion_of, turn_vector, turned_back
 from mimics_app.scenarios.planted_feet import PlantedFeet
 from mimics_app.world.motion.animator import Animator, Rig
 from mimics_app.world.motion.humanoid import HumanoidMap, find_humanoid
@@ -19,7 +19,6 @@ from mimics_app.world.world import World
 
 __all__ = ["TrackedFigure"]
 
-F8 = NDArray[np.float64]
 Parts = Mapping[str, F8 | None]
 
 _LEAST_STANDING, _MOST_STANDING = 1.2, 2.1
@@ -182,8 +181,8 @@ class TrackedFigure:
 
     def _place(self, slot: int, offset: F8) -> F8:
         """A place that goes with a joint, world [m]; the offset is in the model's axes as it rests."""
-        inside = self._chain.places[slot] + _rotated(
-            self._chain.turns[slot], _rotated(_back(self._rest.turns[slot]), offset)
+        inside = self._chain.places[slot] + turn_vector(
+            self._chain.turns[slot], turn_vector(turned_back(self._rest.turns[slot]), offset)
         )
         return np.asarray(self._world_from_model[:3, :3] @ inside + self._world_from_model[:3, 3])
 
@@ -230,12 +229,3 @@ def _axes(along: F8, aside: F8) -> F8:
 def _inside(frame: F8, scale: float, place: F8) -> F8:
     """A place in a frame that is turned and sized, [3]."""
     return np.asarray(frame[:3, :3].T @ (place - frame[:3, 3]) / scale**2)
-
-
-def _back(q: F8) -> F8:
-    return np.array([-q[0], -q[1], -q[2], q[3]])
-
-
-def _rotated(q: F8, v: F8) -> F8:
-    turn = 2.0 * np.cross(q[:3], v)
-    return np.asarray(v + q[3] * turn + np.cross(q[:3], turn))

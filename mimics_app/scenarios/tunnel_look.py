@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.haptic.tunnel import TunnelCurve
 from mimics_app.world.components.visible import TunnelView
 from mimics_app.world.levels import coverages_of
@@ -20,7 +20,6 @@ from mimics_app.world.world import World
 
 __all__ = ["TunnelLook"]
 
-F8 = NDArray[np.float64]
 
 _BISECTOR_SIDES = 8
 _FEWEST_SIDES, _THINNEST = 6, 3

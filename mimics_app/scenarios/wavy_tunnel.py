@@ -29,7 +29,7 @@ _VIA_SPACING = 0.005
 
 
 class WavyTunnel(Scenario):
-    """Tunnels, ball and rings of the scene. The way, the rings and the facts are those of the task's own tunnel.
+    """Tunnels, ball and rings of the scene. The path, the rings and the facts are those of the task's own tunnel.
 
     Args:
         scene: The checked scene; needs entities with `tunnel` and `tunnel_view`, `robot`, and `ball`.

@@ -16,7 +16,7 @@ def trial_points(spec: ScoreSpec, row: Mapping[str, object], *, finished: bool) 
 
         100 * sum(weight_i * marks_i) / sum(weight_i), marks_i falling linearly from 1 at `best` to 0 at `worst`
 
-    A measure that the task does not take (a path error where no way is given) counts in neither sum. Smoothness that
+    A measure that the task does not take (a path error where no path is given) counts in neither sum. Smoothness that
     cannot be judged (nothing moved) counts as 0 marks. A trial that did not reach its goal earns the points times the
     share of the path it came, so that a short unfinished travel cannot beat a finished one.
 

@@ -29,7 +29,7 @@ class Measures:
         smoothness: SPARC [-], negative; None where nothing moved.
         force_mean_n: Time mean of the force felt [N].
         force_peak_n: Largest force felt [N].
-        progress: Farthest share of the way to the goal; None: the task has no way.
+        progress: Farthest share of the path to the goal; None: the task has no path.
         path_m: Length of the hand's path [m].
     """
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.maths.cord import Catenary, Ripple, Ripples, hang
 
 __all__ = ["MOST_TAPS", "Cord"]
 
-F8 = NDArray[np.float64]
 Colour = tuple[float, float, float]
 
 MOST_TAPS = 8

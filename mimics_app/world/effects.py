@@ -7,14 +7,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.components.effects import Billboard, Particles, Projector, Trigger
 from mimics_app.world.graph import SceneGraph
 
 __all__ = ["Burst", "Effects"]
 
-F8 = NDArray[np.float64]
 Effect = Billboard | Particles | Projector
 
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.world import World
 
 __all__ = ["Extent", "world_extent"]
 
-F8 = NDArray[np.float64]
 Extent = tuple[F8, F8]
 """Least and greatest corner, world [m], float64 [3] each."""
 

@@ -5,15 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["preorder", "propagate", "store_poses"]
 
-I4 = NDArray[np.int32]
-F8 = NDArray[np.float64]
-U1 = NDArray[np.uint8]
 
 _LEAST_LENGTH2, _MOST_LENGTH2 = 1e-280, 1e280
 """Squared lengths of quaternions that can be scaled to 1 without losing digits."""

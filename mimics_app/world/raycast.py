@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.world import World
 
 __all__ = ["RayHit", "cast_ray", "meet_triangles"]
-
-F8 = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

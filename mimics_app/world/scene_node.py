@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.maths import mat, quat
 from mimics_app.maths.decompose import decompose_trs
 from mimics_app.world.camera import Camera
@@ -17,7 +17,6 @@ from mimics_app.world.light import Light, LightKind
 
 __all__ = ["Frame", "SceneNode"]
 
-F8 = NDArray[np.float64]
 Vector = Sequence[float] | F8
 Frame = Literal["parent", "own"]
 """In which axes a movement is meant: the parent's, or the node's own."""

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.propagation import propagate, store_poses
 from mimics_app.world.store import grown
 
 __all__ = ["TransformTable"]
 
-F8 = NDArray[np.float64]
 _NONE = -1
 _FIRST_CAPACITY = 256
 _IDENTITY = np.eye(4)

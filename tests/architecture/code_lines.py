@@ -103,11 +103,17 @@ def _no_code(text: str) -> list[ast.stmt]:
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import | ast.ImportFrom):
             found.append(node)
-        elif isinstance(node, ast.Assign) and any(isinstance(t, ast.Name) and t.id == "__all__" for t in node.targets):
+        elif isinstance(node, ast.Assign | ast.AnnAssign) and "__all__" in _assigned(node):
             found.append(node)
         elif isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node) is not None:
             found.append(node.body[0])
     return found
+
+
+def _assigned(node: ast.Assign | ast.AnnAssign) -> set[str]:
+    """Names that a statement binds, with or without a type."""
+    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+    return {target.id for target in targets if isinstance(target, ast.Name)}
 
 
 def _is_in(module: str, patterns: tuple[str, ...]) -> bool:

@@ -20,6 +20,7 @@ KERNELS_MAY_IMPORT = (
     "numba",
     "numpy",
     "mimics_app.maths",
+    "mimics_app.contracts.arrays",
     "mimics_app.contracts.atomics",
     "mimics_app.contracts.borrowed",
     "mimics_app.contracts.function_pointers",

@@ -17,8 +17,8 @@ from mimics_app.app.session.build import build_session
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.resources import root
-from mimics_app.inputs.physio.amplifier_emulator import AmplifierEmulator
 from mimics_app.recording.run import Run
+from tests.support.amplifier import AmplifierEmulator
 from tests.support.body_signals import body
 
 TUNNEL = root() / "scenes" / "wavy_tunnel.json"

@@ -13,7 +13,6 @@ import pytest
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 from mimics_app.contracts.messages import Experience
-from mimics_app.inputs.physio.amplifier_emulator import AmplifierEmulator
 from mimics_app.inputs.physio.amplifier_frames import AmplifierReader, binary_header, binary_samples
 from mimics_app.inputs.physio.integrity import Grid
 from mimics_app.inputs.physio.movement import Movement
@@ -21,6 +20,7 @@ from mimics_app.inputs.physio.recording import FileSource, read_signal_file
 from mimics_app.inputs.physio.serial_amplifier import SerialAmplifier
 from mimics_app.inputs.physio.simulated.source import SimulatedBody
 from mimics_app.inputs.physio.sources import look_for_source, open_source
+from tests.support.amplifier import AmplifierEmulator
 from tests.support.body_signals import body
 
 SECOND = 1_000_000_000

@@ -20,10 +20,9 @@ from mimics_app.contracts.tracker_port import TrackerSample
 from mimics_app.inputs.trackers import vrpn_wire
 from mimics_app.inputs.trackers.ascension import FlockParser, flock_record
 from mimics_app.inputs.trackers.calibration import axis_map, fit_room
-from mimics_app.inputs.trackers.emulated_line import emulated_fastrak, emulated_flock
 from mimics_app.inputs.trackers.hub import Placed, TrackerHub
 from mimics_app.inputs.trackers.lsl import LslTracker
-from mimics_app.inputs.trackers.osc import OscSender, OscTracker
+from mimics_app.inputs.trackers.osc import OscTracker
 from mimics_app.inputs.trackers.plausibility import Plausibility
 from mimics_app.inputs.trackers.pointer_tracker import PointerTracker
 from mimics_app.inputs.trackers.polhemus import RECORD_BYTES, FastrakParser, euler_quaternion, fastrak_record
@@ -31,8 +30,10 @@ from mimics_app.inputs.trackers.scripted_person import PERSON_SENSORS, ScriptedP
 from mimics_app.inputs.trackers.serial_tracker import fastrak, flock_of_birds
 from mimics_app.inputs.trackers.tape import TapeTracker, TapeWriter, read_tape
 from mimics_app.inputs.trackers.track import Track
-from mimics_app.inputs.trackers.vrpn import VrpnServer, VrpnTracker
+from mimics_app.inputs.trackers.vrpn import VrpnTracker
 from mimics_app.maths.poses import pose_from_parts, rotation_from_vector, rotation_vector
+from tests.support.pose_senders import OscSender, VrpnServer
+from tests.support.tracker_line import emulated_fastrak, emulated_flock
 
 MS = 1_000_000
 SEED = 7

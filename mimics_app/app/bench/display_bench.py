@@ -58,7 +58,7 @@ def measure_displays(scene: Path, size: Size, frames: int, report: Callable[[str
         report: Called with what is measured next.
 
     Raises:
-        DeviceError: there is no way to draw without a display.
+        DeviceError: nothing here draws without a display.
     """
     rows = []
     for workload in WORKLOADS:

@@ -13,7 +13,7 @@ from types import FrameType
 from mimics_app.app.picture.board import BoardLayout
 from mimics_app.contracts.board import Board, Card
 from mimics_app.contracts.machine import describe_machine
-from mimics_app.lab.figure import Figure, no_boundary, write_figure
+from mimics_app.lab.figure import Figure, write_figure
 from mimics_app.lab.visual.frame import node_world
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.drawing import document, legend
@@ -125,21 +125,8 @@ def _figure() -> Figure:
         for name, found in counted.items()
         for x, each in found
     ]
-    svg = _svg(lines)
-    title = "Calls of Python a frame"
-    machine = str(describe_machine())
-    return Figure(
-        "figure",
-        "python of a frame",
-        _COMMAND,
-        machine,
-        rows,
-        [],
-        "",
-        no_boundary(),
-        svg,
-        {"what": title, "unit": "calls"},
-    )
+    more = {"what": "Calls of Python a frame", "unit": "calls"}
+    return Figure("figure", "python of a frame", _COMMAND, str(describe_machine()), rows, _svg(lines), more=more)
 
 
 def _svg(lines: dict[str, list[tuple[float, float]]]) -> str:

@@ -9,15 +9,13 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.app.bench.render_workloads import Workload, decode, light_up
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.components.effects import Particles
 from mimics_app.world.world import World
 
 __all__ = ["Fountain", "FountainNumbers"]
-
-F8 = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,16 +9,15 @@ import math
 from itertools import cycle
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.app.bench.render_workloads import Walk
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.resources import root
 from mimics_app.lab.visual.people import load_person
 from mimics_app.maths import quat
 
 __all__ = ["ON_SIDEWALKS", "People"]
 
-F8 = NDArray[np.float64]
 
 ON_SIDEWALKS = 100
 """People, where nobody says how many."""

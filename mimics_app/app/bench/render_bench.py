@@ -83,7 +83,7 @@ def measure_render(wanted: RenderBench) -> dict[str, Any]:
 
     Raises:
         UsageError: an option or workload that cannot be.
-        DeviceError: no way to draw.
+        DeviceError: Nothing here draws.
     """
     for word in wanted.options:
         if word not in OPTIONS:

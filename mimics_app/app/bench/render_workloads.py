@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from mimics_app.app.picture.picture import live_quality
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -31,7 +32,6 @@ from mimics_app.world.world import World
 
 __all__ = ["WORKLOADS", "City", "Crowd", "Nodes", "Walk", "Workload", "decode", "light_up", "open_workload"]
 
-F8 = NDArray[np.float64]
 
 FOV_Y, NEAR, FAR = math.radians(60.0), 0.1, 2000.0
 SUN = np.array([0.4, 1.0, 0.3]) / np.linalg.norm([0.4, 1.0, 0.3])
@@ -100,7 +100,7 @@ class City(Workload):
 
 
 class Walk(City):
-    """The product's own city as its scene requests it: a few steps at a walking pace, and again some way further on.
+    """The product's own city as its scene requests it: a few steps at a walking pace, and again some streets on.
 
     Attributes:
         scene: The city's.

@@ -105,7 +105,7 @@ class WholePlay:
         Time is frozen meanwhile, so every plan draws the same moment.
 
         Raises:
-            DeviceError: there is no way to draw without a display.
+            DeviceError: nothing here draws without a display.
         """
         quality = with_methods(picture_quality(self._scene, plan.profile), plan.settings)
         picture = Picture(open_offscreen("auto", _SIZE), self._scene, self._core.world, quality)

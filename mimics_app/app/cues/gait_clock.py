@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from math import hypot, sqrt
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.messages import SoundTrigger
 
 __all__ = ["GaitClock"]
 
-Vec3 = tuple[float, float, float]
 
 _LENGTH_AT_ONE = 0.66
 """Step length at 1 m/s [m]; it grows with the root of the speed (Grieve 1968)."""

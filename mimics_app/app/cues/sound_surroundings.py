@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import exp
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.app.cues.gait_clock import GaitClock
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.messages import SoundTrigger
 from mimics_app.rendering.audio.obstacles import Box, passes_of
 from mimics_app.world.components.visible import SoundObstacle, SoundRoom, Walker
@@ -16,7 +16,6 @@ from mimics_app.world.world import World
 
 __all__ = ["SoundSurroundings"]
 
-Floats = NDArray[np.float64]
 
 _RAMP_S = 0.03
 """Time constant with which an obstacle takes effect [s]: nothing snaps behind an edge."""
@@ -39,7 +38,7 @@ class SoundSurroundings:
         self._passes = np.ones((emitters, 3))
         self._fresh = True
 
-    def passes(self, world: World, head: Floats, sources: Floats, span: float) -> Floats:
+    def passes(self, world: World, head: F8, sources: F8, span: float) -> F8:
         """Linear share of each source that comes through, by band, ramped over the time since the last frame [s].
 
         Args:
@@ -68,13 +67,13 @@ class SoundSurroundings:
                 triggers += gait.step(now_ns, (x, y, z))
         return triggers
 
-    def room(self, world: World, head: Floats) -> tuple[float, float]:
+    def room(self, world: World, head: F8) -> tuple[float, float]:
         """Level and time [s] of the answer where the listener is; the loudest room counts."""
         heard = [(_inside(world, name, room, head) * room.level, room.time) for name, room in self._rooms]
         return max(heard, default=(0.0, 1.0))
 
 
-def _inside(world: World, name: str, room: SoundRoom, head: Floats) -> float:
+def _inside(world: World, name: str, room: SoundRoom, head: F8) -> float:
     """1 well inside a room, falling to 0 at its walls and outside."""
     if name not in world:
         return 0.0

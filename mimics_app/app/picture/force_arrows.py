@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.contracts.messages import HapticSnapshot
 from mimics_app.rendering.visual.figures.hud import Colour
@@ -14,7 +15,6 @@ from mimics_app.rendering.visual.overlay.layers import Arrow
 
 __all__ = ["ForceArrows"]
 
-F8 = NDArray[np.float64]
 
 _METRES_PER_NEWTON = 0.012
 _METRES_PER_SPEED = 0.15

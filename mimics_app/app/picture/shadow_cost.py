@@ -1,4 +1,4 @@
-"""What a shadow pass costs in a scene that has none, measured by drawing it both ways."""
+"""What a shadow pass costs in a scene that has none, measured by drawing it with and without."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import median
 from typing import IO, TYPE_CHECKING, Protocol
 
-from mimics_app.contracts.clock import FRAMES_PER_SECOND
+from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS
 from mimics_app.contracts.errors import UsageError
 from mimics_app.rendering.visual.frame_set import FrameSet
 from mimics_app.rendering.visual.presenting.presenter import Presenter
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Film", "draw_film", "film_place"]
 
-_NS = 1_000_000_000
 _ROOM = 16
 """Pictures that may wait for the thread."""
 _LONGEST_GAP = 600
@@ -134,7 +133,7 @@ class Film:
             if self._begun_ns is None:
                 self._begun_ns = frame.t_ns
             try:
-                self._sink.add(round((frame.t_ns - self._begun_ns) * FRAMES_PER_SECOND / _NS), frame)
+                self._sink.add(round((frame.t_ns - self._begun_ns) * FRAMES_PER_SECOND / SECOND_NS), frame)
             except (OSError, ValueError) as error:
                 self.problem = f"writing failed: {getattr(error, 'strerror', None) or error}"
         try:
@@ -166,7 +165,7 @@ def draw_film(
         spent.append(renderer.draw_finished(views(number)).cpu_ms)
         if presenter is not None:
             presenter.present()
-        film.take(number * _NS // FRAMES_PER_SECOND)
+        film.take(number * SECOND_NS // FRAMES_PER_SECOND)
     film.finish()
     return FrameSet([film.place], median(spent))
 

@@ -6,52 +6,29 @@ from collections.abc import Mapping
 
 import msgspec
 
-from mimics_app.app.settings import Profile
+from mimics_app.app.settings import PROFILES, Profile
 from mimics_app.world.components.systems import Tolerances
 from mimics_app.world.scene.scene import Scene
 
 __all__ = ["BY_PROFILE", "FIELD_OF_UNIT", "tolerances_of"]
 
+_BOUNDS: Mapping[str, tuple[str, tuple[float, float, float]]] = {
+    "force_N": ("N", (0.5, 0.05, 1e-3)),
+    "position_m": ("m", (1e-3, 1e-6, 1e-8)),
+    "angle_rad": ("rad", (2e-2, 1e-3, 1e-4)),
+    "restitution": ("restitution", (0.03, 0.02, 0.02)),
+    "itd_us": ("us of interaural delay", (700.0, 40.0, 30.0)),
+    "frame_ms": ("ms", (34.0, 17.0, 17.0)),
+    "edge_px": ("px", (0.5, 0.1, 0.1)),
+    "shadow_m": ("m of a shadow's edge", (1e-3, 2e-4, 1.5e-4)),
+    "pixel_share": ("share of pixels", (0.1, 0.03, 0.005)),
+    "colour_levels": ("levels of 255", (40.0, 2.0, 1.0)),
+    "effect_share": ("of the effect", (1.0, 0.1, 0.05)),
+}
+"""Tolerance: the unit of the errors it bounds, and the bound of a draft, a training and a study."""
+
 BY_PROFILE: Mapping[Profile, Mapping[str, float]] = {
-    "draft": {
-        "force_N": 0.5,
-        "position_m": 1e-3,
-        "angle_rad": 2e-2,
-        "restitution": 0.03,
-        "itd_us": 700.0,
-        "frame_ms": 34.0,
-        "edge_px": 0.5,
-        "shadow_m": 1e-3,
-        "pixel_share": 0.1,
-        "colour_levels": 40.0,
-        "effect_share": 1.0,
-    },
-    "training": {
-        "force_N": 0.05,
-        "position_m": 1e-6,
-        "angle_rad": 1e-3,
-        "restitution": 0.02,
-        "itd_us": 40.0,
-        "frame_ms": 17.0,
-        "edge_px": 0.1,
-        "shadow_m": 2e-4,
-        "pixel_share": 0.03,
-        "colour_levels": 2.0,
-        "effect_share": 0.1,
-    },
-    "study": {
-        "force_N": 1e-3,
-        "position_m": 1e-8,
-        "angle_rad": 1e-4,
-        "restitution": 0.02,
-        "itd_us": 30.0,
-        "frame_ms": 17.0,
-        "edge_px": 0.1,
-        "shadow_m": 1.5e-4,
-        "pixel_share": 0.005,
-        "colour_levels": 1.0,
-        "effect_share": 0.05,
-    },
+    profile: {name: bounds[k] for name, (_, bounds) in _BOUNDS.items()} for k, profile in enumerate(PROFILES)
 }
 """By profile and field of `systems.tolerances`.
 
@@ -65,24 +42,11 @@ study       what cannot be seen in the analysis of a recording: a thousandth of 
             keep their forms for longer
 """
 
-FIELD_OF_UNIT: Mapping[str, str] = {
-    "N": "force_N",
-    "m": "position_m",
-    "rad": "angle_rad",
-    "restitution": "restitution",
-    "us of interaural delay": "itd_us",
-    "ms": "frame_ms",
-    "px": "edge_px",
-    "m of a shadow's edge": "shadow_m",
-    "share of pixels": "pixel_share",
-    "of the effect": "effect_share",
-    "levels of 255": "colour_levels",
-}
+FIELD_OF_UNIT: Mapping[str, str] = {unit: name for name, (unit, _) in _BOUNDS.items()}
 """Which tolerance bounds an error, by the unit of the error in the table of methods."""
 
 
 def tolerances_of(scene: Scene, profile: Profile) -> dict[str, float]:
     """Largest accepted error by field of `systems.tolerances`; units in the names."""
-    stated = scene.systems.get("tolerances")
-    given = msgspec.structs.asdict(stated) if isinstance(stated, Tolerances) else {}
+    given = msgspec.structs.asdict(scene.system(Tolerances) or Tolerances())
     return {**BY_PROFILE[profile], **{name: value for name, value in given.items() if value is not None}}

@@ -43,8 +43,7 @@ __all__ = [
 
 def visual_of(scene: Scene) -> VisualSettings:
     """What the scene says of its picture; what it leaves out is as in a scene that says nothing."""
-    wanted = scene.systems.get("visual")
-    return wanted if isinstance(wanted, VisualSettings) else VisualSettings()
+    return scene.system(VisualSettings) or VisualSettings()
 
 
 _ONE_MAP = 8.0
@@ -73,21 +72,18 @@ def _has(kind: type[msgspec.Struct]) -> Callable[[Scene], bool]:
     return lambda scene: scene.has(kind)
 
 
-def _named_projection(scene: Scene) -> Settings | None:
-    haptic = scene.systems.get("haptic")
-    if not isinstance(haptic, HapticSettings) or haptic.projection == "auto":
-        return None
-    return {"projection": haptic.projection}
+def _unless_auto(name: str, stated: Callable[[Scene], str]) -> Callable[[Scene], Settings | None]:
+    """What a scene states of a method, under the name the product sets it by; None: the planner is to choose."""
+
+    def named(scene: Scene) -> Settings | None:
+        return None if stated(scene) == "auto" else {name: stated(scene)}
+
+    return named
 
 
 def _uses_admittance(scene: Scene) -> bool:
     """Whether there is a robot; one that takes forces instead has no virtual mass, which its driver reports later."""
     return scene.has(Admittance) or scene.has(Robot)
-
-
-def _named_form(scene: Scene) -> Settings | None:
-    form = (scene.first(Admittance) or Admittance()).form
-    return None if form == "auto" else {"form": form}
 
 
 def _may_run_form(scene: Scene, settings: Settings) -> bool:
@@ -167,8 +163,7 @@ def _may_integrate(scene: Scene, settings: Settings) -> bool:
 
 def audio_of(scene: Scene) -> AudioSettings:
     """What the scene says of its sound; what it leaves out is as in a scene that says nothing."""
-    audio = scene.systems.get("audio")
-    return audio if isinstance(audio, AudioSettings) else AudioSettings()
+    return scene.system(AudioSettings) or AudioSettings()
 
 
 def _named_spatialiser(scene: Scene) -> Settings | None:
@@ -187,9 +182,8 @@ def _may_spatialise(scene: Scene, settings: Settings) -> bool:
 
     It is the cheaper and the more exact one, but live it is heard 4 ms later (decision 155), which no cost here says.
     """
-    audio, stated = audio_of(scene), scene.systems.get("tolerances")
+    audio, itd_us = audio_of(scene), (scene.system(Tolerances) or Tolerances()).itd_us
     only_spectral = audio.sofa is not None or (audio.hrtf is False and audio.speakers != "stereo")
-    itd_us = stated.itd_us if isinstance(stated, Tolerances) else None
     exact = only_spectral or audio.mixer == "spectral" or (itd_us is not None and itd_us < _WHOLE_SAMPLES_US)
     return (
         (audio.hrtf == "auto" or settings.get("hrtf") == audio.hrtf)
@@ -240,33 +234,17 @@ def _bends(scene: Scene) -> bool:
     return scene.has(Animation) or scene.has(Avatar)
 
 
-def _named_skinning(scene: Scene) -> Settings | None:
-    by = visual_of(scene).skinning
-    return None if by == "auto" else {"skinning": by}
-
-
-def _named_shading(scene: Scene) -> Settings | None:
-    shading = visual_of(scene).shading
-    return None if shading == "auto" else {"shading": shading}
-
-
 _ONE_EYE = ("desktop", "wall", "cave")
 """Kinds of display for one eye, and those whose file says for how many."""
 
 
 def _display_of(scene: Scene) -> DisplaySettings:
-    display = scene.systems.get("display")
-    return display if isinstance(display, DisplaySettings) else DisplaySettings()
+    return scene.system(DisplaySettings) or DisplaySettings()
 
 
 def _for_two_eyes(scene: Scene) -> bool:
     display = _display_of(scene)
     return display.kind not in _ONE_EYE or display.passes != "auto"
-
-
-def _named_passes(scene: Scene) -> Settings | None:
-    passes = _display_of(scene).passes
-    return None if passes == "auto" else {"stereo": passes}
 
 
 def _shows_models(scene: Scene) -> bool:
@@ -281,11 +259,18 @@ WHOLE_TICK, TOUCH, BODIES = "haptic tick", "touching a shape", "bodies, at rest"
 
 USES: Mapping[str, Use] = {
     "tunnel projection": Use(
-        "closest point of the tunnel's bisector", _has(Tunnel), _named_projection, within=WHOLE_TICK
+        "closest point of the tunnel's bisector",
+        _has(Tunnel),
+        _unless_auto("projection", lambda scene: (scene.system(HapticSettings) or HapticSettings()).projection),
+        within=WHOLE_TICK,
     ),
     "tunnel frame": Use("frame carried along the bisector", _has(Tunnel), within=WHOLE_TICK),
     "admittance form": Use(
-        "motion of the virtual mass", _uses_admittance, _named_form, _may_run_form, within=WHOLE_TICK
+        "motion of the virtual mass",
+        _uses_admittance,
+        _unless_auto("form", lambda scene: (scene.first(Admittance) or Admittance()).form),
+        _may_run_form,
+        within=WHOLE_TICK,
     ),
     "contact law": Use("force of a contact", _can_be_touched, _named_law, within=TOUCH),
     "friction": Use("friction of a contact", _has_friction, within=TOUCH),
@@ -303,9 +288,15 @@ USES: Mapping[str, Use] = {
     "spatialiser": Use("direction of sounds", _has(Sound), _named_spatialiser, _may_spatialise),
     "occlusion": Use("bodies hidden behind others", _shows_models),
     "level of detail": Use("coarser forms of far bodies", _shows_models),
-    "skinning": Use("bodies that follow joints", _bends, _named_skinning),
-    "shading": Use("light on surfaces", _has(CameraComponent), _named_shading),
-    "stereo": Use("the two eyes before a picture", _for_two_eyes, _named_passes),
+    "skinning": Use(
+        "bodies that follow joints", _bends, _unless_auto("skinning", lambda scene: visual_of(scene).skinning)
+    ),
+    "shading": Use(
+        "light on surfaces", _has(CameraComponent), _unless_auto("shading", lambda scene: visual_of(scene).shading)
+    ),
+    "stereo": Use(
+        "the two eyes before a picture", _for_two_eyes, _unless_auto("stereo", lambda scene: _display_of(scene).passes)
+    ),
     "sun shadows": Use("shadows of the sun", _has_sun_shadow, _named_shadows, _may_shadow, _PROBE_PX),
     "anti aliasing": Use("anti-aliasing", _has(CameraComponent), _named_edges, pixels=_PROBE_PX),
     "ambient occlusion": Use(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.app.picture.picture import Picture, picture_quality
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
-from mimics_app.contracts.clock import FRAMES_PER_SECOND
+from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS
 from mimics_app.contracts.trial_state import TaskView, TrialState
 from mimics_app.rendering.visual.surfaces.headless import write_png
 
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from concurrent.futures import Future, ThreadPoolExecutor
 
 __all__ = ["Album"]
-
-_NS = 1_000_000_000
 
 
 class Album:
@@ -71,9 +69,9 @@ class Album:
 
     def _draw(self, frames: Frames, *, keep: bool) -> None:
         picture = self._session.picture or self._open()
-        picture.draw(frames.board, frames.number * _NS // FRAMES_PER_SECOND)
+        picture.draw(frames.board, frames.number * SECOND_NS // FRAMES_PER_SECOND)
         if picture.film is not None:
-            picture.film.take(frames.number * _NS // FRAMES_PER_SECOND)
+            picture.film.take(frames.number * SECOND_NS // FRAMES_PER_SECOND)
         if keep:
             self._folder.mkdir(parents=True, exist_ok=True)
             file = self._folder / f"frame_{frames.number:06d}.png"

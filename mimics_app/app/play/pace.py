@@ -14,14 +14,13 @@ from mimics_app.app.play.view_keys import ViewKeys
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.app.session.watches import DeviceWatch
-from mimics_app.contracts.clock import FRAME_NS
+from mimics_app.contracts.clock import FRAME_NS, SECOND_NS
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.rendering.visual.quality_steps import quality_steps, rehearse_steps
 
 __all__ = ["run_live", "run_unseen", "run_virtual"]
 
-_NS = 1_000_000_000
 _FEWEST_FRAMES = 120
 """A run of fewer frames says nothing of what can be held."""
 
@@ -152,4 +151,4 @@ def _message(session: Session, frames: Frames, reload: SceneReload, trouble: str
 
 def _limit_ns(session: Session) -> int:
     seconds = session.settings.seconds
-    return 1 << 62 if seconds is None else round(seconds * _NS)
+    return 1 << 62 if seconds is None else round(seconds * SECOND_NS)

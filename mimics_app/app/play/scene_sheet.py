@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from mimics_app.app.play.stills import draw_stills
 from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.arrays import U1
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.rendering.visual.effects.captions import caption_picture
 from mimics_app.rendering.visual.lighting import gather_lighting
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SceneLight", "draw_scene_sheet", "light_rows", "measure_light", "scenes_in", "shade_share"]
 
-U1 = NDArray[np.uint8]
 
 _DRAWN = (640, 360)
 _TILE = (320, 180)

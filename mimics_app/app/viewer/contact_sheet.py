@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.app.viewer.page import draw_caption, draw_reason
 from mimics_app.app.viewer.shown import MODEL_SUFFIXES, Shown, open_shown
 from mimics_app.app.viewer.viewport import Viewport
+from mimics_app.contracts.arrays import U1
 from mimics_app.contracts.errors import Issue, SceneError, UsageError
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
@@ -26,7 +26,6 @@ from mimics_app.world.world import World
 
 __all__ = ["Sheet", "Tile", "draw_models", "draw_sheet", "models_in"]
 
-U1 = NDArray[np.uint8]
 
 TILE = (400, 300)
 """Width and height of a tile [px]."""

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.figures.hud import Colour
 from mimics_app.rendering.visual.overlay.layers import Arrow
 from mimics_app.rendering.visual.view import View
 
 __all__ = ["axis_under", "gizmo_arrows"]
 
-F8 = NDArray[np.float64]
 
 _LENGTH = 0.34
 """Of an arrow, in half heights of the picture at its place."""

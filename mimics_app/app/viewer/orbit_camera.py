@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.rendering.visual.view import View
@@ -16,7 +16,6 @@ from mimics_app.world.extent import Extent
 
 __all__ = ["OrbitCamera"]
 
-F8 = NDArray[np.float64]
 
 _STEEPEST = math.radians(89.0)
 _FOV = math.radians(40.0)

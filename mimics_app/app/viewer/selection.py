@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.app.viewer.gizmo import axis_under, gizmo_arrows
 from mimics_app.app.viewer.shown import Shown
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.overlay.layers import Arrow
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.raycast import cast_ray
@@ -18,7 +18,6 @@ from mimics_app.world.scene_node import SceneNode
 
 __all__ = ["Selection", "drag_offset"]
 
-F8 = NDArray[np.float64]
 Ray = tuple[F8, F8]
 
 _FLAT = 0.17

@@ -14,7 +14,7 @@ from mimics_app.app.viewer.page import KEYS, draw_caption, draw_hint, draw_messa
 from mimics_app.app.viewer.selection import Selection
 from mimics_app.app.viewer.shown import Shown, Up, open_shown
 from mimics_app.app.viewer.viewport import Viewport
-from mimics_app.contracts.clock import FRAME_NS, Clock, MonotonicClock
+from mimics_app.contracts.clock import FRAME_NS, SECOND_NS, Clock, MonotonicClock
 from mimics_app.contracts.errors import MimicsError, SceneError
 from mimics_app.rendering.visual.figures.key_page import draw_keys
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
@@ -24,10 +24,9 @@ from mimics_app.world.scene.watcher import SceneWatcher
 
 __all__ = ["ViewerSession"]
 
-_NS = 1_000_000_000
-_LOOK_NS = _NS // 4
-_SHOW_NS = 5 * _NS
-_REST_NS = _NS // 5
+_LOOK_NS = SECOND_NS // 4
+_SHOW_NS = 5 * SECOND_NS
+_REST_NS = SECOND_NS // 5
 """After so long without a change edges are smoothed where that had to wait."""
 _LONGEST_STEP_S = 0.1
 
@@ -78,9 +77,9 @@ class ViewerSession:
             events = self._surface.poll()
             toggle_overlay(self._viewport.renderer, events)
             self._controls.handle(events)
-            self._controls.fly(min((now - before) / _NS, _LONGEST_STEP_S))
+            self._controls.fly(min((now - before) / SECOND_NS, _LONGEST_STEP_S))
             before = now
-            self._pass_time((now - begun) / _NS)
+            self._pass_time((now - begun) / SECOND_NS)
             if now - looked >= _LOOK_NS:
                 looked = now
                 self._look(now)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.world.environment import Fog, Sky
 from mimics_app.world.extent import Extent
@@ -16,7 +16,6 @@ from mimics_app.world.world import World
 
 __all__ = ["Studio", "studio_settings"]
 
-F8 = NDArray[np.float64]
 
 _FLOOR = "studio floor"
 _WIDTH = 60.0

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from mimics_app.builders.city import fittings, furniture, landmark, layout, streets, surfaces, tree
@@ -216,52 +217,65 @@ class _City:
             self._place(group, f"car{number}", placed)
 
 
+_PAINTED: dict[str, tuple[Callable[[int], bytes], bool]] = {
+    "brick": (surfaces.paint_brick, True),
+    "plaster": (surfaces.paint_plaster, True),
+    "stone": (surfaces.paint_stone, True),
+    "tiles": (surfaces.paint_tiles, True),
+    "slate": (surfaces.paint_slate, True),
+    "brick_bay": (partial(surfaces.paint_bay, kind="brick"), True),
+    "plaster_bay": (partial(surfaces.paint_bay, kind="plaster"), True),
+    "road": (surfaces.paint_road, True),
+    "zebra": (surfaces.paint_zebra, False),
+    "asphalt": (surfaces.paint_asphalt, True),
+    "paving": (surfaces.paint_paving, True),
+    "grass": (surfaces.paint_grass, True),
+    "gardens": (surfaces.paint_gardens, True),
+    "bark": (surfaces.paint_bark, True),
+    "leaves": (fittings.paint_leaves, False),
+    "railing": (fittings.paint_railing, True),
+    "window": (fittings.paint_windows, False),
+    "detail": (fittings.paint_details, False),
+}
+"""Picture: who paints it from the seed, and whether it repeats."""
+
+_MATERIALS: dict[str, tuple[str, dict[str, Any]]] = {
+    "slate": ("slate", {}),
+    "road": ("road", {}),
+    "zebra": ("zebra", {}),
+    "asphalt": ("asphalt", {}),
+    "bark": ("bark", {}),
+    "stone": ("stone", {"colour": (0.84, 0.81, 0.75, 1.0)}),
+    "paving": ("paving", {"colour": (0.74, 0.72, 0.70, 1.0)}),
+    "grass": ("grass", {"colour": (0.86, 0.82, 0.80, 1.0)}),
+    "gardens": ("gardens", {"colour": (0.86, 0.82, 0.80, 1.0)}),
+    "yard": ("brick_bay", {"colour": (0.72, 0.52, 0.44, 1.0)}),
+    "detail": ("detail", {"roughness": 0.7}),
+    "window": ("window", {"roughness": 0.12}),
+    "leaves": ("leaves", {"mask": 0.4}),
+    "railing": ("railing", {"roughness": 0.6, "mask": 0.5}),
+    "hills": ("grass", {"colour": (0.62, 0.80, 0.66, 1.0)}),
+    "skyline": ("plaster_bay", {"colour": (0.58, 0.57, 0.56, 1.0)}),
+}
+"""Material: its picture, and what else it is given; walls, roofs and cars follow, by their colours."""
+
+
 def _add_materials(writer: GltfWriter, seed: int) -> dict[str, int]:
     """Every material by the name sketches call it."""
-    painted: Sequence[tuple[str, bytes, bool]] = (
-        ("brick", surfaces.paint_brick(seed), True),
-        ("plaster", surfaces.paint_plaster(seed), True),
-        ("stone", surfaces.paint_stone(seed), True),
-        ("tiles", surfaces.paint_tiles(seed), True),
-        ("slate", surfaces.paint_slate(seed), True),
-        ("brick_bay", surfaces.paint_bay(seed, "brick"), True),
-        ("plaster_bay", surfaces.paint_bay(seed, "plaster"), True),
-        ("road", surfaces.paint_road(seed), True),
-        ("zebra", surfaces.paint_zebra(seed), False),
-        ("asphalt", surfaces.paint_asphalt(seed), True),
-        ("paving", surfaces.paint_paving(seed), True),
-        ("grass", surfaces.paint_grass(seed), True),
-        ("gardens", surfaces.paint_gardens(seed), True),
-        ("bark", surfaces.paint_bark(seed), True),
-        ("leaves", fittings.paint_leaves(seed), False),
-        ("railing", fittings.paint_railing(seed), True),
-        ("window", fittings.paint_windows(seed), False),
-        ("detail", fittings.paint_details(seed), False),
-    )
-    textures = {name: writer.add_picture(name, png, repeat=repeat) for name, png, repeat in painted}
+    textures = {name: writer.add_picture(name, paint(seed), repeat=wraps) for name, (paint, wraps) in _PAINTED.items()}
     made: dict[str, int] = {}
-    for name in ("slate", "road", "zebra", "asphalt", "bark"):
-        made[name] = writer.add_material(name, texture=textures[name])
-    made["stone"] = writer.add_material("stone", texture=textures["stone"], colour=(0.84, 0.81, 0.75, 1.0))
-    made["paving"] = writer.add_material("paving", texture=textures["paving"], colour=(0.74, 0.72, 0.70, 1.0))
-    for name in ("grass", "gardens"):
-        made[name] = writer.add_material(name, texture=textures[name], colour=(0.86, 0.82, 0.80, 1.0))
-    made["yard"] = writer.add_material("yard", texture=textures["brick_bay"], colour=(0.72, 0.52, 0.44, 1.0))
-    made["detail"] = writer.add_material("detail", texture=textures["detail"], roughness=0.7)
-    made["window"] = writer.add_material("window", texture=textures["window"], roughness=0.12)
-    made["leaves"] = writer.add_material("leaves", texture=textures["leaves"], mask=0.4)
-    made["railing"] = writer.add_material("railing", texture=textures["railing"], roughness=0.6, mask=0.5)
-    made["hills"] = writer.add_material("hills", texture=textures["grass"], colour=(0.62, 0.80, 0.66, 1.0))
-    made["skyline"] = writer.add_material("skyline", texture=textures["plaster_bay"], colour=(0.58, 0.57, 0.56, 1.0))
+
+    def add(name: str, picture: str, **more: Any) -> None:
+        made[name] = writer.add_material(name, texture=textures[picture], **more)
+
+    for name, (picture, more) in _MATERIALS.items():
+        add(name, picture, **more)
     for wall, colours in _WALLS.items():
         for number, colour in enumerate(colours):
-            bay = "brick_bay" if wall == "brick" else "plaster_bay"
-            made[f"{wall}{number}"] = writer.add_material(f"{wall}{number}", colour=colour, texture=textures[wall])
-            made[f"{wall}_bay{number}"] = writer.add_material(
-                f"{wall}_bay{number}", colour=colour, texture=textures[bay]
-            )
+            add(f"{wall}{number}", wall, colour=colour)
+            add(f"{wall}_bay{number}", "brick_bay" if wall == "brick" else "plaster_bay", colour=colour)
     for number, colour in enumerate(_ROOFS):
-        made[f"tiles{number}"] = writer.add_material(f"tiles{number}", colour=colour, texture=textures["tiles"])
+        add(f"tiles{number}", "tiles", colour=colour)
     for name, colour in _PAINTS.items():
         made[f"paint_{name}"] = writer.add_material(f"paint_{name}", colour=colour, roughness=0.28)
     return made

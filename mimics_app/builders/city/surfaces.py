@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.builders.kit.chance import Chance, hash_noise, smooth_noise
+from mimics_app.builders.kit.chance import Chance, hash_noise, pixels, smooth_noise
 from mimics_app.builders.kit.picture import Canvas, Ramp
 
 __all__ = [
@@ -44,18 +43,12 @@ TILE: dict[str, tuple[float, float]] = {
 LANE_HALF = 5.7
 """Half the carriageway with its parking lanes, kerb to kerb [m]."""
 
-Grid = NDArray[np.int64]
 _SIDE = 256
-
-
-def _pixels(width: int = _SIDE, height: int = _SIDE) -> tuple[Grid, Grid]:
-    x, y = np.meshgrid(np.arange(width), np.arange(height))
-    return x.astype(np.int64), y.astype(np.int64)
 
 
 def _courses(canvas: Canvas, wide: int, high: int, joint: int, seed: int, spread: float, ramps: int) -> None:
     """Blocks in running bond; ramp 0 is the joint's, 1 to `ramps` - 1 the blocks'."""
-    x, y = _pixels(*canvas.size)
+    x, y = pixels(*canvas.size)
     row = y // high
     shifted = x + (row % 2) * (wide // 2)
     column = (shifted % canvas.size[0]) // wide
@@ -118,7 +111,7 @@ def paint_tiles(seed: int) -> bytes:
         ((104, 60, 44), (250, 186, 150)),
     ]
     canvas = Canvas(_SIDE, _SIDE, ramps)
-    x, y = _pixels()
+    x, y = pixels(_SIDE, _SIDE)
     wide, high = 16, 32
     column, row = x // wide, y // high
     canvas.ramp[:] = np.floor(hash_noise(column, row, seed) * 3).astype(np.uint8)
@@ -173,7 +166,7 @@ def paint_asphalt(seed: int) -> bytes:
 def _parking(canvas: Canvas, seed: int) -> None:
     """Setts of the parking lanes and gutters along both kerbs, worn wheel tracks between."""
     width, height = canvas.size
-    x, y = _pixels(width, height)
+    x, y = pixels(width, height)
     centre = np.abs(2 * x + 1 - width)  # twice the distance from the middle
     lane = int(width * 3.5 / LANE_HALF)
     setts = centre > lane
@@ -197,7 +190,7 @@ def paint_road(seed: int) -> bytes:
     _parking(canvas, seed + 5)
     for top in (16, 144):  # strokes of 3 m, gaps of 3 m
         canvas.rectangle(126, top, 130, top + 64, 1, 0.8)
-    worn = hash_noise(*_pixels(), seed + 9) < 0.18
+    worn = hash_noise(*pixels(_SIDE, _SIDE), seed + 9) < 0.18
     canvas.shade(0.62, worn & (canvas.ramp == 1))
     return canvas.to_png()
 
@@ -209,7 +202,7 @@ def paint_zebra(seed: int) -> bytes:
     _asphalt(canvas, seed)
     for left in range(6, width - 8, 22):
         canvas.rectangle(left, 2, left + 11, height - 2, 1, 0.82)
-    worn = hash_noise(*_pixels(width, height), seed + 9) < 0.2
+    worn = hash_noise(*pixels(width, height), seed + 9) < 0.2
     canvas.shade(0.6, worn & (canvas.ramp == 1))
     return canvas.to_png()
 
@@ -233,7 +226,7 @@ def paint_grass(seed: int) -> bytes:
     ramps: list[Ramp] = [((44, 64, 26), (120, 148, 72)), ((52, 70, 28), (136, 156, 80))]
     canvas = Canvas(_SIDE, _SIDE, ramps)
     patches = smooth_noise(_SIDE, _SIDE, 6, 6, seed)
-    canvas.ramp[:] = (patches + 0.3 * hash_noise(*_pixels(), seed + 1) > 0.66).astype(np.uint8)
+    canvas.ramp[:] = (patches + 0.3 * hash_noise(*pixels(_SIDE, _SIDE), seed + 1) > 0.66).astype(np.uint8)
     canvas.tone = 0.42 + 0.12 * patches + 0.24 * smooth_noise(_SIDE, _SIDE, 48, 48, seed + 2)
     canvas.grain(0.3, seed + 3)
     return canvas.to_png()
@@ -273,7 +266,7 @@ def paint_gardens(seed: int) -> bytes:
 
 def _paint_bush(canvas: Canvas, cx: int, cy: int, radius: int) -> None:
     """A round crown from above, lit from the upper left."""
-    x, y = _pixels(*canvas.size)
+    x, y = pixels(*canvas.size)
     inside = (x - cx) * (x - cx) + (y - cy) * (y - cy) < radius * radius
     canvas.ramp[inside] = 1
     canvas.tone = np.where(inside, 0.5 - 0.35 * ((x - cx) + (y - cy)) / (1.4 * radius), canvas.tone)
@@ -298,7 +291,7 @@ def paint_bay(seed: int, kind: str) -> bytes:
     canvas = Canvas(width, height, ramps)
     canvas.tone = 0.58 + 0.2 * smooth_noise(height, width, 4, 4, seed)
     if kind == "brick":
-        x, y = _pixels(width, height)
+        x, y = pixels(width, height)
         joints = (y % 6 == 0) | ((x + (y // 6 % 2) * 10) % 20 == 0)
         canvas.tone = np.where(
             joints, 0.8, canvas.tone - 0.12 + 0.3 * hash_noise((x + (y // 6 % 2) * 10) // 20, y // 6, seed)

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["Chance", "hash_noise", "smooth_noise"]
+from mimics_app.contracts.arrays import F8, I8
+
+__all__ = ["Chance", "hash_noise", "pixels", "smooth_noise", "smooth_step"]
 
 Item = TypeVar("Item")
 
@@ -59,7 +60,7 @@ class Chance:
         return (mixed >> turn | mixed << (-turn & 31)) & 0xFFFFFFFF
 
 
-def hash_noise(x: NDArray[np.int64], y: NDArray[np.int64], seed: int) -> NDArray[np.float64]:
+def hash_noise(x: I8, y: I8, seed: int) -> F8:
     """A number of [0, 1) for each place of a lattice, without relation between neighbours.
 
     Args:
@@ -75,7 +76,7 @@ def hash_noise(x: NDArray[np.int64], y: NDArray[np.int64], seed: int) -> NDArray
     return value / 4294967296.0
 
 
-def smooth_noise(height: int, width: int, cells_y: int, cells_x: int, seed: int) -> NDArray[np.float64]:
+def smooth_noise(height: int, width: int, cells_y: int, cells_x: int, seed: int) -> F8:
     """Tileable value noise of [0, 1), float64 [height, width]: lattice values blended by 3t^2 - 2t^3.
 
     Only sums and products of single elements are used, which every machine rounds alike.
@@ -86,10 +87,22 @@ def smooth_noise(height: int, width: int, cells_y: int, cells_x: int, seed: int)
     fy, fx = (y - np.floor(y))[:, None], (x - np.floor(x))[None, :]
     fy, fx = fy * fy * (3.0 - 2.0 * fy), fx * fx * (3.0 - 2.0 * fx)
 
-    def corner(dy: int, dx: int) -> NDArray[np.float64]:
+    def corner(dy: int, dx: int) -> F8:
         at_y, at_x = np.broadcast_arrays((row + dy) % cells_y, (column + dx) % cells_x)
         return hash_noise(at_x, at_y, seed)
 
     top = corner(0, 0) * (1.0 - fx) + corner(0, 1) * fx
     bottom = corner(1, 0) * (1.0 - fx) + corner(1, 1) * fx
     return top * (1.0 - fy) + bottom * fy
+
+
+def pixels(width: int, height: int) -> tuple[I8, I8]:
+    """Column and row of every pixel of a picture, [height, width] each."""
+    x, y = np.meshgrid(np.arange(width), np.arange(height))
+    return x.astype(np.int64), y.astype(np.int64)
+
+
+def smooth_step(low: float, high: float, value: F8) -> F8:
+    """0 below `low`, 1 above `high`, smooth between."""
+    share = np.clip((value - low) / (high - low), 0.0, 1.0)
+    return np.asarray(share * share * (3.0 - 2.0 * share))

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from mimics_app.builders.kit.chance import hash_noise
 from mimics_app.builders.kit.png_writer import write_indexed_png
+from mimics_app.contracts.arrays import F8
 
 __all__ = ["Canvas", "Ramp", "Rgb"]
 
 Rgb = tuple[int, int, int]
 Ramp = tuple[Rgb, Rgb]
-F8 = NDArray[np.float64]
 
 
 class Canvas:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.gltf.source import parse_gltf
 from mimics_app.world.gltf.writer import GltfWriter, MeshPart
 from mimics_app.world.meshes.mesh import MeshData, compute_normals
@@ -38,7 +39,6 @@ __all__ = [
     "turned",
 ]
 
-F8 = NDArray[np.float64]
 Colour = tuple[float, float, float]
 Painter = Callable[[F8, F8], F8]
 """Linear RGB, [n, 3], of positions and normals, [n, 3] each."""

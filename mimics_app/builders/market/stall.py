@@ -41,48 +41,54 @@ def stall_wood() -> Clay:
     """Table, panels, posts and beams."""
     clay = Clay()
     (x0, z0), (x1, z1) = STALL_LOW, STALL_HIGH
-    middle = 0.5 * (x0 + x1)
+    middle, deep = 0.5 * (x0 + x1), 0.5 * (z0 + z1)
+    _table_top(clay)
+    _panels(clay)
+    clay.add(box(x1 - x0 - 0.02, 0.15, z1 - z0 - 0.024), (0.03, 0.02, 0.015), at=(middle, 0.075, deep))
+    for y in (0.022, 0.130):
+        clay.add(rounded_box(x1 - x0 + 0.004, 0.011, 0.006, 0.002, 1), plain(CREAM, 7), at=(middle, y, z1 - 0.004))
+        clay.add(rounded_box(0.006, 0.011, z1 - z0 + 0.002, 0.002, 1), plain(CREAM, 8), at=(x0 + 0.003, y, deep))
+    _frame_of_awning(clay)
+    _sign(clay)
+    return clay
+
+
+def _table_top(clay: Clay) -> None:
+    """Five boards of pale wood."""
+    (x0, z0), (x1, z1) = STALL_LOW, STALL_HIGH
     boards = 5
     deep = (z1 - z0 + 0.012) / boards
     for i in range(boards):
-        z = z0 - 0.004 + (i + 0.5) * deep
         tone = 0.92 + 0.16 * chance(8, 3)[i]
-        top = tuple(tone * part for part in PALE_WOOD)
         clay.add(
             rounded_box(x1 - x0 + 0.014, 0.013, deep - 0.0012, 0.0022, 1),
-            planked(top, 2, deep, 20 + i, 0.0),
-            at=(middle, TABLE - 0.0065, z),
+            planked(tuple(tone * part for part in PALE_WOOD), 2, deep, 20 + i, 0.0),
+            at=(0.5 * (x0 + x1), TABLE - 0.0065, z0 - 0.004 + (i + 0.5) * deep),
         )
+
+
+def _panels(clay: Clay) -> None:
+    """Nine teal boards in front, seven at either side."""
+    (x0, z0), (x1, z1) = STALL_LOW, STALL_HIGH
     count = 9
     wide = (x1 - x0 - 0.008) / count
     for i in range(count):
-        x = x0 + 0.004 + (i + 0.5) * wide
         tone = 0.86 + 0.28 * chance(32, 5)[i]
         clay.add(
             rounded_box(wide - 0.0012, 0.140, 0.007, 0.0018, 1),
             planked(tuple(tone * c for c in TEAL), 0, wide, 40 + i, 0.0),
-            at=(x, 0.075, z1 - 0.010),
+            at=(x0 + 0.004 + (i + 0.5) * wide, 0.075, z1 - 0.010),
         )
     count = 7
     wide = (z1 - z0 - 0.012) / count
     for i in range(count):
-        z = z0 + 0.004 + (i + 0.5) * wide
         tone = 0.80 + 0.28 * chance(32, 6)[i]
         for x in (x0 + 0.008, x1 - 0.008):
             clay.add(
                 rounded_box(0.007, 0.140, wide - 0.0012, 0.0018, 1),
                 planked(tuple(tone * c for c in TEAL), 2, wide, 60 + i, 0.0),
-                at=(x, 0.075, z),
+                at=(x, 0.075, z0 + 0.004 + (i + 0.5) * wide),
             )
-    clay.add(box(x1 - x0 - 0.02, 0.15, z1 - z0 - 0.024), (0.03, 0.02, 0.015), at=(middle, 0.075, 0.5 * (z0 + z1)))
-    for y in (0.022, 0.130):
-        clay.add(rounded_box(x1 - x0 + 0.004, 0.011, 0.006, 0.002, 1), plain(CREAM, 7), at=(middle, y, z1 - 0.004))
-        clay.add(
-            rounded_box(0.006, 0.011, z1 - z0 + 0.002, 0.002, 1), plain(CREAM, 8), at=(x0 + 0.003, y, 0.5 * (z0 + z1))
-        )
-    _frame_of_awning(clay)
-    _sign(clay)
-    return clay
 
 
 def _frame_of_awning(clay: Clay) -> None:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.builders.kit.chance import hash_noise, smooth_noise
+from mimics_app.builders.kit.chance import hash_noise, pixels, smooth_noise
 from mimics_app.builders.kit.picture import Canvas, Ramp
+from mimics_app.contracts.arrays import F8
 
 __all__ = [
     "paint_boards",
@@ -17,15 +17,8 @@ __all__ = [
     "paint_rubber",
 ]
 
-F8 = NDArray[np.float64]
-Grid = NDArray[np.int64]
 
 _SIDE = 256
-
-
-def _pixels(width: int = _SIDE, height: int = _SIDE) -> tuple[Grid, Grid]:
-    x, y = np.meshgrid(np.arange(width), np.arange(height))
-    return x.astype(np.int64), y.astype(np.int64)
 
 
 def _grain(canvas: Canvas, seed: int, high: int) -> F8:
@@ -39,7 +32,7 @@ def paint_oak(seed: int) -> bytes:
     """A table's top of glued staves, light oak, grain along x."""
     ramps: list[Ramp] = [((104, 72, 44), (206, 164, 116)), ((96, 64, 38), (196, 152, 104))]
     canvas = Canvas(2 * _SIDE, _SIDE, ramps)
-    x, y = _pixels(2 * _SIDE, _SIDE)
+    x, y = pixels(2 * _SIDE, _SIDE)
     stave = y // 32
     part = ((x + 149 * stave) % 512) // 256
     canvas.ramp[:] = (hash_noise(part, stave, seed + 3) > 0.5).astype(np.uint8)
@@ -53,7 +46,7 @@ def paint_oak(seed: int) -> bytes:
 def paint_boards(seed: int) -> bytes:
     """Floor boards along x, warm and worn."""
     canvas = Canvas(2 * _SIDE, _SIDE, [((70, 50, 36), (176, 138, 104))])
-    x, y = _pixels(2 * _SIDE, _SIDE)
+    x, y = pixels(2 * _SIDE, _SIDE)
     board = y // 64
     tone = 0.5 + 0.24 * (hash_noise(board, board * 0, seed) - 0.5)
     canvas.tone = tone + 0.4 * (_grain(canvas, seed, 48) - 0.5)
@@ -78,7 +71,7 @@ def paint_ice(seed: int) -> bytes:
 def paint_rubber(seed: int) -> bytes:
     """A rubber mat: dark red, with studs in rows."""
     canvas = Canvas(_SIDE, _SIDE, [((70, 20, 16), (206, 84, 66))])
-    x, y = _pixels()
+    x, y = pixels(_SIDE, _SIDE)
     shifted = x + (y // 32 % 2) * 16
     across, down = (shifted % 32) - 15.5, (y % 32) - 15.5
     away = np.hypot(across, down)
@@ -91,7 +84,7 @@ def paint_rubber(seed: int) -> bytes:
 def paint_ripples(seed: int) -> bytes:
     """Planed wood with ripples across the grain, lit from one side."""
     canvas = Canvas(_SIDE, _SIDE, [((84, 50, 26), (226, 172, 112))])
-    x, y = _pixels()
+    x, y = pixels(_SIDE, _SIDE)
     wave = np.sin(2.0 * np.pi * (x + 2.0 * np.sin(2.0 * np.pi * y / _SIDE)) / 16.0)
     canvas.tone = 0.5 + 0.34 * wave + 0.16 * (_grain(canvas, seed, 32) - 0.5)
     canvas.grain(0.05, seed + 1)
@@ -101,7 +94,7 @@ def paint_ripples(seed: int) -> bytes:
 def paint_cushion(seed: int) -> bytes:
     """Woven cloth of a cushion, green, with seams that draw it in."""
     canvas = Canvas(_SIDE, _SIDE, [((28, 74, 44), (138, 192, 132))])
-    x, y = _pixels()
+    x, y = pixels(_SIDE, _SIDE)
     weave = np.where((x // 4 + y // 4) % 2 == 0, 0.06, -0.06)
     puff = np.abs(np.sin(np.pi * (x + y) / 64.0) * np.sin(np.pi * (x - y) / 64.0)) ** 0.5
     canvas.tone = 0.22 + 0.48 * puff + weave

@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from mimics_app.builders.kit.chance import smooth_step
+from mimics_app.contracts.arrays import F8
+
 __all__ = ["compose"]
 
-F8 = NDArray[np.float64]
 
 _FACE, _DOME, _PLANE = 256, 640, 256
 """Sides of a face of the box, height of the dome, and side of the clouds [px]."""
@@ -57,13 +59,13 @@ def _mountains(directions: F8, seed: int) -> F8:
     share = np.clip(up, 0.0, 1.0)[..., None] ** 0.6
     shown = (1.0 - share) * np.array([0.80, 0.89, 0.96]) + share * np.array([0.30, 0.53, 0.84])
     puff = _fibre(directions, seed + 5)
-    shown = shown + (0.97 - shown) * (0.75 * _smooth(0.52, 0.70, puff) * _smooth(0.06, 0.22, up))[..., None]
+    shown = shown + (0.97 - shown) * (0.75 * smooth_step(0.52, 0.70, puff) * smooth_step(0.06, 0.22, up))[..., None]
     around = np.arctan2(directions[..., 0], -directions[..., 2])
     for number, (high, rough, colour) in enumerate(
         ((0.16, 0.10, (0.62, 0.71, 0.80)), (0.10, 0.07, (0.47, 0.58, 0.62)), (0.045, 0.035, (0.35, 0.48, 0.36)))
     ):
         edge = high + rough * _ridge(around, seed + number)
-        inside = _smooth(-0.004, 0.004, edge - up)[..., None]
+        inside = smooth_step(-0.004, 0.004, edge - up)[..., None]
         lit = 0.10 * np.clip((edge - up) / 0.2, 0.0, 1.0)[..., None]
         shown = shown + inside * (np.array(colour) + lit - shown)
     field = np.clip(-up, 0.0, 1.0)[..., None] ** 0.5
@@ -79,13 +81,13 @@ def _evening(directions: F8, seed: int) -> F8:
     shown = np.array([0.20, 0.24, 0.46]) * (1.0 - 0.45 * np.clip(up, 0.0, 1.0)[..., None])
     glow = (1.0 - towards[..., None]) * np.array([0.52, 0.40, 0.56]) + towards[..., None] * np.array([1.0, 0.60, 0.32])
     shown = shown + warm * (glow - shown)
-    band = _smooth(0.50, 0.72, _fibre(directions * [1.0, 4.0, 1.0], seed + 7)) * _smooth(0.02, 0.10, up)
+    band = smooth_step(0.50, 0.72, _fibre(directions * [1.0, 4.0, 1.0], seed + 7)) * smooth_step(0.02, 0.10, up)
     edge = np.array([0.95, 0.50, 0.42]) * (0.45 + 0.55 * warm)
     shown = shown + (0.7 * band * np.exp(-np.clip(up, 0.0, 1.0) / 0.35))[..., None] * (edge - shown)
     stars = (np.random.default_rng(seed).random(up.shape) > 1.0 - _STARS) & (up > 0.35)
     shown = np.where(stars[..., None], np.array([0.92, 0.93, 1.0]), shown)
     around = np.arctan2(directions[..., 0], -directions[..., 2])
-    hill = _smooth(-0.005, 0.005, 0.03 + 0.035 * _ridge(around, seed + 3) - up)[..., None]
+    hill = smooth_step(-0.005, 0.005, 0.03 + 0.035 * _ridge(around, seed + 3) - up)[..., None]
     return np.asarray(shown + hill * (np.array([0.20, 0.17, 0.25]) - shown))
 
 
@@ -93,7 +95,7 @@ def _clouds(seed: int) -> bytes:
     """White clouds on nothing, which repeat; opacity is their thickness."""
     y, x = np.mgrid[0:_PLANE, 0:_PLANE] * (2.0 * math.pi / _PLANE)
     directions = np.stack([np.cos(x), np.sin(x), np.cos(y), np.sin(y)], -1)
-    thick = _smooth(0.46, 0.74, _fibre(1.2 * directions, seed + 9))
+    thick = smooth_step(0.46, 0.74, _fibre(1.2 * directions, seed + 9))
     pixels = np.full((_PLANE, _PLANE, 4), 255, np.uint8)
     pixels[..., :3] = np.round(255.0 * (1.0 - 0.16 * thick))[..., None]
     pixels[..., 3] = np.round(235.0 * thick)
@@ -121,11 +123,6 @@ def _fibre(directions: F8, seed: int) -> F8:
             total += 0.6**octave * wave
             weight += float(0.6**octave)
     return np.asarray(0.5 + 1.1 * total / weight)
-
-
-def _smooth(low: float, high: float, value: F8) -> F8:
-    share = np.clip((value - low) / (high - low), 0.0, 1.0)
-    return np.asarray(share * share * (3.0 - 2.0 * share))
 
 
 def _png(shown: F8) -> bytes:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import io
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
+
+from mimics_app.builders.kit.chance import smooth_step
+from mimics_app.contracts.arrays import F8
 
 __all__ = ["compose"]
 
-F8 = NDArray[np.float64]
 
 _FINE = 3
 """What has hard edges is drawn this much larger, and made smaller by `smaller`."""
@@ -22,12 +23,6 @@ def places(size: int) -> tuple[F8, F8]:
     return x, -y
 
 
-def smooth(low: float, high: float, value: F8) -> F8:
-    """0 below `low`, 1 above `high`, smooth between."""
-    share = np.clip((value - low) / (high - low), 0.0, 1.0)
-    return np.asarray(share * share * (3.0 - 2.0 * share))
-
-
 def noise(size: int, seed: int, octaves: int = 5) -> F8:
     """Clouds of 0 to 1 that repeat at the border."""
     random, total = np.random.default_rng(seed), np.zeros((size, size))
@@ -35,7 +30,7 @@ def noise(size: int, seed: int, octaves: int = 5) -> F8:
         cells = 4 << octave
         grid = random.random((cells, cells))
         at = np.arange(size) * cells / size
-        low, mix = at.astype(int), smooth(0.0, 1.0, at % 1.0)
+        low, mix = at.astype(int), smooth_step(0.0, 1.0, at % 1.0)
         high = (low + 1) % cells
         across = grid[:, low] * (1.0 - mix) + grid[:, high] * mix
         total += 0.5**octave * (across[low] * (1.0 - mix[:, None]) + across[high] * mix[:, None])
@@ -120,8 +115,8 @@ def target() -> tuple[F8, F8]:
     )
     number = np.clip((away * 5.0 / 0.97).astype(int), 0, 4)
     line = np.abs((away * 5.0 / 0.97) % 1.0 - 0.5) > 0.47
-    worn = 0.75 + 0.25 * smooth(0.2, 0.5, noise(256, 3))
-    return colours[number] * np.where(line, 0.75, 1.0)[..., None], worn * smooth(0.0, 0.01, 0.97 - away)
+    worn = 0.75 + 0.25 * smooth_step(0.2, 0.5, noise(256, 3))
+    return colours[number] * np.where(line, 0.75, 1.0)[..., None], worn * smooth_step(0.0, 0.01, 0.97 - away)
 
 
 def arrow() -> tuple[F8, F8]:
@@ -130,14 +125,14 @@ def arrow() -> tuple[F8, F8]:
     shaft = (np.abs(x) < 0.2) & (y > -0.9) & (y < 0.2)
     head = (y >= 0.2) & (y < 0.9) & (np.abs(x) < 0.62 * (0.9 - y) / 0.7)
     shown, cover = smaller(np.full((*x.shape, 3), 0.97), (shaft | head).astype(np.float64))
-    return shown, cover * (0.55 + 0.45 * smooth(0.10, 0.40, noise(256, 11)))
+    return shown, cover * (0.55 + 0.45 * smooth_step(0.10, 0.40, noise(256, 11)))
 
 
 def dirt() -> tuple[F8, F8]:
     """A puddle's mark."""
     x, y = places(256)
-    blot = smooth(0.42, 0.62, noise(256, 21) + 0.75 - 0.95 * np.hypot(x, y))
-    blot = blot * smooth(0.0, 0.25, 1.0 - np.maximum(np.abs(x), np.abs(y)))
+    blot = smooth_step(0.42, 0.62, noise(256, 21) + 0.75 - 0.95 * np.hypot(x, y))
+    blot = blot * smooth_step(0.0, 0.25, 1.0 - np.maximum(np.abs(x), np.abs(y)))
     return np.array([0.42, 0.34, 0.26]) * (0.7 + 0.5 * noise(256, 22)[..., None]), 0.85 * blot
 
 

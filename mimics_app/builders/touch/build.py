@@ -7,13 +7,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.gltf.writer import GltfWriter, MeshPart
 from mimics_app.world.meshes.mesh import compute_normals
 from mimics_app.world.meshes.primitives import icosphere
 
 __all__ = ["compose"]
 
-F8 = NDArray[np.float64]
 
 _GENERATOR = "mimics_app assets/models/touch/build_touch.py"
 """As the shipped files have it: it is part of their bytes."""

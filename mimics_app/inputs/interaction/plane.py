@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from mimics_app.contracts.input_port import Ray, Vec3
+from mimics_app.contracts.arrays import Vec3
+from mimics_app.contracts.input_port import Ray
 
 __all__ = ["FrontalPlane"]
 

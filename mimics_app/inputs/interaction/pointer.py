@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from mimics_app.contracts.input_port import RayFromWindow, Vec3, WindowFrame
+from mimics_app.contracts.arrays import Vec3
+from mimics_app.contracts.input_port import RayFromWindow, WindowFrame
 from mimics_app.contracts.messages import Aim, PointerState
 from mimics_app.inputs.interaction.grasp import GraspControl
 from mimics_app.inputs.interaction.plane import FrontalPlane

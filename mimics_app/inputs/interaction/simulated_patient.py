@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from mimics_app.contracts.input_port import Vec3, WindowFrame
+from mimics_app.contracts.arrays import Vec3
+from mimics_app.contracts.input_port import WindowFrame
 from mimics_app.contracts.messages import Aim, PointerState
 
 __all__ = ["SimulatedPatient"]

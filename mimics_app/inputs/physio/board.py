@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import DeviceError, UsageError, nearest
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.inputs.physio.integrity import Grid, LiveSignals
 
 __all__ = ["BoardSource"]
 
-_SECOND = 1_000_000_000
 _CHANNELS = {
     "ecg": "get_ecg_channels",
     "gsr": "get_eda_channels",
@@ -70,8 +70,8 @@ class BoardSource(LiveSignals):
         if rows.size == 0:
             return ()
         if self._start_ns is None:
-            self._start_ns = now_ns - round(rows.shape[1] / self._rate * _SECOND)
-        t_ns = self._start_ns + round(self._count / self._rate * _SECOND)
+            self._start_ns = now_ns - round(rows.shape[1] / self._rate * SECOND_NS)
+        t_ns = self._start_ns + round(self._count / self._rate * SECOND_NS)
         self._count += rows.shape[1]
         blocks = (
             self._grids[name].take(t_ns, rows[i] * _TO_MILLIVOLT.get(name, 1.0)) for name, i in self._columns.items()

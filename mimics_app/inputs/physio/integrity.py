@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.messages import Experience, SignalBlock
 
 __all__ = ["Faults", "Grid", "LiveSignals"]
 
-_SECOND = 1_000_000_000
 _JITTER_S = 0.04
 """Blocks come this much early or late without being a gap or a repetition [s]."""
 _LONGEST_GAP_S = 60.0
@@ -74,7 +74,7 @@ class Grid:
             return None
         if self._start_ns is None:
             self._start_ns, self._first_ns = float(t_ns), t_ns
-        late = (t_ns - self._start_ns) / _SECOND - self._count / self._rate
+        late = (t_ns - self._start_ns) / SECOND_NS - self._count / self._rate
         self._received += len(values)
         if late > _LONGEST_GAP_S:
             self.faults.gaps += 1
@@ -91,16 +91,16 @@ class Grid:
             values = values[twice:]
         else:
             self._follow(late, t_ns)
-        block_ns = round(self._start_ns + self._count / self._rate * _SECOND)
+        block_ns = round(self._start_ns + self._count / self._rate * SECOND_NS)
         self._count += len(values)
         return SignalBlock(self._name, self._rate, block_ns, values) if len(values) else None
 
     def _follow(self, late: float, t_ns: int) -> None:
         """Let the grid follow the source's clock, and say by how much it runs off ours."""
         step = _FOLLOW * late
-        self._start_ns = (self._start_ns or 0.0) + step * _SECOND
+        self._start_ns = (self._start_ns or 0.0) + step * SECOND_NS
         self._followed += step
-        elapsed = (t_ns - self._first_ns) / _SECOND
+        elapsed = (t_ns - self._first_ns) / SECOND_NS
         if elapsed > _SETTLED_S:
             self.faults.drift_ppm = -1e6 * self._followed / elapsed
             self.faults.wrong_rate = abs(self._received / elapsed / self._rate - 1.0) > _RATE_OFF and elapsed > 30.0

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.clock import SECOND_NS, MonotonicClock
 from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.inputs.physio.integrity import Grid, LiveSignals
@@ -32,10 +32,9 @@ _ANSWER_S = 3.0
 _AT_ONCE_S = 0.3
 """A wait that is longer than this [s] is announced."""
 
-_SECOND = 1_000_000_000
 _MOST = 4096
 _GLANCE_S = 0.002
-_ASK_OFFSET_NS = 5 * _SECOND
+_ASK_OFFSET_NS = 5 * SECOND_NS
 
 
 def _say_nothing(text: str) -> None:
@@ -86,7 +85,7 @@ class LslSource(LiveSignals):
             return ()
         offset = self.offsets[-1] if self.offsets else 0.0
         here = self._pylsl.local_clock()
-        t_ns = now_ns - round((here - (times[0] + offset)) * _SECOND)
+        t_ns = now_ns - round((here - (times[0] + offset)) * SECOND_NS)
         rows = np.asarray(samples, float)
         blocks = (self._grids[name].take(t_ns, rows[:, i].copy()) for name, i in self._columns.items())
         return tuple(block for block in blocks if block is not None)

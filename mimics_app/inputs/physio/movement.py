@@ -1,4 +1,4 @@
-"""The movement of the hand as signals: what a device measures goes the same way as what a body does."""
+"""The movement of the hand as signals: what a device measures takes the path of what a body does."""
 
 from __future__ import annotations
 

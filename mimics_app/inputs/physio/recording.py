@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import Issue, SceneError, UsageError
+from mimics_app.contracts.clock import SECOND_NS
+from mimics_app.contracts.errors import Issue, SceneError, UsageError, first_line
 from mimics_app.contracts.messages import Experience, SignalBlock
 
 __all__ = ["FileSource", "Recorded", "name_of_channel", "read_signal_file"]
 
-_SECOND = 1_000_000_000
 _MOST_BYTES = 4 << 30
 _LONGEST_S = 7 * 24 * 3600.0
 
@@ -97,7 +97,7 @@ def _read_csv(path: Path) -> list[Recorded]:
         options = csv.ConvertOptions(null_values=["", "nan", "NaN", "NA", "null"])
         table = csv.read_csv(path, convert_options=options)
     except (pa.ArrowException, OSError) as error:
-        raise SceneError(Issue(str(path), "", f"it cannot be read: {_first_line(error)}")) from error
+        raise SceneError(Issue(str(path), "", f"it cannot be read: {first_line(error)}")) from error
     columns: dict[str, NDArray[np.float64]] = {}
     for label in table.column_names:
         try:
@@ -159,7 +159,7 @@ def _read_edf(path: Path) -> list[Recorded]:
                 if name_of_channel(label)
             ]
     except (OSError, ValueError) as error:
-        raise SceneError(Issue(str(path), "", f"it cannot be read: {_first_line(error)}")) from error
+        raise SceneError(Issue(str(path), "", f"it cannot be read: {first_line(error)}")) from error
 
 
 def _read_wfdb(path: Path) -> list[Recorded]:
@@ -170,15 +170,11 @@ def _read_wfdb(path: Path) -> list[Recorded]:
     try:
         record = wfdb.rdrecord(str(path.with_suffix("")))
     except (OSError, ValueError, KeyError, IndexError) as error:
-        raise SceneError(Issue(str(path), "", f"it cannot be read: {_first_line(error)}")) from error
+        raise SceneError(Issue(str(path), "", f"it cannot be read: {first_line(error)}")) from error
     return [
         Recorded(name_of_channel(label), float(record.fs), 0.0, np.asarray(record.p_signal[:, i], float))
         for i, label in enumerate(record.sig_name)
     ]
-
-
-def _first_line(error: Exception) -> str:
-    return (str(error) or type(error).__name__).splitlines()[0]
 
 
 class FileSource:
@@ -200,11 +196,11 @@ class FileSource:
             self._start_ns = now_ns
         blocks = []
         for signal in self._signals:
-            begin_ns = self._start_ns + round((signal.start_s - self._first_s) * _SECOND)
-            due = min(int((now_ns - begin_ns) * signal.rate / _SECOND), len(signal.values))
+            begin_ns = self._start_ns + round((signal.start_s - self._first_s) * SECOND_NS)
+            due = min(int((now_ns - begin_ns) * signal.rate / SECOND_NS), len(signal.values))
             taken = self._taken[signal.name]
             if due > taken:
-                t_ns = begin_ns + round(taken / signal.rate * _SECOND)
+                t_ns = begin_ns + round(taken / signal.rate * SECOND_NS)
                 blocks.append(SignalBlock(signal.name, signal.rate, t_ns, signal.values[taken:due]))
                 self._taken[signal.name] = due
         return tuple(blocks)

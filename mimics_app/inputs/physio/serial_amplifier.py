@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.clock import SECOND_NS, Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.inputs.physio.amplifier_frames import AmplifierReader, Samples
@@ -13,11 +13,10 @@ from mimics_app.inputs.physio.recording import name_of_channel
 
 __all__ = ["SerialAmplifier"]
 
-_SECOND = 1_000_000_000
 _BAUD = 230_400
-_PATIENCE_NS = 3 * _SECOND
+_PATIENCE_NS = 3 * SECOND_NS
 _NUMBERS = 1 << 32
-_SILENT_NS = 2 * _SECOND
+_SILENT_NS = 2 * SECOND_NS
 
 
 class SerialAmplifier(LiveSignals):
@@ -86,13 +85,13 @@ class SerialAmplifier(LiveSignals):
     def _place(self, piece: Samples, now_ns: int) -> list[SignalBlock]:
         """Samples at the time their number says."""
         if self._first is None:
-            self._first = piece.number, now_ns - round(len(piece.values) / self._reader.rate * _SECOND)
+            self._first = piece.number, now_ns - round(len(piece.values) / self._reader.rate * SECOND_NS)
             self._newest = piece.number
         if piece.number < self._newest - _NUMBERS // 2:
             self._turns += 1
         self._newest = piece.number
         ahead = piece.number + self._turns * _NUMBERS - self._first[0]
-        t_ns = self._first[1] + round(ahead / self._reader.rate * _SECOND)
+        t_ns = self._first[1] + round(ahead / self._reader.rate * SECOND_NS)
         columns = self._columns.items()
         found = (self._grids[name].take(t_ns, np.ascontiguousarray(piece.values[:, i])) for name, i in columns)
         return [block for block in found if block is not None]

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.display_port import MAX_PREDICTION_NS
 from mimics_app.contracts.input_port import WindowFrame
 from mimics_app.contracts.tracker_port import TrackedPose, TrackerSample, TrackerSource
@@ -20,7 +20,6 @@ from mimics_app.inputs.trackers.track import Track
 
 __all__ = ["Placed", "TrackerHub"]
 
-F8 = NDArray[np.float64]
 
 _UPSIDE_DOWN = -0.5
 """Cosine between a head's up and the room's below which nobody stands or lies: 120 degrees."""

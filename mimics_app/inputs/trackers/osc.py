@@ -6,14 +6,13 @@ from typing import Any
 
 from pythonosc.dispatcher import Dispatcher
 from pythonosc.osc_server import BlockingOSCUDPServer
-from pythonosc.udp_client import SimpleUDPClient
 
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.tracker_port import TrackerSink
 from mimics_app.inputs.trackers.threaded_tracker import POSE_NUMBERS, ThreadedTracker
 
-__all__ = ["OscSender", "OscTracker"]
+__all__ = ["OscTracker"]
 
 _PREFIX = "/pose/"
 _LOOK_S = 0.05
@@ -62,25 +61,3 @@ class OscTracker(ThreadedTracker):
             self.rejected += 1
             return
         self._pass_pose(address[len(_PREFIX) :], numbers, self._clock.now_ns(), sink)
-
-
-class OscSender:
-    """Sends poses: stands in for a motion-capture system.
-
-    Args:
-        port: Where to, on this machine unless set otherwise.
-        host: Which.
-    """
-
-    def __init__(self, port: int, host: str = "127.0.0.1") -> None:
-        self._client = SimpleUDPClient(host, port)
-
-    def send(
-        self, sensor: str, position: tuple[float, float, float], rotation: tuple[float, float, float, float]
-    ) -> None:
-        """Report a pose."""
-        self._client.send_message(_PREFIX + sensor, [*map(float, position), *map(float, rotation)])
-
-    def close(self) -> None:
-        """Free the socket."""
-        self._client._sock.close()

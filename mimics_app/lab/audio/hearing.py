@@ -1,4 +1,4 @@
-"""What two ears are given, measured: delay and level between them against a reference head, and steps on the way.
+"""What two ears are given, measured: delay and level between them against a reference head, and steps between them.
 
 The delay is that below 1.5 kHz (peak of the correlation), the level that of bands as wide as the ear's own (ERB,
 Glasberg & Moore 1990).
@@ -10,13 +10,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.audio.spectral.head import HeadResponses, delays_between_ears
 
 __all__ = ["BAND_CENTRES", "HearingErrors", "compare", "level_differences"]
 
-Floats = NDArray[np.float64]
 
 BAND_CENTRES = (250, 500, 1000, 2000, 3150, 4000, 5000, 6300, 8000, 10000, 12500)
 """Of the bands [Hz]."""
@@ -51,7 +50,7 @@ class HearingErrors:
         }
 
 
-def level_differences(responses: Floats, rate: float) -> Floats:
+def level_differences(responses: F8, rate: float) -> F8:
     """Level of the right ear over the left by band [dB], shape [n, bands] of responses [n, 2, taps]."""
     power = np.abs(np.fft.rfft(responses, _POINTS)) ** 2
     frequency = np.fft.rfftfreq(_POINTS, 1.0 / rate)
@@ -65,7 +64,7 @@ def level_differences(responses: Floats, rate: float) -> Floats:
 
 
 def compare(
-    rendered: Floats, rate: float, reference: HeadResponses, sweep: Callable[[Floats], Floats] | None = None
+    rendered: F8, rate: float, reference: HeadResponses, sweep: Callable[[F8], F8] | None = None
 ) -> HearingErrors:
     """Errors of responses that were rendered for the directions of a reference.
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.audio_port import Timing
 from mimics_app.contracts.clock import VirtualClock
 from mimics_app.rendering.audio.bank import Sound, SoundBank
@@ -17,21 +17,20 @@ from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
 
 __all__ = ["render_clicks"]
 
-Floats = NDArray[np.float64]
 
 _GAP = 1200
 """Frames between clicks: longer than any response."""
 
 
 def render_clicks(
-    directions: Floats,
+    directions: F8,
     mixer: MixerName = "spectral",
     *,
     sofa: Path | None = None,
     hrtf: bool = True,
     rate: int = 48_000,
     table: HeadTable | None = None,
-) -> Floats:
+) -> F8:
     """What both ears get of a click 1 m away in each direction.
 
     Args:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.haptic import AdmittanceForm
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.control.admittance import admit
 from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobian, apply_jacobian
 
@@ -30,12 +30,6 @@ _DT = 1e-3
 """The loop's tick [s]: a form's false force grows with it."""
 _FREE = 1e9
 _CALLS = 20_000
-
-_SOURCES = {
-    AdmittanceForm.CARTESIAN: "Newton's law in the robot frame, joints through the inverse Jacobian",
-    AdmittanceForm.POLAR: "(6) and (7) with the centrifugal and Coriolis terms they leave out",
-    AdmittanceForm.SEED: "(6) and (7) as printed, axis by axis",
-}
 
 
 @kernel
@@ -71,30 +65,34 @@ def _cost_us(form: AdmittanceForm) -> float:
     return shortest_us(lambda: _run(int(form), _CALLS, 0.0, q, v, dq, np.zeros(3)), _CALLS)
 
 
-def _register(form: AdmittanceForm) -> None:
-    registry.register(
-        Method(
-            group=GROUP,
-            name=form.name.lower(),
-            source=_SOURCES[form],
-            cost=lambda: _cost_us(form),
-            error=lambda: false_force(form),
-            unit="N",
-            valid_range="r > 0" if form is not AdmittanceForm.SEED else "demonstration: no rotation, or no speed",
-            settings={"form": form.name.lower()},
-            default=form is AdmittanceForm.CARTESIAN,
-        )
-    )
-
-
-registry.describe(
-    Group(
-        name=GROUP,
-        what="a free virtual mass of 3 kg that moves and turns; error: the force a form invents on it",
-        unit="N",
-        work="",
-        reference=reference_us,
-    )
+compare(
+    GROUP,
+    "a free virtual mass of 3 kg that moves and turns; error: the force a form invents on it",
+    "N",
+    [
+        Rival(
+            "cartesian",
+            "Newton's law in the robot frame, joints through the inverse Jacobian",
+            "r > 0",
+            {"form": "cartesian"},
+            (AdmittanceForm.CARTESIAN,),
+        ),
+        Rival(
+            "polar",
+            "(6) and (7) with the centrifugal and Coriolis terms they leave out",
+            "r > 0",
+            {"form": "polar"},
+            (AdmittanceForm.POLAR,),
+        ),
+        Rival(
+            "seed",
+            "(6) and (7) as printed, axis by axis",
+            "demonstration: no rotation, or no speed",
+            {"form": "seed"},
+            (AdmittanceForm.SEED,),
+        ),
+    ],
+    cost=_cost_us,
+    error=false_force,
+    default="cartesian",
 )
-for _form in (AdmittanceForm.CARTESIAN, AdmittanceForm.POLAR, AdmittanceForm.SEED):
-    _register(_form)

@@ -11,18 +11,17 @@ the error of 1 ms is below what a hand can feel of a bounce, and a stiffer conta
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import numpy as np
 
 from mimics_app.contracts.haptic_objects import BodyFlag, ObjectIntegrator
-from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.haptic.body_worlds import BodyWorld, new_world, rest_on_floor
 from mimics_app.lab.haptic.contact import restitution_spring_damper
 from mimics_app.lab.haptic.probe import SIZES, reference_us
+from mimics_app.lab.rivals import Rival, compare
 
-__all__ = ["GROUP", "METHODS", "REST_GROUP", "bounce_error", "rest_drift", "rest_us", "step_us"]
+__all__ = ["GROUP", "REST_GROUP", "bounce_error", "rest_drift", "rest_us", "step_us"]
 
 GROUP = "colliding bodies"
 REST_GROUP = "resting bodies"
@@ -32,7 +31,7 @@ _PHASES = 8
 _SETTLE = 500
 _TICKS = 20_000
 
-METHODS: dict[str, tuple[ObjectIntegrator, int]] = {
+_METHODS: dict[str, tuple[ObjectIntegrator, int]] = {
     "semi-implicit": (ObjectIntegrator.SEMI_IMPLICIT, 1),
     "explicit": (ObjectIntegrator.EXPLICIT, 1),
     "exact drag": (ObjectIntegrator.EXACT_DRAG, 1),
@@ -42,27 +41,10 @@ METHODS: dict[str, tuple[ObjectIntegrator, int]] = {
 }
 """Integrator and steps to a tick."""
 
-_SOURCES = {
-    "semi-implicit": "velocity first, the place with the new velocity: keeps a stack without any damper",
-    "explicit": "Euler: both from the old state",
-    "exact drag": "(11) solved under a held force: exact in free flight, with and without drag",
-    "implicit midpoint": "mean of old and new velocity: exact in free fall",
-    "semi-implicit, 2 steps": "collisions and motion twice a tick",
-    "semi-implicit, 4 steps": "collisions and motion four times a tick",
-}
-_RANGES = {
-    "semi-implicit": "m > n (h^2 k + 2 h b)/4",
-    "explicit": "contacts with b > k h",
-    "exact drag": "contacts with b > k h/2",
-    "implicit midpoint": "contacts with b > k h/2",
-    "semi-implicit, 2 steps": "a fourth of the mass, or four times the stiffness",
-    "semi-implicit, 4 steps": "a sixteenth of the mass",
-}
-
 
 def _bounce(method: str, phase: float) -> float:
     """Restitution of the probe ball that meets the floor at a phase 0..1 of the tick."""
-    integrator, steps = METHODS[method]
+    integrator, steps = _METHODS[method]
     world = new_world(1, 2, dt=1e-3 / steps)
     damping = 2.0 * _ZETA * math.sqrt(_STIFFNESS * _MASS)
     world.add_floor(stiffness=1e15, damping=0.0)
@@ -88,7 +70,7 @@ def bounce_error(method: str) -> float:
 
 def step_us(method: str, bodies: int) -> float:
     """Cost of a tick of so many boxes at rest on a floor [us]."""
-    integrator, steps = METHODS[method]
+    integrator, steps = _METHODS[method]
     world = rest_on_floor(bodies, integrator=integrator)
     world.dt /= steps
     world.run(_SETTLE)
@@ -96,7 +78,7 @@ def step_us(method: str, bodies: int) -> float:
     return shortest_us(lambda: world.run(ticks * steps), ticks)
 
 
-def _rest(bodies: int, *, sleeps: bool) -> BodyWorld:
+def _rest(sleeps: bool, bodies: int) -> BodyWorld:
     """Boxes that have lain on a floor for a second."""
     world = rest_on_floor(bodies)
     if sleeps:
@@ -106,76 +88,71 @@ def _rest(bodies: int, *, sleeps: bool) -> BodyWorld:
     return world
 
 
-def rest_us(bodies: int, *, sleeps: bool) -> float:
+def rest_us(sleeps: bool, bodies: int) -> float:
     """What so many boxes at rest on a floor add to a tick [us]."""
-    world, ticks = _rest(bodies, sleeps=sleeps), max(20, _TICKS // bodies)
+    world, ticks = _rest(sleeps, bodies), max(20, _TICKS // bodies)
     return shortest_us(lambda: world.run(ticks), ticks)
 
 
-def rest_drift(*, sleeps: bool) -> float:
+def rest_drift(sleeps: bool) -> float:
     """How far a box at rest moves in another second [m]."""
-    world = _rest(1, sleeps=sleeps)
+    world = _rest(sleeps, 1)
     before = world.motions[0]["position"].copy()
     world.run(1000)
     return float(np.linalg.norm(world.motions[0]["position"] - before))
 
 
-def _register_rest(name: str, source: str, *, sleeps: bool) -> None:
-    registry.register(
-        Method(
-            group=REST_GROUP,
-            name=name,
-            source=source,
-            cost=partial(rest_us, 1, sleeps=sleeps),
-            error=partial(rest_drift, sleeps=sleeps),
-            unit="m",
-            valid_range="any",
-            settings={"sleeps": sleeps},
-            default=sleeps,
-            growth=partial(rest_us, sleeps=sleeps),
-            sizes=SIZES,
-        )
-    )
-
-
-def _register(method: str) -> None:
-    registry.register(
-        Method(
-            group=GROUP,
-            name=method,
-            source=_SOURCES[method],
-            cost=lambda: step_us(method, 1),
-            error=lambda: bounce_error(method),
-            unit="restitution",
-            valid_range=_RANGES[method],
-            settings={"integrator": METHODS[method][0].name.lower()} if METHODS[method][1] == 1 else None,
-            default=method == "semi-implicit",
-            growth=lambda bodies: step_us(method, bodies),
-            sizes=SIZES,
-        )
-    )
-
-
-registry.describe(
-    Group(
-        name=GROUP,
-        what="a tick of boxes on a floor; error: restitution of a ball of 0.2 kg at zeta = 0.3, 2 kN/m and 1 ms",
-        unit="restitution",
-        work="moving bodies",
-        reference=reference_us,
-    )
+compare(
+    GROUP,
+    "a tick of boxes on a floor; error: restitution of a ball of 0.2 kg at zeta = 0.3, 2 kN/m and 1 ms",
+    "restitution",
+    [
+        Rival(
+            "semi-implicit",
+            "velocity first, the place with the new velocity: keeps a stack without any damper",
+            "m > n (h^2 k + 2 h b)/4",
+            {"integrator": "semi_implicit"},
+        ),
+        Rival("explicit", "Euler: both from the old state", "contacts with b > k h", {"integrator": "explicit"}),
+        Rival(
+            "exact drag",
+            "(11) solved under a held force: exact in free flight, with and without drag",
+            "contacts with b > k h/2",
+            {"integrator": "exact_drag"},
+        ),
+        Rival(
+            "implicit midpoint",
+            "mean of old and new velocity: exact in free fall",
+            "contacts with b > k h/2",
+            {"integrator": "implicit_midpoint"},
+        ),
+        Rival(
+            "semi-implicit, 2 steps",
+            "collisions and motion twice a tick",
+            "a fourth of the mass, or four times the stiffness",
+        ),
+        Rival("semi-implicit, 4 steps", "collisions and motion four times a tick", "a sixteenth of the mass"),
+    ],
+    cost=step_us,
+    error=bounce_error,
+    default="semi-implicit",
+    work="moving bodies",
+    sizes=SIZES,
+    reference=reference_us,
 )
-registry.describe(
-    Group(
-        name=REST_GROUP,
-        what="a tick of boxes that lie on a floor; error: how far one moves in a second",
-        unit="m",
-        work="moving bodies",
-        reference=reference_us,
-        few="a body at rest is worked on or it is not",
-    )
+compare(
+    REST_GROUP,
+    "a tick of boxes that lie on a floor; error: how far one moves in a second",
+    "m",
+    [
+        Rival("asleep", "left out of the work until something touches it", "any", {"sleeps": True}, (True,)),
+        Rival("awake", "contacts, friction and motion of every tick", "any", {"sleeps": False}, (False,)),
+    ],
+    cost=rest_us,
+    error=rest_drift,
+    default="asleep",
+    work="moving bodies",
+    sizes=SIZES,
+    reference=reference_us,
+    few="a body at rest is worked on or it is not",
 )
-_register_rest("asleep", "left out of the work until something touches it", sleeps=True)
-_register_rest("awake", "contacts, friction and motion of every tick", sleeps=False)
-for _way in METHODS:
-    _register(_way)

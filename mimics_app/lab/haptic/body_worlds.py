@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, BodyFlag, ObjectIntegrator, ShapeKind
 from mimics_app.contracts.kernel import kernel
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["FREE", "GRAVITY", "BodyWorld", "box_inertia", "heap_of_boxes", "new_world", "rest_on_floor"]
 
-F8 = NDArray[np.float64]
 
 FREE = int(BodyFlag.TRANSLATION | BodyFlag.ROTATION | BodyFlag.FORCE_ON_OBJECT | BodyFlag.TORQUE_ON_OBJECT)
 """Flags of a body that moves and turns, and never sleeps."""

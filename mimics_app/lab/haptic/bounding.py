@@ -5,21 +5,19 @@ Cost: the whole of touching, with friction. Error: false force of a frictionless
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from mimics_app.contracts.haptic_objects import ShapeKind
-from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, slide_path, touch_scene
+from mimics_app.lab.rivals import Rival, compare
 
 __all__ = ["GROUP", "false_force"]
 
 GROUP = "bounding geometry"
 
-_COUNTS = (1, 10, 100, 1000, 10_000)
-_MESH_COUNTS = (1, 10, 100)
+_FEW = (1, 10, 100)
+"""Numbers of meshes at which the cost of a tick is measured."""
 
 
 def false_force(kind: ShapeKind, triangles: int = 0) -> float:
@@ -32,52 +30,27 @@ def false_force(kind: ShapeKind, triangles: int = 0) -> float:
     return float(np.linalg.norm(scene.forces() - expected, axis=1).max())
 
 
-_BOUNDS: dict[str, tuple[ShapeKind, int, str]] = {
-    "sphere": (ShapeKind.SPHERE, 0, "round every way"),
-    "capsule": (ShapeKind.CAPSULE, 0, "round about one axis"),
-    "cylinder": (ShapeKind.CYLINDER, 0, "round about one axis, flat ends"),
-    "box": (ShapeKind.BOX, 0, "flat"),
-    "mesh of 1000": (ShapeKind.MESH, 1000, "1000 triangles: any form"),
-    "mesh of 10000": (ShapeKind.MESH, 10_000, "10,000 triangles: any form"),
-}
-
-
-_SHAPES = {
-    ShapeKind.SPHERE: "sphere",
-    ShapeKind.CAPSULE: "capsule",
-    ShapeKind.CYLINDER: "cylinder",
-    ShapeKind.BOX: "cube",
-    ShapeKind.MESH: "mesh",
-}
-"""A scene's word for each kind of shape."""
-
-
 def _cost_us(kind: ShapeKind, triangles: int, count: int) -> float:
     return touch_scene(kind, count, triangles).cost_us()
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what="touching a round thing with friction, whole; error: false force of a frictionless slide over a ball",
-        unit="N",
-        work="shapes in the scene",
-        reference=reference_us,
-    )
+_FIT = "what the thing is shaped like"
+compare(
+    GROUP,
+    "touching a round thing with friction, whole; error: false force of a frictionless slide over a ball",
+    "N",
+    [
+        Rival("sphere", "round every way", _FIT, {"shape": "sphere"}, (ShapeKind.SPHERE, 0)),
+        Rival("capsule", "round about one axis", _FIT, {"shape": "capsule"}, (ShapeKind.CAPSULE, 0)),
+        Rival("cylinder", "round about one axis, flat ends", _FIT, {"shape": "cylinder"}, (ShapeKind.CYLINDER, 0)),
+        Rival("box", "flat", _FIT, {"shape": "cube"}, (ShapeKind.BOX, 0)),
+        Rival("mesh of 1000", "1000 triangles: any form", _FIT, {"shape": "mesh"}, (ShapeKind.MESH, 1000), _FEW),
+        Rival("mesh of 10000", "10,000 triangles: any form", _FIT, {"shape": "mesh"}, (ShapeKind.MESH, 10_000), _FEW),
+    ],
+    cost=_cost_us,
+    error=false_force,
+    default="sphere",
+    work="shapes in the scene",
+    sizes=(1, 10, 100, 1000, 10_000),
+    reference=reference_us,
 )
-for _name, (_kind, _triangles, _source) in _BOUNDS.items():
-    registry.register(
-        Method(
-            group=GROUP,
-            name=_name,
-            source=_source,
-            cost=partial(_cost_us, _kind, _triangles, 1),
-            error=partial(false_force, _kind, _triangles),
-            unit="N",
-            valid_range="what the thing is shaped like",
-            settings={"shape": _SHAPES[_kind]},
-            default=_name == "sphere",
-            growth=partial(_cost_us, _kind, _triangles),
-            sizes=_COUNTS if not _triangles else _MESH_COUNTS,
-        )
-    )

@@ -11,16 +11,15 @@ Importing this module registers them.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group, Method, Settings, registry
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.haptic.probe import SIZES, reference_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.contact import cube, cube_nearest_face, cube_printed
 from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, spring_damper, spring_damper_printed
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BOX_GROUP",
-    "LAWS",
     "LAW_GROUP",
     "bounce",
     "false_force",
@@ -40,40 +38,34 @@ __all__ = [
     "restitution_spring_damper",
 ]
 
-Array = NDArray[np.float64]
 
 LAW_GROUP = "contact law"
 BOX_GROUP = "box face"
 
-LAWS: dict[str, Callable[..., float]] = {
-    "(9) printed": spring_damper_printed,
-    "(9) clamped": spring_damper,
-    "Hunt-Crossley, n = 1": hunt_crossley,
-    "Hunt-Crossley, n = 1.5": hunt_crossley,
-}
-"""The rivals in the order of their numbers in the compiled loops."""
+_LAWS = (
+    Rival("(9) printed", "spring and damper without clamp: pulls on the way out", "demonstration"),
+    Rival(
+        "(9) clamped",
+        "max(0, k d + b d')",
+        "(h^2 k + 2 h b) < 4 m; force steps by b v at first touch",
+        {"law": "spring_damper"},
+    ),
+    Rival(
+        "Hunt-Crossley, n = 1",
+        "max(0, k d + lam d d') (Hunt & Crossley 1975), what 4.3.2 prints",
+        "h^2 k < 4 m; no step at first touch",
+        {"law": "hunt_crossley", "exponent": 1.0},
+    ),
+    Rival(
+        "Hunt-Crossley, n = 1.5",
+        "max(0, k d^1.5 + lam d^1.5 d'): Hertz's sphere with Hunt and Crossley's damper",
+        "stiffness grows with depth: check h^2 k' < 4 m at the greatest depth",
+        {"law": "hunt_crossley", "exponent": 1.5},
+    ),
+)
+"""In the order of their numbers in the compiled loops; a scene cannot request a law that pulls."""
 
-_SOURCES = {
-    "(9) printed": "spring and damper without clamp: pulls on the way out",
-    "(9) clamped": "max(0, k d + b d')",
-    "Hunt-Crossley, n = 1": "max(0, k d + lam d d') (Hunt & Crossley 1975), what 4.3.2 prints",
-    "Hunt-Crossley, n = 1.5": "max(0, k d^1.5 + lam d^1.5 d'): Hertz's sphere with Hunt and Crossley's damper",
-}
-_RANGES = {
-    "(9) printed": "demonstration",
-    "(9) clamped": "(h^2 k + 2 h b) < 4 m; force steps by b v at first touch",
-    "Hunt-Crossley, n = 1": "h^2 k < 4 m; no step at first touch",
-    "Hunt-Crossley, n = 1.5": "stiffness grows with depth: check h^2 k' < 4 m at the greatest depth",
-}
-_LAW_SETTINGS: dict[str, Settings | None] = {
-    "(9) printed": None,
-    "(9) clamped": {"law": "spring_damper"},
-    "Hunt-Crossley, n = 1": {"law": "hunt_crossley", "exponent": 1.0},
-    "Hunt-Crossley, n = 1.5": {"law": "hunt_crossley", "exponent": 1.5},
-}
-"""As a surface of a scene states them; a law that pulls cannot be requested."""
-
-_NUMBERS = {name: number for number, name in enumerate(LAWS)}
+_NUMBERS = {rival.name: number for number, rival in enumerate(_LAWS)}
 
 _MASS = 0.2  # [kg]
 _STIFFNESS = 2000.0  # [N/m], or [N/m^n] / sqrt(1 mm) for n = 1.5
@@ -121,7 +113,7 @@ def bounce(law: str, phase: float = 0.0, dt: float = _DT) -> float:
     """Restitution, speed after over speed before, of the probe mass under one law and tick dt [s].
 
     Args:
-        law: Key of `LAWS`.
+        law: Name of one.
         phase: Where between two ticks the surface is met, 0 to 1 (1: just before the next).
         dt: Tick [s].
     """
@@ -155,7 +147,7 @@ def restitution_error(law: str, dt: float = _DT) -> float:
 
 
 @kernel
-def _press(number: int, ticks: int, depth: Array, rate: Array, total: Array) -> None:
+def _press(number: int, ticks: int, depth: F8, rate: F8, total: F8) -> None:
     """One tick after the other of some contacts, their depths moving so that nothing can be taken out of the loop."""
     for _ in range(ticks):
         for i in range(depth.shape[0]):
@@ -169,28 +161,29 @@ def _law_cost_us(law: str, contacts: int) -> float:
     return shortest_us(lambda: _press(_NUMBERS[law], ticks, depth, rate, total), ticks)
 
 
-BOXES: dict[str, Callable[..., None]] = {
-    "face of entry": cube,
-    "nearest face": cube_nearest_face,
-    "(14) printed": cube_printed,
-}
-_BOX_SOURCES = {
-    "face of entry": "the face the point came in by, held until it leaves (Figure 27)",
-    "nearest face": "the face with the least depth of every tick",
-    "(14) printed": "min of |HIP'| - dim/2, which inside is the farthest face",
-}
-_BOX_RANGES = {
-    "face of entry": "any path; leaving by another face drops k d at once",
-    "nearest face": "away from edges: turns by a right angle where two faces are equally near",
-    "(14) printed": "demonstration",
-}
-_BOX_NUMBERS = {name: number for number, name in enumerate(BOXES)}
+_BOXES = (
+    Rival(
+        "face of entry",
+        "the face the point came in by, held until it leaves (Figure 27)",
+        "any path; leaving by another face drops k d at once",
+        {},
+    ),
+    Rival(
+        "nearest face",
+        "the face with the least depth of every tick",
+        "away from edges: turns by a right angle where two faces are equally near",
+    ),
+    Rival("(14) printed", "min of |HIP'| - dim/2, which inside is the farthest face", "demonstration"),
+)
+"""In the order of their numbers."""
+
+_BOX_NUMBERS = {rival.name: number for number, rival in enumerate(_BOXES)}
 _EDGES = (0.04, 0.04, 0.04)
 _INWARD = np.array([0.0, 0.0, -0.008])
 
 
 @kernel
-def _touch(number: int, p: Array, v: Array, dimensions: Array, contact: ContactRecord) -> None:
+def _touch(number: int, p: F8, v: F8, dimensions: F8, contact: ContactRecord) -> None:
     if number == 0:
         cube(p, v, dimensions, contact)
     elif number == 1:
@@ -200,9 +193,7 @@ def _touch(number: int, p: Array, v: Array, dimensions: Array, contact: ContactR
 
 
 @kernel
-def _slide(
-    number: int, path: Array, v: Array, dimensions: Array, contacts: Table[ContactRecord], forces: Array
-) -> None:
+def _slide(number: int, path: F8, v: F8, dimensions: F8, contacts: Table[ContactRecord], forces: F8) -> None:
     contact = contacts[0]
     for tick in range(path.shape[0]):
         _touch(number, path[tick], v, dimensions, contact)
@@ -210,7 +201,7 @@ def _slide(
             forces[tick, i] = _STIFFNESS * contact.depth * contact.normal[i]
 
 
-def _corner_path() -> Array:
+def _corner_path() -> F8:
     """In by the top to 3 mm in 1 s, then along x to 0.5 mm from the side: 8 and 4 um a tick."""
     down = np.linspace(0.025, 0.017, 1001)
     along = np.linspace(0.015, 0.0195, 1126)
@@ -235,59 +226,25 @@ def _box_cost_us(rule: str) -> float:
     return shortest_us(lambda: _slide(_BOX_NUMBERS[rule], path, _INWARD, edges, contacts, forces), len(path))
 
 
-def _register_law(law: str) -> None:
-    registry.register(
-        Method(
-            group=LAW_GROUP,
-            name=law,
-            source=_SOURCES[law],
-            cost=lambda: _law_cost_us(law, 1),
-            error=lambda: restitution_error(law),
-            unit="restitution",
-            valid_range=_RANGES[law],
-            settings=_LAW_SETTINGS[law],
-            default=LAWS[law] is spring_damper,
-            growth=lambda contacts: _law_cost_us(law, contacts),
-            sizes=SIZES,
-        )
-    )
-
-
-def _register_box(rule: str) -> None:
-    registry.register(
-        Method(
-            group=BOX_GROUP,
-            name=rule,
-            source=_BOX_SOURCES[rule],
-            cost=lambda: _box_cost_us(rule),
-            error=lambda: false_force(rule),
-            unit="N",
-            valid_range=_BOX_RANGES[rule],
-            settings={} if BOXES[rule] is cube else None,
-            default=BOXES[rule] is cube,
-        )
-    )
-
-
-registry.describe(
-    Group(
-        name=LAW_GROUP,
-        what="normal force of a contact; error: restitution of 0.2 kg at 1 ms against a contact that only pushes",
-        unit="restitution",
-        work="contacts",
-        reference=reference_us,
-    )
+compare(
+    LAW_GROUP,
+    "normal force of a contact; error: restitution of 0.2 kg at 1 ms against a contact that only pushes",
+    "restitution",
+    _LAWS,
+    cost=_law_cost_us,
+    error=restitution_error,
+    default="(9) clamped",
+    work="contacts",
+    sizes=SIZES,
+    reference=reference_us,
 )
-registry.describe(
-    Group(
-        name=BOX_GROUP,
-        what="depth and normal in a box of 4 cm; error: false force of a slide to the corner, 3 mm deep on 2 kN/m",
-        unit="N",
-        work="",
-        reference=reference_us,
-    )
+compare(
+    BOX_GROUP,
+    "depth and normal in a box of 4 cm; error: false force of a slide to the corner, 3 mm deep on 2 kN/m",
+    "N",
+    _BOXES,
+    cost=_box_cost_us,
+    error=false_force,
+    default="face of entry",
+    reference=reference_us,
 )
-for _name in LAWS:
-    _register_law(_name)
-for _name in BOXES:
-    _register_box(_name)

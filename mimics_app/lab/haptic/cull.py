@@ -10,31 +10,27 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, Words
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group
 from mimics_app.contracts.probe import shortest_us
-from mimics_app.lab.haptic.numbered import NumberedRival, register_numbered
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.haptic.touch_probe import RADIUS
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.objects.cull import find_near, find_near_plain
 
 __all__ = ["GROUP", "misses", "spread_bounds"]
 
-Array = NDArray[np.float64]
-Words = NDArray[np.int64]
 
 GROUP = "shape cull"
 
-_COUNTS = (1, 10, 100, 1000, 10_000)
 _QUERIES = 2000
 _TYPICAL = 1000
 _CELL = 0.06
 
 
 @kernel
-def _in_cell(starts: Words, members: Words, bounds: Array, side: int, x: float, y: float, near: Words) -> int:
+def _in_cell(starts: Words, members: Words, bounds: F8, side: int, x: float, y: float, near: Words) -> int:
     """Shapes found through a grid of cells that was filled beforehand; a point outside it is near nothing."""
     column, row = math.floor(x / _CELL + 0.5), math.floor(y / _CELL + 0.5)
     if column < 0 or row < 0 or column >= side or row >= side:
@@ -52,7 +48,7 @@ def _in_cell(starts: Words, members: Words, bounds: Array, side: int, x: float, 
 
 @kernel
 def _cull_often(
-    number: int, bounds: Array, points: Array, starts: Words, members: Words, side: int, near: Words, totals: Words
+    number: int, bounds: F8, points: F8, starts: Words, members: Words, side: int, near: Words, totals: Words
 ) -> None:
     shapes = bounds.shape[1]
     for k in range(points.shape[0]):
@@ -64,7 +60,7 @@ def _cull_often(
             totals[k] = _in_cell(starts, members, bounds, side, points[k, 0], points[k, 1], near)
 
 
-def spread_bounds(count: int) -> tuple[Array, int]:
+def spread_bounds(count: int) -> tuple[F8, int]:
     """(bounds [4, count] of spheres of RADIUS in the plane on a square grid of 6 cm, cells along its side)."""
     side = max(1, math.ceil(math.sqrt(count)))
     places = np.arange(count)
@@ -95,32 +91,22 @@ def misses(number: int, count: int = _TYPICAL) -> float:
     return float(np.count_nonzero((squares < RADIUS * RADIUS).sum(axis=1) != arguments[-1]))
 
 
-register_numbered(
-    Group(
-        name=GROUP,
-        what="which of 1000 shapes a point may touch; error: of 2000 queries those with a shape too many or too few",
-        unit="queries",
-        work="shapes",
-        reference=reference_us,
-    ),
-    (
-        NumberedRival(
-            "groups of 16",
-            "bounds tested 16 at a time without a branch",
-            "any scene, moving or not",
-            {},
-            _COUNTS,
+compare(
+    GROUP,
+    "which of 1000 shapes a point may touch; error: of 2000 queries those with a shape too many or too few",
+    "queries",
+    [
+        Rival("groups of 16", "bounds tested 16 at a time without a branch", "any scene, moving or not", {}, (0,)),
+        Rival("one by one", "bounds tested one after the other", "any scene", None, (1,)),
+        Rival(
+            "grid", "the cell of the point lists its shapes", "shapes at rest: filled again at each change", None, (2,)
         ),
-        NumberedRival("one by one", "bounds tested one after the other", "any scene", None, _COUNTS),
-        NumberedRival(
-            "grid",
-            "the cell of the point lists its shapes",
-            "shapes at rest: filled again at each change",
-            None,
-            _COUNTS,
-        ),
-    ),
+    ],
     cost=_cull_us,
     error=misses,
+    default="groups of 16",
+    work="shapes",
+    sizes=(1, 10, 100, 1000, 10_000),
     typical=_TYPICAL,
+    reference=reference_us,
 )

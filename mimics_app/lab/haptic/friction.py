@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.haptic.probe import SIZES, reference_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
 from mimics_app.rendering.haptic.kernels.friction import (
     hayward_armstrong,
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
 
 __all__ = ["GROUP", "LAWS", "Hold", "hold"]
 
-Array = NDArray[np.float64]
 
 GROUP = "friction"
 
@@ -48,22 +48,6 @@ LAWS: dict[str, Callable[..., None]] = {
 }
 """The rivals in the order of their numbers in the compiled loops."""
 
-_SOURCES = {
-    "4.3.2 printed": "as printed, without the minus sign: drives the body",
-    "regularised": "4.3.2 with its sign: Coulomb with a linear middle of 1 cm/s",
-    "Karnopp": "rest within a band of velocity, where the load is cancelled (Karnopp 1985)",
-    "Hayward-Armstrong": "spring to an anchor dragged at the cone (Hayward & Armstrong 2000)",
-    "LuGre explicit": "bristles (Canudas de Wit, Olsson, Astrom & Lischinsky 1995), explicit Euler",
-    "LuGre implicit": "the same bristles, implicit Euler",
-}
-_RANGES = {
-    "4.3.2 printed": "demonstration",
-    "regularised": "sliding; creeps at v_th F/(mu F_N); h mu F_N < 2 m v_th",
-    "Karnopp": "simulated bodies, whose load is known",
-    "Hayward-Armstrong": "any tick that the anchor's spring is stable in: h^2 k_t < 4 m",
-    "LuGre explicit": "h < 2 g(v)/(s0 |v|)",
-    "LuGre implicit": "h^2 s0 < 4 m; creeps under a shaking load",
-}
 _NUMBERS = {name: number for number, name in enumerate(LAWS)}
 
 _MASS = 0.5  # [kg]
@@ -108,7 +92,7 @@ class Hold:
 
 
 @kernel
-def _friction(number: int, x: Array, v: Array, load: Array, state: FrictionRecord, out: Array) -> None:
+def _friction(number: int, x: F8, v: F8, load: F8, state: FrictionRecord, out: F8) -> None:
     if number == 0:
         regularised_printed(v, _NORMAL, _MU, _THRESHOLD, out)
     elif number == 1:
@@ -129,7 +113,7 @@ def _load_at(tick: int) -> float:
 
 
 @kernel
-def _hold(number: int, ticks: int, states: Table[FrictionRecord], vectors: Array, path: Array) -> float:
+def _hold(number: int, ticks: int, states: Table[FrictionRecord], vectors: F8, path: F8) -> float:
     """Place [m] at every tick into path; returns the greatest friction force [N]."""
     x, v, load, force = vectors[0], vectors[1], vectors[2], vectors[3]
     state = states[0]
@@ -146,7 +130,7 @@ def _hold(number: int, ticks: int, states: Table[FrictionRecord], vectors: Array
     return greatest
 
 
-def _fresh() -> tuple[NDArray[Any], Array]:
+def _fresh() -> tuple[NDArray[Any], F8]:
     """(state, rows of position, velocity, load and force along one axis) of the probe body."""
     vectors = np.zeros((4, 1))
     vectors[1, 0] = _SPEED
@@ -169,7 +153,7 @@ def _error(law: str) -> float:
 
 
 @kernel
-def _slide(number: int, ticks: int, states: Table[FrictionRecord], x: Array, v: Array, load: Array, out: Array) -> None:
+def _slide(number: int, ticks: int, states: Table[FrictionRecord], x: F8, v: F8, load: F8, out: F8) -> None:
     for i in range(x.shape[0]):
         x_i, v_i, load_i, state_i, out_i = x[i], v[i], load[i], states[i], out[i]
         for _ in range(ticks):
@@ -186,32 +170,39 @@ def _cost_us(law: str, contacts: int) -> float:
     return shortest_us(lambda: _slide(_NUMBERS[law], ticks, states, x, v, load, out), ticks)
 
 
-def _register(law: str) -> None:
-    registry.register(
-        Method(
-            group=GROUP,
-            name=law,
-            source=_SOURCES[law],
-            cost=lambda: _cost_us(law, 1),
-            error=lambda: _error(law),
-            unit="m",
-            valid_range=_RANGES[law],
-            settings={} if LAWS[law] is hayward_armstrong else None,
-            default=LAWS[law] is hayward_armstrong,
-            growth=lambda contacts: _cost_us(law, contacts),
-            sizes=SIZES,
-        )
-    )
-
-
-registry.describe(
-    Group(
-        name=GROUP,
-        what="friction of one contact in its plane; error: drift in 60 s of an object it should hold",
-        unit="m",
-        work="contacts",
-        reference=reference_us,
-    )
+compare(
+    GROUP,
+    "friction of one contact in its plane; error: drift in 60 s of an object it should hold",
+    "m",
+    [
+        Rival("4.3.2 printed", "as printed, without the minus sign: drives the body", "demonstration"),
+        Rival(
+            "regularised",
+            "4.3.2 with its sign: Coulomb with a linear middle of 1 cm/s",
+            "sliding; creeps at v_th F/(mu F_N); h mu F_N < 2 m v_th",
+        ),
+        Rival(
+            "Karnopp",
+            "rest within a band of velocity, where the load is cancelled (Karnopp 1985)",
+            "simulated bodies, whose load is known",
+        ),
+        Rival(
+            "Hayward-Armstrong",
+            "spring to an anchor dragged at the cone (Hayward & Armstrong 2000)",
+            "any tick that the anchor's spring is stable in: h^2 k_t < 4 m",
+            {},
+        ),
+        Rival(
+            "LuGre explicit",
+            "bristles (Canudas de Wit, Olsson, Astrom & Lischinsky 1995), explicit Euler",
+            "h < 2 g(v)/(s0 |v|)",
+        ),
+        Rival("LuGre implicit", "the same bristles, implicit Euler", "h^2 s0 < 4 m; creeps under a shaking load"),
+    ],
+    cost=_cost_us,
+    error=_error,
+    default="Hayward-Armstrong",
+    work="contacts",
+    sizes=SIZES,
+    reference=reference_us,
 )
-for _name in LAWS:
-    _register(_name)

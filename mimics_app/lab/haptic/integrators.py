@@ -11,12 +11,13 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group, Method, registry
+from mimics_app.contracts.methods import Settings
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.haptic.probe import SIZES, reference_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.integrators import (
     step_exact,
     step_explicit,
@@ -28,7 +29,6 @@ from mimics_app.rendering.haptic.kernels.integrators import (
 
 __all__ = ["GROUP", "RATES_KHZ", "STEPS", "contact_error", "follow_contact"]
 
-Array = NDArray[np.float64]
 
 GROUP = "integrator"
 RATES_KHZ = (1, 4, 16)
@@ -43,26 +43,6 @@ STEPS: dict[str, Callable[..., Any]] = {
     "exact": step_exact,
 }
 """The rivals in the order of their numbers in the compiled loops."""
-
-_SOURCES = {
-    "explicit": "explicit Euler: position and velocity from the old state",
-    "semi-implicit": "symplectic Euler: velocity first, position with the new one",
-    "implicit": "implicit Euler in closed form for a linear contact",
-    "implicit midpoint": "trapezoidal in the state, in closed form for a linear contact",
-    "rk4": "Runge and Kutta's method of order 4 (1901)",
-    "exact": "matrix exponential under a held force (zero-order hold) in closed form",
-}
-_RANGES = {
-    "explicit": "any force law; h < b/k, and gains energy without a damper",
-    "semi-implicit": "any force law; h^2 k/m + 2 h b/m < 4",
-    "implicit": "linear contact, b and k known; any step, but damps what has no damper",
-    "implicit midpoint": "linear contact, b and k known; any step, the phase lags",
-    "rk4": "any force law that may be asked four times; h w < 2.8",
-    "exact": "linear contact, b and k known and constant within the step; any step",
-}
-_SETTINGS = {"explicit": {"integrator": "explicit"}, "semi-implicit": {"integrator": "semi_implicit"}}
-"""At one step a tick. The closed forms need the contact inside the step: the loop holds its force for the tick, so that
-an object's implicit midpoint and exact drag are other methods than these (group "colliding bodies")."""
 
 _NUMBERS = {name: number for number, name in enumerate(STEPS)}
 
@@ -96,7 +76,7 @@ def _step(number: int, x: float, v: float, dt: float) -> tuple[float, float]:
 
 
 @kernel
-def _walk(number: int, ticks: int, steps: int, x: Array, v: Array) -> None:
+def _walk(number: int, ticks: int, steps: int, x: F8, v: F8) -> None:
     """Advance every body by some ticks of `steps` steps each."""
     dt = _TICK / steps
     for _ in range(ticks):
@@ -105,7 +85,7 @@ def _walk(number: int, ticks: int, steps: int, x: Array, v: Array) -> None:
                 x[i], v[i] = _step(number, x[i], v[i], dt)
 
 
-def follow_contact(name: str, steps: int, ticks: int = _TICKS) -> Array:
+def follow_contact(name: str, steps: int, ticks: int = _TICKS) -> F8:
     """Depth [m] at every tick of the probe contact by one integrator, `steps` steps a tick; shape [ticks]."""
     x, v = np.zeros(1), np.full(1, _SPEED)
     depth = np.empty(ticks)
@@ -116,7 +96,7 @@ def follow_contact(name: str, steps: int, ticks: int = _TICKS) -> Array:
 
 
 @cache
-def _reference_depth() -> Array:
+def _reference_depth() -> F8:
     return follow_contact("exact", _REFERENCE_STEPS)
 
 
@@ -131,33 +111,61 @@ def _cost_us(name: str, steps: int, bodies: int) -> float:
     return shortest_us(lambda: _walk(_NUMBERS[name], ticks, steps, x, v), ticks)
 
 
-def _register(name: str, steps: int) -> None:
-    registry.register(
-        Method(
-            group=GROUP,
-            name=f"{name}, {steps} kHz",
-            source=_SOURCES[name],
-            cost=lambda: _cost_us(name, steps, 1),
-            error=lambda: contact_error(name, steps),
-            unit="m",
-            valid_range=_RANGES[name],
-            settings=_SETTINGS.get(name) if steps == 1 else None,
-            default=name == "semi-implicit" and steps == 1,
-            growth=(lambda bodies: _cost_us(name, steps, bodies)) if steps == 1 else None,
-            sizes=SIZES if steps == 1 else (),
-        )
-    )
+def _at_rates(name: str, source: str, valid: str, settings: Settings | None = None) -> list[Rival]:
+    """An integrator at 1, 4 and 16 steps to a tick, of which the loop takes the first.
+
+    The closed forms have no settings: they need the contact inside the step, and the loop holds its force for the tick,
+    so that an object's implicit midpoint and exact drag are other methods than these (group "colliding bodies").
+    """
+    return [
+        Rival(f"{name}, {rate} kHz", source, valid, None if i else settings, (name, rate), () if i else SIZES)
+        for i, rate in enumerate(RATES_KHZ)
+    ]
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what="a tick of 1 ms of a body of 0.2 kg pushed onto a wall of 2 kN/m and 4 N s/m, by 1, 4 or 16 steps",
-        unit="m",
-        work="bodies",
-        reference=reference_us,
-    )
+_LINEAR = "linear contact, b and k known"
+compare(
+    GROUP,
+    "a tick of 1 ms of a body of 0.2 kg pushed onto a wall of 2 kN/m and 4 N s/m, by 1, 4 or 16 steps",
+    "m",
+    [
+        *_at_rates(
+            "explicit",
+            "explicit Euler: position and velocity from the old state",
+            "any force law; h < b/k, and gains energy without a damper",
+            {"integrator": "explicit"},
+        ),
+        *_at_rates(
+            "semi-implicit",
+            "symplectic Euler: velocity first, position with the new one",
+            "any force law; h^2 k/m + 2 h b/m < 4",
+            {"integrator": "semi_implicit"},
+        ),
+        *_at_rates(
+            "implicit",
+            "implicit Euler in closed form for a linear contact",
+            f"{_LINEAR}; any step, but damps what has no damper",
+        ),
+        *_at_rates(
+            "implicit midpoint",
+            "trapezoidal in the state, in closed form for a linear contact",
+            f"{_LINEAR}; any step, the phase lags",
+        ),
+        *_at_rates(
+            "rk4",
+            "Runge and Kutta's method of order 4 (1901)",
+            "any force law that may be asked four times; h w < 2.8",
+        ),
+        *_at_rates(
+            "exact",
+            "matrix exponential under a held force (zero-order hold) in closed form",
+            f"{_LINEAR} and constant within the step; any step",
+        ),
+    ],
+    cost=_cost_us,
+    error=contact_error,
+    default="semi-implicit, 1 kHz",
+    work="bodies",
+    sizes=SIZES,
+    reference=reference_us,
 )
-for _name in STEPS:
-    for _rate in RATES_KHZ:
-        _register(_name, _rate)

@@ -10,14 +10,13 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group
 from mimics_app.contracts.probe import shortest_us
-from mimics_app.lab.haptic.numbered import NumberedRival, register_numbered
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, ball_mesh, slide_path
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.objects.contact_scratch import CONTACT_SCRATCH
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     ANYWHERE,
@@ -34,18 +33,14 @@ if TYPE_CHECKING:
 
 __all__ = ["GROUP", "false_slide"]
 
-Array = NDArray[np.float64]
 
 GROUP = "mesh finger"
 
-_ALL = (100, 1000, 10_000, 100_000, 1_000_000)
-_TYPICAL = 1000
+_SIZES = (100, 1000, 10_000, 100_000, 1_000_000)
 
 
 @kernel
-def _hold_nearest(
-    meshes: MeshTable, mesh: MeshRecord, p: Array, brute: bool, out: Array, n: Array, force: Array
-) -> None:
+def _hold_nearest(meshes: MeshTable, mesh: MeshRecord, p: F8, brute: bool, out: F8, n: F8, force: F8) -> None:
     """Push out of the closest triangle of every tick, found through the tree or among all."""
     if brute:
         t, best = -1, np.inf
@@ -69,11 +64,11 @@ def _hold_nearest(
 def _slide_finger(
     number: int,
     meshes: MeshTable,
-    path: Array,
+    path: F8,
     scratches: Table[ContactScratchRecord],
     memories: Table[MemoryRecord],
-    vectors: Array,
-    forces: Array,
+    vectors: F8,
+    forces: F8,
 ) -> None:
     scratch, contact = scratches[0], memories[0].contact
     out, n = vectors[0], vectors[1]
@@ -88,7 +83,7 @@ def _slide_finger(
             forces[tick, i] = STIFFNESS * contact.depth * contact.normal[i]
 
 
-def _slide(number: int, meshes: MeshTable, path: Array) -> tuple[Array, Callable[[], None]]:
+def _slide(number: int, meshes: MeshTable, path: F8) -> tuple[F8, Callable[[], None]]:
     forces, vectors = np.zeros_like(path), np.zeros((2, 3))
     scratches, memories = np.zeros(1, CONTACT_SCRATCH), np.zeros(1, MEMORY)
     return forces, lambda: _slide_finger(number, meshes, path, scratches, memories, vectors, forces)
@@ -117,28 +112,20 @@ def _finger_us(number: int, triangles: int) -> float:
     return shortest_us(run, len(path))
 
 
-register_numbered(
-    Group(
-        name=GROUP,
-        what="where a point behind a mesh rests; error: false force of a slide to an edge, 3 mm deep on 2 kN/m",
-        unit="N",
-        work="triangles",
-        reference=reference_us,
-    ),
-    (
-        NumberedRival(
-            "walk", "a stand-in that walks over the surface, held where it is", "meshes without cuts", {}, _ALL
-        ),
-        NumberedRival("closest by tree", "closest triangle of every tick", "turns at edges: demonstration", None, _ALL),
-        NumberedRival(
-            "closest of all",
-            "closest triangle, one by one",
-            "small meshes: demonstration",
-            None,
-            _ALL[:3],
-        ),
-    ),
+compare(
+    GROUP,
+    "where a point behind a mesh rests; error: false force of a slide to an edge, 3 mm deep on 2 kN/m",
+    "N",
+    [
+        Rival("walk", "a stand-in that walks over the surface, held where it is", "meshes without cuts", {}, (0,)),
+        Rival("closest by tree", "closest triangle of every tick", "turns at edges: demonstration", None, (1,)),
+        Rival("closest of all", "closest triangle, one by one", "small meshes: demonstration", None, (2,), _SIZES[:3]),
+    ],
     cost=_finger_us,
     error=false_slide,
-    typical=_TYPICAL,
+    default="walk",
+    work="triangles",
+    sizes=_SIZES,
+    typical=1000,
+    reference=reference_us,
 )

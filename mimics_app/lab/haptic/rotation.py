@@ -6,17 +6,16 @@ Importing this module registers them. Probe: a free asymmetric top with moments 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group, Method, registry
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.haptic.probe import SIZES, reference_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.rotation import (
     angular_velocity,
     kinetic_energy,
@@ -27,9 +26,8 @@ from mimics_app.rendering.haptic.kernels.rotation import (
     rotate_start,
 )
 
-__all__ = ["GROUP", "MOMENTS", "RATE", "UPDATES", "Drift", "angle_between", "drift_of", "follow_top"]
+__all__ = ["GROUP", "MOMENTS", "RATE", "Drift", "angle_between", "drift_of", "follow_top"]
 
-Array = NDArray[np.float64]
 
 GROUP = "rotation update"
 MOMENTS = (0.01, 0.02, 0.03)
@@ -38,30 +36,37 @@ MOMENTS = (0.01, 0.02, 0.03)
 RATE = (0.05, 7.0, 0.05)
 """Its angular velocity at the start [rad/s]; body and world axes agree there."""
 
-UPDATES: dict[str, Callable[..., None]] = {
-    "printed": rotate_printed,
-    "axis product": rotate_axes,
-    "exponential, start": rotate_start,
-    "exponential, half step": rotate_exponential,
-    "rk4": rotate_rk4,
-}
-"""The rivals in the order of their numbers in the compiled loops."""
+_UPDATES = (
+    Rival(
+        "printed",
+        "(12) as printed: y twice, constant inverse inertia",
+        "demonstration: no turn about z, spheres and equal-sided cubes only",
+    ),
+    Rival(
+        "axis product",
+        "(12) with z last and R I^-1 R^T L: product of three axis rotations",
+        "turns about one world axis; else order 1 in the step",
+    ),
+    Rival(
+        "exponential, start",
+        "exponential map of the angular velocity at the start of the step",
+        "constant angular velocity; else order 1 in the step",
+    ),
+    Rival(
+        "exponential, half step",
+        "exponential map of the angular velocity at the half step, from angular momentum",
+        "any body; order 2 in the step",
+        {},
+    ),
+    Rival(
+        "rk4",
+        "Runge and Kutta's method of order 4 on the quaternion, made unit again",
+        "any body; order 4 in the step, |omega| h < 2",
+    ),
+)
+"""In the order of their numbers in the compiled loops."""
 
-_SOURCES = {
-    "printed": "(12) as printed: y twice, constant inverse inertia",
-    "axis product": "(12) with z last and R I^-1 R^T L: product of three axis rotations",
-    "exponential, start": "exponential map of the angular velocity at the start of the step",
-    "exponential, half step": "exponential map of the angular velocity at the half step, from angular momentum",
-    "rk4": "Runge and Kutta's method of order 4 on the quaternion, made unit again",
-}
-_RANGES = {
-    "printed": "demonstration: no turn about z, spheres and equal-sided cubes only",
-    "axis product": "turns about one world axis; else order 1 in the step",
-    "exponential, start": "constant angular velocity; else order 1 in the step",
-    "exponential, half step": "any body; order 2 in the step",
-    "rk4": "any body; order 4 in the step, |omega| h < 2",
-}
-_NUMBERS = {name: number for number, name in enumerate(UPDATES)}
+_NUMBERS = {rival.name: number for number, rival in enumerate(_UPDATES)}
 
 _DT = 1e-3
 _SECONDS = 10.0
@@ -86,7 +91,7 @@ class Drift:
 
 
 @kernel
-def _update(number: int, q: Array, momentum: Array, inverse_inertia: Array, dt: float) -> None:
+def _update(number: int, q: F8, momentum: F8, inverse_inertia: F8, dt: float) -> None:
     if number == 0:
         rotate_printed(q, momentum, inverse_inertia, dt)
     elif number == 1:
@@ -100,20 +105,20 @@ def _update(number: int, q: Array, momentum: Array, inverse_inertia: Array, dt: 
 
 
 @kernel
-def _walk(number: int, steps: int, q: Array, momentum: Array, inverse_inertia: Array, dt: float) -> None:
+def _walk(number: int, steps: int, q: F8, momentum: F8, inverse_inertia: F8, dt: float) -> None:
     for i in range(q.shape[0]):
         q_i = q[i]
         for _ in range(steps):
             _update(number, q_i, momentum, inverse_inertia, dt)
 
 
-def _top() -> tuple[Array, Array, Array]:
+def _top() -> tuple[F8, F8, F8]:
     """(orientation [1, 4], angular momentum [3], inverse inertia [3]) of the probe top."""
     moments = np.array(MOMENTS)
     return np.array([[0.0, 0.0, 0.0, 1.0]]), moments * np.array(RATE), 1.0 / moments
 
 
-def follow_top(name: str, dt: float = _DT) -> Array:
+def follow_top(name: str, dt: float = _DT) -> F8:
     """Orientation of the probe top every 0.1 s for 10 s by one update; shape [100, 4], xyzw."""
     q, momentum, inverse = _top()
     steps = round(_SECONDS / _SAMPLES / dt)
@@ -125,11 +130,11 @@ def follow_top(name: str, dt: float = _DT) -> Array:
 
 
 @cache
-def _reference_path() -> Array:
+def _reference_path() -> F8:
     return follow_top("rk4", _REFERENCE_DT)
 
 
-def angle_between(a: Array, b: Array) -> Array:
+def angle_between(a: F8, b: F8) -> F8:
     """Angle [rad] of the turn between unit quaternions, shape [n, 4] each; q and -q are one orientation."""
     nearer = np.where(np.sum(a * b, axis=-1, keepdims=True) < 0.0, -b, b)
     chord = np.linalg.norm(a - nearer, axis=-1)
@@ -149,7 +154,7 @@ def drift_of(name: str, dt: float = _DT) -> Drift:
     )
 
 
-def _momentum_error(name: str, q: Array, momentum: Array, inverse: Array) -> float:
+def _momentum_error(name: str, q: F8, momentum: F8, inverse: F8) -> float:
     omega, again = np.zeros(3), np.zeros(3)
     if name == "printed":
         omega[:] = inverse * momentum
@@ -166,32 +171,15 @@ def _cost_us(name: str, bodies: int) -> float:
     return shortest_us(lambda: _walk(_NUMBERS[name], steps, q, momentum, inverse, _DT), steps)
 
 
-def _register(name: str) -> None:
-    registry.register(
-        Method(
-            group=GROUP,
-            name=name,
-            source=_SOURCES[name],
-            cost=lambda: _cost_us(name, 1),
-            error=lambda: drift_of(name).angle,
-            unit="rad",
-            valid_range=_RANGES[name],
-            settings={} if UPDATES[name] is rotate_exponential else None,
-            default=UPDATES[name] is rotate_exponential,
-            growth=lambda bodies: _cost_us(name, bodies),
-            sizes=SIZES,
-        )
-    )
-
-
-registry.describe(
-    Group(
-        name=GROUP,
-        what="a step of 1 ms of a free asymmetric top at 7 rad/s; error: its angle from the reference in 10 s",
-        unit="rad",
-        work="bodies",
-        reference=reference_us,
-    )
+compare(
+    GROUP,
+    "a step of 1 ms of a free asymmetric top at 7 rad/s; error: its angle from the reference in 10 s",
+    "rad",
+    _UPDATES,
+    cost=_cost_us,
+    error=lambda name: drift_of(name).angle,
+    default="exponential, half step",
+    work="bodies",
+    sizes=SIZES,
+    reference=reference_us,
 )
-for _name in UPDATES:
-    _register(_name)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, ShapeKind
 from mimics_app.contracts.kernel import kernel
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
 
 __all__ = ["DT", "RADIUS", "STIFFNESS", "TouchScene", "ball_mesh", "slide_path", "touch_scene"]
 
-Array = NDArray[np.float64]
 
 RADIUS = 0.02
 """Half the size of every shape [m]."""
@@ -52,14 +52,14 @@ _SIZES = {
 
 @kernel
 def _touch_often(
-    rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, path: Array, velocities: Array, dt: float, forces: Array
+    rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, path: F8, velocities: F8, dt: float, forces: F8
 ) -> None:
     _touch_borrowed(borrowed(rows), borrowed(work), counts, path, velocities, dt, forces)
 
 
 @kernel
 def _touch_borrowed(
-    rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, path: Array, velocities: Array, dt: float, forces: Array
+    rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, path: F8, velocities: F8, dt: float, forces: F8
 ) -> None:
     pose_shapes(rows, work, counts)
     for tick in range(path.shape[0]):
@@ -85,10 +85,10 @@ class TouchScene:
     rows: Rows
     work: ObjectWork
     counts: NDArray[Any]
-    path: Array
-    velocities: Array
+    path: F8
+    velocities: F8
 
-    def forces(self) -> Array:
+    def forces(self) -> F8:
         """Force on the user at every tick of the path [N], shape [ticks, 3]."""
         forces = np.zeros_like(self.path)
         _touch_often(self.rows, self.work, self.counts[0], self.path, self.velocities, DT, forces)
@@ -103,7 +103,7 @@ class TouchScene:
         return shortest_us(lambda: _touch_often(*args), len(path), _RUNS)
 
 
-def ball_mesh(triangles: int) -> tuple[Array, NDArray[np.int32]]:
+def ball_mesh(triangles: int) -> tuple[F8, NDArray[np.int32]]:
     """(vertices, triangles) of a ball of RADIUS about its middle with roughly so many of them, of similar size at z."""
     n = max(4, round((0.5 * triangles) ** 0.5))
     polar, around = np.meshgrid(np.linspace(0.0, np.pi, n + 1), np.linspace(0.0, 2.0 * np.pi, n + 1), indexing="ij")
@@ -115,7 +115,7 @@ def ball_mesh(triangles: int) -> tuple[Array, NDArray[np.int32]]:
     return RADIUS * np.stack(directions, -1).reshape(-1, 3), np.concatenate([upper, lower]).astype(np.int32)
 
 
-def slide_path(top: Array) -> tuple[Array, Array]:
+def slide_path(top: F8) -> tuple[F8, F8]:
     """(path, velocities): down along z to 1 mm under `top` [m] in 0.1 s, then about it for 5 s."""
     ticks = np.arange(_APPROACH + _TICKS)
     t = DT * ticks

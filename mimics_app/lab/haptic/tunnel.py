@@ -6,17 +6,17 @@ Importing this module registers them. Probes run when asked: each takes well und
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache, partial
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import MAX_PIECES, TUNNEL
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
-from mimics_app.lab.haptic.numbered import NumberedRival, register_numbered
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.maths import frames
 from mimics_app.rendering.haptic.kernels.tunnel_projection import (
     project_brute_force,
@@ -32,8 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = ["FRAME_GROUP", "PROJECTION_GROUP", "closest_by_roots", "helix", "twist_between"]
 
-Array = NDArray[np.float64]
-Helix = tuple[Array, Array, Array, Array, Array]
+Helix = tuple[F8, F8, F8, F8, F8]
 
 PROJECTION_GROUP = "tunnel projection"
 FRAME_GROUP = "tunnel frame"
@@ -48,7 +47,7 @@ _HELIX_POINTS = 385  # two turns of a tunnel of 24 pieces, 16 steps each
 _UP = np.array([0.0, 1.0, 0.0])
 
 
-def closest_by_roots(pieces: Array, p: Array) -> tuple[float, float]:
+def closest_by_roots(pieces: F8, p: F8) -> tuple[float, float]:
     """(s, distance [m]) of the closest point by the real roots of the slope of every piece: the slow reference.
 
     Args:
@@ -71,7 +70,7 @@ def closest_by_roots(pieces: Array, p: Array) -> tuple[float, float]:
 
 
 @cache
-def _probe_tunnel(pieces: int = _PIECES) -> tuple[TunnelCurve, NDArray[Any], Array]:
+def _probe_tunnel(pieces: int = _PIECES) -> tuple[TunnelCurve, NDArray[Any], F8]:
     """A wavy tunnel, its record (shape [1]), and a ball's path in it at 0.3 m/s, shape [4000, 3]."""
     i = np.arange(pieces + 3)
     points = np.column_stack([0.03 * i - 0.27, 0.05 * np.sin(0.9 * i), 0.02 * np.cos(0.7 * i)])
@@ -88,7 +87,7 @@ def _probe_tunnel(pieces: int = _PIECES) -> tuple[TunnelCurve, NDArray[Any], Arr
 
 
 @kernel
-def _walk(number: int, tunnels: Table[TunnelRecord], path: Array, states: Table[TunnelStateRecord], out: Array) -> None:
+def _walk(number: int, tunnels: Table[TunnelRecord], path: F8, states: Table[TunnelStateRecord], out: F8) -> None:
     """The parameter found at every point of a path, by the rival of a number."""
     for i in range(path.shape[0]):
         x, y, z = path[i, 0], path[i, 1], path[i, 2]
@@ -110,7 +109,7 @@ def _projection_us(number: int, pieces: int) -> float:
 
 
 @cache
-def _reference_parameters() -> Array:
+def _reference_parameters() -> F8:
     curve, _, path = _probe_tunnel()
     return np.array([closest_by_roots(curve.pieces, p)[0] for p in path[::_EVERY]])
 
@@ -148,122 +147,107 @@ def helix(count: int, radius: float = 0.1, pitch: float = 0.08, turns: float = 2
     return points, first, second, tangents, normals
 
 
-def twist_between(tangents: Array, normals: Array, reference: Array) -> Array:
+def twist_between(tangents: F8, normals: F8, reference: F8) -> F8:
     """Angle [rad] in -pi..pi by which normals are turned about the tangents against the reference, shape [m]."""
     along = np.sum(normals * reference, axis=1)
     across = np.sum(np.cross(reference, normals) * tangents, axis=1)
     return np.arctan2(across, along)
 
 
-def _double_reflection(curve: Helix) -> Array:
+def _double_reflection(curve: Helix) -> F8:
     points, _, _, tangents, normals = curve
     return frames.rotation_minimising_normals(points, tangents, normals[0])
 
 
-def _frenet(curve: Helix) -> Array:
+def _frenet(curve: Helix) -> F8:
     return frames.frenet_normals(curve[1], curve[2])
 
 
-def _projected_up(curve: Helix) -> Array:
+def _projected_up(curve: Helix) -> F8:
     return frames.projected_up_normals(curve[3], _UP)
 
 
-def _frame_error(normals_of: Callable[[Helix], Array]) -> float:
+def _frame_error(normals_of: Callable[[Helix], F8]) -> float:
     """Greatest turn about the tangent against the closed form, both starting alike [rad]."""
     curve = helix(_HELIX_POINTS)
     twist = np.unwrap(twist_between(curve[3], normals_of(curve), curve[4]))
     return float(np.max(np.abs(twist - twist[0])))
 
 
-def _frame_us(normals_of: Callable[[Helix], Array]) -> float:
+def _frame_us(normals_of: Callable[[Helix], F8]) -> float:
     curve = helix(_HELIX_POINTS)
     return shortest_us(lambda: normals_of(curve), _HELIX_POINTS)
 
 
-register_numbered(
-    Group(
-        name=PROJECTION_GROUP,
-        what="closest point of a wavy tunnel's bisector for a ball that travels it at 0.3 m/s, tick by tick",
-        unit="m",
-        work="pieces of the tunnel",
-        reference=reference_us,
-    ),
-    (
-        NumberedRival(
+compare(
+    PROJECTION_GROUP,
+    "closest point of a wavy tunnel's bisector for a ball that travels it at 0.3 m/s, tick by tick",
+    "m",
+    [
+        Rival(
             "newton warm",
             "Newton on the slope of the square distance from the last tick's point; whole search when it is lost",
             "radius x curvature < 1; stays on its branch where the tunnel crosses or meets itself",
             {"projection": "newton warm"},
-            _SIZES,
+            (0,),
         ),
-        NumberedRival(
+        Rival(
             "newton one step",
             "one Newton step a tick from the last tick's point; the guards of newton warm",
             "as newton warm; errs by about the square of a tick's motion over the bend's radius",
             {"projection": "newton one step"},
-            _SIZES,
+            (1,),
         ),
-        NumberedRival(
+        Rival(
             "brute force",
             "nearest of 256 points a piece",
             "any curve; jumps between branches where the tunnel crosses itself",
             {"projection": "brute force"},
-            _SIZES,
+            (2,),
         ),
-        NumberedRival(
+        Rival(
             "golden section",
             "golden section around the nearest of 8 points a piece (Kiefer 1953)",
             "any curve; to the square root of machine precision; jumps between branches",
             {"projection": "golden section"},
-            _SIZES,
+            (3,),
         ),
-    ),
+    ],
     cost=_projection_us,
     error=_projection_error,
+    default="newton warm",
+    work="pieces of the tunnel",
+    sizes=_SIZES,
     typical=_PIECES,
 )
-registry.describe(
-    Group(
-        name=FRAME_GROUP,
-        what=f"normals along two turns of a helix at {_HELIX_POINTS} points, against the closed form; cost per point",
-        unit="rad",
-        work="",
-        reference=reference_us,
-    )
+compare(
+    FRAME_GROUP,
+    f"normals along two turns of a helix at {_HELIX_POINTS} points, against the closed form; cost per point",
+    "rad",
+    [
+        Rival(
+            "double reflection",
+            "rotation-minimising frame (Wang, Juettler, Zheng & Liu 2008)",
+            "any smooth curve; error of order 4 in the step",
+            {},
+            (_double_reflection,),
+        ),
+        Rival(
+            "frenet",
+            "principal normal (Frenet 1847, Serret 1851)",
+            "curves without inflection or straight part; turns with the torsion",
+            None,
+            (_frenet,),
+        ),
+        Rival(
+            "projected up",
+            "world's up made square to the tangent",
+            "curves that are nowhere vertical",
+            None,
+            (_projected_up,),
+        ),
+    ],
+    cost=_frame_us,
+    error=_frame_error,
+    default="double reflection",
 )
-for _name, _source, _valid, _settings, _normals in (
-    (
-        "double reflection",
-        "rotation-minimising frame (Wang, Juettler, Zheng & Liu 2008)",
-        "any smooth curve; error of order 4 in the step",
-        {},
-        _double_reflection,
-    ),
-    (
-        "frenet",
-        "principal normal (Frenet 1847, Serret 1851)",
-        "curves without inflection or straight part; turns with the torsion",
-        None,
-        _frenet,
-    ),
-    (
-        "projected up",
-        "world's up made square to the tangent",
-        "curves that are nowhere vertical",
-        None,
-        _projected_up,
-    ),
-):
-    registry.register(
-        Method(
-            group=FRAME_GROUP,
-            name=_name,
-            source=_source,
-            cost=partial(_frame_us, _normals),
-            error=partial(_frame_error, _normals),
-            unit="rad",
-            valid_range=_valid,
-            settings=_settings,
-            default=_normals is _double_reflection,
-        )
-    )

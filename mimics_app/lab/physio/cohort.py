@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.estimation.fusion import load_of
 from mimics_app.inputs.physio.simulated.person import Family, LatentPeople, draw_traits
 from mimics_app.learning.policy import Outcome, Policy
 
 __all__ = ["CohortResult", "play_cohort"]
 
-Floats = NDArray[np.float64]
 
 _TRIAL_S = 20.0
 _STEP_S = 5.0
@@ -42,8 +42,8 @@ class CohortResult:
         responds: Which people's bodies answer to arousal, shape [n].
     """
 
-    regret: Floats
-    demand: Floats
+    regret: F8
+    demand: F8
     responds: NDArray[np.bool_]
 
     @property
@@ -99,7 +99,7 @@ def play_cohort(
     return CohortResult(regret, demands, traits.more_responses > 0.0)
 
 
-def _read(people: LatentPeople, noise: np.random.Generator, drift: Floats, t: int) -> Floats:
+def _read(people: LatentPeople, noise: np.random.Generator, drift: F8, t: int) -> F8:
     """Arousal as a session reads it from heart and skin over rest, shape [n]."""
     traits, n = people.traits, len(people.skill)
     drive = people.drive(np.zeros(n))
@@ -107,5 +107,5 @@ def _read(people: LatentPeople, noise: np.random.Generator, drift: Floats, t: in
     heart += drift[0] * t + _HEART_NOISE * noise.standard_normal(n)
     skin = drive.responses - traits.responses + drift[1] * t + _SKIN_NOISE * noise.standard_normal(n)
     views = np.clip([heart / 10.0, skin / 7.0], -1.2, 1.2)
-    result: Floats = 0.8 * views.mean(axis=0)
+    result: F8 = 0.8 * views.mean(axis=0)
     return result

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.dsp.channel import Event
@@ -31,7 +31,6 @@ __all__ = [
     "score_beats",
 ]
 
-Floats = NDArray[np.float64]
 
 NOISE_DB = (12.0, 6.0, 0.0)
 """Signal to noise of the synthetic noise, with a QRS's power as its peak-to-peak squared over eight [dB]."""
@@ -46,8 +45,8 @@ class Annotated:
 
     name: str
     rate: float
-    values: Floats
-    beats: Floats
+    values: F8
+    beats: F8
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +65,7 @@ class Score:
     beats: int
     found: int
     hits: int
-    latency_s: Floats
+    latency_s: F8
 
     @property
     def f1(self) -> float:
@@ -111,7 +110,7 @@ def mixed_noise(record: Annotated, decibel: float, seed: int) -> Annotated:
     """A record with muscle (20-90 Hz), wander (0.05-0.5 Hz) and bursts of electrode motion (0.5-10 Hz) at one SNR."""
     rng, n, rate = np.random.default_rng([seed, len(record.values)]), len(record.values), record.rate
 
-    def band(low: float, high: float) -> Floats:
+    def band(low: float, high: float) -> F8:
         from scipy.signal import sosfilt
 
         return _unit(sosfilt(band_pass(2, low, high, rate), rng.standard_normal(n)))
@@ -140,7 +139,7 @@ def score_beats(record: Annotated) -> Score:
     return Score(record.name, len(record.beats), len(found), matched(record.beats, found), late)
 
 
-def matched(truth: Floats, found: Floats) -> int:
+def matched(truth: F8, found: F8) -> int:
     """Pairs within the window, one to one in time order, the nearer one where two are near."""
     i = j = hits = 0
     while i < len(truth) and j < len(found):
@@ -185,16 +184,16 @@ def _latency(events: list[tuple[str, Event]], kind: str) -> dict[str, float]:
     return {"p50": float(np.median(late)), "p95": float(np.quantile(late, 0.95))} if len(late) else {}
 
 
-def _simulated(seconds: int, seed: int, ectopic: float) -> tuple[Floats, Truth]:
+def _simulated(seconds: int, seed: int, ectopic: float) -> tuple[F8, Truth]:
     signals, truth = _all_signals(seconds, seed, ectopic)
     return signals["ecg"], truth
 
 
-def _all_signals(seconds: int, seed: int = 1, ectopic: float = 0.0) -> tuple[dict[str, Floats], Truth]:
+def _all_signals(seconds: int, seed: int = 1, ectopic: float = 0.0) -> tuple[dict[str, F8], Truth]:
     """Signals of a person at rest who is then challenged and works in bouts."""
     rng = np.random.default_rng([seed, 77])
     people, generator = LatentPeople(draw_traits(rng, 1)), SignalGenerator(rng, Disturbance(ectopic=ectopic))
-    made: list[dict[str, Floats]] = []
+    made: list[dict[str, F8]] = []
     for second in range(seconds):
         works = float(second > 30 and second // 10 % 2)
         people.step(1.0, np.array([0.7]), np.array([3.0 * works]), np.array([works]))
@@ -202,5 +201,5 @@ def _all_signals(seconds: int, seed: int = 1, ectopic: float = 0.0) -> tuple[dic
     return {name: np.concatenate([each[name] for each in made]) for name in made[0]}, generator.truth
 
 
-def _unit(values: Floats) -> Floats:
+def _unit(values: F8) -> F8:
     return values / values.std()

@@ -6,21 +6,20 @@ evidence.
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from itertools import count
 
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.messages import FeatureFrame
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.probe import shortest_us
 from mimics_app.estimation.load_people import shipped_people
-from mimics_app.estimation.registry import DEFAULT, build_estimation
+from mimics_app.estimation.registry import build_estimation
 from mimics_app.lab.physio.state_study import RIVALS, StateScore, state_study
+from mimics_app.lab.rivals import Rival, compare
 
 __all__ = ["GROUP"]
 
 GROUP = "load of the person"
-_UNIT = "share of trials"
-_SECOND = 1_000_000_000
 _FEATURES = {"heart_rate": 72.0, "scr_rate": 3.0, "scl": 6.0, "rmssd": 35.0, "breath_rate": 15.0}
 _BASELINE_S = 20.0
 
@@ -37,7 +36,7 @@ def _cost_us(estimator: str) -> float:
     def update() -> None:
         second = next(seconds)
         values = {name: value + 0.1 * (second % 3) for name, value in _FEATURES.items()}
-        estimation.update(FeatureFrame(second * _SECOND, values, {"ecg": 1.0, "gsr": 1.0, "resp": 1.0}))
+        estimation.update(FeatureFrame(second * SECOND_NS, values, {"ecg": 1.0, "gsr": 1.0, "resp": 1.0}))
 
     for _ in range(60):
         update()
@@ -55,48 +54,47 @@ def _study_us(rival: str) -> float:
     return shortest_us(lambda: RIVALS[rival](people), people.classes.size, 2)
 
 
-def _add(name: str, rival: str, source: str, valid_range: str, estimator: str = "") -> None:
-    """Register a method; one without an estimator is a yardstick: measured, and nothing a session can take."""
-    registry.register(
-        Method(
-            group=GROUP,
-            name=name,
-            source=source,
-            cost=lambda: _cost_us(estimator) if estimator else _study_us(rival),
-            error=lambda: 1.0 - _scores()[rival].share,
-            unit=_UNIT,
-            valid_range=valid_range,
-            settings={"estimator": estimator} if estimator else None,
-            default=estimator == DEFAULT,
-        )
-    )
+def _estimator(name: str, rival: str, estimator: str, source: str, valid: str) -> Rival:
+    return Rival(name, source, valid, {"estimator": estimator}, (rival,), cost=partial(_cost_us, estimator))
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what="three classes of load, simulated people of unseen families (no clinical evidence); error: wrong",
-        unit=_UNIT,
-        work="",
-        reference=reference_us,
-    )
+compare(
+    GROUP,
+    "three classes of load, simulated people of unseen families (no clinical evidence); error: wrong",
+    "share of trials",
+    [
+        _estimator(
+            "fusion",
+            "fusion",
+            "fusion",
+            "Kalman filter over arousal, which it cuts in three",
+            "body signals alone, untrained",
+        ),
+        _estimator(
+            "fixed LDA",
+            "fixed",
+            "lda",
+            "linear discriminant of body and success (Koenig et al. 2011)",
+            "like those trained on",
+        ),
+        _estimator(
+            "adaptive LDA",
+            "adaptive, not asked",
+            "adaptive_lda",
+            "the same, its class means followed by a Kalman filter, each class as far as it is likely",
+            "people who differ from those trained on, after some trials",
+        ),
+        Rival(
+            "adaptive LDA, asked",
+            "the same, the person asked after each trial",
+            "where somebody asks",
+            probed=("adaptive",),
+        ),
+        Rival("success alone", "linear discriminant of success", "where success can be seen"),
+        Rival("threshold per person", "two heart rates from the first three trials", "after three trials"),
+        Rival("majority", "the most frequent class", "always"),
+    ],
+    cost=_study_us,
+    error=lambda rival: 1.0 - _scores()[rival].share,
+    default="adaptive LDA",
 )
-_add(
-    "fusion", "fusion", "Kalman filter over arousal, which it cuts in three", "body signals alone, untrained", "fusion"
-)
-_add(
-    "fixed LDA", "fixed", "linear discriminant of body and success (Koenig et al. 2011)", "like those trained on", "lda"
-)
-_add(
-    "adaptive LDA",
-    "adaptive, not asked",
-    "the same, its class means followed by a Kalman filter, each class as far as it is likely",
-    "people who differ from those trained on, after some trials",
-    "adaptive_lda",
-)
-_add("adaptive LDA, asked", "adaptive", "the same, the person asked after each trial", "where somebody asks")
-_add("success alone", "success alone", "linear discriminant of success", "where success can be seen")
-_add(
-    "threshold per person", "threshold per person", "two heart rates from the first three trials", "after three trials"
-)
-_add("majority", "majority", "the most frequent class", "always")

@@ -10,8 +10,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.estimation.fusion import FusionEstimation
@@ -22,8 +23,6 @@ from mimics_app.inputs.physio.simulated.signals import SignalGenerator
 
 __all__ = ["draw_load_people", "write_shipped_people"]
 
-Floats = NDArray[np.float64]
-_SECOND = 1_000_000_000
 
 _REST_S, _TRIAL_S, _ROUNDS = 90, 90, 4
 """Trials of a minute and a half: the features look at one minute."""
@@ -71,24 +70,24 @@ class _Session:
         self._generator = SignalGenerator(rng)
         self._dsp, self._fusion, self._second = PhysioDsp(), FusionEstimation(_BASELINE_S), 0
 
-    def live(self, seconds: int, demand: float, power: float) -> tuple[TrialView, Floats]:
+    def live(self, seconds: int, demand: float, power: float) -> tuple[TrialView, F8]:
         """Let time pass; what was seen towards its end, and what the fusion said of the load then."""
         view, loads = TrialView(), []
         for _ in range(seconds):
             acting = np.array([float(np.isfinite(demand))])
             self.people.step(1.0, np.array([demand]), np.array([power]), acting)
             made = self._generator.second(self.people.drive(np.zeros(1))) | {"power": np.array([power])}
-            t_ns = self._second * _SECOND
+            t_ns = self._second * SECOND_NS
             rates = {"power": 1.0}
             blocks = [SignalBlock(n, rates.get(n, 1000.0), t_ns, v) for n, v in made.items() if n != "emg"]
             self._second += 1
-            state = self._fusion.update(self._dsp.process(blocks, self._second * _SECOND))
+            state = self._fusion.update(self._dsp.process(blocks, self._second * SECOND_NS))
             view.see(self._fusion.seen)
             loads.append((1.0 / 3.0,) * 3 if state.load is None else state.load)
         return view, np.mean(loads[-30:], axis=0)
 
 
-def _play(rng: np.random.Generator, family: Family, gap: float) -> tuple[Floats, Floats, Floats]:
+def _play(rng: np.random.Generator, family: Family, gap: float) -> tuple[F8, F8, F8]:
     """One person: features [t, f], classes [t] and the fusion's word [t, 3] of each trial."""
     session = _Session(rng, family)
     slope, right = rng.uniform(*_SLOPES), rng.uniform(*_RIGHT)

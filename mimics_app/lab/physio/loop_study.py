@@ -9,8 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.messages import SignalBlock, TrialResult, UserState
 from mimics_app.contracts.stages import Estimation
 from mimics_app.dsp.stage import PhysioDsp
@@ -22,12 +23,10 @@ from mimics_app.learning.registry import POLICIES
 
 __all__ = ["PEOPLE", "TRIALS", "LoopScore", "loop_study"]
 
-Floats = NDArray[np.float64]
 
 PEOPLE, TRIALS = 20, 14
 """Of the study."""
 
-_SECOND = 1_000_000_000
 _REST_S, _TRIAL_S, _BASELINE_S = 90, 90, 60.0
 _POWER_W = 0.2
 """Of an arm that moves slowly against little."""
@@ -48,7 +47,7 @@ class LoopScore:
         regret: 1 less the benefit, by person and trial, shape [n, trials].
     """
 
-    regret: Floats
+    regret: F8
 
     @property
     def mean(self) -> float:
@@ -101,7 +100,7 @@ class _Person:
         self._slope, self._ease = who.uniform(*_SLOPES), who.normal(*_EASE)
         self._generator, self._dsp, self._second = SignalGenerator(self._body), PhysioDsp(), 0
 
-    def play(self, policy: Policy, trials: int, *, sees: bool) -> Floats:
+    def play(self, policy: Policy, trials: int, *, sees: bool) -> F8:
         """Regret of each trial, shape [trials]; `sees`: signals are made and the load is estimated."""
         estimation = build_estimation(DEFAULT, _BASELINE_S) if sees else None
         policy.begin(np.full(1, 0.5), self._choice)
@@ -125,12 +124,12 @@ class _Person:
             if estimation is None:
                 continue
             made = self._generator.second(self._latent.drive(np.zeros(1))) | {"power": np.array([power])}
-            t_ns, rates = (self._second - 1) * _SECOND, {"power": 1.0}
+            t_ns, rates = (self._second - 1) * SECOND_NS, {"power": 1.0}
             blocks = [SignalBlock(k, rates.get(k, 1000.0), t_ns, v) for k, v in made.items() if k != "emg"]
-            estimation.update(self._dsp.process(blocks, self._second * _SECOND))
+            estimation.update(self._dsp.process(blocks, self._second * SECOND_NS))
 
     def _judge(self, estimation: Estimation, share: float) -> UserState:
-        return estimation.judge(TrialResult(0, self._second * _SECOND + 1, "finished", share, share, False))
+        return estimation.judge(TrialResult(0, self._second * SECOND_NS + 1, "finished", share, share, False))
 
 
 def _outcome(demand: float, share: float, state: UserState | None) -> Outcome:

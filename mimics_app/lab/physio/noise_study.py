@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.lab.physio.detection import (
     NOISE_DB,
     Annotated,
@@ -25,7 +25,6 @@ from mimics_app.lab.physio.detection import (
 
 __all__ = ["NoiseRow", "noise_of", "noise_rows"]
 
-Floats = NDArray[np.float64]
 
 _EXCERPT = "nst_118e"
 _LOUD_DB, _SOFT_DB, _CLEANEST_DB = 0.0, 6.0, 24.0
@@ -34,7 +33,7 @@ _ELECTRODE_DB = (6.0, 0.0)
 _PIECES, _PIECE_S = 4, 120.0
 """Pieces of each record, and how long they are [s]."""
 _ANEW = 20
-"""Ways in which the noise is laid upon the heart that it was recorded with."""
+"""Seeds by which the noise is laid upon the heart that it was recorded with."""
 _SYNTHETIC_S = 300.0
 
 
@@ -92,12 +91,12 @@ def noise_rows(folder: Path) -> Iterator[NoiseRow]:
         yield _row(f"other records, electrode noise, {decibel:g} dB", _pieces(hearts, noise, decibel))
 
 
-def noise_of(loud: Annotated, soft: Annotated) -> Floats:
+def noise_of(loud: Annotated, soft: Annotated) -> F8:
     """The noise of the excerpt of 0 dB, from that and the one of 6 dB: the same heart, the same noise [mV]."""
     return (loud.values - soft.values) / (1.0 - 10.0 ** ((_LOUD_DB - _SOFT_DB) / 20.0))
 
 
-def _pieces(hearts: list[Annotated], noise: Floats, decibel: float) -> Iterator[Annotated]:
+def _pieces(hearts: list[Annotated], noise: F8, decibel: float) -> Iterator[Annotated]:
     """Pieces of each record, spread over it, with the noise laid upon them."""
     for k, heart in enumerate(hearts):
         last = max(len(heart.values) / heart.rate - _PIECE_S, 0.0)
@@ -106,7 +105,7 @@ def _pieces(hearts: list[Annotated], noise: Floats, decibel: float) -> Iterator[
             yield _laid(piece, noise, decibel, 100 + _PIECES * k + n)
 
 
-def _laid(heart: Annotated, noise: Floats, decibel: float, seed: int) -> Annotated:
+def _laid(heart: Annotated, noise: F8, decibel: float, seed: int) -> Annotated:
     """A piece with noise of the same rate that begins elsewhere, and every second time upside down."""
     n = len(heart.values)
     whole = np.resize(np.roll(noise, np.random.default_rng([seed, 126]).integers(len(noise))), n)

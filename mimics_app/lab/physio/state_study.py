@@ -10,15 +10,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I8
 from mimics_app.estimation.load import AdaptiveLda, Lda, LoadModel, train_load
 from mimics_app.estimation.load_people import LoadPeople
 
 __all__ = ["RIVALS", "StateScore", "state_study"]
-
-Floats = NDArray[np.float64]
-Classes = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +27,7 @@ class StateScore:
         calibration: Expected calibration error; NaN where no probability is stated.
     """
 
-    hits: Floats
+    hits: F8
     calibration: float = float("nan")
 
     @property
@@ -63,12 +60,12 @@ def _follow(build: Callable[[LoadModel], Lda], columns: slice, *, asked: bool) -
     return estimated
 
 
-def _scored(probable: Floats, classes: Classes) -> StateScore:
+def _scored(probable: F8, classes: I8) -> StateScore:
     right = (probable.argmax(axis=2) == classes).astype(float)
     return StateScore(right.mean(axis=1), _calibration(probable.max(axis=2).ravel(), right.ravel()))
 
 
-def _calibration(stated: Floats, right: Floats, bins: int = 8) -> float:
+def _calibration(stated: F8, right: F8, bins: int = 8) -> float:
     """Mean distance of stated probability and share right, weighted by how often it was stated."""
     places = np.clip(((stated - 1.0 / 3.0) * 1.5 * bins).astype(int), 0, bins - 1)
     inside = [places == k for k in range(bins)]

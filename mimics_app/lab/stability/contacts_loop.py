@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.stability.growth import dies_away, note_peak
 from mimics_app.lab.stability.linear import find_limit, hold, spectral_radius
@@ -35,8 +36,6 @@ __all__ = [
     "sum_limit",
 ]
 
-Vec = NDArray[np.float64]
-Mat = NDArray[np.float64]
 
 _HARD = 1e6
 """The stiffest of them that is looked at [N/m]."""

@@ -10,15 +10,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["dies_away", "largest_exponent", "note_peak", "square_up"]
 
-Vec = NDArray[np.float64]
-Mat = NDArray[np.float64]
 
 _PLAIN = 0.4
 """Logarithm of a ratio of peaks that needs no longer run."""

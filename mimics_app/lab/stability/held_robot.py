@@ -11,8 +11,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.haptic import AdmittanceForm
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import DATA_FORCE, DATA_LENGTH, DATA_Q
@@ -25,8 +25,6 @@ from mimics_app.rendering.haptic.kernels.robot import command_robot, place_handl
 
 __all__ = ["Arm", "Hold", "exact_matrix", "is_exactly_stable", "is_stable"]
 
-Vec = NDArray[np.float64]
-Mat = NDArray[np.float64]
 
 _RATE = 1000.0
 _FREE = 1e12

@@ -9,13 +9,12 @@ from collections.abc import Callable
 
 import numpy as np
 from numba import from_dtype, types
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
 
 __all__ = ["NORMAL_LAW", "ROTATION", "SHAPE", "NormalLaw", "Rotation", "identified_rate"]
 
-Vec = NDArray[np.float64]
 
 NormalLaw = Callable[[float, float, float, float], float]
 """What `NORMAL_LAW` is to a type checker."""

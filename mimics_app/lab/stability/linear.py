@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Mat
+
 __all__ = ["exponential", "find_limit", "hold", "is_contracting", "spectral_radius"]
 
-Mat = NDArray[np.float64]
 
 _TAYLOR_TERMS = 18
 _PRECISION = 1e-5

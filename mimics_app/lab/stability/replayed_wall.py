@@ -18,6 +18,7 @@ import numpy as np
 from numba import from_dtype, types
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.device_descriptor import KINEMATICS_SET, Kin
 from mimics_app.contracts.haptic import SAMPLE, SCENE
@@ -64,7 +65,6 @@ __all__ = [
     "weighted_period",
 ]
 
-Vec = NDArray[np.float64]
 
 _VECTOR = types.float64[::1]
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points
 from mimics_app.lab.stability.growth import largest_exponent, square_up
@@ -26,7 +27,6 @@ from mimics_app.rendering.haptic.kernels.integrators import (
 
 __all__ = ["EXPERIMENT", "METHODS", "exact_growth", "exact_limit", "simulated_growth", "simulated_limit"]
 
-Vec = NDArray[np.float64]
 
 METHODS = ("explicit", "semi-implicit", "implicit", "midpoint", "rk4", "exact")
 

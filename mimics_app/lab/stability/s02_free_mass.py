@@ -1,6 +1,6 @@
 """S2: a free mass on a sampled spring without damping gains energy at every rate, 60 to 4000 Hz.
 
-The force of each tick is held until the next, so the spring pushes a little too long on the way out. The growth per
+The force of each tick is held until the next, so the spring pushes a little too long as the mass leaves. The growth per
 tick has a closed form, |lambda| = sqrt(1 + K T^2 / 2 m) > 1. Below 500 Hz the rendering "can become unstable"
 (D2.1 4.3.1); nothing changes at 500 Hz: without damping the wall is unstable at any rate, only ever more slowly.
 Where damping makes it stable is S3.
@@ -12,8 +12,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
 from mimics_app.lab.stability.growth import largest_exponent, square_up
@@ -22,7 +22,6 @@ from mimics_app.rendering.haptic.kernels.integrators import step_free
 
 __all__ = ["EXPERIMENT", "exact_growth_rate", "simulated_growth_rate"]
 
-Vec = NDArray[np.float64]
 
 _MASS = 3.0
 _STIFFNESSES = (500.0, 2000.0, 5000.0)

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import DATA_LENGTH, DATA_Q
 from mimics_app.lab.experiment import Experiment, Outcome, Points
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
 __all__ = ["EXPERIMENT", "Device", "closed_limit", "largest_swing", "simulated_limit"]
 
-Vec = NDArray[np.float64]
 
 _DT = 1e-3
 _MASS = 0.5

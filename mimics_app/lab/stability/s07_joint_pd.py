@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points
 from mimics_app.lab.stability.growth import dies_away, note_peak
@@ -19,8 +19,6 @@ from mimics_app.rendering.haptic.control.joint_pd import joint_pd, joint_pd_as_p
 
 __all__ = ["EXPERIMENT", "closed_limit", "exact_limit", "is_stable", "simulated_limit"]
 
-Vec = NDArray[np.float64]
-Mat = NDArray[np.float64]
 
 _RATE = 1000.0
 _SHORTEST = 2_000

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numba import types
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
 from mimics_app.lab.stability import s12_rotation_drift as rotations
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 
 __all__ = ["EXPERIMENT", "object_law_printed", "pd_rate", "pressed_rate", "sphere_rate"]
 
-Vec = NDArray[np.float64]
 JointPd = Callable[[Vec, Vec, Vec, Vec, Vec, Vec], None]
 
 _DT = 1e-3

@@ -14,8 +14,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import AdmittanceForm
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
@@ -25,7 +25,6 @@ from mimics_app.rendering.haptic.kernels.vectors import copy, norm
 
 __all__ = ["EXPERIMENT", "SEED_CASE", "exact_flight", "fly"]
 
-Vec = NDArray[np.float64]
 
 _D1 = 0.46
 _MASS = 3.0

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numba import from_dtype, types
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
 from mimics_app.lab.stability.laws import SHAPE
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 __all__ = ["EXPERIMENT", "slide"]
 
-Vec = NDArray[np.float64]
 
 Shape = Callable[[Vec, Vec, Vec, "ContactRecord"], None]
 """Nearest surface of a shape: place, velocity, dimensions, contact."""

@@ -13,8 +13,8 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
 from mimics_app.rendering.haptic.kernels.contact import rate_of_depth
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 __all__ = ["EXPERIMENT", "exact_change", "leaving_change"]
 
-Vec = NDArray[np.float64]
 
 _EDGE = 0.1
 _STIFFNESS = 2000.0

@@ -11,8 +11,8 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
 __all__ = ["EXPERIMENT", "MODELS", "cone_excess", "exact_creep", "hold"]
 
-Vec = NDArray[np.float64]
 
 MODELS = ("regularised", "Karnopp", "Hayward-Armstrong", "LuGre explicit", "LuGre implicit")
 

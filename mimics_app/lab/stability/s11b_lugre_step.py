@@ -10,7 +10,6 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["EXPERIMENT", "deflection", "exact_limit", "largest_tick"]
 
-Vec = NDArray[np.float64]
 
 _NORMAL = 2.5
 _MU = 0.4

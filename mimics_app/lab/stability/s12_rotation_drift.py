@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 from numba import types
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
 from mimics_app.lab.stability.laws import ROTATION, Rotation
@@ -25,8 +25,6 @@ from mimics_app.rendering.haptic.kernels.rotation import (
 
 __all__ = ["DIRECTION", "EXPERIMENT", "drift", "exact_drift"]
 
-Vec = NDArray[np.float64]
-Mat = NDArray[np.float64]
 
 DIRECTION = np.array([3.0, 4.0, 5.0]) / np.sqrt(50.0)
 """Axis of the turn."""

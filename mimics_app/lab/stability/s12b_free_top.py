@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 from numba import types
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
 from mimics_app.lab.stability.laws import ROTATION, Rotation
@@ -32,7 +32,6 @@ from mimics_app.rendering.haptic.kernels.rotation import (
 
 __all__ = ["EXPERIMENT", "INERTIA", "OMEGA", "exact_interval", "tumble"]
 
-Vec = NDArray[np.float64]
 
 INERTIA = np.array([0.01, 0.02, 0.03])
 """Principal moments [kg m^2]."""

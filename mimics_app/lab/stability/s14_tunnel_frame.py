@@ -1,6 +1,6 @@
-"""S14: which way is n? At an inflection Frenet's normal turns over, and with it every force given along n and b.
+"""S14: where does n point? At an inflection Frenet's normal turns over, and with it every force given along n and b.
 
-A ball is carried along a wavy tunnel, pressed into the same wall all the way. What the wall does is the same in any
+A ball is carried along a wavy tunnel, pressed into the same wall throughout. What the wall does is the same in any
 frame; what a task shows or records along n and b is not: along Frenet's normal the force changes sign at every
 inflection of the bisector, by twice its size in one tick. In the frame of the tick it stays as it is.
 
@@ -12,8 +12,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import TUNNEL
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["EXPERIMENT", "inflections", "walk_wall", "wavy_tunnel"]
 
-Array = NDArray[np.float64]
 
 _RADIUS = 0.01
 _DEPTH = 0.002
@@ -42,7 +41,7 @@ def wavy_tunnel(height: float) -> TunnelCurve:
     return build_tunnel(np.column_stack([0.06 * i - 0.33, height * np.sin(1.2 * i), 0.0 * i]), _RADIUS)
 
 
-def inflections(curve: TunnelCurve) -> Array:
+def inflections(curve: TunnelCurve) -> F8:
     """Arc lengths [m] at which a planar bisector (z = 0) changes its bend, in order."""
     found: list[float] = []
     for i, (x, y, _) in enumerate(curve.pieces):
@@ -55,18 +54,18 @@ def inflections(curve: TunnelCurve) -> Array:
         roots = np.roots(bend)
         real = roots.real[np.abs(roots.imag) < 1e-9]
         found += [i + float(u) for u in real if 0.0 <= u < 1.0]
-    arcs: Array = curve.arc_at(np.sort(found))
+    arcs: F8 = curve.arc_at(np.sort(found))
     return arcs
 
 
 @kernel
 def _walk(
     tunnels: Table[TunnelRecord],
-    path: Array,
+    path: F8,
     states: Table[TunnelStateRecord],
-    force_world: Array,
-    along_n: Array,
-    s: Array,
+    force_world: F8,
+    along_n: F8,
+    s: F8,
 ) -> None:
     still = np.zeros(3)
     for i in range(path.shape[0]):
@@ -77,7 +76,7 @@ def _walk(
         s[i] = states[0].s
 
 
-def walk_wall(curve: TunnelCurve) -> tuple[Array, Array, Array]:
+def walk_wall(curve: TunnelCurve) -> tuple[F8, F8, F8]:
     """Carry a point along the tunnel, 2 mm deep in the wall to the left of the path, 0.2 mm a tick.
 
     Returns:
@@ -94,13 +93,13 @@ def walk_wall(curve: TunnelCurve) -> tuple[Array, Array, Array]:
     return curve.arc_at(found), along_n, np.sum(force_world * curve.frame(found, "frenet")[1], axis=1)
 
 
-def _turns(arc: Array, force: Array) -> Array:
+def _turns(arc: F8, force: F8) -> F8:
     """Arc lengths at which a force changes its sign."""
     i = np.flatnonzero(force[1:] * force[:-1] < 0.0)
     return 0.5 * (arc[i] + arc[i + 1])
 
 
-def _row(height: float) -> tuple[dict[str, Any], Array, Array]:
+def _row(height: float) -> tuple[dict[str, Any], F8, F8]:
     """One row, and where the force along Frenet's n turns over and the bisector its bend: arc lengths [m]."""
     curve = wavy_tunnel(height)
     arc, own, frenet = walk_wall(curve)
@@ -119,7 +118,7 @@ def _row(height: float) -> tuple[dict[str, Any], Array, Array]:
     return row, turns, exact
 
 
-def _by_number(rows: list[dict[str, Any]], places: list[Array]) -> Points:
+def _by_number(rows: list[dict[str, Any]], places: list[F8]) -> Points:
     """Points of the map, all first ones of every tunnel, then all second ones: one line each."""
     most = max(len(arcs) for arcs in places)
     return [

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import TUNNEL
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
 
 __all__ = ["BEND", "EXPERIMENT", "exact_clearance", "newton_miss", "smallest_clearance", "track_miss"]
 
-Array = NDArray[np.float64]
 
 BEND = 0.05
 """Radius of the bend [m]."""
@@ -62,7 +62,7 @@ def _bend() -> tuple[TunnelCurve, NDArray[Any]]:
 
 
 @kernel
-def _newton(tunnel: TunnelRecord, p: Array, s: float) -> float:
+def _newton(tunnel: TunnelRecord, p: F8, s: float) -> float:
     """Textbook Newton on the slope of the square distance, kept inside the tunnel: no halving, no search."""
     for _ in range(_ITERATIONS):
         _, gradient, bend, _ = slope(tunnel, p[0], p[1], p[2], s)
@@ -72,7 +72,7 @@ def _newton(tunnel: TunnelRecord, p: Array, s: float) -> float:
 
 @kernel
 def _follow(
-    tunnels: Table[TunnelRecord], path: Array, s: float, by_track: bool, states: Table[TunnelStateRecord]
+    tunnels: Table[TunnelRecord], path: F8, s: float, by_track: bool, states: Table[TunnelStateRecord]
 ) -> float:
     """Greatest distance [m] by which the point found is farther than the closest one, along a path."""
     tunnel = tunnels[0]

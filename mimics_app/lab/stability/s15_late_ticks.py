@@ -3,7 +3,7 @@
 Every 50 ms one tick wakes late and the ones behind it follow back to back, so that the mean period stays 1 ms and a
 rule with the mean sees nothing. What counts is the mean hold weighted by its own length. Policy on, the late tick's
 output is held until the loop has caught up, 10 us a tick: hardly worse. From 10 ms on the policy ramps the force down
-instead, and no wall is left that could give anything. The lateness of a live loop is replayed the same way.
+instead, and no wall is left that could give anything. The lateness of a live loop is replayed likewise.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.session_memory import SessionMemory
@@ -36,7 +36,6 @@ from mimics_app.world.components.robot import Robot
 
 __all__ = ["EXPERIMENT", "measure_lateness", "stalls"]
 
-Vec = NDArray[np.float64]
 
 _STROKE = Stroke()
 _BETWEEN = 50
@@ -67,6 +66,15 @@ def _row(source: str, length: float, wakes: Wakes) -> dict[str, Any]:
     }
 
 
+def _note(times: float, down: dict[str, Any]) -> str:
+    return (
+        f"K = {STIFFNESS:.0f} N/m. One tick in 50 late by 9 ms needs {times:.1f} times the damping of a loop "
+        f"in time, though the mean period is the same. At 12 ms and 2 N s/m the wall generates "
+        f"{-1e3 * down['energy_at_2_N_s_m_policy_off_J']:.0f} mJ with the policy off; on, it takes "
+        f"{1e3 * down['energy_at_2_N_s_m_policy_on_J']:.0f} mJ."
+    )
+
+
 def _simulate_grid(points: int) -> Outcome:
     lengths = [float(length) for length in np.linspace(0.0, _LONGEST, max(points, 2))]
     rows = [_row("every 50th tick", length, stalls(length)) for length in lengths]
@@ -79,12 +87,7 @@ def _simulate_grid(points: int) -> Outcome:
     simulated, exact, live = curve("needed_N_s_m"), curve("exact_N_s_m"), curve("live_limit_N_s_m")
     down = _row("every 50th tick", _RAMPED_DOWN, stalls(_RAMPED_DOWN))
     rows.append(down)
-    note = (
-        f"K = {STIFFNESS:.0f} N/m. One tick in 50 late by 9 ms needs {exact[-1][1]:.1f} times the damping of a loop "
-        f"in time, though the mean period is the same. At 12 ms and 2 N s/m the wall generates "
-        f"{-1e3 * down['energy_at_2_N_s_m_policy_off_J']:.0f} mJ with the policy off; on, it takes "
-        f"{1e3 * down['energy_at_2_N_s_m_policy_on_J']:.0f} mJ."
-    )
+    note = _note(exact[-1][1], down)
     if points >= _LIVE_POINTS:
         lateness = measure_lateness(_LIVE_SECONDS)
         rows.append(_row("measured live", float(np.max(lateness)), wakes_with(lateness, _STROKE.seconds)))

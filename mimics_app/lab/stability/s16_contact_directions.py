@@ -1,7 +1,7 @@
 """S16: the stiffest stable contact beside a soft, damped one, over the angle between the two, and beside two of them.
 
 A plate without damping is pressed by a device of 3 kg and 8 N s/m, 4 ticks late; beside it a block of 100 N/m and 10,
-30 or 60 N s/m, and last two blocks at unlike angles. Where both face the same way the block's damper steadies the
+30 or 60 N s/m, and last two blocks at unlike angles. Where both face in one direction the block's damper steadies the
 plate; at a right angle it lends nothing, and the plate is as stable as it is alone. A sum over both whatever their
 direction promises eight times that. The worst direction, which cap and margin go by, is never further above the truth
 than the rule for one contact is at the same damping.

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 from numba import types
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.lab.stability.laws import NORMAL_LAW, NormalLaw
 from mimics_app.lab.stability.linear import find_limit
@@ -19,7 +19,6 @@ from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 
 __all__ = ["DT", "PAIR_B", "PAIR_K", "UNIT_MASS", "keeps_still", "smallest_mass", "stack_eigenvalue"]
 
-Vec = NDArray[np.float64]
 
 DT = 1e-3
 _K, _B = 4000.0, 8.0

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.stability.growth import dies_away, note_peak
 from mimics_app.lab.stability.linear import find_limit, hold, is_contracting
@@ -34,8 +34,6 @@ __all__ = [
     "simulated_limit",
 ]
 
-Vec = NDArray[np.float64]
-Mat = NDArray[np.float64]
 
 DEPTH = 1000.0
 """Rest inside a wall [m], absurdly deep, so that its surface is never reached and its law is never clamped."""

@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.stability.wall_loop import press_wall
 from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
 
 __all__ = ["EXPERIMENT"]
 
-Vec = NDArray[np.float64]
 
 _MOST_DELAY = 64
 _PLAIN = 0.4

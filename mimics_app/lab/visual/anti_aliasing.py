@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels
@@ -29,7 +28,6 @@ from mimics_app.world.world import World
 
 __all__ = ["ANGLES", "GROUP", "edge_error", "given_samples"]
 
-F8 = NDArray[np.float64]
 
 GROUP = "anti aliasing"
 ANGLES = (0.02, 0.06, 0.15, 0.3, 0.6, math.pi / 4.0, 1.0, 1.3, 1.52)
@@ -108,7 +106,7 @@ def given_samples(samples: int) -> int:
     """Samples a pixel that the driver really takes when so many are requested: an edge shows one level more.
 
     Raises:
-        DeviceError: there is no way to draw without a display.
+        DeviceError: nothing here draws without a display.
     """
     with open_offscreen("auto", _EDGE) as surface:
         renderer = Renderer(surface, _card(ANGLES[3]), replace(_PLAIN, msaa=samples))
@@ -134,33 +132,24 @@ def _cost_us(settings: RenderSettings) -> float:
     return cost
 
 
-def _register(name: str, source: str, settings: RenderSettings, *, default: bool = False) -> None:
-    registry.register(
-        Method(
-            group=GROUP,
-            name=name,
-            source=source,
-            cost=partial(_cost_us, settings),
-            error=partial(edge_error, settings),
-            unit="px",
-            valid_range="any; samples as many as the driver has",
-            settings={"msaa": settings.msaa, "fxaa": settings.fxaa},
-            default=default,
-        )
-    )
+def _at(samples: int, *, fxaa: bool = False) -> tuple[dict[str, object], tuple[RenderSettings]]:
+    """What makes the product take so many samples, and what a probe is asked."""
+    return {"msaa": samples, "fxaa": fxaa}, (replace(_PLAIN, msaa=samples, fxaa=fxaa),)
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what="anti-aliasing: a frame of 300 lit boxes, 640x360; error: share of cut pixels, edges at nine angles",
-        unit="px",
-        work="",
-        reference=reference_us,
-    )
+_ANY = "any; samples as many as the driver has"
+compare(
+    GROUP,
+    "anti-aliasing: a frame of 300 lit boxes, 640x360; error: share of cut pixels, edges at nine angles",
+    "px",
+    [
+        Rival("none", "a pixel is what is seen at its middle", _ANY, *_at(0)),
+        Rival("filter", "edges found in the finished picture (Lottes 2009)", _ANY, *_at(0, fxaa=True)),
+        Rival("2 samples", "coverage at two places of a pixel, one shading", _ANY, *_at(2)),
+        Rival("4 samples", "coverage at four places of a pixel, one shading", _ANY, *_at(4)),
+        Rival("4 samples, filter", "both, one after the other", _ANY, *_at(4, fxaa=True)),
+    ],
+    cost=_cost_us,
+    error=edge_error,
+    default="4 samples",
 )
-_register("none", "a pixel is what is seen at its middle", _PLAIN)
-_register("filter", "edges found in the finished picture (Lottes 2009)", replace(_PLAIN, fxaa=True))
-_register("2 samples", "coverage at two places of a pixel, one shading", replace(_PLAIN, msaa=2))
-_register("4 samples", "coverage at four places of a pixel, one shading", replace(_PLAIN, msaa=4), default=True)
-_register("4 samples, filter", "both, one after the other", replace(_PLAIN, msaa=4, fxaa=True))

@@ -8,17 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import cache, partial
-from typing import Any
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us
 from mimics_app.contracts.resources import root
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.probe import differing_pixels, frame_us, show_picture
-from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.settings import Occlusion, RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
@@ -78,53 +76,45 @@ def city_error(settings: RenderSettings, whole: RenderSettings) -> float:
     return float(np.mean([differing_pixels(*pair, level=1) for pair in city_pictures(settings, whole)]))
 
 
-def _register(group: str, name: str, source: str, valid: str, whole: RenderSettings, **changes: Any) -> None:
-    settings = replace(whole, **changes)
-    default, field = {OCCLUSION: ("all", "occlusion"), DETAIL: ("as authored", "detail")}[group]
-    registry.register(
-        Method(
-            group=group,
-            name=name,
-            source=source,
-            cost=partial(city_us, settings),
-            error=partial(city_error, settings, whole),
-            unit="share of pixels",
-            valid_range=valid,
-            settings={field: getattr(settings, field)},
-            default=name == default,
-        )
-    )
+def _boxes(name: Occlusion, source: str, valid: str = "any") -> Rival:
+    settings = replace(_OPEN, occlusion=name)
+    return Rival(name, source, valid, {"occlusion": name}, (settings, _OPEN))
 
 
-registry.describe(
-    Group(
-        name=OCCLUSION,
-        what="a frame of the city from three places; error: share of pixels that differ from nothing hidden",
-        unit="share of pixels",
-        work="",
-        reference=reference_us,
-        why_default="it hides as well where nobody wrote boxes; the city, measured here, has boxes by its author",
-    )
-)
-registry.describe(
-    Group(
-        name=DETAIL,
-        what="a frame of the city from three places; error: share of pixels that differ from the finest forms",
-        unit="share of pixels",
-        work="",
-        reference=reference_us,
-    )
-)
+def _forms(name: str, source: str, detail: float) -> Rival:
+    return Rival(name, source, "any", {"detail": detail}, (replace(_FINE, detail=detail), _FINE))
+
+
 _OPEN = replace(_PLAIN, occlusion="off")
-_register(OCCLUSION, "off", "every body in the view is drawn", "any", _OPEN)
-_register(
-    OCCLUSION, "derived", "boxes proven inside opaque meshes hide what is behind", "any", _OPEN, occlusion="derived"
-)
-_register(OCCLUSION, "authored", "boxes their authors wrote hide", "authored models", _OPEN, occlusion="authored")
-_register(OCCLUSION, "all", "both kinds of boxes hide", "any", _OPEN, occlusion="all")
-
 _FINE = replace(_PLAIN, detail=_FINEST)
-_register(DETAIL, "4 times as far", "coarser forms only from four times their distance", "any", _FINE)
-for _times in (2.0, 1.0, 0.5, 0.25):
-    _name = "as authored" if _times == 1.0 else f"{_times:g} times as far"
-    _register(DETAIL, _name, "coarser forms by how much of the picture they cover", "any", _FINE, detail=_times)
+compare(
+    OCCLUSION,
+    "a frame of the city from three places; error: share of pixels that differ from nothing hidden",
+    "share of pixels",
+    [
+        _boxes("off", "every body in the view is drawn"),
+        _boxes("derived", "boxes proven inside opaque meshes hide what is behind"),
+        _boxes("authored", "boxes their authors wrote hide", "authored models"),
+        _boxes("all", "both kinds of boxes hide"),
+    ],
+    cost=lambda settings, _: city_us(settings),
+    error=city_error,
+    default="all",
+    why_default="it hides as well where nobody wrote boxes; the city, measured here, has boxes by its author",
+)
+_COVERED = "coarser forms by how much of the picture they cover"
+compare(
+    DETAIL,
+    "a frame of the city from three places; error: share of pixels that differ from the finest forms",
+    "share of pixels",
+    [
+        _forms("4 times as far", "coarser forms only from four times their distance", _FINEST),
+        _forms("2 times as far", _COVERED, 2.0),
+        _forms("as authored", _COVERED, 1.0),
+        _forms("0.5 times as far", _COVERED, 0.5),
+        _forms("0.25 times as far", _COVERED, 0.25),
+    ],
+    cost=lambda settings, _: city_us(settings),
+    error=city_error,
+    default="as authored",
+)

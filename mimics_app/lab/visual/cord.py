@@ -8,17 +8,16 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.maths.cord import Catenary, Ripple, Ripples, hang
 from mimics_app.rendering.visual.passes.cord import CORD_BLOCK, RINGS, SIDES, fill_cord_block
 from mimics_app.world.cords import Cord
 
 __all__ = ["GROUP", "link_rope"]
 
-F8 = NDArray[np.float64]
 
 GROUP = "cord"
 _ENDS = np.array([[0.0, 1.2, 0.0], [0.0, 1.1, -1.0]])
@@ -102,50 +101,37 @@ def _mesh_cost() -> float:
     return shortest_us(build)
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what="a cord of 1.2 m, ends 1 m apart, two ripples: work of the processor a frame; error: of its length",
-        unit="m",
-        work="",
-        reference=reference_us,
-    )
+compare(
+    GROUP,
+    "a cord of 1.2 m, ends 1 m apart, two ripples: work of the processor a frame; error: of its length",
+    "m",
+    [
+        Rival(
+            "catenary in the shader",
+            "closed form by arc length; Newton for one number a frame, 256 bytes uploaded",
+            "a cord at rest or swinging as a whole; the error is that of 128 drawn rings",
+            {},
+            cost=_shader_cost,
+            error=_drawn_error,
+        ),
+        Rival(
+            "catenary, mesh by the processor",
+            "the same surface rebuilt and uploaded every frame, 77 kB",
+            "the same",
+            cost=_mesh_cost,
+            error=_drawn_error,
+        ),
+        *(
+            Rival(
+                f"linked points, {count} iterations" if count > 1 else "linked points, 1 iteration",
+                "position-based dynamics, 32 points at 60 Hz (Mueller et al. 2007), without a tube about it",
+                "any motion; stretches by the iterations it is given",
+                probed=(count,),
+            )
+            for count in (1, 5, 20, 100)
+        ),
+    ],
+    cost=_rope_cost,
+    error=_rope_error,
+    default="catenary in the shader",
 )
-registry.register(
-    Method(
-        group=GROUP,
-        name="catenary in the shader",
-        source="closed form by arc length; Newton for one number a frame, 256 bytes uploaded",
-        cost=_shader_cost,
-        error=_drawn_error,
-        unit="m",
-        valid_range="a cord at rest or swinging as a whole; the error is that of 128 drawn rings",
-        settings={},
-        default=True,
-    )
-)
-registry.register(
-    Method(
-        group=GROUP,
-        name="catenary, mesh by the processor",
-        source="the same surface rebuilt and uploaded every frame, 77 kB",
-        cost=_mesh_cost,
-        error=_drawn_error,
-        unit="m",
-        valid_range="the same",
-        settings=None,
-    )
-)
-for _count in (1, 5, 20, 100):
-    registry.register(
-        Method(
-            group=GROUP,
-            name=f"linked points, {_count} iterations" if _count > 1 else "linked points, 1 iteration",
-            source="position-based dynamics, 32 points at 60 Hz (Mueller et al. 2007), without a tube about it",
-            cost=lambda count=_count: _rope_cost(count),  # type: ignore[misc]
-            error=lambda count=_count: _rope_error(count),  # type: ignore[misc]
-            unit="m",
-            valid_range="any motion; stretches by the iterations it is given",
-            settings=None,
-        )
-    )

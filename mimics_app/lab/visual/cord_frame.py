@@ -7,19 +7,18 @@ the largest angle to a frame that does not turn about the cord at all, followed 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.maths.cord import hang
 from mimics_app.rendering.visual.passes.cord import RINGS
 
 __all__ = ["CURVES", "FRAMES", "GROUP", "twist_error"]
 
-F8 = NDArray[np.float64]
 Frame = Callable[[F8, F8], F8]
 """Places and unit tangents of rings, [n, 3] each -> unit normals, [n, 3]."""
 
@@ -114,28 +113,18 @@ def _cost_us(frame: Frame, curve: str) -> float:
     return shortest_us(lambda: frame(places, tangents))
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what=f"a frame for each of {RINGS} rings of a cord; error: by which angle it twists the surface",
-        unit="rad",
-        work="",
-        reference=reference_us,
-    )
+_RUNS = "constant binormal, hanging"
+compare(
+    GROUP,
+    f"a frame for each of {RINGS} rings of a cord; error: by which angle it twists the surface",
+    "rad",
+    [
+        Rival(named, source, valid, {} if named == _RUNS else None, (frame, curve))
+        for name, (frame, source, valid) in FRAMES.items()
+        for curve in CURVES
+        for named in [f"{name}, {curve}"]
+    ],
+    cost=_cost_us,
+    error=twist_error,
+    default=_RUNS,
 )
-for _name, (_frame, _source, _valid) in FRAMES.items():
-    for _curve in CURVES:
-        _runs = _name == "constant binormal" and _curve == "hanging"
-        registry.register(
-            Method(
-                group=GROUP,
-                name=f"{_name}, {_curve}",
-                source=_source,
-                cost=partial(_cost_us, _frame, _curve),
-                error=partial(twist_error, _frame, _curve),
-                unit="rad",
-                valid_range=_valid,
-                settings={} if _runs else None,
-                default=_runs,
-            )
-        )

@@ -11,10 +11,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.methods import Group, Method, Settings, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.arrays import F8, I4
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.box_items import box_items
 from mimics_app.maths.mat import compose
 from mimics_app.rendering.visual.drawing.culling import Culler, FlatCuller, TreeCuller
@@ -24,8 +24,6 @@ from mimics_app.rendering.visual.view_matrices import compose_look_at
 
 __all__ = ["GROUP", "CullingProbe", "make_probe"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 GROUP = "culling"
 SIZES = (100, 1000, 10_000, 100_000)
@@ -123,56 +121,38 @@ def _error(make: Callable[[CullingProbe], Culler]) -> float:
     return float(len(probe.seen() - probe.run(make(probe))))
 
 
-def _register(
-    name: str,
-    source: str,
-    valid: str,
-    make: Callable[[CullingProbe], Culler],
-    settings: Settings | None,
-    *,
-    default: bool = False,
-) -> None:
-    registry.register(
-        Method(
-            group=GROUP,
-            name=name,
-            source=source,
-            cost=lambda: _cost_us(make, _NODES),
-            error=lambda: _error(make),
-            unit="nodes",
-            valid_range=valid,
-            settings=settings,
-            default=default,
-            growth=lambda nodes: _cost_us(make, nodes),
-            sizes=SIZES,
-        )
-    )
-
-
-registry.describe(
-    Group(
-        name=GROUP,
-        what="nodes of a square world in a view; error: nodes left out though a corner of theirs is inside",
-        unit="nodes",
-        work="nodes",
-        reference=reference_us,
-        why_default="the product's setting is `auto`: each node is tested below some thousand nodes and groups above "
-        "them; this chart leaves out what groups cost where nodes move, the chart `frame of nodes` has it",
-    )
+compare(
+    GROUP,
+    "nodes of a square world in a view; error: nodes left out though a corner of theirs is inside",
+    "nodes",
+    [
+        Rival(
+            "each node",
+            "sphere, then box, of every node against six planes (Assarsson & Moller 2000)",
+            "any",
+            {"culling": "flat"},
+            (_flat,),
+        ),
+        Rival(
+            "scene graph",
+            "boxes about what hangs on a node first, the same tests below",
+            "any; built when nodes come",
+            {"culling": "tree"},
+            (_tree,),
+        ),
+        Rival(
+            "space alone",
+            "the same without the graph: siblings in groups along a Morton curve",
+            "any",
+            probed=(_flat_tree,),
+        ),
+    ],
+    cost=_cost_us,
+    error=_error,
+    default="each node",
+    work="nodes",
+    sizes=SIZES,
+    typical=_NODES,
+    why_default="the product's setting is `auto`: each node is tested below some thousand nodes and groups above "
+    "them; this chart leaves out what groups cost where nodes move, the chart `frame of nodes` has it",
 )
-_register(
-    "each node",
-    "sphere, then box, of every node against six planes (Assarsson & Moller 2000)",
-    "any",
-    _flat,
-    {"culling": "flat"},
-    default=True,
-)
-_register(
-    "scene graph",
-    "boxes about what hangs on a node first, the same tests below",
-    "any; built when nodes come",
-    _tree,
-    {"culling": "tree"},
-)
-_register("space alone", "the same without the graph: siblings in groups along a Morton curve", "any", _flat_tree, None)

@@ -7,15 +7,13 @@ missing of the half that an endless wall takes from its foot. Without the effect
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.methods import Group, Method, Settings, registry
-from mimics_app.contracts.probe import reference_us
+from mimics_app.contracts.arrays import F8
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.probe import frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
@@ -27,7 +25,6 @@ from mimics_app.world.world import World
 
 __all__ = ["BLOOM", "CORNERS", "bloom_error", "corner_error"]
 
-F8 = NDArray[np.float64]
 
 BLOOM, CORNERS = "bloom", "ambient occlusion"
 
@@ -101,65 +98,42 @@ def corner_error(settings: RenderSettings) -> float:
     return float(abs((shaded / bare).min() - 0.5) / 0.5)
 
 
-def _register(
-    group: str,
-    name: str,
-    source: str,
-    settings: RenderSettings,
-    error: Callable[[RenderSettings], float],
-    wanted: Settings,
-) -> None:
-    """`wanted` leaves the effect out, or says nothing: how strong it is is the scene's to say."""
-    registry.register(
-        Method(
-            group=group,
-            name=name,
-            source=source,
-            cost=partial(_hall_us, settings),
-            error=partial(error, settings),
-            unit="of the effect",
-            valid_range="any",
-            settings=wanted,
-            default=name == "none",
-        )
-    )
-
-
-registry.describe(
-    Group(
-        name=BLOOM,
-        what="a frame of a hall with 12 lamps, 640x360; error: light lost or made by spreading it, 1 without",
-        unit="of the effect",
-        work="",
-        reference=reference_us,
-        few="how many copies, or places, is compiled into the shader: there is the effect and its absence",
-    )
-)
-registry.describe(
-    Group(
-        name=CORNERS,
-        what="a frame of a hall with 12 pillars, 640x360; error: of the half that a wall takes from its foot",
-        unit="of the effect",
-        work="",
-        reference=reference_us,
-        few="how many copies, or places, is compiled into the shader: there is the effect and its absence",
-    )
-)
-_register(BLOOM, "none", "light stays where it is seen", _PLAIN, bloom_error, {"bloom": 0.0})
-_register(
+_FEW = "how many copies, or places, is compiled into the shader: there is the effect and its absence"
+compare(
     BLOOM,
-    "six copies",
-    "a share of the light in six copies of half the size",
-    replace(_PLAIN, bloom=_SHARE),
-    bloom_error,
-    {},
+    "a frame of a hall with 12 lamps, 640x360; error: light lost or made by spreading it, 1 without",
+    "of the effect",
+    [
+        Rival("none", "light stays where it is seen", "any", {"bloom": 0.0}, (_PLAIN,)),
+        Rival(
+            "six copies",
+            "a share of the light in six copies of half the size",
+            "any",
+            {},
+            (replace(_PLAIN, bloom=_SHARE),),
+        ),
+    ],
+    cost=_hall_us,
+    error=bloom_error,
+    default="none",
+    few=_FEW,
 )
-_register(CORNERS, "none", "all of the sky arrives everywhere", _PLAIN, corner_error, {"ambient_occlusion": 0.0})
-_register(
+compare(
     CORNERS,
-    "eight places",
-    "depth at eight places about each, at half the size (McGuire et al. 2012)",
-    replace(_PLAIN, ambient_occlusion=1.0),
-    corner_error,
-    {},
+    "a frame of a hall with 12 pillars, 640x360; error: of the half that a wall takes from its foot",
+    "of the effect",
+    [
+        Rival("none", "all of the sky arrives everywhere", "any", {"ambient_occlusion": 0.0}, (_PLAIN,)),
+        Rival(
+            "eight places",
+            "depth at eight places about each, at half the size (McGuire et al. 2012)",
+            "any",
+            {},
+            (replace(_PLAIN, ambient_occlusion=1.0),),
+        ),
+    ],
+    cost=_hall_us,
+    error=corner_error,
+    default="none",
+    few=_FEW,
 )

@@ -9,14 +9,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.probe import Move, differing_pixels, frame_us, show_picture
-from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.settings import Culling, RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.materials.material import Material
@@ -31,9 +29,6 @@ _SIZE = (128, 72)
 _FRAMES = 4
 _NODE_COUNTS = (100, 1000, 10_000, 100_000)
 _TRIANGLE_COUNTS = (10_000, 100_000, 1_000_000, 10_000_000)
-_TYPICAL = {NODES: 10_000, TRIANGLES: 1_000_000}
-_FIELD = {NODES: "culling", TRIANGLES: "detail"}
-"""What of the renderer's settings the rivals differ in."""
 _BALL = 1280
 """Triangles of a ball in its finest form; the coarser ones have a quarter and a sixteenth."""
 
@@ -109,63 +104,45 @@ def _error(build: Callable[[int], Scene], settings: RenderSettings, first: Rende
     return differing_pixels(one, other, level=1)
 
 
-def _register(
-    group: str, build: Callable[[int], Scene], sizes: tuple[int, ...], rivals: list[tuple[str, str, RenderSettings]]
-) -> None:
-    typical, first = _TYPICAL[group], rivals[0][2]
-    for name, source, settings in rivals:
-        registry.register(
-            Method(
-                group=group,
-                name=name,
-                source=source,
-                cost=partial(_cost_us, build, settings, typical),
-                error=partial(_error, build, settings, first, typical),
-                unit="share of pixels",
-                valid_range="any",
-                settings={_FIELD[group]: getattr(settings, _FIELD[group])},
-                default=name == rivals[-1][0],
-                growth=partial(_cost_us, build, settings),
-                sizes=sizes,
-            )
-        )
+def _culled(name: str, source: str, culling: Culling) -> Rival:
+    return Rival(name, source, "any", {"culling": culling}, (node_world, replace(_PLAIN, culling=culling)))
 
 
-registry.describe(
-    Group(
-        name=NODES,
-        what="a frame of 10,000 cubes that all turn; error: share of pixels that differ from each node tested",
-        unit="share of pixels",
-        work="nodes",
-        reference=reference_us,
-    )
-)
-registry.describe(
-    Group(
-        name=TRIANGLES,
-        what="a frame of a million triangles in balls; error: share of pixels that differ from the finest forms",
-        unit="share of pixels",
-        work="triangles",
-        reference=reference_us,
-    )
-)
-_register(
+def _detailed(name: str, source: str, detail: float) -> Rival:
+    return Rival(name, source, "any", {"detail": detail}, (ball_world, replace(_PLAIN, detail=detail)))
+
+
+_EACH_NODE = replace(_PLAIN, culling="flat")
+_FINEST = replace(_PLAIN, detail=4.0)
+compare(
     NODES,
-    node_world,
-    _NODE_COUNTS,
+    "a frame of 10,000 cubes that all turn; error: share of pixels that differ from each node tested",
+    "share of pixels",
     [
-        ("each node", "every node against the view's planes", replace(_PLAIN, culling="flat")),
-        ("scene graph", "groups of the scene graph first", replace(_PLAIN, culling="tree")),
-        ("by number", "each node below some thousand, groups above", replace(_PLAIN, culling="auto")),
+        _culled("each node", "every node against the view's planes", "flat"),
+        _culled("scene graph", "groups of the scene graph first", "tree"),
+        _culled("by number", "each node below some thousand, groups above", "auto"),
     ],
+    cost=_cost_us,
+    error=lambda build, settings: _error(build, settings, _EACH_NODE, 10_000),
+    default="by number",
+    work="nodes",
+    sizes=_NODE_COUNTS,
+    typical=10_000,
 )
-_register(
+compare(
     TRIANGLES,
-    ball_world,
-    _TRIANGLE_COUNTS,
+    "a frame of a million triangles in balls; error: share of pixels that differ from the finest forms",
+    "share of pixels",
     [
-        ("finest forms", "levels change at four times their distance", replace(_PLAIN, detail=4.0)),
-        ("twice as far", "levels change at twice their distance", replace(_PLAIN, detail=2.0)),
-        ("levels of detail", "coarser forms by how much of the picture a body covers", _PLAIN),
+        _detailed("finest forms", "levels change at four times their distance", 4.0),
+        _detailed("twice as far", "levels change at twice their distance", 2.0),
+        _detailed("levels of detail", "coarser forms by how much of the picture a body covers", 1.0),
     ],
+    cost=_cost_us,
+    error=lambda build, settings: _error(build, settings, _FINEST, 1_000_000),
+    default="levels of detail",
+    work="triangles",
+    sizes=_TRIANGLE_COUNTS,
+    typical=1_000_000,
 )

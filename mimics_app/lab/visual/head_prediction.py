@@ -6,12 +6,13 @@ Importing this module registers them. Error: the largest angle off; cost: of one
 from __future__ import annotations
 
 import math
+from functools import partial
 
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.probe import shortest_us
 from mimics_app.contracts.tracker_port import TrackerSample
 from mimics_app.inputs.trackers.polhemus import euler_quaternion
 from mimics_app.inputs.trackers.track import Track
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.maths.poses import rotation_vector
 
 __all__ = ["GROUP", "prediction_error"]
@@ -55,38 +56,31 @@ def _cost(horizon_s: float) -> float:
     return shortest_us(lambda: [track.pose(at_ns) for _ in range(_CALLS)], _CALLS)
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what="a head that turns +-30 degrees at 1 Hz, reported at 120 Hz; error: the largest angle off when it is seen",
-        unit="rad",
-        work="",
-        reference=reference_us,
+def _ahead(ms: int) -> tuple[Rival, Rival]:
+    return (
+        Rival(
+            f"constant velocity, {ms} ms ahead",
+            "straight and turning evenly from the last two reports, no farther than 50 ms",
+            "to 50 ms; farther the head stays where that ends",
+            {} if ms == 50 else None,
+            (ms * 1e-3,),
+        ),
+        Rival(
+            f"held, {ms} ms ahead",
+            "the newest report as it is",
+            "a head at rest",
+            cost=partial(_cost, 0.0),
+            error=partial(prediction_error, ms * 1e-3, hold=True),
+        ),
     )
+
+
+compare(
+    GROUP,
+    "a head that turns +-30 degrees at 1 Hz, reported at 120 Hz; error: the largest angle off when it is seen",
+    "rad",
+    [rival for ms in (20, 30, 50, 100) for rival in _ahead(ms)],
+    cost=_cost,
+    error=prediction_error,
+    default="constant velocity, 50 ms ahead",
 )
-for _ms in (20, 30, 50, 100):
-    registry.register(
-        Method(
-            group=GROUP,
-            name=f"constant velocity, {_ms} ms ahead",
-            source="straight and turning evenly from the last two reports, no farther than 50 ms",
-            cost=lambda ms=_ms: _cost(ms * 1e-3),  # type: ignore[misc]
-            error=lambda ms=_ms: prediction_error(ms * 1e-3),  # type: ignore[misc]
-            unit="rad",
-            valid_range="to 50 ms; farther the head stays where that ends",
-            settings={} if _ms == 50 else None,
-            default=_ms == 50,
-        )
-    )
-    registry.register(
-        Method(
-            group=GROUP,
-            name=f"held, {_ms} ms ahead",
-            source="the newest report as it is",
-            cost=lambda: _cost(0.0),
-            error=lambda ms=_ms: prediction_error(ms * 1e-3, hold=True),  # type: ignore[misc]
-            unit="rad",
-            valid_range="a head at rest",
-            settings=None,
-        )
-    )

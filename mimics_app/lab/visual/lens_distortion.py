@@ -7,16 +7,15 @@ out where an eye's picture is looked up, on the processor.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec
 from mimics_app.rendering.visual.displays.lens import distort
 
 __all__ = ["GROUP", "mesh_error"]
 
-F8 = NDArray[np.float64]
 
 GROUP = "lens distortion"
 _PIXELS = 1080
@@ -53,38 +52,30 @@ def _cost(count: int) -> float:
     return shortest_us(lambda: [distort(at, k) for k in (lens.red, lens.green, lens.blue)])
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what="where a panel of 1080 pixels looks up an eye's picture, for three colours; error: on the panel",
-        unit="px",
-        work="",
-        reference=reference_us,
-    )
+compare(
+    GROUP,
+    "where a panel of 1080 pixels looks up an eye's picture, for three colours; error: on the panel",
+    "px",
+    [
+        Rival(
+            "per pixel",
+            "the polynomial of Brown (1971) in the fragment shader",
+            "any lens whose radius grows throughout",
+            {},
+            cost=lambda: _cost(_PIXELS),
+            error=lambda: 0.0,
+        ),
+        *(
+            Rival(
+                f"mesh of {cells} x {cells}",
+                "corners looked up exactly, linear between them",
+                "where its error does",
+                probed=(cells,),
+            )
+            for cells in (16, 32, 64, 128)
+        ),
+    ],
+    cost=lambda cells: _cost(cells + 1),
+    error=mesh_error,
+    default="per pixel",
 )
-registry.register(
-    Method(
-        group=GROUP,
-        name="per pixel",
-        source="the polynomial of Brown (1971) in the fragment shader",
-        cost=lambda: _cost(_PIXELS),
-        error=lambda: 0.0,
-        unit="px",
-        valid_range="any lens whose radius grows throughout",
-        settings={},
-        default=True,
-    )
-)
-for _cells in (16, 32, 64, 128):
-    registry.register(
-        Method(
-            group=GROUP,
-            name=f"mesh of {_cells} x {_cells}",
-            source="corners looked up exactly, linear between them",
-            cost=lambda cells=_cells: _cost(cells + 1),  # type: ignore[misc]
-            error=lambda cells=_cells: mesh_error(cells),  # type: ignore[misc]
-            unit="px",
-            valid_range="where its error does",
-            settings=None,
-        )
-    )

@@ -9,16 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache
 from itertools import cycle
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.methods import Group, Method, Settings, registry
-from mimics_app.contracts.probe import reference_us
 from mimics_app.contracts.resources import root
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.probe import differing_pixels, frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
@@ -31,7 +29,6 @@ from mimics_app.world.world import World
 
 __all__ = ["CROWD", "Crowd", "crowd_error", "load_person"]
 
-F8 = NDArray[np.float64]
 
 CROWD = "crowd"
 _PEOPLE, _NEAREST, _FARTHEST = 40, 4.0, 60.0
@@ -136,34 +133,30 @@ def crowd_error(crowd: Crowd, whole: Crowd) -> float:
 _WHOLE = Crowd(levels=False, steps=False)
 
 
-def _register(name: str, source: str, crowd: Crowd, settings: Settings | None = None, *, default: bool = False) -> None:
-    registry.register(
-        Method(
-            group=CROWD,
-            name=name,
-            source=source,
-            cost=partial(_cost_us, crowd),
-            error=partial(crowd_error, crowd, _WHOLE),
-            unit="share of pixels",
-            valid_range="people from 4 m away on",
-            settings=settings,
-            default=default,
-        )
-    )
-
-
-registry.describe(
-    Group(
-        name=CROWD,
-        what="a frame of forty people 4 to 60 m away; error: share of pixels that differ from all in full",
-        unit="share of pixels",
-        work="",
-        reference=reference_us,
-    )
+_VALID = "people from 4 m away on"
+compare(
+    CROWD,
+    "a frame of forty people 4 to 60 m away; error: share of pixels that differ from all in full",
+    "share of pixels",
+    [
+        Rival("in full", "9,900 triangles, four joints a vertex, every frame", _VALID, None, (_WHOLE,)),
+        Rival(
+            "steps of time",
+            "from 12 m on moved every 1/30, 1/15, 1/8 s",
+            _VALID,
+            probed=(replace(_WHOLE, steps=True),),
+        ),
+        Rival(
+            "coarser forms",
+            "42, 13, 4.5 % of the triangles; 4, 2, 1 joints a vertex",
+            _VALID,
+            probed=(Crowd(steps=False),),
+        ),
+        Rival("both", "coarser forms by two pixels of 1080 rows, and steps of time", _VALID, {}, (Crowd(),)),
+        Rival("both, 2 times as far", "the same from twice the distance on", _VALID, None, (Crowd(detail=2.0),)),
+        Rival("both, 0.5 times as far", "the same from half the distance on", _VALID, None, (Crowd(detail=0.5),)),
+    ],
+    cost=_cost_us,
+    error=lambda crowd: crowd_error(crowd, _WHOLE),
+    default="both",
 )
-_register("in full", "9,900 triangles, four joints a vertex, every frame", _WHOLE)
-_register("steps of time", "from 12 m on moved every 1/30, 1/15, 1/8 s", replace(_WHOLE, steps=True))
-_register("coarser forms", "42, 13, 4.5 % of the triangles; 4, 2, 1 joints a vertex", Crowd(steps=False))
-_register("both", "coarser forms by two pixels of 1080 rows, and steps of time", Crowd(), {}, default=True)
-_register("both, 2 times as far", "the same from twice the distance on", Crowd(detail=2.0))
-_register("both, 0.5 times as far", "the same from half the distance on", Crowd(detail=0.5))

@@ -36,7 +36,7 @@ def frame_us(world: World, size: Size, settings: RenderSettings, move: Move, fra
         frames: Of a run.
 
     Raises:
-        DeviceError: there is no way to draw without a display.
+        DeviceError: nothing here draws without a display.
     """
     with open_offscreen("auto", size) as surface:
         renderer = Renderer(surface, world, settings)
@@ -55,7 +55,7 @@ def show_picture(world: World, size: Size, settings: RenderSettings, view: View)
     """Display values of a frame, [height, width, 4], row 0 at the top.
 
     Raises:
-        DeviceError: there is no way to draw without a display.
+        DeviceError: nothing here draws without a display.
     """
     with open_offscreen("auto", size) as surface:
         renderer = Renderer(surface, world, settings)

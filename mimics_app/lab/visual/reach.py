@@ -12,14 +12,15 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.methods import Group, Method, Settings, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.methods import Settings
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.world.motion.kernels.iterative import reach_by_descent, reach_by_fabrik
 from mimics_app.world.motion.kernels.two_bone import reach_two_bones
 
 __all__ = ["GROUP", "arms", "elbow_gain"]
 
-F8 = NDArray[np.float64]
 
 GROUP = "limb reach"
 UPPER, LOWER, SOFT = 0.30, 0.27, 0.03
@@ -94,38 +95,27 @@ def _error(solve: Solve) -> float:
     return float(np.linalg.norm(out[:, 3:] - asked[:, 3:6], axis=1).max())
 
 
-def _register(
-    name: str, source: str, valid: str, solve: Solve, settings: Settings | None = None, *, default: bool = False
-) -> None:
+def _rival(name: str, source: str, valid: str, solve: Solve, settings: Settings | None = None) -> Rival:
     gain = elbow_gain(solve)
-    registry.register(
-        Method(
-            group=GROUP,
-            name=name,
-            source=source,
-            cost=lambda: _cost_us(solve),
-            error=lambda: _error(solve),
-            unit="m",
-            valid_range=f"{valid}; at the reach limit the elbow moves {gain:.3g} times as far as the target",
-            settings=settings,
-            default=default,
-        )
-    )
+    valid = f"{valid}; at the reach limit the elbow moves {gain:.3g} times as far as the target"
+    return Rival(name, source, valid, settings, (solve,))
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what="an arm that reaches for a point within its reach; error: how far the hand stays away",
-        unit="m",
-        work="",
-        reference=reference_us,
-    )
+_NO_UNEQUAL = "no unequal bones near the inner limit"
+compare(
+    GROUP,
+    "an arm that reaches for a point within its reach; error: how far the hand stays away",
+    "m",
+    [
+        _rival("closed form", "law of cosines, soft reach, pole plane kept from step to step", "any", _closed, {}),
+        _rival("closed form, hard limit", "the same clamped at full stretch", "below full stretch", _hard),
+        _rival(
+            "FABRIK, 10 rounds", "Aristidou & Lasenby 2011, to 1 mm", "no unequal bones near the inner limit", _fabrik
+        ),
+        _rival("FABRIK, 200 rounds", "the same, to 1 um", "as above", _fabrik_long),
+        _rival("coordinate descent, 10 rounds", "Wang & Chen 1991, to 1 mm", "slow near full stretch", _descent),
+    ],
+    cost=_cost_us,
+    error=_error,
+    default="closed form",
 )
-_register(
-    "closed form", "law of cosines, soft reach, pole plane kept from step to step", "any", _closed, {}, default=True
-)
-_register("closed form, hard limit", "the same clamped at full stretch", "below full stretch", _hard)
-_register("FABRIK, 10 rounds", "Aristidou & Lasenby 2011, to 1 mm", "no unequal bones near the inner limit", _fabrik)
-_register("FABRIK, 200 rounds", "the same, to 1 um", "as above", _fabrik_long)
-_register("coordinate descent, 10 rounds", "Wang & Chen 1991, to 1 mm", "slow near full stretch", _descent)

@@ -8,17 +8,15 @@ distances of a drawn cord's vertices.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.rivals import Rival, compare
 
 __all__ = ["BENDS", "GROUP", "crest_error", "midway", "straight"]
 
-F8 = NDArray[np.float64]
 Distance = Callable[[F8, F8, float, float], F8]
 
 GROUP = "ripple distance"
@@ -79,39 +77,30 @@ def _cost_us(distance: Distance, bend: float) -> float:
     return shortest_us(lambda: distance(ds, dt, bend, 0.0))
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what="distance of 3,200 vertices from a tap on a bent cord of 25 mm; error: of a crest after 50 mm",
-        unit="m",
-        work="",
-        reference=reference_us,
+def _bent(bend: float) -> list[Rival]:
+    """The two methods on a cord of this bend; on a straight one they are the same."""
+    as_straight = Rival(
+        f"as if straight, bend {bend:g}",
+        "the hypotenuse of along and around; bend: radius times curvature",
+        "exact on a straight cord, whatever the distance; else where its error does",
+        None if bend else {},
+        (straight, bend),
     )
+    halfway = Rival(
+        f"reach halfway, bend {bend:g}",
+        "along shortened as the surface is halfway round to the place",
+        "where its error does",
+        probed=(midway, bend),
+    )
+    return [as_straight, halfway] if bend else [as_straight]
+
+
+compare(
+    GROUP,
+    "distance of 3,200 vertices from a tap on a bent cord of 25 mm; error: of a crest after 50 mm",
+    "m",
+    [rival for bend in BENDS for rival in _bent(bend)],
+    cost=_cost_us,
+    error=crest_error,
+    default="as if straight, bend 0",
 )
-for _bend in BENDS:
-    registry.register(
-        Method(
-            group=GROUP,
-            name=f"as if straight, bend {_bend:g}",
-            source="the hypotenuse of along and around; bend: radius times curvature",
-            cost=partial(_cost_us, straight, _bend),
-            error=partial(crest_error, straight, _bend),
-            unit="m",
-            valid_range="exact on a straight cord, whatever the distance; else where its error does",
-            settings={} if _bend == 0.0 else None,
-            default=_bend == 0.0,
-        )
-    )
-    if _bend:
-        registry.register(
-            Method(
-                group=GROUP,
-                name=f"reach halfway, bend {_bend:g}",
-                source="along shortened as the surface is halfway round to the place",
-                cost=partial(_cost_us, midway, _bend),
-                error=partial(crest_error, midway, _bend),
-                unit="m",
-                valid_range="where its error does",
-                settings=None,
-            )
-        )

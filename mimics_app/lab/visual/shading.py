@@ -9,16 +9,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.city import city_pictures, city_us
 from mimics_app.lab.visual.probe import show_picture
-from mimics_app.rendering.visual.settings import RenderSettings, Shading
+from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
@@ -73,32 +71,19 @@ def _view() -> View:
     return View(pose, (-0.55, 0.55, -0.31, 0.31), (0, 0, *_SIZE))
 
 
-def _register(name: Shading, source: str) -> None:
-    settings = replace(_FULL, shading=name)
-    registry.register(
-        Method(
-            group=GROUP,
-            name=name,
-            source=source,
-            cost=partial(city_us, settings),
-            error=partial(shading_error, settings),
-            unit="levels of 255",
-            valid_range="any",
-            settings={"shading": name},
-            default=name == "full",
-        )
-    )
-
-
-registry.describe(
-    Group(
-        name=GROUP,
-        what="a frame of the city from three places; error: root mean square of display values, there or of balls",
-        unit="levels of 255",
-        work="",
-        reference=reference_us,
-    )
+_FULL_SOURCE = "each material's own technique: diffuse, mirrored and lamps' light per pixel (glTF 2.0, appendix B)"
+_MATT_SOURCE = "diffuse light of sun and sky alone per pixel, shadows and haze kept"
+_PLAIN_SOURCE = "light per vertex in display values (Gouraud 1971), and haze, without shadows"
+compare(
+    GROUP,
+    "a frame of the city from three places; error: root mean square of display values, there or of balls",
+    "levels of 255",
+    [
+        Rival("full", _FULL_SOURCE, "any", {"shading": "full"}, (_FULL,)),
+        Rival("matt", _MATT_SOURCE, "any", {"shading": "matt"}, (replace(_FULL, shading="matt"),)),
+        Rival("plain", _PLAIN_SOURCE, "any", {"shading": "plain"}, (replace(_FULL, shading="plain"),)),
+    ],
+    cost=city_us,
+    error=shading_error,
+    default="full",
 )
-_register("full", "each material's own technique: diffuse, mirrored and lamps' light per pixel (glTF 2.0, appendix B)")
-_register("matt", "diffuse light of sun and sky alone per pixel, shadows and haze kept")
-_register("plain", "light per vertex in display values (Gouraud 1971), and haze, without shadows")

@@ -7,16 +7,12 @@ floor and for several heights of the sun, seen at 2.5 mm a pixel.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import partial
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.methods import Group, Method, Settings, registry
-from mimics_app.contracts.probe import reference_us
+from mimics_app.contracts.arrays import F8
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.probe import frame_us, show_picture
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
@@ -28,7 +24,6 @@ from mimics_app.world.world import World
 
 __all__ = ["GROUP", "edge_error", "yard_us"]
 
-F8 = NDArray[np.float64]
 
 GROUP = "sun shadows"
 
@@ -47,47 +42,17 @@ _SIZES = (16, 64, 256, 1024)
 _FRAMES = 6
 
 
-@dataclass(frozen=True)
-class _Kind:
-    """A method to make shadows."""
-
-    name: str
-    source: str
-    valid: str
-    changes: dict[str, Any]
-    settings: Settings | None
-    default: bool = False
-
-
 _MAPS = "depth map of all casters (Williams 1978), 16 looks filtered"
-_KINDS = (
-    _Kind("none", "no shadow: all of the plate's width is wrong", "draft", {"shadow_size": 0}, None),
-    _Kind("map 256", _MAPS, "a room", {"shadow_size": 256}, {"cascaded": False, "shadow_size": 256}),
-    _Kind("map 512", _MAPS, "a room", {"shadow_size": 512}, {"cascaded": False, "shadow_size": 512}, default=True),
-    _Kind("map 1024", _MAPS, "a room or a yard", {"shadow_size": 1024}, {"cascaded": False, "shadow_size": 1024}),
-    _Kind("map 2048", _MAPS, "a yard", {"shadow_size": 2048}, {"cascaded": False, "shadow_size": 2048}),
-    _Kind(
-        "cascades 2048",
-        "four maps one in another (Engel 2006; Dimitrov 2007) in one atlas",
-        "any width: what is near has the finest map",
-        {"shadow_size": 2048, "shadow_distance": 30.0, "cascades": 4},
-        {"cascaded": True, "shadow_size": 2048},
-    ),
-    _Kind(
-        "stencil additive",
-        "volumes counted behind what is seen (Crow 1977; Carmack 2000), the sun drawn where none is",
-        "few and simple casters; exact edges",
-        {"shadow_size": 512, "shadows": "stencil_additive"},
-        {"shadows": "stencil_additive"},
-    ),
-    _Kind(
-        "stencil modulative",
-        "the same volumes, the finished picture darkened",
-        "few and simple casters; highlights are darkened too",
-        {"shadow_size": 512, "shadows": "stencil_modulative"},
-        {"shadows": "stencil_modulative"},
-    ),
-)
+
+
+def _map(size: int, valid: str) -> Rival:
+    return Rival(
+        f"map {size}",
+        _MAPS,
+        valid,
+        {"cascaded": False, "shadow_size": size},
+        (replace(_PLAIN, shadow_size=size),),
+    )
 
 
 def _lit_world(slope: float) -> World:
@@ -161,30 +126,47 @@ def yard_us(settings: RenderSettings, posts: int = _POSTS) -> float:
     return frame_us(world, _YARD_SIZE, settings, move, _FRAMES)
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what="a frame of a yard of 144 posts, one turning; error: how far a shadow's edge lies from its ray's end",
-        unit="m of a shadow's edge",
-        work="posts",
-        reference=reference_us,
-    )
+compare(
+    GROUP,
+    "a frame of a yard of 144 posts, one turning; error: how far a shadow's edge lies from its ray's end",
+    "m of a shadow's edge",
+    [
+        Rival(
+            "none",
+            "no shadow: all of the plate's width is wrong",
+            "draft",
+            probed=(replace(_PLAIN, shadow_size=0),),
+        ),
+        _map(256, "a room"),
+        _map(512, "a room"),
+        _map(1024, "a room or a yard"),
+        _map(2048, "a yard"),
+        Rival(
+            "cascades 2048",
+            "four maps one in another (Engel 2006; Dimitrov 2007) in one atlas",
+            "any width: what is near has the finest map",
+            {"cascaded": True, "shadow_size": 2048},
+            (replace(_PLAIN, shadow_size=2048, shadow_distance=30.0, cascades=4),),
+        ),
+        Rival(
+            "stencil additive",
+            "volumes counted behind what is seen (Crow 1977; Carmack 2000), the sun drawn where none is",
+            "few and simple casters; exact edges",
+            {"shadows": "stencil_additive"},
+            (replace(_PLAIN, shadow_size=512, shadows="stencil_additive"),),
+        ),
+        Rival(
+            "stencil modulative",
+            "the same volumes, the finished picture darkened",
+            "few and simple casters; highlights are darkened too",
+            {"shadows": "stencil_modulative"},
+            (replace(_PLAIN, shadow_size=512, shadows="stencil_modulative"),),
+        ),
+    ],
+    cost=yard_us,
+    error=edge_error,
+    default="map 512",
+    work="posts",
+    sizes=_SIZES,
+    typical=_POSTS,
 )
-for _kind in _KINDS:
-    _settings = replace(_PLAIN, **_kind.changes)
-    _cost: Callable[[int], float] = partial(yard_us, _settings)
-    registry.register(
-        Method(
-            group=GROUP,
-            name=_kind.name,
-            source=_kind.source,
-            cost=partial(yard_us, _settings),
-            error=partial(edge_error, _settings),
-            unit="m of a shadow's edge",
-            valid_range=_kind.valid,
-            settings=_kind.settings,
-            default=_kind.default,
-            growth=_cost,
-            sizes=_SIZES,
-        )
-    )

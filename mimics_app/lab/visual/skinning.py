@@ -11,10 +11,10 @@ from collections.abc import Callable
 from functools import cache, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.methods import Group, Method, Settings, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.arrays import F4, F8
+from mimics_app.contracts.probe import shortest_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.visual.drawing.feedback import FeedbackSkinning
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.drawing.skinning import ProcessorSkinning, bend_mesh, make_source
@@ -28,8 +28,6 @@ from mimics_app.world.world import World
 
 __all__ = ["BY", "MIXING", "figure_world", "ring_left"]
 
-F4 = NDArray[np.float32]
-F8 = NDArray[np.float64]
 
 BY, MIXING = "skinning", "joint mixing"
 SIZES = (1_000, 10_000, 100_000)
@@ -70,7 +68,7 @@ def figure_world(vertices: int, skinning: Skinning) -> tuple[World, SkinnedBody]
 
 @cache
 def _exact(skinning: Skinning) -> F8:
-    """Vertices by double precision all the way."""
+    """Vertices in double precision throughout."""
     world, body = figure_world(_VERTICES, skinning)
     mesh, table = body.meshes[_KEY], world.transforms
     assert body.binding is not None and mesh.weights is not None
@@ -164,29 +162,8 @@ def _cost_with_driver(by: type[ProcessorSkinning] | type[FeedbackSkinning], skin
     return cost
 
 
-def _register(
-    name: str, source: str, valid: str, bend: Bend, cost: Callable[[int], float], settings: Settings | None,
-    *, default: bool = False,
-) -> None:  # fmt: skip
-    registry.register(
-        Method(
-            group=BY,
-            name=name,
-            source=source,
-            cost=lambda: cost(_VERTICES),
-            error=lambda: _error(bend, "dual" if "dual" in name else "linear"),
-            unit="m",
-            valid_range=valid,
-            settings=settings,
-            default=default,
-            growth=cost,
-            sizes=SIZES,
-        )
-    )
-
-
 def ring_left(skinning: Skinning, twist: float) -> float:
-    """Radius of the ring half way along a tube whose ends are turned against each other [rad], of its own.
+    """Radius of the ring in the middle of a tube whose ends are turned against each other [rad], of its own.
 
     By matrices it is cos(twist / 2), by dual quaternions 1.
     """
@@ -206,81 +183,80 @@ def ring_left(skinning: Skinning, twist: float) -> float:
     return float(np.linalg.norm(moved[:, [0, 2]], axis=1).mean())
 
 
-def _mixing(name: Skinning, source: str, *, default: bool = False) -> None:
-    registry.register(
-        Method(
-            group=MIXING,
-            name="matrices" if name == "linear" else "dual quaternions",
-            source=source,
-            cost=lambda: _cost_of_call(_by_loops, name, _VERTICES),
-            error=lambda: 1.0 - ring_left(name, _TWIST),
-            unit="of the radius",
-            valid_range="any" if name == "linear" else "joints that turn and shift only; else matrices are mixed",
-            settings={"skinning": name},
-            default=default,
-            growth=lambda vertices: _cost_of_call(_by_loops, name, vertices),
-            sizes=SIZES,
-        )
-    )
-
-
-registry.describe(
-    Group(
-        BY,
-        "vertices of a 2 m figure after four of 64 joints; error against double precision",
-        "m",
-        "vertices",
-        reference_us,
-    )
-)
-registry.describe(
-    Group(
-        MIXING,
-        "vertices after four joints; error: radius lost half way along a tube that is twisted by 150 degrees",
-        "of the radius",
-        "vertices",
-        reference_us,
-        few="what else keeps the volume needs weights or centres that no file brings",
-    )
-)
-_register(
-    "compiled loops",
-    "mean of matrices (glTF 2.0 3.7.3) by the processor, uploaded",
-    "any",
-    _by_loops,
-    lambda vertices: _cost_with_driver(ProcessorSkinning, "linear", vertices),
-    {"skinning": "processor"},
-    default=True,
-)
-_register(
-    "fed back by a shader",
-    "the same by transform feedback",
-    "at most 1365 joints, 64 morph targets at once",
-    _by_driver,
-    lambda vertices: _cost_with_driver(FeedbackSkinning, "linear", vertices),
-    {"skinning": "feedback"},
-)
-_register(
-    "compiled loops, dual",
-    "mean of dual quaternions (Kavan et al. 2008) by the processor",
-    "joints that turn and shift only",
-    _by_loops,
-    lambda vertices: _cost_with_driver(ProcessorSkinning, "dual", vertices),
-    None,
-)
-_register(
-    "fed back, dual",
-    "the same by transform feedback",
-    "joints that turn and shift only",
-    _by_driver,
-    lambda vertices: _cost_with_driver(FeedbackSkinning, "dual", vertices),
-    None,
-)
-for _name, _source, _bend in (
+_RIGID = "joints that turn and shift only"
+_BY_NUMBERS: list[tuple[str, str, Bend]] = [
     ("numpy", "mean of matrices by whole arrays", _by_numpy),
     ("palette in half floats", "as much as a texture of 16 bits keeps of a matrix", _in_halves),
     ("weights in bytes", "as many files keep them, rounded one by one", _in_bytes),
-):
-    _register(_name, _source, "any", _bend, partial(_cost_of_call, _bend, "linear"), None)
-_mixing("linear", "mean of matrices (glTF 2.0 3.7.3); the ring closed form cos(angle / 2)", default=True)
-_mixing("dual", "mean of dual quaternions (Kavan et al. 2008)")
+]
+compare(
+    BY,
+    "vertices of a 2 m figure after four of 64 joints; error against double precision",
+    "m",
+    [
+        Rival(
+            "compiled loops",
+            "mean of matrices (glTF 2.0 3.7.3) by the processor, uploaded",
+            "any",
+            {"skinning": "processor"},
+            (_by_loops, "linear", partial(_cost_with_driver, ProcessorSkinning)),
+        ),
+        Rival(
+            "fed back by a shader",
+            "the same by transform feedback",
+            "at most 1365 joints, 64 morph targets at once",
+            {"skinning": "feedback"},
+            (_by_driver, "linear", partial(_cost_with_driver, FeedbackSkinning)),
+        ),
+        Rival(
+            "compiled loops, dual",
+            "mean of dual quaternions (Kavan et al. 2008) by the processor",
+            _RIGID,
+            probed=(_by_loops, "dual", partial(_cost_with_driver, ProcessorSkinning)),
+        ),
+        Rival(
+            "fed back, dual",
+            "the same by transform feedback",
+            _RIGID,
+            probed=(_by_driver, "dual", partial(_cost_with_driver, FeedbackSkinning)),
+        ),
+        *(
+            Rival(name, source, "any", None, (bend, "linear", partial(_cost_of_call, bend)))
+            for name, source, bend in _BY_NUMBERS
+        ),
+    ],
+    cost=lambda bend, skinning, cost, vertices: cost(skinning, vertices),
+    error=lambda bend, skinning, cost: _error(bend, skinning),
+    default="compiled loops",
+    work="vertices",
+    sizes=SIZES,
+    typical=_VERTICES,
+)
+compare(
+    MIXING,
+    "vertices after four joints; error: radius lost half way along a tube that is twisted by 150 degrees",
+    "of the radius",
+    [
+        Rival(
+            "matrices",
+            "mean of matrices (glTF 2.0 3.7.3); the ring closed form cos(angle / 2)",
+            "any",
+            {"skinning": "linear"},
+            ("linear",),
+        ),
+        Rival(
+            "dual quaternions",
+            "mean of dual quaternions (Kavan et al. 2008)",
+            f"{_RIGID}; else matrices are mixed",
+            {"skinning": "dual"},
+            ("dual",),
+        ),
+    ],
+    cost=partial(_cost_of_call, _by_loops),
+    error=lambda skinning: 1.0 - ring_left(skinning, _TWIST),
+    default="matrices",
+    work="vertices",
+    sizes=SIZES,
+    typical=_VERTICES,
+    few="what else keeps the volume needs weights or centres that no file brings",
+)

@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import process_seconds
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.lab.visual.probe import differing_pixels
 from mimics_app.rendering.visual.displays.stereo import StereoDisplay
 from mimics_app.rendering.visual.presenting.presenter import Presenter
@@ -52,19 +51,6 @@ _WALL, _DISTANCE = 3.0, 4.0
 """Side of the square that the bodies fill, and how far it is away [m]."""
 _SETTINGS = RenderSettings(msaa=0, tone_map="none", occlusion="off")
 _ERROR_SIZE = (640, 360)
-_RIVALS: dict[StereoPasses, tuple[str, str, str]] = {
-    "two_pass": ("two passes", "one eye after the other, over one queue", "any"),
-    "viewports": (
-        "two viewports",
-        "every second instance for the other eye, into a viewport of its own",
-        "eyes not side by side, GL_ARB_shader_viewport_layer_array, no vertex shader that a scene brings",
-    ),
-    "clip_distance": (
-        "two halves",
-        "every second instance for the other eye, into its half of one viewport, clipped at the middle (Wilson 2015)",
-        "eyes side by side; no vertex shader that a scene brings",
-    ),
-}
 
 
 def body_world(bodies: int, subdivisions: int, *, own_materials: bool) -> World:
@@ -91,7 +77,7 @@ def body_world(bodies: int, subdivisions: int, *, own_materials: bool) -> World:
 
 @contextmanager
 def _opened(world: World, eye_size: Size, *passes: StereoPasses) -> Iterator[list[Callable[[], NDArray[np.uint8]]]]:
-    """For each way something that draws a frame of both eyes and gives it back, all on one picture."""
+    """For each method something that draws a frame of both eyes and gives it back, all on one picture."""
     above = "viewports" in passes
     size = (eye_size[0], 2 * eye_size[1]) if above else (2 * eye_size[0], eye_size[1])
     with open_offscreen("auto", size) as surface:
@@ -111,7 +97,7 @@ def _draw(renderer: Renderer, views: Sequence[View], surface: Surface) -> NDArra
 
 
 def show_stereo(world: World, eye_size: Size, *passes: StereoPasses) -> list[NDArray[np.uint8]]:
-    """Pictures of both eyes beside each other, one drawn in each way; above each other where one way is viewports.
+    """Pictures of both eyes beside each other, one by each method; above each other where one is viewports.
 
     RGBA, row 0 at the top.
     """
@@ -120,12 +106,12 @@ def show_stereo(world: World, eye_size: Size, *passes: StereoPasses) -> list[NDA
 
 
 def turns(workload: str, *passes: StereoPasses) -> list[list[float]]:
-    """Processor time of frames of a workload in each way [us], frame by frame in turns, all threads together.
+    """Processor time of frames of a workload by each method [us], frame by frame in turns, all threads together.
 
     Not the time on the wall: whatever else a machine does falls on one method more than on another.
 
     Raises:
-        DeviceError: there is no way to draw without a display.
+        DeviceError: nothing here draws without a display.
     """
     bodies, subdivisions, own, size = WORKLOADS[workload]
     with _opened(body_world(bodies, subdivisions, own_materials=own), size, *passes) as drawn:
@@ -142,7 +128,7 @@ def _processor_us(work: Callable[[], object]) -> float:
 
 
 def _three_frames_us(passes: StereoPasses) -> float:
-    """Of workloads in which calls, and bodies of different sizes, cost most: no way is cheap by one of them alone."""
+    """Of workloads in which calls, and bodies of different sizes, cost most: no method is cheap by one alone."""
     return sum(median(turns(workload, passes)[0]) for workload in ("draws", "small bodies", "bodies"))
 
 
@@ -158,31 +144,36 @@ def _error(passes: StereoPasses) -> float:
     return differing_pixels(one, other)
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what="three frames of both eyes: of 1000 bodies of as many materials, of 400 and of 200 of one; error: share "
-        "of pixels that differ at all from two passes",
-        unit="share of pixels",
-        work="bodies",
-        reference=reference_us,
-        why_default="one pass saves a quarter of a frame that is bound by its draws and costs no more elsewhere "
-        "(`mimics bench displays` measures each kind of frame; this chart adds three of them)",
-    )
+def _rival(passes: StereoPasses, name: str, source: str, valid: str) -> Rival:
+    return Rival(name, source, valid, {"stereo": passes}, (passes,), cost=partial(_three_frames_us, passes))
+
+
+compare(
+    GROUP,
+    "three frames of both eyes: of 1000 bodies of as many materials, of 400 and of 200 of one; error: share "
+    "of pixels that differ at all from two passes",
+    "share of pixels",
+    [
+        _rival("two_pass", "two passes", "one eye after the other, over one queue", "any"),
+        _rival(
+            "viewports",
+            "two viewports",
+            "every second instance for the other eye, into a viewport of its own",
+            "eyes not side by side, GL_ARB_shader_viewport_layer_array, no vertex shader that a scene brings",
+        ),
+        _rival(
+            "clip_distance",
+            "two halves",
+            "every second instance for the other eye, into its half of one viewport, clipped at the middle "
+            "(Wilson 2015)",
+            "eyes side by side; no vertex shader that a scene brings",
+        ),
+    ],
+    cost=_cost_us,
+    error=_error,
+    default="two halves",
+    work="bodies",
+    sizes=(1, 10, 100, 1000),
+    why_default="one pass saves a quarter of a frame that is bound by its draws and costs no more elsewhere "
+    "(`mimics bench displays` measures each kind of frame; this chart adds three of them)",
 )
-for _passes, (_name, _source, _valid) in _RIVALS.items():
-    registry.register(
-        Method(
-            group=GROUP,
-            name=_name,
-            source=_source,
-            cost=partial(_three_frames_us, _passes),
-            error=partial(_error, _passes),
-            unit="share of pixels",
-            valid_range=_valid,
-            settings={"stereo": _passes},
-            default=_passes == _SETTINGS.stereo,
-            growth=partial(_cost_us, _passes),
-            sizes=(1, 10, 100, 1000),
-        )
-    )

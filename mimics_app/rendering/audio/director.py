@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import ring, triple_buffer
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.audio_port import Heard, Mixer, SoundRow, Start
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.contact_force import CONTACT_FORCE
@@ -24,7 +25,6 @@ from mimics_app.rendering.audio.settings import AudioSettings
 
 __all__ = ["TOUCHES", "SoundDirector"]
 
-Vec3 = tuple[float, float, float]
 
 _STALE_NS = 100_000_000
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.audio_port import Mixer, Start, frame_at
 from mimics_app.contracts.contact_force import CONTACT_FORCE, FOLLOWED
 from mimics_app.rendering.audio.bank import LIVE_VOICES, SoundBank
@@ -15,7 +16,6 @@ from mimics_app.rendering.audio.wav_file import soften_peaks
 
 __all__ = ["DrivenSounds"]
 
-Vec3 = tuple[float, float, float]
 Pair = tuple[int, int]
 
 _FOLLOWED_NS = FOLLOWED * 1_000_000_000 // FORCE_RATE

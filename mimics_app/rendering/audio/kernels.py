@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Words
 from mimics_app.contracts.atomics import now_ns, sleep_until_ns
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.ring import waiting
 
 __all__ = ["wait_for_records"]
-
-Words = NDArray[np.int64]
 
 
 @kernel

@@ -20,9 +20,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
+from mimics_app.contracts.arrays import F4, I8
 from mimics_app.contracts.audio_port import AudioReport, percentiles_ms
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.contact_force import CONTACT_FORCE
@@ -35,7 +35,6 @@ from mimics_app.rendering.audio.worker import FIFO_PRIORITY, ask_for_fifo
 
 __all__ = ["Monitor", "handed_out_ns", "match_onsets", "measure_live_latency", "private_pulse_server", "pulse_missing"]
 
-Int64 = NDArray[np.int64]
 
 _RATE = 48_000
 _FRAME_BYTES = 8
@@ -215,7 +214,7 @@ class Monitor:
         while chunk := os.read(pipe, 65536):
             self._chunks.append((clock.now_ns(), chunk))
 
-    def frames(self) -> NDArray[np.float32]:
+    def frames(self) -> F4:
         """What was heard so far, shape [n, 2]."""
         raw = b"".join(chunk for _, chunk in self._chunks)
         return np.frombuffer(raw[: len(raw) // _FRAME_BYTES * _FRAME_BYTES], np.float32).reshape(-1, 2)
@@ -230,7 +229,7 @@ class Monitor:
         return handed_out_ns(first, np.asarray(ends, np.int64), arrivals).tolist()
 
 
-def handed_out_ns(frames: Int64, ends: Int64, arrivals_ns: Int64) -> Int64:
+def handed_out_ns(frames: I8, ends: I8, arrivals_ns: I8) -> I8:
     """When frames of a recording were handed out by a device whose clock is steady, whatever held the listener up.
 
     A chunk cannot arrive before its last frame was handed out, and every frame before that one was due so much earlier:

@@ -15,13 +15,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, F8
 from mimics_app.rendering.audio.synth import CONTACT_RMS, TAKE_SPREAD
 from mimics_app.rendering.audio.synth_scene import MATERIALS
 
 __all__ = ["FORCE_RATE", "ModalVoice", "Modes", "strike_by_force"]
 
-Floats = NDArray[np.float64]
-Samples = NDArray[np.float32]
 
 FORCE_RATE = 1000
 """Samples of a force per second: ticks of the haptic loop."""
@@ -83,27 +82,27 @@ class ModalVoice:
         self._state = np.zeros(len(modes.weights), np.complex128)
         self._force = 0.0
 
-    def ring(self, frames: int) -> Floats:
+    def ring(self, frames: int) -> F8:
         """Go on for some frames under the force there is, shape [frames]."""
         pieces = [self._advance(min(_MOST_FRAMES, frames - done), 0.0) for done in range(0, frames, _MOST_FRAMES)]
         return np.concatenate([np.zeros(0), *pieces])
 
-    def press(self, force: float) -> Floats:
+    def press(self, force: float) -> F8:
         """Let the force become another one [N] over the next `ramp` frames; shape [ramp]."""
         change, self._force = (force - self._force) / self._modes.ramp, force
         return self._advance(self._modes.ramp, change)
 
-    def foresee(self, frames: int) -> Floats:
+    def foresee(self, frames: int) -> F8:
         """What the next frames would be under the force there is, at most _MOST_FRAMES; nothing goes on."""
         return self._heard(self._modes.falls[:, :frames] * self._state[:, None])
 
-    def play(self, forces: Sequence[float] | Floats, frames: int) -> Floats:
+    def play(self, forces: Sequence[float] | F8, frames: int) -> F8:
         """Forces of ticks one after the other, then what rings on: shape [frames]."""
         pressed = [self.press(float(force)) for force in forces]
         done = sum(map(len, pressed))
         return np.concatenate([*pressed, self.ring(max(0, frames - done))])[:frames]
 
-    def _advance(self, frames: int, change: float) -> Floats:
+    def _advance(self, frames: int, change: float) -> F8:
         """Frames in each of which the force changes by as much [N]."""
         modes = self._modes
         states = modes.falls[:, :frames] * self._state[:, None]
@@ -113,11 +112,11 @@ class ModalVoice:
         # the mean of the jump that a change makes: the sum over all samples is then zero as the integral is
         return self._heard(states) - 0.5 * change * modes.weights.sum().real
 
-    def _heard(self, states: NDArray[np.complex128]) -> Floats:
+    def _heard(self, states: NDArray[np.complex128]) -> F8:
         return np.asarray((self._modes.weights @ states).real)
 
 
-def strike_by_force(material: str, force: Floats, full_force: float = 10.0, rate: int = 48_000) -> Samples:
+def strike_by_force(material: str, force: F8, full_force: float = 10.0, rate: int = 48_000) -> F4:
     """What a thing answers to the force of a contact, and a quarter of a second after it.
 
     Args:

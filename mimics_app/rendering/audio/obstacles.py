@@ -10,13 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.sound_scene import BANDS
 
 __all__ = ["BAND_HZ", "Box", "diffraction_db", "passes_of", "transmission_db"]
 
-Floats = NDArray[np.float64]
 
 BAND_HZ = (250.0, 1400.0, 6000.0)
 """Frequencies that stand for the bands."""
@@ -51,23 +50,23 @@ class Box:
         surface_mass: Of its wall [kg/m^2].
     """
 
-    world_from_box: Floats
-    half: Floats
+    world_from_box: F8
+    half: F8
     surface_mass: float
 
 
-def transmission_db(surface_mass: float) -> Floats:
+def transmission_db(surface_mass: float) -> F8:
     """Loss through a wall by band [dB], none below 0."""
     return np.maximum(0.0, 20.0 * np.log10(np.array(BAND_HZ) * surface_mass) - 47.0)
 
 
-def diffraction_db(detour: float | Floats) -> Floats:
+def diffraction_db(detour: float | F8) -> F8:
     """Loss around an edge by band [dB] for a detour [m], negative where the edge does not hide the source."""
     fresnel = 2.0 * np.asarray(detour)[..., None] / _WAVELENGTHS
     return np.asarray(10.0 * np.log10(np.maximum(1.0, 3.0 + 20.0 * fresnel)))
 
 
-def passes_of(listener: Floats, source: Floats, boxes: list[Box]) -> Floats:
+def passes_of(listener: F8, source: F8, boxes: list[Box]) -> F8:
     """Linear share by band that the boxes let through, shape [BANDS], world positions [m], shape [3]."""
     total = np.ones(BANDS)
     for box in boxes:
@@ -81,7 +80,7 @@ def passes_of(listener: Floats, source: Floats, boxes: list[Box]) -> Floats:
     return total
 
 
-def _around(listener: Floats, source: Floats) -> list[Floats]:
+def _around(listener: F8, source: F8) -> list[F8]:
     """The source and four points beside it, across the path to it."""
     between = source - listener
     distance = float(np.linalg.norm(between))
@@ -94,7 +93,7 @@ def _around(listener: Floats, source: Floats) -> list[Floats]:
     return [source, source + across, source - across, source + other, source - other]
 
 
-def _detour(listener: Floats, source: Floats, box: Box) -> float:
+def _detour(listener: F8, source: F8, box: Box) -> float:
     """Length of the shortest path around the box less that of the straight one [m]; negative where that is free."""
     turn, place = box.world_from_box[:3, :3], box.world_from_box[:3, 3]
     scale = np.linalg.norm(turn, axis=0)
@@ -118,11 +117,11 @@ def _detour(listener: Floats, source: Floats, box: Box) -> float:
     )
 
 
-def _length(a: Floats, b: Floats) -> float:
+def _length(a: F8, b: F8) -> float:
     return float(np.linalg.norm(b - a))
 
 
-def _bends(a: Floats, b: Floats, half: Floats) -> list[Floats]:
+def _bends(a: F8, b: F8, half: F8) -> list[F8]:
     """On each edge the point by which the path from a to b is shortest."""
     points = []
     for corner, axis in _EDGES:
@@ -136,7 +135,7 @@ def _bends(a: Floats, b: Floats, half: Floats) -> list[Floats]:
     return points
 
 
-def _hits(a: Floats, b: Floats, half: Floats) -> bool:
+def _hits(a: F8, b: F8, half: F8) -> bool:
     """Whether the path from a to b goes through the box (slabs)."""
     between = b - a
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -146,6 +145,6 @@ def _hits(a: Floats, b: Floats, half: Floats) -> bool:
     return bool(max(low.max(), 0.0) < min(high.min(), 1.0))
 
 
-def _cut(a: Floats, b: Floats, half: Floats) -> bool:
+def _cut(a: F8, b: F8, half: F8) -> bool:
     """The same for a path that touches the box at one of its edges: a little less of the box."""
     return _hits(a, b, half * (1.0 - 1e-6))

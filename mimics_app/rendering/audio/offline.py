@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.audio_port import AudioReport, AudioStatus, Heard, Mixer, frame_at
 from mimics_app.contracts.clock import VirtualClock
 from mimics_app.contracts.errors import DeviceError, MimicsError, nearest
@@ -21,7 +22,6 @@ from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundS
 
 __all__ = ["OfflineAudio", "render_offline"]
 
-Vec3 = tuple[float, float, float]
 Pose = tuple[Vec3, Vec3, Vec3]
 
 _BLOCK = 1024

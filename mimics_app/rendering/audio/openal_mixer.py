@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.audio_port import Heard, Start, Timing, frame_at
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError
@@ -30,7 +31,6 @@ from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
 
 __all__ = ["OpenALMixer"]
 
-Vec3 = tuple[float, float, float]
 
 _FADE_FRAMES = 960
 _SHORTEST_RAMP = 64

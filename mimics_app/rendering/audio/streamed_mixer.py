@@ -12,6 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.audio_port import Heard, Start, Timing
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError
@@ -22,7 +23,6 @@ from mimics_app.rendering.audio.wav_file import soften_peaks
 
 __all__ = ["LIVE_BLOCK", "StreamedMixer", "queued_blocks"]
 
-Vec3 = tuple[float, float, float]
 
 LIVE_BLOCK = 80
 """Frames of a block, 1.7 ms at 48 kHz: shorter than a file's, as the queue's length is most of the latency."""

@@ -13,6 +13,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4
+
 __all__ = [
     "CONTACT_RMS",
     "CONTACT_SPEEDS",
@@ -27,7 +29,6 @@ __all__ = [
     "synthesise_tick",
 ]
 
-Samples = NDArray[np.float32]
 
 CONTACT_SPEEDS = (0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.0, 1.5)
 """Impact speeds [m/s] a contact is synthesised for, slowest first."""
@@ -72,7 +73,7 @@ _LOUDNESS_WINDOW_S = 0.05
 _HIGHEST = 0.88  # of a sample, -1.1 dBFS: what dies at once would pass full scale at that loudness
 
 
-def synthesise_contact(speed: float, take: int = 0, rate: int = 48_000) -> Samples:
+def synthesise_contact(speed: float, take: int = 0, rate: int = 48_000) -> F4:
     """A soft knock at an impact speed [m/s]; higher speed: shorter pulse, brighter. Takes differ as strike points do.
 
     Every variant has the same energy in its first 50 ms; how loud a contact is stays with the contact law.
@@ -80,19 +81,19 @@ def synthesise_contact(speed: float, take: int = 0, rate: int = 48_000) -> Sampl
     return _strike(_TUBE_MODES, speed, take, rate)
 
 
-def synthesise_knock(speed: float, take: int = 0, rate: int = 48_000) -> Samples:
+def synthesise_knock(speed: float, take: int = 0, rate: int = 48_000) -> F4:
     """Something set down or fallen on a board, as `synthesise_contact`."""
     return _strike(_WOOD_MODES, speed, take, rate)
 
 
 def synthesise_struck(
     modes: tuple[tuple[float, float, float], ...], speed: float, take: int = 0, rate: int = 48_000
-) -> Samples:
+) -> F4:
     """Anything that is struck, by its modes: frequency [Hz], time to fall by 60 dB [s], weight."""
     return _strike(modes, speed, take, rate)
 
 
-def synthesise_grip(rate: int = 48_000) -> Samples:
+def synthesise_grip(rate: int = 48_000) -> F4:
     """Fingers that close on something: two soft pats, one shortly after the other."""
     length, later = int(0.16 * rate), int(0.034 * rate)
     pat = np.asarray(_strike(_PAT_MODES, 0.05, 0, rate), np.float64)[:length]
@@ -102,7 +103,7 @@ def synthesise_grip(rate: int = 48_000) -> Samples:
     return _finish(both * _fade_out(length, int(0.03 * rate)), peak=0.4)
 
 
-def synthesise_slip(rate: int = 48_000) -> Samples:
+def synthesise_slip(rate: int = 48_000) -> F4:
     """Something that slides out of the fingers: a short rub that falls in pitch."""
     length = int(0.22 * rate)
     time = np.arange(length) / rate
@@ -119,7 +120,7 @@ def synthesise_slip(rate: int = 48_000) -> Samples:
     return _finish(sound - sound.mean() * shape / shape.mean(), peak=0.4)
 
 
-def _strike(modes: tuple[tuple[float, float, float], ...], speed: float, take: int, rate: int) -> Samples:
+def _strike(modes: tuple[tuple[float, float, float], ...], speed: float, take: int, rate: int) -> F4:
     """Modes struck at a speed, of one energy in the first 50 ms."""
     pulse = _force_pulse(speed, rate)
     length = int(0.25 * rate)
@@ -136,7 +137,7 @@ def _strike(modes: tuple[tuple[float, float, float], ...], speed: float, take: i
 
 def synthesise_chord(
     notes_hz: tuple[float, ...], spacing_s: float, fall_s: float, rate: int = 48_000, peak: float = 0.5
-) -> Samples:
+) -> F4:
     """Notes struck one after the other on a soft bell, each with its octave and its twelfth."""
     length = int((spacing_s * (len(notes_hz) - 1) + fall_s) * rate)
     chord = np.zeros(length)
@@ -150,14 +151,14 @@ def synthesise_chord(
     return _finish(chord, peak)
 
 
-def synthesise_tick(rate: int = 48_000, frequency: float = 1500.0) -> Samples:
+def synthesise_tick(rate: int = 48_000, frequency: float = 1500.0) -> F4:
     """A short dry tick that stands at half its height in its first sample, so that its onset can be seen anywhere."""
     length = int(0.03 * rate)
     time = np.arange(length) / rate
     return _finish(_mode_acceleration(time, frequency, 0.02) * _fade_out(length, length // 4), peak=0.6)
 
 
-def synthesise_scrape(rate: int = 48_000, seconds: float = 2.0, seed: int = 5) -> Samples:
+def synthesise_scrape(rate: int = 48_000, seconds: float = 2.0, seed: int = 5) -> F4:
     """A quiet rub without beginning or end: noise made in the frequency domain, periodic by construction."""
     length = int(seconds * rate)
     frequency = np.fft.rfftfreq(length, 1.0 / rate)
@@ -203,7 +204,7 @@ def _fade_out(length: int, tail: int) -> NDArray[np.float64]:
     return window
 
 
-def _finish(samples: NDArray[np.float64], peak: float | None) -> Samples:
+def _finish(samples: NDArray[np.float64], peak: float | None) -> F4:
     if peak is not None:
         samples = samples * (peak / np.abs(samples).max())
     return np.ascontiguousarray(samples, dtype=np.float32)

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, F8
+
 __all__ = [
     "MATERIALS",
     "STEP_TAKES",
@@ -24,8 +26,6 @@ __all__ = [
     "synthesise_wind",
 ]
 
-Samples = NDArray[np.float32]
-Floats = NDArray[np.float64]
 
 PEAK = 0.7
 """Of every sound here, -3 dBFS."""
@@ -78,7 +78,7 @@ MATERIALS = {
 """Modes of what is struck; the feet's own obstacles (4.3) among them."""
 
 
-def synthesise_step(surface: str, take: int = 0, rate: int = 48_000) -> Samples:
+def synthesise_step(surface: str, take: int = 0, rate: int = 48_000) -> F4:
     """One step on a surface; takes differ in every grain. KeyError: no such surface."""
     ground = SURFACES[surface]
     random = np.random.default_rng([7, list(SURFACES).index(surface), take])
@@ -98,14 +98,14 @@ def synthesise_step(surface: str, take: int = 0, rate: int = 48_000) -> Samples:
     return _finish(step * _ends(len(step), rate))
 
 
-def _reaction(time: Floats, toe: float) -> Floats:
+def _reaction(time: F8, toe: float) -> F8:
     """Ground-reaction force over its first hump: two humps, the heel's sharp one first."""
     heel = (time / _HEEL_S) * np.exp(1.0 - time / _HEEL_S)
     late = np.exp(-0.5 * ((time - _TOE_S) / 0.07) ** 2)
     return np.asarray(heel**1.5 + toe * late)
 
 
-def synthesise_kick(rate: int = 48_000) -> Samples:
+def synthesise_kick(rate: int = 48_000) -> F4:
     """A foot against a ball: the slap of leather, then the air in it, falling in pitch."""
     time = np.arange(int(0.3 * rate)) / rate
     phase = 2.0 * np.pi * (150.0 * time + 70.0 * 0.03 * (1.0 - np.exp(-time / 0.03)))
@@ -115,7 +115,7 @@ def synthesise_kick(rate: int = 48_000) -> Samples:
     return _finish((body + 1.4 * slap / np.abs(slap).max()) * _ends(len(time), rate))
 
 
-def synthesise_crowd(rate: int = 48_000, arousal: float = 0.6, seconds: float = 4.0) -> Samples:
+def synthesise_crowd(rate: int = 48_000, arousal: float = 0.6, seconds: float = 4.0) -> F4:
     """A cheering crowd as a loop: many voices by the formants of an open vowel, brighter the more they are roused.
 
     Args:
@@ -139,7 +139,7 @@ def synthesise_crowd(rate: int = 48_000, arousal: float = 0.6, seconds: float = 
     return _finish(cheer)
 
 
-def synthesise_score(rate: int = 48_000) -> Samples:
+def synthesise_score(rate: int = 48_000) -> F4:
     """A goal is scored: three rising notes of a horn, with the crowd behind them."""
     count = int(1.8 * rate)
     sound = 0.35 * synthesise_crowd(rate, 1.0, 1.8).astype(np.float64)
@@ -150,7 +150,7 @@ def synthesise_score(rate: int = 48_000) -> Samples:
     return _finish(sound * _ends(count, rate))
 
 
-def synthesise_wind(rate: int = 48_000, seconds: float = 6.0) -> Samples:
+def synthesise_wind(rate: int = 48_000, seconds: float = 6.0) -> F4:
     """Gusts of wind over a canyon as a loop: bands of noise that swell each in its own time, and a hollow tone."""
     random, count = np.random.default_rng(41), int(seconds * rate)
     frequency = np.fft.rfftfreq(count, 1.0 / rate)
@@ -164,7 +164,7 @@ def synthesise_wind(rate: int = 48_000, seconds: float = 6.0) -> Samples:
     return _finish(wind)
 
 
-def synthesise_tone(notes_hz: tuple[float, ...], rate: int = 48_000) -> Samples:
+def synthesise_tone(notes_hz: tuple[float, ...], rate: int = 48_000) -> F4:
     """A short tone of the operator's and the launcher's, two notes at most a tenth of a second each."""
     parts = []
     for note in notes_hz:
@@ -173,7 +173,7 @@ def synthesise_tone(notes_hz: tuple[float, ...], rate: int = 48_000) -> Samples:
     return _finish(np.concatenate(parts))
 
 
-def _periodic_noise(shape: Floats | NDArray[np.bool_], random: np.random.Generator, count: int) -> Floats:
+def _periodic_noise(shape: F8 | NDArray[np.bool_], random: np.random.Generator, count: int) -> F8:
     """Noise of a spectrum, shape [count // 2 + 1], that repeats without a seam; standard deviation 1."""
     phase = random.uniform(0.0, 2.0 * np.pi, len(shape))
     spectrum = np.asarray(shape, np.float64) * np.exp(1j * phase)
@@ -182,7 +182,7 @@ def _periodic_noise(shape: Floats | NDArray[np.bool_], random: np.random.Generat
     return np.asarray(noise / noise.std())
 
 
-def _banded(samples: Floats, centre: float, octaves: float, rate: int) -> Floats:
+def _banded(samples: F8, centre: float, octaves: float, rate: int) -> F8:
     """What lies about a frequency, a bell over the octaves."""
     count = 2 * len(samples)
     frequency = np.fft.rfftfreq(count, 1.0 / rate)
@@ -191,18 +191,18 @@ def _banded(samples: Floats, centre: float, octaves: float, rate: int) -> Floats
     return np.asarray(np.fft.irfft(np.fft.rfft(samples, count) * bell, count)[: len(samples)])
 
 
-def _convolve(samples: Floats, response: Floats) -> Floats:
+def _convolve(samples: F8, response: F8) -> F8:
     """As long as `samples`."""
     count = len(samples) + len(response)
     return np.asarray(np.fft.irfft(np.fft.rfft(samples, count) * np.fft.rfft(response, count), count)[: len(samples)])
 
 
-def _fall(time: Floats, seconds: float) -> Floats:
+def _fall(time: F8, seconds: float) -> F8:
     """Falls by 60 dB in a time."""
     return np.asarray(np.exp(-3.0 * np.log(10.0) / seconds * time))
 
 
-def _ends(count: int, rate: int) -> Floats:
+def _ends(count: int, rate: int) -> F8:
     """Begins within half a millisecond and fades over the last 30."""
     shape = np.ones(count)
     rise, fade = int(0.0005 * rate), int(0.03 * rate)
@@ -211,6 +211,6 @@ def _ends(count: int, rate: int) -> Floats:
     return shape
 
 
-def _finish(samples: Floats) -> Samples:
+def _finish(samples: F8) -> F4:
     samples = samples - samples.mean()
     return np.ascontiguousarray(samples * (PEAK / np.abs(samples).max()), np.float32)

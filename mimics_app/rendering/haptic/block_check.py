@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.haptic import AdmittanceForm, Controller, Projection
 from mimics_app.contracts.haptic_objects import (
     MAX_PIECES,
@@ -24,7 +24,6 @@ from mimics_app.rendering.haptic.row_checks import check_points, check_shapes
 
 __all__ = ["check_block"]
 
-Records = NDArray[Any]
 
 _LARGEST = {
     "controller": max(Controller),

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import STATIC, BodyFlag, ObjectIntegrator, ShapeKind
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.maths import quat
@@ -26,7 +27,6 @@ from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 
 __all__ = ["BodyFault", "check_bodies", "contact_modes"]
 
-F8 = NDArray[np.float64]
 Table = NDArray[np.void]
 
 _SIZES = {

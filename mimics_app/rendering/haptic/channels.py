@@ -10,6 +10,7 @@ from numba import from_dtype, typeof, types
 from numpy.typing import NDArray
 
 from mimics_app.contracts import triple_buffer
+from mimics_app.contracts.arrays import Records, Words
 from mimics_app.contracts.contact_force import CONTACT_FORCE, FOLLOWED_AT_ONCE, STRUCK
 from mimics_app.contracts.haptic import EVENT, SAMPLE
 from mimics_app.contracts.loop_fields import HapticSnapshot
@@ -20,9 +21,6 @@ from mimics_app.rendering.haptic.kernels.state import new_states
 from mimics_app.rendering.haptic.objects import ROW_STACK, ObjectWork, new_object_work
 
 __all__ = ["CHANNELS", "WORK", "Channels", "Work", "channels_of", "new_work", "newest_snapshot"]
-
-Words = NDArray[np.int64]
-Records = NDArray[Any]
 
 
 _CHANNELS = ("rows", *(name for name in SHARED_ARRAYS if name not in Rows._fields))

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.loop_ports import FIELD
 
 __all__ = ["cord"]
 
-Vec = NDArray[np.float64]
 
 _SAMPLES = 16
 """Places along the cord among which the nearest begins Newton's method."""

@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts import ring, triple_buffer
+from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.function_pointers import pointers_to
 from mimics_app.contracts.haptic import EVENT
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 
 __all__ = ["HapticEngine"]
 
-Records = NDArray[Any]
 
 _JOIN_S = 2.0
 

@@ -10,8 +10,8 @@ from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.loop_ports import FIELD, FIELD_PARAMETERS
 from mimics_app.world.components.objects import ForceField
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ENTRY_POINT_GROUP", "Field", "add_field", "check_field", "field_names", "find_field"]
 
-Vec = NDArray[np.float64]
 Field = Callable[[Vec, Vec, Vec, float, Vec], None]
 
 ENTRY_POINT_GROUP = "mimics_app.force_fields"

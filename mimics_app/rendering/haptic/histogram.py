@@ -11,17 +11,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import I8
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["LatenessReport", "count", "edges_ns", "percentile_us"]
 
-Counts = NDArray[np.int64]
 
 _BINS_PER_OCTAVE = 64
 
 
 @kernel
-def count(bins: Counts, value_ns: int) -> None:
+def count(bins: I8, value_ns: int) -> None:
     """Add one value [ns] to the histogram; negative values count as 0, too large ones in the last bin."""
     value = max(value_ns, 0)
     octave = 0
@@ -39,7 +39,7 @@ def edges_ns(bins: int) -> NDArray[np.int64]:
     return (index - octave * _BINS_PER_OCTAVE) << octave
 
 
-def percentile_us(bins: Counts, share: float) -> float:
+def percentile_us(bins: I8, share: float) -> float:
     """Value [us] below which `share` (0-1) of the counts lie: the middle of the bin that reaches it; 0 when empty."""
     total = int(bins.sum())
     if total == 0:

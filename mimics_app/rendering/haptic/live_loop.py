@@ -13,6 +13,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.atomics import load_acquire, now_ns, sleep_until_ns, store_release
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.function_pointers import functions_at
@@ -27,7 +28,6 @@ from mimics_app.rendering.haptic.loop_tick import LOOP_FUNCTIONS
 
 __all__ = ["run_live"]
 
-Vec = NDArray[np.float64]
 
 _QUIT = int(ControlWord.QUIT)
 _TICKS = int(ControlWord.TICKS)

@@ -6,6 +6,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.atomics import store_release
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.function_pointers import functions_at
@@ -18,7 +19,6 @@ from mimics_app.rendering.haptic.loop_tick import LOOP_FUNCTIONS
 
 __all__ = ["advance_ticks"]
 
-Vec = NDArray[np.float64]
 
 _TICKS = int(ControlWord.TICKS)
 

@@ -7,10 +7,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
 from numba import from_dtype, types
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.atomics import load_acquire
 from mimics_app.contracts.borrowed import borrowed, borrowed_type
 from mimics_app.contracts.device_descriptor import KINEMATICS_SET, Kin
@@ -50,7 +49,6 @@ if TYPE_CHECKING:
 
 __all__ = ["LOOP_FUNCTIONS", "LOOP_TICK", "SIMULATION", "TICK", "late_class", "loop_tick", "rows_of", "tick"]
 
-Vec = NDArray[np.float64]
 
 _STOP = int(ControlWord.STOP)
 _HELD = int(ControlWord.HELD)

@@ -8,12 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.haptic.kernels.objects.records import MESH
 
 __all__ = ["MeshTable", "box_tree", "build_mesh_table", "curve_order", "sharp_sides"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int32]
 
 _LEAF = 4
 """Most triangles of a leaf, on average at least half of it."""
@@ -43,19 +42,17 @@ class MeshTable(NamedTuple):
     """
 
     rows: NDArray[Any]
-    vertices: Array
-    corners: Indices
-    neighbours: Indices
-    fan_starts: Indices
-    fans: Indices
-    boxes: Array
-    hulls: Array
-    edges: Array
+    vertices: F8
+    corners: I4
+    neighbours: I4
+    fan_starts: I4
+    fans: I4
+    boxes: F8
+    hulls: F8
+    edges: F8
 
 
-def build_mesh_table(
-    meshes: Sequence[tuple[Array, Indices]] = (), hulls: Mapping[int, Array] | None = None
-) -> MeshTable:
+def build_mesh_table(meshes: Sequence[tuple[F8, I4]] = (), hulls: Mapping[int, F8] | None = None) -> MeshTable:
     """Tables of meshes given as (vertices [m] [n, 3], triangles [m, 3]), in the order of SHAPE.mesh.
 
     A mesh that a body carries also needs the corners of its convex hull [m] [n, 3], by its number: with them it meets
@@ -69,9 +66,9 @@ def build_mesh_table(
             edge of three triangles, or neighbours that face opposite ways.
     """
     rows = np.zeros(len(meshes), MESH)
-    parts: list[tuple[Array, Indices, Indices, Array]] = []
+    parts: list[tuple[F8, I4, I4, F8]] = []
     vertex = triangle = node = hull = edge = 0
-    sharp: list[Array] = []
+    sharp: list[F8] = []
     carried = hulls or {}
     for number, (row, (vertices, triangles)) in enumerate(zip(rows, meshes, strict=True)):
         points, corners = _clean(np.asarray(vertices, float), np.asarray(triangles, np.int64))
@@ -95,9 +92,7 @@ def build_mesh_table(
     return _joined(rows, parts, vertex, np.ascontiguousarray(np.concatenate([np.zeros((0, 3)), *tips])), ends)
 
 
-def _joined(
-    rows: NDArray[Any], parts: list[tuple[Array, Indices, Indices, Array]], count: int, hulls: Array, edges: Array
-) -> MeshTable:
+def _joined(rows: NDArray[Any], parts: list[tuple[F8, I4, I4, F8]], count: int, hulls: F8, edges: F8) -> MeshTable:
     """One table of all parts, with the triangles round each of the `count` vertices."""
     empty = (np.zeros((0, 3)), np.zeros((0, 3), np.int32), np.zeros((0, 3), np.int32), np.zeros((0, 6)))
     vertices, corners, neighbours, boxes = (
@@ -110,7 +105,7 @@ def _joined(
     return MeshTable(rows, vertices, corners, neighbours, fan_starts, of_fans, boxes, hulls, edges)
 
 
-def _clean(vertices: Array, triangles: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
+def _clean(vertices: F8, triangles: NDArray[np.int64]) -> tuple[F8, NDArray[np.int64]]:
     """Corners joined, triangles without area left out."""
     if not np.isfinite(vertices).all():
         raise ValueError("a corner of the mesh is not finite")
@@ -151,8 +146,8 @@ def _neighbours(corners: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def sharp_sides(
-    points: Array, corners: NDArray[np.integer], neighbours: NDArray[np.integer]
-) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+    points: F8, corners: NDArray[np.integer], neighbours: NDArray[np.integer]
+) -> tuple[NDArray[np.intp], NDArray[np.intp], F8]:
     """The edges at which a mesh turns outward by more than 20 degrees, each once.
 
     Args:
@@ -174,19 +169,19 @@ def sharp_sides(
     return triangle[turned & falls], side[turned & falls], normals
 
 
-def _sharp_edges(points: Array, corners: NDArray[np.int64], neighbours: NDArray[np.int64]) -> Array:
+def _sharp_edges(points: F8, corners: NDArray[np.int64], neighbours: NDArray[np.int64]) -> F8:
     """Both ends of the sharp edges of a mesh, shape [edges, 6]."""
     triangle, side, _ = sharp_sides(points, corners, neighbours)
     return np.hstack([points[corners[triangle, side]], points[corners[triangle, (side + 1) % 3]]])
 
 
-def _volume(points: Array, corners: NDArray[np.int64]) -> float:
+def _volume(points: F8, corners: NDArray[np.int64]) -> float:
     """Enclosed volume [m^3], negative when the triangles face inward."""
     a, b, c = (points[corners[:, i]] - points[corners[0, 0]] for i in range(3))
     return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum()) / 6.0
 
 
-def curve_order(points: Array) -> NDArray[np.int64]:
+def curve_order(points: F8) -> NDArray[np.int64]:
     """Order of points along a Morton curve: neighbours in it are near one another."""
     low = points.min(axis=0)
     cells = (points - low) / max(float(np.ptp(points, axis=0).max()), 1e-300) * ((1 << _CURVE_BITS) - 1)
@@ -198,7 +193,7 @@ def curve_order(points: Array) -> NDArray[np.int64]:
     return np.argsort(keys, kind="stable")
 
 
-def box_tree(triangles: Array) -> Array:
+def box_tree(triangles: F8) -> F8:
     """Boxes of the heap over triangles [n, 3, 3]: shape [2 leaves - 1, 6], leaves a power of two and at most n."""
     count = len(triangles)
     leaves = 1

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import FIELD, MAX_FIELDS
 from mimics_app.contracts.object_rows import Rows
@@ -16,8 +14,6 @@ if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Fields, ObjectCountsRecord, Simulate
 
 __all__ = ["NO_FIELDS", "load_simulation", "no_field", "no_objects"]
-
-Vec = NDArray[np.float64]
 
 
 @typed_kernel(FIELD)

@@ -8,12 +8,13 @@ Every kernel of the objects takes (rows, work, counts, ...), `counts` being SCEN
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import from_dtype, typeof, types
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.borrowed import borrowed_type
 from mimics_app.contracts.haptic_objects import MAX_POINTS, MOTION, OBJECT_COUNTS, TUNNEL
 from mimics_app.contracts.loop_fields import MAX_CONTACTS
@@ -42,8 +43,6 @@ from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.ridge_table import RidgeTable, build_ridge_table
 
 __all__ = ["OBJECT_WORK", "ROWS", "ROW_STACK", "SIMULATE", "ObjectWork", "new_object_work"]
-
-Records = NDArray[Any]
 
 
 class ObjectWork(NamedTuple):

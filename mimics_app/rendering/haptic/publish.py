@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from mimics_app.contracts.arrays import Words
 from mimics_app.contracts.haptic import EventKind
 from mimics_app.contracts.kernel import kernel
-from mimics_app.contracts.ring import Records, Words, push
+from mimics_app.contracts.ring import Records, push
 from mimics_app.contracts.triple_buffer import back_slot, publish
 from mimics_app.rendering.haptic.channels import Channels, Work
 from mimics_app.rendering.haptic.kernels.objects.published import write_poses

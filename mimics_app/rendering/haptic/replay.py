@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
+from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.device_descriptor import Kinematics
 from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE
 from mimics_app.contracts.loop_fields import HapticSnapshot
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Replayed", "replay_run", "replay_ticks"]
 
-Records = NDArray[Any]
 
 _TICKS_AT_ONCE = 500
 _EVENTS = 1 << 16

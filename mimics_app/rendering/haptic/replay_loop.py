@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = ["replay_recorded"]
 
-Vec = NDArray[np.float64]
-
 
 @typed_kernel(
     types.int64(

@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.haptic.kernels.objects.records import RIDGES
 from mimics_app.rendering.haptic.mesh_table import MeshTable, box_tree, curve_order, sharp_sides
 
 __all__ = ["RidgeTable", "build_ridge_table"]
 
-Array = NDArray[np.float64]
 
 _STRAIGHT = 1e-6
 """Sine of the angle below which two edges that meet, and the faces beside them, are one ridge."""
@@ -33,8 +33,8 @@ class RidgeTable(NamedTuple):
     """
 
     rows: NDArray[Any]
-    lines: Array
-    boxes: Array
+    lines: F8
+    boxes: F8
 
 
 def build_ridge_table(meshes: MeshTable) -> RidgeTable:
@@ -58,14 +58,14 @@ def build_ridge_table(meshes: MeshTable) -> RidgeTable:
     return RidgeTable(rows, np.concatenate(lines), np.concatenate(boxes))
 
 
-def _ridges(points: Array, corners: NDArray[Any], neighbours: NDArray[Any]) -> Array:
+def _ridges(points: F8, corners: NDArray[Any], neighbours: NDArray[Any]) -> F8:
     """Rows of `RidgeTable.lines` of one mesh, in the order in which their first triangles stand."""
     triangle, side, normals = sharp_sides(points, corners, neighbours)
     heads, tails = corners[triangle, side], corners[triangle, (side + 1) % 3]
     outward = normals[triangle] + normals[neighbours[triangle, side]]
     size = np.linalg.norm(outward, axis=1)
     outward /= np.where(size > 0.0, size, 1.0)[:, None]
-    found: list[Array] = []
+    found: list[F8] = []
     spoken_for: set[int] = set()
     for k, head, tail in _straight_runs(points, heads.tolist(), tails.tolist(), outward):
         own = [float(tip not in spoken_for) for tip in (head, tail)]
@@ -74,7 +74,7 @@ def _ridges(points: Array, corners: NDArray[Any], neighbours: NDArray[Any]) -> A
     return np.array(found).reshape(-1, 11)
 
 
-def _straight_runs(points: Array, heads: list[int], tails: list[int], outward: Array) -> Iterator[tuple[int, int, int]]:
+def _straight_runs(points: F8, heads: list[int], tails: list[int], outward: F8) -> Iterator[tuple[int, int, int]]:
     """(one of its edges, vertex at one end, vertex at the other) of each straight run of edges."""
     directions = points[tails] - points[heads]
     directions /= np.linalg.norm(directions, axis=1)[:, None]
@@ -91,7 +91,7 @@ def _straight_runs(points: Array, heads: list[int], tails: list[int], outward: A
             yield k, first, last
 
 
-def _is_straight(pair: list[int], directions: Array, outward: Array) -> bool:
+def _is_straight(pair: list[int], directions: F8, outward: F8) -> bool:
     """Whether the edges that meet at a vertex are two and go on as one ridge."""
     if len(pair) != 2:
         return False

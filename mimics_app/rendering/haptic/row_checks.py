@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.haptic_objects import ForceLaw, ShapeKind
 
 __all__ = ["check_points", "check_shapes"]
 
-Records = NDArray[Any]
 
 _SIZES = np.array([0, 1, 3, 2, 2, 0])
 """How many numbers of SHAPE.size count, by ShapeKind."""

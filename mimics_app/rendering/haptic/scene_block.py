@@ -6,12 +6,12 @@ A scene without a component has that component's own defaults. Reports read the 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Records, Vec
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.haptic import SCENE, AdmittanceForm, Controller
 from mimics_app.contracts.loop_fields import MAX_JOINTS
@@ -32,8 +32,6 @@ __all__ = [
     "scene_from_components",
 ]
 
-Block = NDArray[Any]
-Vec = NDArray[np.float64]
 
 _FORMS = {
     "auto": AdmittanceForm.CARTESIAN,  # without a plan: the one without false force
@@ -41,7 +39,6 @@ _FORMS = {
     "polar": AdmittanceForm.POLAR,
     "cartesian": AdmittanceForm.CARTESIAN,
 }
-_NS = 1_000_000_000
 _CAP = {"cap": 1, "warn": 0}
 
 _SECONDS = {"ramp_time": "ramp_time_s"}
@@ -98,7 +95,7 @@ def _least(limits: Vec, most: Sequence[float] | None) -> Vec:
 
 
 def apply_robot(
-    block: Block, robot: Robot, descriptor: DeviceDescriptor = HAPTICMASTER, admittance: Admittance | None = None
+    block: Records, robot: Robot, descriptor: DeviceDescriptor = HAPTICMASTER, admittance: Admittance | None = None
 ) -> None:
     """Kinematics, joint limits and place of the robot into block[0]."""
     record = block[0]
@@ -108,7 +105,7 @@ def apply_robot(
     record["origin_world"] = robot.robot_to_world.translation
 
 
-def apply_admittance(block: Block, admittance: Admittance) -> None:
+def apply_admittance(block: Records, admittance: Admittance) -> None:
     """Admittance control into block[0], and select it."""
     record = block[0]
     record["controller"] = Controller.ADMITTANCE
@@ -130,7 +127,7 @@ def impedance_values(impedance: Impedance) -> dict[str, object]:
     }
 
 
-def apply_ball(block: Block, ball: Ball) -> None:
+def apply_ball(block: Records, ball: Ball) -> None:
     """Sizes of the ball into block[0]."""
     record = block[0]
     record["ball_radius_min"] = ball.radius_min
@@ -138,7 +135,7 @@ def apply_ball(block: Block, ball: Ball) -> None:
     record["grasp_force_full"] = ball.grasp_force_full
 
 
-def apply_safety(block: Block, safety: Safety) -> None:
+def apply_safety(block: Records, safety: Safety) -> None:
     """Limits and thresholds into block[0]."""
     record = block[0]
     for name in Safety.__struct_fields__:
@@ -147,30 +144,30 @@ def apply_safety(block: Block, safety: Safety) -> None:
     for field, name in _SECONDS.items():
         record[field] = getattr(safety, name)
     for field, name in _NANOSECONDS.items():
-        record[field] = round(getattr(safety, name) * _NS)
+        record[field] = round(getattr(safety, name) * SECOND_NS)
     record["cap"] = _CAP[safety.stiffness_cap]
 
 
-def safety_of(block: Block) -> Safety:
+def safety_of(block: Records) -> Safety:
     """The limits and thresholds of block[0] as the component that requests them: what a report states."""
     record = block[0]
     values: dict[str, object] = {
         name: record[name].item() for name in Safety.__struct_fields__ if name in (SCENE.names or ())
     }
     values |= {name: record[field].item() for field, name in _SECONDS.items()}
-    values |= {name: record[field].item() / _NS for field, name in _NANOSECONDS.items()}
+    values |= {name: record[field].item() / SECOND_NS for field, name in _NANOSECONDS.items()}
     values["stiffness_cap"] = next(word for word, number in _CAP.items() if number == record["cap"])
     return msgspec.convert(values, Safety, strict=False)
 
 
-def _apply_gains(block: Block, gains: JointPd | WorldPd) -> None:
+def _apply_gains(block: Records, gains: JointPd | WorldPd) -> None:
     """Gains of a PD controller into block[0], the last given one for all joints behind; which runs is not touched."""
     record = block[0]
     record["kp"], record["kd"] = (joint_vector(each, each[-1]) for each in (gains.kp, gains.kd))
     record["through_joints"] = int(isinstance(gains, WorldPd) and gains.form == "joints")
 
 
-def _apply_drive(block: Block, impedance: Impedance) -> None:
+def _apply_drive(block: Records, impedance: Impedance) -> None:
     """What draws a force driven device to a target into block[0]."""
     record = block[0]
     for name, value in _drive_values(impedance).items():
@@ -188,7 +185,7 @@ def scene_from_components(
     safety: Safety | None = None,
     gains: JointPd | WorldPd | None = None,
     descriptor: DeviceDescriptor = HAPTICMASTER,
-) -> Block:
+) -> Records:
     """A block from the components of a scene; one that is absent has its own defaults.
 
     Tunnels and objects are rows beside the record (`scene_objects`); the device fills in what `device_fit` knows of it.

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.haptic_objects import EFFECT, STATIC, TUNNEL, EffectKind
 from mimics_app.contracts.loop_ports import MAX_FIELDS
@@ -23,7 +22,6 @@ from mimics_app.world.scene.scene import Scene
 
 __all__ = ["EffectRows", "check_field_count", "check_haptic_path", "curve_of_path"]
 
-Records = NDArray[Any]
 
 _KINDS = {
     effects.Spring: EffectKind.SPRING,

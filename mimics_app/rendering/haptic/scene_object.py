@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from mimics_app.contracts.arrays import F8, Records
 from mimics_app.contracts.haptic_objects import BODY, SHAPE, STATIC, BodyFlag, ForceLaw, ObjectIntegrator, ShapeKind
 from mimics_app.world.components.haptic_shapes import (
     CapsuleSolid,
@@ -33,8 +33,6 @@ from mimics_app.world.scene.scene import Scene
 
 __all__ = ["MeshKey", "ObjectRows", "ShapeRow", "rows_of_object", "rows_of_walls"]
 
-Records = NDArray[Any]
-Array = NDArray[np.float64]
 
 MeshKey = tuple[str, str, float]
 """Source, fit and scale of a mesh that is touched."""
@@ -203,12 +201,12 @@ def _size(row: Records, solid: Solid) -> None:
             row["kind"], row["size"] = ShapeKind.MESH, 1.0
 
 
-def _unit(quaternion: tuple[float, ...]) -> Array:
-    unit: Array = np.array(quaternion) / np.linalg.norm(quaternion)
+def _unit(quaternion: tuple[float, ...]) -> F8:
+    unit: F8 = np.array(quaternion) / np.linalg.norm(quaternion)
     return unit
 
 
-def _product(a: Array, b: ArrayLike) -> Array:
+def _product(a: F8, b: ArrayLike) -> F8:
     """The rotation b followed by a, both xyzw."""
     (ax, ay, az, aw), (bx, by, bz, bw) = a, np.asarray(b).reshape(4)
     return np.array(

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
+from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.errors import DeviceError, Issue, SceneError
 from mimics_app.contracts.haptic_objects import (
     BODY,
@@ -46,7 +46,6 @@ from mimics_app.world.scene.scene import Scene
 
 __all__ = ["SceneObjects", "check_objects", "objects_of_scene"]
 
-Records = NDArray[Any]
 
 _TICK_S = 1e-3
 """Tick of the haptic loop that masses are checked for [s]."""

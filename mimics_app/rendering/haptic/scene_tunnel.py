@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.haptic import Projection
 from mimics_app.contracts.haptic_objects import TUNNEL
-from mimics_app.contracts.regular_file import read_regular
+from mimics_app.contracts.regular_file import read_or_nothing
 from mimics_app.rendering.haptic.tunnel import TunnelCurve
 from mimics_app.rendering.haptic.tunnel_source import tunnel_from_component
 from mimics_app.world.components.registry import register_check
@@ -23,7 +21,6 @@ from mimics_app.world.scene.scene import Scene
 
 __all__ = ["PROJECTIONS", "built_tunnel", "check_tunnel", "planned_projection", "tunnel_of_scene", "tunnel_rows"]
 
-Records = NDArray[Any]
 
 PROJECTIONS: Mapping[str, Projection] = {
     "newton warm": Projection.NEWTON_WARM,
@@ -84,18 +81,11 @@ def built_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> tuple[TunnelCurv
         SceneError: it cannot be built.
     """
     folder = scene.origins.locate(pointer).folder
-    fitted = None if tunnel.path_file is None else _content(folder / tunnel.path_file)
+    # A recorded path that cannot be read is reported where it is fitted.
+    fitted = None if tunnel.path_file is None else read_or_nothing(folder / tunnel.path_file)
     source = (tunnel.control_points, fitted, tunnel.basis_functions, tunnel.radius, tunnel.radius_scale)
     key = ("tunnel", scene.owner(pointer).id, pointer.rpartition("/")[2])
     return scene.derive(key, lambda: tunnel_from_component(tunnel, folder, str(scene.path), pointer), source)
-
-
-def _content(file: Path) -> bytes:
-    """What a recorded path says; nothing where it cannot be read, which is reported where it is fitted."""
-    try:
-        return read_regular(file)
-    except OSError:
-        return b""
 
 
 def check_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> list[Issue]:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.rendering.haptic.kernels.objects.bodies import place_bodies, step_bodies
@@ -31,8 +29,6 @@ if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Fields, ObjectCountsRecord
 
 __all__ = ["simulate_objects"]
-
-Vec = NDArray[np.float64]
 
 
 @typed_kernel(SIMULATE)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import FIELD
 
 __all__ = ["curl", "saddle", "well"]
-
-Vec = NDArray[np.float64]
 
 
 @typed_kernel(FIELD)

@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.haptic_objects import MAX_PIECES
 from mimics_app.maths import bspline, frames
 
 __all__ = ["FrameMethod", "TunnelCurve", "TunnelError", "TunnelFault", "build_tunnel"]
 
-Array = NDArray[np.float64]
 FrameMethod = Literal["double_reflection", "frenet", "projected_up"]
 
 _SUBSTEPS = 16
@@ -65,44 +65,44 @@ class TunnelCurve:
         grid_normals: Rotation-minimising normals at s = 0, 1/16, 2/16 ..., unit, shape [16 n + 1, 3].
     """
 
-    control_points: Array
-    pieces: Array
-    radius_pieces: Array
-    arc_length: Array
-    grid_normals: Array = field(repr=False)
+    control_points: F8
+    pieces: F8
+    radius_pieces: F8
+    arc_length: F8
+    grid_normals: F8 = field(repr=False)
 
     @property
     def length(self) -> float:
         """Arc length of the bisector [m]."""
         return float(self.arc_length[-1])
 
-    def point(self, s: ArrayLike) -> Array:
+    def point(self, s: ArrayLike) -> F8:
         """Bisector at s [m], shape [m, 3]."""
         return bspline.evaluate(self.pieces, s)
 
-    def tangent(self, s: ArrayLike) -> Array:
+    def tangent(self, s: ArrayLike) -> F8:
         """Unit tangent towards the end, shape [m, 3]."""
         first = bspline.evaluate(self.pieces, s, 1)
-        unit: Array = first / np.linalg.norm(first, axis=1, keepdims=True)
+        unit: F8 = first / np.linalg.norm(first, axis=1, keepdims=True)
         return unit
 
-    def radius(self, s: ArrayLike) -> Array:
+    def radius(self, s: ArrayLike) -> F8:
         """Tunnel radius at s, before radius_scale [m], shape [m]."""
         return np.maximum(bspline.evaluate(self.radius_pieces[:, None, :], s)[:, 0], 0.0)
 
-    def curvature(self, s: ArrayLike) -> Array:
+    def curvature(self, s: ArrayLike) -> F8:
         """Curvature vector [1/m], towards the centre of curvature, shape [m, 3]."""
         return bspline.curvature(self.pieces, s)
 
-    def arc_at(self, s: ArrayLike) -> Array:
+    def arc_at(self, s: ArrayLike) -> F8:
         """Arc length from the start [m], shape [m]."""
         return bspline.arc_length_at(self.pieces, self.arc_length, s)
 
-    def parameter_at(self, arc: ArrayLike) -> Array:
+    def parameter_at(self, arc: ArrayLike) -> F8:
         """Parameter s at an arc length from the start [m], shape [m]."""
         return bspline.parameter_at(self.pieces, self.arc_length, arc)
 
-    def frame(self, s: ArrayLike, method: FrameMethod = "double_reflection") -> tuple[Array, Array, Array]:
+    def frame(self, s: ArrayLike, method: FrameMethod = "double_reflection") -> tuple[F8, F8, F8]:
         """Unit t, n, b at s, each of shape [m, 3]; b = t x n.
 
         "double_reflection" is what the tick uses. "frenet" turns over at inflections and is NaN on straight parts,
@@ -177,7 +177,7 @@ def build_tunnel(control_points: ArrayLike, radius: ArrayLike, *, radius_scale: 
     return curve
 
 
-def _checked_points(control_points: ArrayLike) -> tuple[Array, list[TunnelFault]]:
+def _checked_points(control_points: ArrayLike) -> tuple[F8, list[TunnelFault]]:
     points = np.asarray(control_points, np.float64)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2:
         return points, [TunnelFault("control_points", "needs at least 2 points of 3 coordinates [m] (4 for a curve)")]
@@ -196,7 +196,7 @@ def _checked_points(control_points: ArrayLike) -> tuple[Array, list[TunnelFault]
     return points, faults
 
 
-def _checked_radius(radius: ArrayLike) -> tuple[Array, list[TunnelFault]]:
+def _checked_radius(radius: ArrayLike) -> tuple[F8, list[TunnelFault]]:
     values = np.atleast_1d(np.asarray(radius, np.float64))
     if values.ndim != 1 or len(values) == 0:
         return values, [TunnelFault("radius", "must be one length or a list of lengths [m]")]
@@ -216,13 +216,13 @@ def _subdivision(pieces: int, stations: int) -> int:
     return max(1, min(wanted, MAX_PIECES // pieces))
 
 
-def _place(pieces: Array, arc_length: Array, s: float) -> str:
+def _place(pieces: F8, arc_length: F8, s: float) -> str:
     x, y, z = bspline.evaluate(pieces, s)[0]
     arc = bspline.arc_length_at(pieces, arc_length, s)[0]
     return f"at s = {s:.3f}, {arc:.4f} m from the start, point ({x:.4f}, {y:.4f}, {z:.4f})"
 
 
-def _refuse_standstill(pieces: Array, arc_length: Array) -> None:
+def _refuse_standstill(pieces: F8, arc_length: F8) -> None:
     s = np.linspace(0.0, len(pieces), _CHECKS_PER_PIECE * len(pieces) + 1)
     speed = np.linalg.norm(bspline.evaluate(pieces, s, 1), axis=1)
     slowest = int(np.argmin(speed))
@@ -231,7 +231,7 @@ def _refuse_standstill(pieces: Array, arc_length: Array) -> None:
         raise TunnelError([TunnelFault("control_points", what, "do not let it double back along itself")])
 
 
-def _radius_pieces(pieces: Array, arc_length: Array, values: Array) -> Array:
+def _radius_pieces(pieces: F8, arc_length: F8, values: F8) -> F8:
     """Cubic pieces of the radius with the right value and slope at every knot, shape [n, 4]."""
     if len(values) == 1:
         return np.array([values[0], 0.0, 0.0, 0.0]) * np.ones((len(pieces), 1))
@@ -245,16 +245,16 @@ def _radius_pieces(pieces: Array, arc_length: Array, values: Array) -> Array:
     return np.stack([r[:-1], d0, 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise], axis=1)
 
 
-def _tamed(slope: Array, rise: Array) -> Array:
+def _tamed(slope: F8, rise: F8) -> F8:
     """Slopes cut to three times the rise beside them: steeper, the cubic could leave the interval of its two values."""
     return np.where(slope * rise <= 0.0, 0.0, np.sign(rise) * np.minimum(np.abs(slope), 3.0 * np.abs(rise)))
 
 
-def _grid_normals(pieces: Array) -> Array:
+def _grid_normals(pieces: F8) -> F8:
     s = np.arange(_SUBSTEPS * len(pieces) + 1) / _SUBSTEPS
     points = bspline.evaluate(pieces, s)
     first = bspline.evaluate(pieces, s, 1)
-    tangents: Array = first / np.linalg.norm(first, axis=1, keepdims=True)
+    tangents: F8 = first / np.linalg.norm(first, axis=1, keepdims=True)
     return frames.rotation_minimising_normals(points, tangents, frames.start_normal(points, tangents[0]))
 
 

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.maths.bspline_fit import fit_spline
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, TunnelError, TunnelFault, build_tunnel
@@ -18,7 +19,6 @@ from mimics_app.world.scene.source import read_bytes
 
 __all__ = ["fit_path", "read_path", "tunnel_from_component"]
 
-Array = NDArray[np.float64]
 
 _MOST_SAMPLES = 200_000
 _FARTHEST = 1e3
@@ -49,7 +49,7 @@ def tunnel_from_component(component: Tunnel, root: Path, file: str, pointer: str
         raise error.at(file, pointer) from None
 
 
-def _control_points(component: Tunnel, root: Path) -> tuple[Array, float | None]:
+def _control_points(component: Tunnel, root: Path) -> tuple[F8, float | None]:
     if (component.control_points is None) == (component.path_file is None):
         raise TunnelError([TunnelFault("control_points", "give either control_points or path_file, one of the two")])
     if component.path_file is None:
@@ -64,7 +64,7 @@ def _control_points(component: Tunnel, root: Path) -> tuple[Array, float | None]
     return points, rms
 
 
-def fit_path(path: ArrayLike, basis_functions: int) -> tuple[Array, float, float]:
+def fit_path(path: ArrayLike, basis_functions: int) -> tuple[F8, float, float]:
     """Fit a recorded path with N basis functions.
 
     Args:
@@ -84,7 +84,7 @@ def fit_path(path: ArrayLike, basis_functions: int) -> tuple[Array, float, float
     return fit.control_points, fit.residual_rms, fit.residual_max
 
 
-def read_path(file: Path) -> Array:
+def read_path(file: Path) -> F8:
     """Read a recorded path.
 
     A .csv file holds one sample a line: columns named x, y, z (in any place, among others), or without a header line

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.clock import SECOND_NS, Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.messages import TactileEvent
 from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, command_bytes, read_answers
@@ -13,7 +13,6 @@ from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, command_byte
 __all__ = ["NoVibrators", "SerialVibrators", "Vibrators"]
 
 _BITS = 10
-_NS = 1_000_000_000
 _PATIENCE_S = 0.05
 
 
@@ -57,7 +56,7 @@ class SerialVibrators(Vibrators):
 
     def __init__(self, port: str, channels: Mapping[str, int], baud: int = 115200, clock: Clock | None = None) -> None:
         self._channels, self._clock = dict(channels), clock or MonotonicClock()
-        self._wire_ns = FRAME_BYTES * _BITS * _NS // baud
+        self._wire_ns = FRAME_BYTES * _BITS * SECOND_NS // baud
         self._waiting = bytearray()
         self.answered: list[int] = []
         import serial

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from msgspec import structs
 
 from mimics_app.contracts.board import Card
-from mimics_app.contracts.clock import FRAME_NS
+from mimics_app.contracts.clock import FRAME_NS, SECOND_NS
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.messages import TactileEvent
 from mimics_app.contracts.scenario_port import TaskContext
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 
 __all__ = ["HALF_FRAME_NS", "KIND", "AvatarCordKind"]
 
-_NS = 1_000_000_000
 _AHEAD_NS = 2 * FRAME_NS
 """A tap to be felt is ordered so long before it is due [ns]: whoever drives the vibrator has the time to be exact."""
 HALF_FRAME_NS = 8_500_000
@@ -131,14 +130,14 @@ class AvatarCordPlay(KindPlay):
 
     def travel(self, seen: Observation, seconds: float) -> None:
         if self._begin_ns is None:
-            self._begin_ns = seen.now_ns + round(self._condition.baseline_s * _NS)
+            self._begin_ns = seen.now_ns + round(self._condition.baseline_s * SECOND_NS)
             self._note("phase", seen.now_ns, {"phase": _Phase.BASELINE.value})
         if self._phase is _Phase.BASELINE and seen.now_ns + _AHEAD_NS >= self._begin_ns:
             self._enter(_Phase.TAPS, seen.now_ns)
         if self._phase is _Phase.TAPS:
             self._order_taps(seen.now_ns)
             self._threaten(seen.now_ns)
-            if seen.now_ns >= self._begin_ns + round(self._condition.duration_s * _NS) and self._all_given:
+            if seen.now_ns >= self._begin_ns + round(self._condition.duration_s * SECOND_NS) and self._all_given:
                 self._enter(_Phase.QUESTIONS, seen.now_ns)
         elif self._phase is _Phase.QUESTIONS:
             for answer in self._asking.step(seen.pressed, seconds):
@@ -159,7 +158,7 @@ class AvatarCordPlay(KindPlay):
 
     def _done_share(self, now_ns: int) -> float:
         begun = self._begin_ns or now_ns
-        return min(max((now_ns - begun) / max(1.0, self._condition.duration_s * _NS), 0.0), 1.0)
+        return min(max((now_ns - begun) / max(1.0, self._condition.duration_s * SECOND_NS), 0.0), 1.0)
 
     def _next_tap(self) -> tuple[int, str, float, float, int] | None:
         """The tap that is under way or comes next: when it touches [ns], where, and its number; None outside."""
@@ -200,10 +199,10 @@ class AvatarCordPlay(KindPlay):
         threat, begun = self._condition.threat, self._begin_ns
         if threat is None or begun is None or self._threat_ns is not None:
             return
-        due = begun + round(threat.at_s * _NS)
+        due = begun + round(threat.at_s * SECOND_NS)
         if now_ns + HALF_FRAME_NS >= due:
             self._threat_ns = due
-            window = {"from_ns": due, "to_ns": due + round(threat.window_s * _NS)}
+            window = {"from_ns": due, "to_ns": due + round(threat.window_s * SECOND_NS)}
             self._note("threat", now_ns, {"scheduled_ns": due, "submitted_ns": now_ns, **window})
 
     def _enter(self, phase: _Phase, now_ns: int) -> None:

@@ -38,7 +38,7 @@ class CarriedFrame:
 
     Attributes:
         placed: It lies at its mark, let go.
-        drops: How often it was lost on the way, in this attempt.
+        drops: How often it was lost while carried, in this attempt.
         bruises: How often it was pressed too hard, in this attempt.
         bruised: That happened since the last frame.
         gripped: It came into the hand since the last frame.

@@ -1,4 +1,4 @@
-"""Carrying (D2.1 3.2.3): pick something up, bring it past what is in the way, set it down at a mark."""
+"""Carrying (D2.1 3.2.3): pick something up, bring it past obstacles, set it down at a mark."""
 
 from __future__ import annotations
 

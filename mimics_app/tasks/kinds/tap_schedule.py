@@ -5,11 +5,11 @@ from __future__ import annotations
 import random
 from dataclasses import dataclass
 
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.tasks.kinds.avatar_cord_spec import ConditionSpec, TapsSpec
 
 __all__ = ["Tap", "plan_taps"]
 
-_NS = 1_000_000_000
 _CORD_ENDS = (0.15, 0.85)
 """Shares of the cord's length between which it is tapped."""
 _ELSEWHERE = {"back": "stomach", "stomach": "back"}
@@ -61,7 +61,7 @@ def plan_taps(taps: TapsSpec, condition: ConditionSpec, seed: int, trial: int) -
         low, high = _CORD_ENDS
         along = low + (high - low) * (number / max(1, len(gaps) - 1))
         offset = _offset_s(condition, chance)
-        times = round(seen * _NS), max(0, round((felt + offset) * _NS))
+        times = round(seen * SECOND_NS), max(0, round((felt + offset) * SECOND_NS))
         planned.append(Tap(number, *times, place, at, along, chance.uniform(-0.9, 0.9)))
     return planned
 

@@ -6,13 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.report_section import Curve, ReportedAttempt, ReportSection, Traces, TunnelShape, Word
 
 __all__ = ["TunnelSection"]
-
-Values = NDArray[np.float64]
 
 
 class TunnelSection(ReportSection):
@@ -62,7 +60,7 @@ class TunnelSection(ReportSection):
         }
 
 
-def _walls(tunnel: TunnelShape) -> tuple[Values, Values]:
+def _walls(tunnel: TunnelShape) -> tuple[F8, F8]:
     """Outline of a tube in the frontal plane: the bisector moved by its radius to both sides of its projection."""
     centre = tunnel.bisector_world[:, :2]
     along = np.gradient(centre, axis=0)

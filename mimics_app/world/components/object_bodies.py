@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.components import shapes as visible
 from mimics_app.world.components.haptic_shapes import (
     CapsuleSolid,
@@ -41,7 +41,6 @@ __all__ = [
     "shapes_of",
 ]
 
-F8 = NDArray[np.float64]
 
 _DEFAULT_MASS = 1.0
 

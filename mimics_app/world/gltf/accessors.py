@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Records
 from mimics_app.world.gltf.buffers import GltfBuffers
 from mimics_app.world.gltf.source import GltfSource
 
@@ -21,8 +22,6 @@ _SIZES = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "M
 _INDEX_TYPES = (np.uint8, np.uint16, np.uint32)
 _FLOAT = 5126
 
-Array = NDArray[Any]
-
 
 class GltfAccessors:
     """Reads accessors by index; each is decoded once, and what it takes in memory is counted with every use."""
@@ -30,8 +29,8 @@ class GltfAccessors:
     def __init__(self, source: GltfSource, buffers: GltfBuffers) -> None:
         self._source = source
         self._buffers = buffers
-        self._decoded: dict[int, Array] = {}
-        self._converted: dict[tuple[int, type], Array] = {}
+        self._decoded: dict[int, Records] = {}
+        self._converted: dict[tuple[int, type], Records] = {}
 
     def floats(self, index: object, pointer: str, *shapes: str) -> NDArray[np.float32]:
         """An accessor as float32 [n, components], normalised integers turned to 0-1 or -1-1.
@@ -88,21 +87,21 @@ class GltfAccessors:
             self._source.fail(f"/accessors/{place}/type", f"{shape!r:.40} instead of {' or '.join(shapes)}")
         return place
 
-    def _read(self, index: int, pointer: str) -> Array:
+    def _read(self, index: int, pointer: str) -> Records:
         if index in self._decoded:
             self._source.take(self._decoded[index].nbytes, pointer)  # one more mesh will have a copy of its own
         else:
             self._decoded[index] = self._decode(self._source.table("accessors")[index], f"/accessors/{index}")
         return self._decoded[index]
 
-    def _as(self, kind: type, index: int, convert: Callable[[], Array]) -> Array:
+    def _as(self, kind: type, index: int, convert: Callable[[], Records]) -> Records:
         """The accessor in another type, converted once."""
         if (index, kind) not in self._converted:
             self._source.take(self._decoded[index].size * np.dtype(kind).itemsize, f"/accessors/{index}/count")
             self._converted[index, kind] = convert()
         return self._converted[index, kind]
 
-    def _decode(self, accessor: dict[str, Any], place: str) -> Array:
+    def _decode(self, accessor: dict[str, Any], place: str) -> Records:
         source = self._source
         kind = _TYPES.get(source.whole(accessor, "componentType", place))
         if kind is None:
@@ -125,7 +124,7 @@ class GltfAccessors:
             source.fail(place, f"element {first} is not finite")
         return values
 
-    def _strided(self, accessor: dict[str, Any], place: str, dtype: np.dtype[Any], width: int, count: int) -> Array:
+    def _strided(self, accessor: dict[str, Any], place: str, dtype: np.dtype[Any], width: int, count: int) -> Records:
         source = self._source
         data, stride = self._buffers.view(accessor["bufferView"], f"{place}/bufferView")
         offset = source.whole(accessor, "byteOffset", place, 0)
@@ -139,7 +138,7 @@ class GltfAccessors:
         source.take(size * count, f"{place}/count")
         return np.ndarray((count, width), dtype.newbyteorder("<"), data, offset, (step, dtype.itemsize)).astype(dtype)
 
-    def _apply_sparse(self, sparse: dict[str, Any], place: str, values: Array) -> None:
+    def _apply_sparse(self, sparse: dict[str, Any], place: str, values: Records) -> None:
         source = self._source
         count = source.whole(sparse, "count", place, None, 1)
         if count > len(values):
@@ -154,7 +153,7 @@ class GltfAccessors:
         put = source.object(sparse, "values", place)
         values[indices] = self._packed(put, f"{place}/values", values.dtype, count, values.shape[1])
 
-    def _packed(self, holder: dict[str, Any], place: str, dtype: np.dtype[Any], count: int, width: int) -> Array:
+    def _packed(self, holder: dict[str, Any], place: str, dtype: np.dtype[Any], count: int, width: int) -> Records:
         if "bufferView" not in holder:
             self._source.fail(place, 'the key "bufferView" is missing')
         data, _ = self._buffers.view(holder["bufferView"], f"{place}/bufferView")
@@ -164,7 +163,7 @@ class GltfAccessors:
             self._source.fail(place, f"needs {offset + size} bytes, its buffer view has {len(data)}")
         return np.frombuffer(data, dtype.newbyteorder("<"), count * width, offset).reshape(count, width).astype(dtype)
 
-    def _normalised(self, values: Array, accessor: dict[str, Any]) -> NDArray[np.float32]:
+    def _normalised(self, values: Records, accessor: dict[str, Any]) -> NDArray[np.float32]:
         scaled = np.empty(values.shape, np.float32)
         most = np.iinfo(values.dtype).max if accessor.get("normalized") is True else 1
         np.divide(values, float(most), out=scaled, dtype=np.float64, casting="same_kind")  # block by block

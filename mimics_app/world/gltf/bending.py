@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.gltf.file import GltfDocument
 from mimics_app.world.gltf.nodes import GltfNode
 from mimics_app.world.meshes.mesh import MeshData
@@ -18,7 +19,6 @@ from mimics_app.world.scene_node import SceneNode
 
 __all__ = ["bind_body", "make_animator", "missing_joints", "unbent_meshes"]
 
-F8 = NDArray[np.float64]
 Made = Mapping[int, SceneNode]
 """Nodes of the world by number of the node of the file, parents first."""
 
@@ -133,7 +133,7 @@ def _morph_weights(model: GltfDocument, nodes: list[GltfNode]) -> F8:
 
 
 def _turned_over(inverse_bind: F8, joints: tuple[int, ...], made: Made, body: SceneNode) -> bool:
-    """Whether joints mirror the mesh and its node does not, or the other way round.
+    """Whether joints mirror the mesh and its node does not, or the reverse.
 
     Which side of a triangle is outside is given by the node, which has no say where the vertices of a skin are.
     """

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4
 from mimics_app.world.gltf.accessors import GltfAccessors
 from mimics_app.world.gltf.meshes import GltfMesh
 from mimics_app.world.gltf.nodes import GltfNode
@@ -16,7 +16,6 @@ from mimics_app.world.motion.clip import Clip, ClipEvent, Interpolation, Track, 
 
 __all__ = ["GltfClips"]
 
-F4 = NDArray[np.float32]
 
 _PATHS = {
     "translation": (TrackPath.TRANSLATION, "VEC3", 3),

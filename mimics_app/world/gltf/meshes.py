@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, U4
 from mimics_app.world.gltf.accessors import GltfAccessors
 from mimics_app.world.gltf.deforms import GltfDeforms
 from mimics_app.world.gltf.materials import GltfMaterial
@@ -18,9 +18,6 @@ __all__ = ["GltfMesh", "GltfMeshes", "GltfPrimitive"]
 
 _POINTS_AND_LINES = (0, 1, 2, 3)
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
-
-F4 = NDArray[np.float32]
-U4 = NDArray[np.uint32]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,14 +6,13 @@ from collections.abc import Callable
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.components.effects import SpriteShape
 from mimics_app.world.materials.material import TextureData
 
 __all__ = ["sprite_picture"]
 
-F8 = NDArray[np.float64]
 
 _SIDE = 64
 """All of one size, so that they share a texture."""

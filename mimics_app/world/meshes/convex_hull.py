@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
+
 __all__ = ["convex_hull"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 _FLAT = 1e-7
 """Points within this share of the extent of a face count as lying in it."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["MorphTarget", "VertexWeights"]
+from mimics_app.contracts.arrays import F4
 
-F4 = NDArray[np.float32]
+__all__ = ["MorphTarget", "VertexWeights"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from mimics_app.contracts.arrays import F8
 
 __all__ = [
     "FilledShape",
@@ -17,8 +18,6 @@ __all__ = [
     "cylinder_integrals",
     "sphere_integrals",
 ]
-
-F8 = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

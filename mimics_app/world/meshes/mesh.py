@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, U4
 from mimics_app.world.meshes.deform import MorphTarget, VertexWeights
 
 __all__ = ["FARTHEST", "MeshData", "compute_normals"]
@@ -15,8 +16,6 @@ __all__ = ["FARTHEST", "MeshData", "compute_normals"]
 FARTHEST = 1e15
 """Farthest a corner of a model may be [m]: squares of distances have to fit into float32."""
 
-F4 = NDArray[np.float32]
-U4 = NDArray[np.uint32]
 
 _FALLBACK_NORMAL = (0.0, 1.0, 0.0)
 """Normal of a vertex that no triangle of positive area touches: up, so that it is lit from the sky."""

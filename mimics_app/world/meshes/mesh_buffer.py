@@ -8,15 +8,13 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, U4
 from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.meshes.vertex_declaration import COLOUR_DECLARATION, VERTEX_DECLARATION, VertexDeclaration
 
 __all__ = ["MeshBuffer", "MeshChange"]
 
-F4 = NDArray[np.float32]
-U4 = NDArray[np.uint32]
 
 _REMEMBERED = 64
 """Changes a reader may be behind by; one that is further behind reads the whole mesh."""

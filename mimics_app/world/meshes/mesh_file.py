@@ -60,7 +60,7 @@ def _bodies(path: Path) -> list[tuple[str, trimesh.Trimesh]]:
         bodies = [(str(name), loaded.geometry[name]) for name in loaded.geometry]
     except MemoryError:
         raise SceneError(Issue(str(path), "", "does not fit into memory")) from None
-    except Exception as error:  # each of its readers has its own way of giving up
+    except Exception as error:  # each of its readers has its own errors
         said = " ".join(str(error).split())[:160] or type(error).__name__
         raise SceneError(Issue(str(path), "", f"is damaged or no {path.suffix[1:].upper()} file: {said}")) from error
     found = [(name, body) for name, body in bodies if isinstance(body, trimesh.Trimesh) and len(body.faces)]

@@ -10,6 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.components.shapes import (
     BoxShape,
     CapsuleShape,
@@ -36,7 +37,6 @@ __all__ = [
     "tube",
 ]
 
-F8 = NDArray[np.float64]
 _GOLDEN = 0.5 * (1.0 + math.sqrt(5.0))
 
 

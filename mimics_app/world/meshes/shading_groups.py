@@ -7,12 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I8
 from mimics_app.world.meshes.mesh import MeshData
 
 __all__ = ["CREASE", "shaded_mesh"]
 
-F8 = NDArray[np.float64]
-I8 = NDArray[np.int64]
 
 CREASE = math.radians(40.0)
 """Angle between two faces from which their edge is seen as an edge."""
@@ -79,7 +78,7 @@ def _gentle_pairs(welded: I8, normals: F8) -> I8:
     one, two = order[:-1][same], order[1:][same]
     gentle = np.einsum("ij,ij->i", normals[face[one]], normals[face[two]]) > math.cos(CREASE)
     one, two = one[gentle], two[gentle]
-    # Neighbours run along their edge in opposite ways, unless one of them is turned over.
+    # Neighbours run along their edge in opposite directions, unless one of them is turned over.
     along = flat[begin[one]] == flat[begin[two]]
     first = np.where(along, begin[two], end[two])
     second = np.where(along, end[two], begin[two])

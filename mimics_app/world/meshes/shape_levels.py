@@ -49,7 +49,7 @@ def _radius(shape: SphereShape | CapsuleShape | TorusShape) -> float:
 
 
 def _error(shape: SphereShape | CapsuleShape | TorusShape) -> float:
-    """Farthest the round lies from the facets [m]: over the middle of a facet that is bent both ways."""
+    """Farthest the round lies from the facets [m]: over the middle of a facet that is bent in both directions."""
     around = 1.0 - math.cos(math.pi / shape.segments)
     if isinstance(shape, TorusShape):
         bar = 1.0 - math.cos(math.pi / torus_sides(shape.segments))

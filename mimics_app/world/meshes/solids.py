@@ -11,16 +11,14 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.world.meshes.convex_hull import convex_hull
 from mimics_app.world.scene.assets import ModelPart, SceneAsset, find_in_model
 from mimics_app.world.scene.placing import model_matrix
 
 __all__ = ["SolidMesh", "enclosing_sphere", "hull_corners", "mesh_integrals", "solid_mesh"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 _SPHERE_STEPS = 1000
 """Steps towards the smallest sphere; its excess falls at least with their square root."""
@@ -92,7 +90,7 @@ def hull_corners(mesh: SolidMesh) -> F8:
 def enclosing_sphere(vertices: F8) -> tuple[F8, float]:
     """Centre [m] and radius [m] of a sphere round points, at most a few per cent wider than the smallest.
 
-    Ever shorter steps towards the farthest point (Badoiu & Clarkson 2003); the best centre on the way counts.
+    Ever shorter steps towards the farthest point (Badoiu & Clarkson 2003); the best centre of all steps counts.
     """
     centre = best = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
     radius = np.inf

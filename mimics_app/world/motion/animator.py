@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.errors import nearest
 from mimics_app.world.motion.clip import Clip, ClipEvent
 from mimics_app.world.motion.layer import Layer
@@ -15,9 +15,6 @@ from mimics_app.world.motion.pose import Pose
 from mimics_app.world.transforms import TransformTable
 
 __all__ = ["Animator", "Rig", "mask_of"]
-
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.clip import Clip, clip_of_poses
@@ -23,7 +23,6 @@ from mimics_app.world.scene.source import read_bytes
 
 __all__ = ["MotionCapture", "capture_clip", "read_bvh"]
 
-F8 = NDArray[np.float64]
 
 _MOST_BYTES = 64 * 1024 * 1024
 _MOST_JOINTS, _MOST_FRAMES = 1000, 1_000_000
@@ -68,7 +67,7 @@ def read_bvh(path: Path) -> MotionCapture:
 
 
 def capture_clip(capture: MotionCapture, name: str, target: Rig, bones: HumanoidMap) -> tuple[Clip, list[str]]:
-    """A clip of a model that does what was recorded, and what was found and guessed on the way.
+    """A clip of a model that does what was recorded, and what was found and guessed.
 
     Args:
         capture: What was recorded.

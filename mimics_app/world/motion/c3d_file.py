@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import Issue, SceneError, UsageError
+from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.errors import Issue, SceneError, UsageError, first_line
 from mimics_app.world.scene.source import read_bytes
 
 __all__ = ["MarkerTake", "read_c3d"]
 
-F8 = NDArray[np.float64]
 
 _MOST_BYTES = 256 * 1024 * 1024
 _METRES = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "in": 0.0254}
@@ -63,7 +62,7 @@ def read_c3d(path: Path) -> MarkerTake:
             rate = float(reader.point_rate)
             unit, screen = (_text(reader.get(key)) for key in ("POINT:UNITS", "POINT:Y_SCREEN"))
     except Exception as error:  # whatever a library raises over bytes that are no C3D file
-        raise SceneError(Issue(str(path), "", f"is no C3D file that can be read: {_first_line(error)}")) from error
+        raise SceneError(Issue(str(path), "", f"is no C3D file that can be read: {first_line(error)}")) from error
     return _taken(str(path), names, frames, rate, unit.lower(), screen)
 
 
@@ -102,7 +101,3 @@ def _up(screen: str, places: F8) -> int:
 def _text(parameter: object) -> str:
     value = getattr(parameter, "string_value", "")
     return value.strip() if isinstance(value, str) else ""
-
-
-def _first_line(error: Exception) -> str:
-    return (str(error) or type(error).__name__).splitlines()[0]

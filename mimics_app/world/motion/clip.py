@@ -7,13 +7,10 @@ from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
-from numpy.typing import NDArray
+
+from mimics_app.contracts.arrays import F4, F8, I4
 
 __all__ = ["Clip", "ClipEvent", "Interpolation", "Track", "TrackPath", "clip_of_poses", "pack_clip"]
-
-F4 = NDArray[np.float32]
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 
 class TrackPath(IntEnum):

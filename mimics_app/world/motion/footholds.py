@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
+
+from mimics_app.contracts.arrays import F8
 
 __all__ = ["Footholds", "Ground"]
 
-F8 = NDArray[np.float64]
 
 Ground = Callable[[], tuple[float, float, float]]
 """Gives where a model stands now: x and z [m] on the ground, and its turn about +y [rad], from looking along +z."""

@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.maths.quat import multiply
 from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.clip import ClipEvent
@@ -26,7 +26,6 @@ from mimics_app.world.motion.reference_gait import NATURAL_STANCE, SAMPLES, shap
 
 __all__ = ["Gait", "Pace", "Walk", "natural_step"]
 
-F8 = NDArray[np.float64]
 
 _PREFERRED = 1.3
 """Speed at which people walk [m/s]."""

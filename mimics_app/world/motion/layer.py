@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.world.motion.clip import Clip, ClipEvent
 from mimics_app.world.motion.kernels.sample import blend_pose, sample_clip
 from mimics_app.world.motion.pose import Pose
 
 __all__ = ["WIDEST", "Layer"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 WIDEST = 256
 """Numbers of one key at most: morph targets of a mesh."""

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.maths.quat import multiply, rotate, rotate_back, slerp
 from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.humanoid import HumanoidMap
@@ -17,7 +17,6 @@ from mimics_app.world.motion.reach import Chain
 
 __all__ = ["Blink", "Breath", "LookAt", "find_morphs"]
 
-F8 = NDArray[np.float64]
 
 _IDENTITY = np.array([0.0, 0.0, 0.0, 1.0])
 _NECK_SHARE = 0.4

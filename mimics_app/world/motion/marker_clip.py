@@ -11,8 +11,8 @@ import itertools
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.maths.quat import about_axis, from_matrix, multiply, rotate, rotate_back, slerp
 from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.c3d_file import MarkerTake
@@ -25,7 +25,6 @@ from mimics_app.world.motion.reach import Chain
 
 __all__ = ["marker_clip"]
 
-F8 = NDArray[np.float64]
 
 _LIMBS = (
     ("UpperLeg", "LowerLeg", "Hip", "Knee"),
@@ -40,7 +39,7 @@ _SPINE = ("spine", "chest", "upperChest")
 
 
 def marker_clip(take: MarkerTake, name: str, target: Rig, bones: HumanoidMap) -> tuple[Clip, list[str]]:
-    """A clip of a model that does what markers show, and what was found and guessed on the way.
+    """A clip of a model that does what markers show, and what was found and guessed.
 
     Args:
         take: What was recorded.

@@ -12,14 +12,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.motion.c3d_file import MarkerTake
 
 __all__ = ["BodyPoints", "find_points"]
 
-F8 = NDArray[np.float64]
 
 _SIDED: Mapping[str, tuple[str, ...]] = {
     "Front": ("ASI", "ASIS", "IAS"),

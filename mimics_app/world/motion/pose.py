@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
+from mimics_app.contracts.arrays import F8
 
 __all__ = ["Pose"]
-
-F8 = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

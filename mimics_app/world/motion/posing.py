@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.meshes.deform import VertexWeights
 from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.motion.skinned_body import SkinnedBody
 
 __all__ = ["mix_duals", "mix_matrices", "posed_positions"]
-
-F8 = NDArray[np.float64]
 
 
 def posed_positions(mesh: MeshData, body: SkinnedBody) -> F8:

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from enum import IntFlag
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.maths.quat import multiply, slerp
 from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.kernels.chain import arc, follow_chain, follow_one, localise
@@ -17,7 +17,6 @@ from mimics_app.world.motion.pose import Pose
 
 __all__ = ["SWIVEL_RATE", "Chain", "LimbReach", "ReachCase"]
 
-F8 = NDArray[np.float64]
 
 SWIVEL_RATE = math.radians(720.0)
 """Fastest an elbow swings about the line from shoulder to hand [rad/s]."""

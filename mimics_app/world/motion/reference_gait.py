@@ -22,11 +22,11 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
+
+from mimics_app.contracts.arrays import F8
 
 __all__ = ["NATURAL", "NATURAL_STANCE", "SAMPLES", "TILT", "knee_by_speed", "shape_gait", "stance_share"]
 
-F8 = NDArray[np.float64]
 
 SAMPLES = 50
 """Of a cycle; row k is at k/50."""

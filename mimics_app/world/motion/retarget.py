@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.humanoid import BONES, HumanoidMap
 from mimics_app.world.motion.kernels.chain import multiply_rows
@@ -12,8 +12,6 @@ from mimics_app.world.motion.pose import Pose
 from mimics_app.world.motion.reach import Chain
 
 __all__ = ["Retarget"]
-
-F8 = NDArray[np.float64]
 
 
 class Retarget:

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.maths.quat import rotate
 from mimics_app.world.motion.animator import Animator
 from mimics_app.world.motion.pose import Pose
 from mimics_app.world.transforms import TransformTable
 
 __all__ = ["RootMotion"]
-
-F8 = NDArray[np.float64]
 
 
 class RootMotion:

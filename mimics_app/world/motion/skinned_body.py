@@ -7,17 +7,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, F8, I4
 from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.motion.kernels.palette import bound_joints, write_palette
 from mimics_app.world.transforms import TransformTable
 
 __all__ = ["Binding", "SkinnedBody", "Skinning", "bind"]
 
-F4 = NDArray[np.float32]
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 Skinning = Literal["linear", "dual"]
 """How the joints of a vertex are mixed: their matrices (as glTF 2.0 says), or their dual quaternions, which keep the

@@ -7,8 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
+from mimics_app.maths.poses import turn_vector, turned_back
 from mimics_app.maths.quat import slerp
 from mimics_app.world.motion.animator import Animator, Rig
 from mimics_app.world.motion.humanoid import HumanoidMap
@@ -20,7 +21,6 @@ from mimics_app.world.motion.retarget import Retarget
 
 __all__ = ["Calibration", "DelayedTwin", "Trackers", "UpperBody", "calibrate"]
 
-F8 = NDArray[np.float64]
 
 _WANTED = (
     *("hips", "spine", "chest", "upperChest", "neck", "head"),
@@ -91,7 +91,7 @@ def calibrate(rig: Rig, bones: HumanoidMap, standing: Trackers) -> Calibration:
         raise ValueError(f"a head {height:.2f} m above the floor is no standing person's")
     scale = float(head[1] - min(ground, 0.0)) / height
     seen = (standing.head, standing.left, standing.right)
-    turns = np.array([_inverse(each[3:]) for each in seen])
+    turns = np.array([turned_back(each[3:]) for each in seen])
     span = float(np.linalg.norm(standing.left[:3] - standing.right[:3])) * scale
     own = float(np.linalg.norm(rest.places[bones.slots["leftHand"]] - rest.places[bones.slots["rightHand"]]))
     origin = np.array([head[0] - scale * standing.head[0], 0.0, head[2] - scale * standing.head[2]])
@@ -101,7 +101,7 @@ def calibrate(rig: Rig, bones: HumanoidMap, standing: Trackers) -> Calibration:
         joint = rest.places[bones.slots[name]]
         seen_at = origin + scale * seen[k][:3]
         stretched = seen_at if k == 0 else head + arm * (seen_at - head)
-        offsets[k] = _turned(_inverse(seen[k][3:]), joint - stretched)
+        offsets[k] = turn_vector(turned_back(seen[k][3:]), joint - stretched)
     return Calibration(scale, offsets, turns, origin, arm)
 
 
@@ -171,7 +171,9 @@ class UpperBody:
         if which:
             head = self._head[:3]
             place = head + fit.arm * (place - head)
-        return np.concatenate([place + _turned(joint[3:], fit.offsets[which]), _product(joint[3:], fit.turns[which])])
+        return np.concatenate(
+            [place + turn_vector(joint[3:], fit.offsets[which]), _product(joint[3:], fit.turns[which])]
+        )
 
     def _blend(self, before: Pose, pose: Pose) -> None:
         for slot in self._bones[self._bones >= 0].tolist():
@@ -226,15 +228,6 @@ class DelayedTwin:
         between = np.empty_like(first[1])
         slerp_rows(first[1], second[1], share, between)
         return between, (1.0 - share) * first[2] + share * second[2]
-
-
-def _inverse(q: F8) -> F8:
-    return np.array([-q[0], -q[1], -q[2], q[3]])
-
-
-def _turned(q: F8, v: F8) -> F8:
-    turn = 2.0 * np.cross(q[:3], v)
-    return np.asarray(v + q[3] * turn + np.cross(q[:3], turn))
 
 
 def _product(a: F8, b: F8) -> F8:

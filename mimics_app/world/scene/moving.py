@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.components.animation import Animation, Avatar, Reach
 from mimics_app.world.components.encourager import Encourager
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["set_moving"]
 
-F8 = NDArray[np.float64]
 
 _MOVING = (Animation, Avatar, Encourager)
 

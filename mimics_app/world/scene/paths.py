@@ -47,7 +47,7 @@ def find_file(uri: str, folder: Path, root: Path) -> Path:
         root: Folder it must stay inside, links followed.
 
     Raises:
-        PathFault: another scheme, an absolute path, a way out of the root, or no such file.
+        PathFault: another scheme, an absolute path, a path out of the root, or no such file.
     """
     if uri.startswith(SHIPPED):
         try:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import SceneError
 from mimics_app.maths.decompose import decompose_trs
 from mimics_app.world.components.visible import MeshComponent
@@ -15,7 +15,6 @@ from mimics_app.world.scene.spec import TransformSpec
 
 __all__ = ["local_matrix", "model_matrix", "node_matrix", "pose_of", "stands_somewhere", "world_matrix"]
 
-Array = NDArray[np.float64]
 Triple = tuple[float, float, float]
 
 _SCALE_TOLERANCE = 1e-6
@@ -34,7 +33,7 @@ def stands_somewhere(scene: Scene, name: str) -> bool:
     return True
 
 
-def pose_of(scene: Scene, name: str) -> tuple[Array, Array]:
+def pose_of(scene: Scene, name: str) -> tuple[F8, F8]:
     """Position [m] and unit quaternion xyzw of an entity in the world.
 
     Raises:
@@ -50,16 +49,16 @@ def pose_of(scene: Scene, name: str) -> tuple[Array, Array]:
     return translation, rotation
 
 
-def world_matrix(scene: Scene, entity: SceneEntity) -> Array:
+def world_matrix(scene: Scene, entity: SceneEntity) -> F8:
     """T_world_from_entity, shape [4, 4]; parents must form no loop."""
     own = _local_matrix(scene, entity)
     if entity.parent is None:
         return own
-    above: Array = world_matrix(scene, scene.entity(entity.parent)) @ own
+    above: F8 = world_matrix(scene, scene.entity(entity.parent)) @ own
     return above
 
 
-def model_matrix(part: ModelPart, index: int) -> Array:
+def model_matrix(part: ModelPart, index: int) -> F8:
     """T_entity_from_node of a node of a model that an entity shows, shape [4, 4]."""
     node = part.model.nodes[index]
     if index == part.node:
@@ -68,17 +67,17 @@ def model_matrix(part: ModelPart, index: int) -> Array:
     return own if node.parent is None else model_matrix(part, node.parent) @ own
 
 
-def local_matrix(transform: TransformSpec) -> Array:
+def local_matrix(transform: TransformSpec) -> F8:
     """T_parent_from_entity as a scene states it, shape [4, 4]."""
     return _compose(transform.translation, transform.rotation, transform.scale)
 
 
-def node_matrix(node: GltfNode) -> Array:
+def node_matrix(node: GltfNode) -> F8:
     """T_parent_from_node of a node of a model, shape [4, 4]."""
     return _compose(node.translation, node.rotation, node.scale)
 
 
-def _local_matrix(scene: Scene, entity: SceneEntity) -> Array:
+def _local_matrix(scene: Scene, entity: SceneEntity) -> F8:
     if entity.in_model and entity.parent is not None and entity.transform == TransformSpec():
         mesh = scene.entity(entity.parent).components.get("mesh")
         if isinstance(mesh, MeshComponent) and mesh.source is not None:
@@ -87,7 +86,7 @@ def _local_matrix(scene: Scene, entity: SceneEntity) -> Array:
     return local_matrix(entity.transform)
 
 
-def _compose(translation: Triple, rotation: tuple[float, ...], scale: Triple) -> Array:
+def _compose(translation: Triple, rotation: tuple[float, ...], scale: Triple) -> F8:
     from mimics_app.maths.mat import compose  # compiled: reading a scene without objects does not need it
 
     return compose(translation, rotation, scale)

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.components.visible import MeshComponent
 from mimics_app.world.scene.assets import ModelPart, find_in_model
 from mimics_app.world.scene.placing import local_matrix, node_matrix
@@ -16,7 +16,6 @@ from mimics_app.world.scene.scene import Scene, SceneEntity
 
 __all__ = ["ENOUGH", "spread_of_casters"]
 
-Array = NDArray[np.float64]
 
 _FLAT = 0.02
 """Height over width of a body that is taken for a floor: what lies flat casts a shadow on nothing."""
@@ -49,10 +48,10 @@ def _measure(scene: Scene) -> float:
     return spread
 
 
-def _points(scene: Scene) -> Iterator[Array]:
+def _points(scene: Scene) -> Iterator[F8]:
     """Corners of what casts shadows, world [m], [n, 3] each."""
     by_id = {entity.id: entity for entity in scene.entities}
-    matrices: dict[str, Array] = {}
+    matrices: dict[str, F8] = {}
     for entity in scene.entities:
         mesh = entity.components.get("mesh")
         if entity.in_model or not isinstance(mesh, MeshComponent) or not (mesh.visible and mesh.casts_shadow):
@@ -64,8 +63,8 @@ def _points(scene: Scene) -> Iterator[Array]:
             yield from _model_points(find_in_model(scene.assets, mesh.source), matrix)
 
 
-def _world_matrix(entity: SceneEntity, by_id: dict[str, SceneEntity], matrices: dict[str, Array]) -> Array:
-    """T_world_from_entity, [4, 4]; those found on the way are kept, so that every one is computed once."""
+def _world_matrix(entity: SceneEntity, by_id: dict[str, SceneEntity], matrices: dict[str, F8]) -> F8:
+    """T_world_from_entity, [4, 4]; those of parents are kept, so that every one is computed once."""
     chain = []
     step: SceneEntity | None = entity
     while step is not None and step.id not in matrices:
@@ -78,13 +77,13 @@ def _world_matrix(entity: SceneEntity, by_id: dict[str, SceneEntity], matrices: 
     return above
 
 
-def _model_points(part: ModelPart, world_from_entity: Array) -> Iterator[Array]:
+def _model_points(part: ModelPart, world_from_entity: F8) -> Iterator[F8]:
     """The same of a model's bodies."""
     model = part.model
     if part.mesh is not None:
         yield from _corners(part, part.mesh, world_from_entity)
         return
-    matrices: dict[int, Array] = {}
+    matrices: dict[int, F8] = {}
     for top in part.nodes if part.node is None else (part.node,):
         for index in model.subtree(top):
             node = model.nodes[index]
@@ -94,7 +93,7 @@ def _model_points(part: ModelPart, world_from_entity: Array) -> Iterator[Array]:
                 yield from _corners(part, node.mesh, matrices[index])
 
 
-def _corners(part: ModelPart, mesh: int, matrix: Array) -> Iterator[Array]:
+def _corners(part: ModelPart, mesh: int, matrix: F8) -> Iterator[F8]:
     """Corners of the boxes of a mesh's parts that are no floors."""
     for primitive in part.model.meshes[mesh].primitives:
         least, greatest = primitive.mesh.bounds

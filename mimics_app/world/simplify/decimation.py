@@ -12,12 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I8
 from mimics_app.world.simplify.edge_collapse import collapse, farthest
 
 __all__ = ["Decimated", "decimate"]
 
-F8 = NDArray[np.float64]
-I8 = NDArray[np.int64]
 
 _BORDER_WEIGHT = 10.0
 """Of the planes that stand on borders and seams, against those of triangles of the same area."""

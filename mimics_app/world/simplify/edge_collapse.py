@@ -7,12 +7,11 @@ import heapq
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I8
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["collapse", "farthest"]
 
-F8 = NDArray[np.float64]
-I8 = NDArray[np.int64]
 
 Edge = tuple[float, int, int, int, int]
 """An edge to collapse: its loss [m^2], from, to, and the stamps of both as it was queued."""
@@ -81,7 +80,7 @@ def collapse(
 
 @kernel
 def _push(heap: list[Edge], t: int, only: int, corners: I8, quadrics: F8, places: F8, stamps: I8) -> None:
-    """Queue a triangle's edges, both ways; of one corner only, or of all: -1."""
+    """Queue a triangle's edges, in both directions; of one corner only, or of all: -1."""
     for k in range(3):
         u, v = corners[t, k], corners[t, (k + 1) % 3]
         if only in (-1, u, v):

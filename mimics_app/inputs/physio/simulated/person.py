@@ -11,14 +11,14 @@ from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+
+from mimics_app.contracts.arrays import F8
 
 __all__ = ["FAMILIES", "Drive", "Family", "LatentPeople", "Traits", "draw_traits"]
 
-Floats = NDArray[np.float64]
 Family = Literal["linear", "saturating", "lagged", "blocked", "flipped"]
 FAMILIES: tuple[Family, ...] = ("linear", "saturating", "lagged", "blocked", "flipped")
-"""How the heart follows arousal: in proportion; up to a ceiling; late; hardly (beta blocker); the other way round."""
+"""How the heart follows arousal: in proportion; up to a ceiling; late; hardly (beta blocker); inverted."""
 
 _NON_RESPONDERS = 0.12
 """Share of people whose body does not show arousal; 10-15 % do not respond electrodermally (Dawson, Schell & Filion,
@@ -54,25 +54,25 @@ class Traits:
         habituation: Share of the amplitude left after ten minutes.
     """
 
-    skill: Floats
-    learning: Floats
-    heart_rest: Floats
-    heart_arousal: Floats
-    heart_effort: Floats
-    variability: Floats
-    breath_rest: Floats
-    conductance: Floats
-    responses: Floats
-    more_responses: Floats
-    response: Floats
-    delay_s: Floats
-    habituation: Floats
+    skill: F8
+    learning: F8
+    heart_rest: F8
+    heart_arousal: F8
+    heart_effort: F8
+    variability: F8
+    breath_rest: F8
+    conductance: F8
+    responses: F8
+    more_responses: F8
+    response: F8
+    delay_s: F8
+    habituation: F8
 
 
 def draw_traits(rng: np.random.Generator, n: int, family: Family = "linear", skill: float = 0.5) -> Traits:
     """People of a family around a mean skill; about one in eight does not respond."""
 
-    def normal(mean: float, deviation: float, low: float, high: float) -> Floats:
+    def normal(mean: float, deviation: float, low: float, high: float) -> F8:
         return np.clip(rng.normal(mean, deviation, n), low, high)
 
     responds = (rng.random(n) >= _NON_RESPONDERS).astype(float)
@@ -115,16 +115,16 @@ class Drive:
         motion: Speed of the hand [m/s], which shakes electrodes.
     """
 
-    heart_rate: Floats
-    variability: Floats
-    breath_rate: Floats
-    breath_depth: Floats
-    conductance: Floats
-    responses: Floats
-    response: Floats
-    muscle: Floats
-    fatigue: Floats
-    motion: Floats
+    heart_rate: F8
+    variability: F8
+    breath_rate: F8
+    breath_depth: F8
+    conductance: F8
+    responses: F8
+    response: F8
+    muscle: F8
+    fatigue: F8
+    motion: F8
 
     def one(self, i: int) -> Drive:
         """The drive of one person, still as arrays, of shape [1]."""
@@ -151,7 +151,7 @@ class LatentPeople:
         self._in_heart = np.zeros(n)
         self._seconds = 0.0
 
-    def step(self, seconds: float, demand: Floats, power: Floats, acting: Floats) -> None:
+    def step(self, seconds: float, demand: F8, power: F8, acting: F8) -> None:
         """Let time pass.
 
         Args:
@@ -174,7 +174,7 @@ class LatentPeople:
         self._in_heart += -np.expm1(-seconds / (4.0 + self.traits.delay_s)) * (self.arousal - self._in_heart)
         self._seconds += seconds
 
-    def drive(self, motion: Floats) -> Drive:
+    def drive(self, motion: F8) -> Drive:
         """What the signals follow now; `motion` is the speed of the hand [m/s], shape [n]."""
         traits, excited = self.traits, np.clip(self.arousal, 0.0, 1.0)
         felt = self._in_heart

@@ -9,13 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.inputs.physio.simulated.person import Drive
 
 __all__ = ["RATE", "SIGNALS", "Disturbance", "SignalGenerator", "Truth"]
 
-Floats = NDArray[np.float64]
 
 RATE = 1000
 """Samples per second."""
@@ -93,7 +92,7 @@ class SignalGenerator:
         self._coloured = np.zeros(2)
         self._off = 0
 
-    def second(self, drive: Drive) -> dict[str, Floats]:
+    def second(self, drive: Drive) -> dict[str, F8]:
         """The next second of each of SIGNALS, shape [RATE]; `drive` is of one person."""
         t = self.seconds + np.arange(RATE) / RATE
         breath = self._breathe(drive, t)
@@ -110,7 +109,7 @@ class SignalGenerator:
         self.seconds += 1
         return {"ecg": ecg, "gsr": gsr, "emg": emg, "resp": resp}
 
-    def _breathe(self, drive: Drive, t: Floats) -> Floats:
+    def _breathe(self, drive: Drive, t: F8) -> F8:
         """Breath in [-1, 1], in-breath shorter than out-breath; notes where an in-breath begins."""
         rate = float(drive.breath_rate[0]) / 60.0 * (1.0 + 0.06 * self._rng.standard_normal())
         phase = self._phase + 2.0 * np.pi * rate * np.arange(1, RATE + 1) / RATE
@@ -119,7 +118,7 @@ class SignalGenerator:
         self._phase = float(phase[-1])
         return -np.cos(phase + 0.35 * np.sin(phase))
 
-    def _heart(self, drive: Drive, t: Floats, breath: Floats) -> Floats:
+    def _heart(self, drive: Drive, t: F8, breath: F8) -> F8:
         """Beats of their shape, with baseline, mains and muscle."""
         while self._beats[-1][0] < t[-1] + 1.0:
             self._plan_beat(drive, float(breath[-1]))
@@ -160,7 +159,7 @@ class SignalGenerator:
         else:
             self._beats.append((last + step, False))
 
-    def _skin(self, drive: Drive, t: Floats) -> Floats:
+    def _skin(self, drive: Drive, t: F8) -> F8:
         """Tonic level and responses."""
         for _ in range(self._rng.poisson(float(drive.responses[0]) / 60.0)):
             onset = float(t[0] + self._rng.random())
@@ -179,7 +178,7 @@ class SignalGenerator:
         self._responses = [each for each in self._responses if each[0] > t[0] - 12.0 * _FALL_S]
         return gsr + self._bad.white * self._rng.standard_normal(RATE)
 
-    def _muscle(self, drive: Drive) -> Floats:
+    def _muscle(self, drive: Drive) -> F8:
         """Interference pattern [mV]; a tired muscle fires slower."""
         slow = 0.55 + 0.3 * float(drive.fatigue[0])
         noise = self._rng.standard_normal(RATE)
@@ -189,7 +188,7 @@ class SignalGenerator:
         activity = float(drive.muscle[0])
         return (0.004 + 0.25 * activity) * shaped + self._bad.white * 0.2 * self._rng.standard_normal(RATE)
 
-    def _motion(self, speed: float) -> Floats:
+    def _motion(self, speed: float) -> F8:
         """Low-frequency shaking of electrodes that goes with the hand's speed."""
         places = [self._shake]
         for kick in (self._rng.standard_normal(RATE // 50) * speed).tolist():
@@ -197,7 +196,7 @@ class SignalGenerator:
         self._shake = places[-1]
         return np.interp(np.arange(RATE) / 50.0, np.arange(len(places)), places)
 
-    def _lose_contact(self, *signals: Floats) -> None:
+    def _lose_contact(self, *signals: F8) -> None:
         """Seconds without contact come in runs."""
         if self._off == 0 and self._bad.lead_off > 0.0 and self._rng.random() < self._bad.lead_off / 4.0:
             self._off = 4
@@ -207,7 +206,7 @@ class SignalGenerator:
                 signal[:] = np.nan
 
 
-def _first_order(values: Floats, keep: float, last: float) -> tuple[Floats, float]:
+def _first_order(values: F8, keep: float, last: float) -> tuple[F8, float]:
     """Each output keeps a share of the one before and takes the rest from its input; the outputs and the last one."""
     from scipy.signal import lfilter  # takes its time to import: only who simulates a body pays for it
 

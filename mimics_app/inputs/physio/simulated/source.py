@@ -7,13 +7,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.messages import Experience, SignalBlock
 from mimics_app.inputs.physio.simulated.person import Drive, Family, LatentPeople, draw_traits
 from mimics_app.inputs.physio.simulated.signals import RATE, SIGNALS, Disturbance, SignalGenerator
 
 __all__ = ["PRESETS", "Preset", "SimulatedBody"]
-
-_SECOND = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,14 +69,14 @@ class SimulatedBody:
         """Samples up to now."""
         if self._start_ns is None:
             self._start_ns = now_ns
-        due = (now_ns - self._start_ns) * RATE // _SECOND
+        due = (now_ns - self._start_ns) * RATE // SECOND_NS
         blocks: list[SignalBlock] = []
         while self._taken < due:
             if self._taken % RATE == 0:
                 self._second = self._generator.second(self._live_a_second())
             begin = self._taken % RATE
             end = min(RATE, begin + due - self._taken)
-            t_ns = self._start_ns + self._taken * _SECOND // RATE
+            t_ns = self._start_ns + self._taken * SECOND_NS // RATE
             blocks += [SignalBlock(name, float(RATE), t_ns, self._second[name][begin:end]) for name in SIGNALS]
             self._taken += end - begin
         return tuple(blocks)

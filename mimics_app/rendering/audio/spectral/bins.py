@@ -14,8 +14,8 @@ from llvmlite import ir
 from numba import types
 from numba.core.cgutils import for_range, raw_memmove
 from numba.extending import intrinsic, overload
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.audio.spectral.fourier import BINS, address_of
 from mimics_app.rendering.audio.spectral.lanes import (
     ADDRESS,
@@ -30,7 +30,6 @@ from mimics_app.rendering.audio.spectral.lanes import (
 
 __all__ = ["DELAY_ROW", "ROWS", "add_heard", "add_moving", "move", "set_shaped"]
 
-Floats = NDArray[np.float32]
 Heard: TypeAlias = tuple[float, int, int]
 Shape: TypeAlias = tuple[float, float]
 
@@ -44,14 +43,12 @@ _PART = BYTES * BINS  # bytes of real or of imaginary parts
 _STEP = BYTES * WIDTH
 
 
-def move(target: Floats, at: int, source: Floats, of: int, count: int) -> None:
+def move(target: F4, at: int, source: F4, of: int, count: int) -> None:
     """Copy `count` numbers from place `of` of one array to place `at` of another or of the same one."""
     target[at : at + count] = source[of : of + count].copy()
 
 
-def add_heard(
-    spectrum: Floats, shelves: Floats, shape: Shape, cells: Floats, delays: Floats, heard: Heard, sums: Floats, row: int
-) -> None:
+def add_heard(spectrum: F4, shelves: F4, shape: Shape, cells: F4, delays: F4, heard: Heard, sums: F4, row: int) -> None:
     """Add a voice to both ears.
 
     Args:
@@ -77,21 +74,21 @@ def add_heard(
 
 
 def add_moving(
-    spectrum: Floats,
-    shelves: Floats,
+    spectrum: F4,
+    shelves: F4,
     shape: Shape,
-    cells: Floats,
-    delays: Floats,
+    cells: F4,
+    delays: F4,
     before: Heard,
     after: Heard,
-    sums: Floats,
+    sums: F4,
 ) -> None:
     """Add a voice as it was heard to row 1 of `sums`, and as it is heard now to row 2; the rest as of `add_heard`."""
     add_heard(spectrum, shelves, shape, cells, delays, before, sums, 1)
     add_heard(spectrum, shelves, shape, cells, delays, after, sums, 2)
 
 
-def set_shaped(spectrum: Floats, shelves: Floats, gain: float, shape: Shape, shaped: Floats) -> None:
+def set_shaped(spectrum: F4, shelves: F4, gain: float, shape: Shape, shaped: F4) -> None:
     """Set `shaped`, [2 * BINS], to a spectrum through a shape and a gain; the rest as of `add_heard`."""
     low, turn, high, twist = shelves.reshape(4, BINS)
     curve = (1.0 + shape[0] * (low + 1j * turn)) * (1.0 + shape[1] * (high + 1j * twist))

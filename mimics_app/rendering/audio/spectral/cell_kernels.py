@@ -5,17 +5,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, F8, Words
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.audio.spectral.fourier import BINS
 from mimics_app.rendering.audio.spectral.lanes import WIDTH
 
 __all__ = ["Cells", "add_blended", "cell_of", "fill_cell", "find_nearest"]
 
-Floats = NDArray[np.float32]
-Numbers = NDArray[np.float64]
-Words = NDArray[np.int64]
 
 NEIGHBOURS = 4
 """Measured directions that a cell is blended from."""
@@ -50,15 +47,15 @@ class Cells(NamedTuple):
 
     filled: Words
     rows: Words
-    directions: Numbers
-    measured: Floats
-    spectra: Floats
-    halves: Numbers
-    weights: Numbers
+    directions: F8
+    measured: F4
+    spectra: F4
+    halves: F8
+    weights: F8
 
 
 @kernel
-def find_nearest(point: Numbers, directions: Numbers, index: Words, weight: Numbers) -> None:
+def find_nearest(point: F8, directions: F8, index: Words, weight: F8) -> None:
     """The nearest directions and their shares, which fall with the square of the angle; one that is met has all."""
     weight[:] = np.inf
     for n in range(directions.shape[0]):
@@ -84,7 +81,7 @@ def find_nearest(point: Numbers, directions: Numbers, index: Words, weight: Numb
 
 
 @kernel
-def add_blended(points: Numbers, directions: Numbers, values: Numbers, field: Numbers) -> None:
+def add_blended(points: F8, directions: F8, values: F8, field: F8) -> None:
     """Add to `field`, shape [m], the values of the directions nearest to each point."""
     index, weight = np.zeros(NEIGHBOURS, np.int64), np.zeros(NEIGHBOURS)
     for m in range(points.shape[0]):
@@ -125,7 +122,7 @@ def fill_cell(cell: int, azimuth: float, elevation: float, cells: Cells) -> None
 
 
 @kernel
-def _own_delay(spectra: Floats, weights: Numbers) -> float:
+def _own_delay(spectra: F4, weights: F8) -> float:
     """Delay of the left ear behind the right [samples]: the peak of the correlation of the low bins."""
     delay, most = 0.0, -np.inf
     for whole in range(-_REACH, _REACH + 1, _COARSE):
@@ -140,7 +137,7 @@ def _own_delay(spectra: Floats, weights: Numbers) -> float:
 
 
 @kernel
-def _correlation(spectra: Floats, weights: Numbers, delay: float) -> tuple[float, float, float]:
+def _correlation(spectra: F4, weights: F8, delay: float) -> tuple[float, float, float]:
     """Correlation of the ears at a delay [samples], its slope and its bend."""
     step = np.pi / BINS
     height, slope, bend = 0.0, 0.0, 0.0

@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.audio.spectral.head import HeadResponses, directions_from_angles
 
 __all__ = ["compute_head", "sphere_response"]
 
-Floats = NDArray[np.float64]
 
 SOUND_SPEED = 343.0
 """[m/s] at 20 degrees C."""
@@ -57,7 +57,7 @@ def compute_head(width: float, rate: int = 48_000) -> HeadResponses:
     return HeadResponses(directions, responses, float(rate), f"computed head, {1e3 * width:.0f} mm wide")
 
 
-def sphere_response(frequency: Floats, incidence: Floats, radius: float) -> NDArray[np.complex128]:
+def sphere_response(frequency: F8, incidence: F8, radius: float) -> NDArray[np.complex128]:
     """Pressure at a point of a rigid sphere over that of a free plane wave at its middle, delays as exp(-i w t).
 
     Args:
@@ -86,7 +86,7 @@ def sphere_response(frequency: Floats, incidence: Floats, radius: float) -> NDAr
     return np.conj(1j / size**2 * total)
 
 
-def _grid() -> tuple[Floats, Floats]:
+def _grid() -> tuple[F8, F8]:
     """Azimuth and elevation [rad] of points over the whole ball, 5 degrees apart or less."""
     rings = []
     for elevation in np.arange(-90.0, 90.1, _STEP_DEG):
@@ -96,7 +96,7 @@ def _grid() -> tuple[Floats, Floats]:
     return (azimuth + np.pi) % (2.0 * np.pi) - np.pi, elevation_all
 
 
-def _interpolated(around: NDArray[np.complex128], incidence: Floats, angle: Floats) -> NDArray[np.complex128]:
+def _interpolated(around: NDArray[np.complex128], incidence: F8, angle: F8) -> NDArray[np.complex128]:
     place = np.interp(angle, incidence, np.arange(len(incidence)))
     low = np.minimum(place.astype(np.int64), len(incidence) - 2)
     share = (place - low)[:, None]
@@ -104,7 +104,7 @@ def _interpolated(around: NDArray[np.complex128], incidence: Floats, angle: Floa
     return blend
 
 
-def _pinna(frequency: Floats, azimuth: Floats, elevation: Floats) -> NDArray[np.complex128]:
+def _pinna(frequency: F8, azimuth: F8, elevation: F8) -> NDArray[np.complex128]:
     """Direct sound and its echoes in the outer ear, shape [n, bins]; azimuth towards the ear's own side."""
     total = np.ones((len(azimuth), len(frequency)), np.complex128)
     towards = np.abs((azimuth - np.pi / 2.0 + np.pi) % (2.0 * np.pi) - np.pi)  # away from the ear's axis

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 from numba import types
 from numba.extending import intrinsic, overload
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.audio.spectral.lanes import (
     ADDRESS,
     BYTES,
@@ -38,8 +38,6 @@ _PADDED = BINS + WIDTH  # numbers of a row of parts, the first ones once more be
 WORK = 2 * _PADDED
 """Numbers of scratch that a transform needs."""
 
-Samples = NDArray[np.float32]
-
 
 @intrinsic
 def address_of(typingctx, array):
@@ -52,7 +50,7 @@ def address_of(typingctx, array):
     return ADDRESS(array), codegen
 
 
-def turns_of() -> Samples:
+def turns_of() -> F4:
     """What a transform turns by, [4 * BINS]: cos and -sin between the columns, cos and -sin of the unfolding."""
     row, column = np.divmod(np.arange(BINS), WIDTH)
     between, unfold = 2.0 * np.pi * row * column / BINS, 2.0 * np.pi * np.arange(BINS) / SIZE
@@ -60,7 +58,7 @@ def turns_of() -> Samples:
     return aligned(turns)
 
 
-def real_spectrum(samples: Samples, at: int, turns: Samples, spectrum: Samples) -> None:
+def real_spectrum(samples: F4, at: int, turns: F4, spectrum: F4) -> None:
     """Spectrum of a block.
 
     Args:
@@ -81,7 +79,7 @@ def _overload_real_spectrum(samples, at, turns, spectrum):
     return machine
 
 
-def real_block(spectrum: Samples, turns: Samples, work: Samples, block: Samples) -> None:
+def real_block(spectrum: F4, turns: F4, work: F4, block: F4) -> None:
     """The block of a spectrum.
 
     Args:

@@ -8,11 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from mimics_app.contracts.arrays import F8
 
 __all__ = ["HeadResponses", "delays_between_ears", "directions_from_angles"]
 
-Floats = NDArray[np.float64]
 
 LOW_PASS = 1500.0
 """Above it the ear does not use the delay of the waves themselves [Hz]."""
@@ -29,19 +29,19 @@ class HeadResponses:
         name: For people.
     """
 
-    directions: Floats
-    responses: Floats
+    directions: F8
+    responses: F8
     rate: float
     name: str
 
 
-def directions_from_angles(azimuth: Floats, elevation: Floats) -> Floats:
+def directions_from_angles(azimuth: F8, elevation: F8) -> F8:
     """Unit vectors, shape [n, 3], from azimuth to the right and elevation upwards [rad], shape [n]."""
     level = np.cos(elevation)
     return np.stack((level * np.sin(azimuth), np.sin(elevation), -level * np.cos(azimuth)), axis=-1)
 
 
-def delays_between_ears(responses: Floats, rate: float) -> Floats:
+def delays_between_ears(responses: F8, rate: float) -> F8:
     """How much later the left ear hears [s], by correlation below 1.5 kHz, shape [n] of responses [n, 2, taps].
 
     The peak is sought at an eighth of a sample and set by the parabola through its neighbours: to 0.1 us.

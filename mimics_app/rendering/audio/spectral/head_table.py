@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.audio.spectral.bins import ROWS
 from mimics_app.rendering.audio.spectral.cell_kernels import Cells, add_blended
 from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE, turns_of
@@ -22,7 +23,6 @@ from mimics_app.rendering.audio.spectral.mix_kernels import Tables
 
 __all__ = ["BASE_DELAY", "DELAYS_PER_SAMPLE", "DRY", "FIRST_CELL", "HeadTable", "build_head_table", "half_delay_rows"]
 
-Floats = NDArray[np.float64]
 
 BASE_DELAY = 40
 """Samples by which the middle of the head hears later than the sound starts: the nearer ear is before that by half of
@@ -59,7 +59,7 @@ class HeadTable:
 
     tables: Tables
     cells: Cells
-    delays: Floats
+    delays: F8
     name: str
 
 
@@ -95,7 +95,7 @@ def build_head_table(head: HeadResponses, rate: int, taps: int = TAPS) -> HeadTa
     return HeadTable(tables, low, _delay_grid(head.directions, 0.5 * rate * delays), head.name)
 
 
-def _edge() -> Floats:
+def _edge() -> F8:
     """Fades the last quarter of the spectrum: a delay of parts of a sample would ring on at the highest tone."""
     share = np.clip((np.arange(BINS) / BINS - _EDGE) / (1.0 - _EDGE), 0.0, 1.0)
     return np.asarray(0.5 + 0.5 * np.cos(np.pi * share))
@@ -112,7 +112,7 @@ def _flat(pair: NDArray[np.complex128]) -> NDArray[np.float32]:
     return parts.transpose(1, 0, 2).astype(np.float32).reshape(-1)
 
 
-def _minimum_phase(head: HeadResponses, rate: int, taps: int) -> Floats:
+def _minimum_phase(head: HeadResponses, rate: int, taps: int) -> F8:
     """Responses of the same magnitude that answer as early as can be, at `rate`, shape [n, 2, taps], level set to 1."""
     size = 2048
     own = np.fft.rfftfreq(2 * size, 1.0 / head.rate)
@@ -154,7 +154,7 @@ def _shelf_rows(rate: int) -> NDArray[np.float32]:
     return aligned(np.stack((u * u / (1.0 + u * u), u / (1.0 + u * u)), axis=1))
 
 
-def _delay_grid(directions: Floats, delays: Floats) -> Floats:
+def _delay_grid(directions: F8, delays: F8) -> F8:
     """A smooth field through the delays of some directions, on the grid of `HeadTable.delays`.
 
     Polynomials over the ball (as many as an eighth of the directions carry, to the eighth degree) take what is smooth;
@@ -174,7 +174,7 @@ def _delay_grid(directions: Floats, delays: Floats) -> Floats:
     return field.reshape(len(elevation), len(azimuth))
 
 
-def _polynomials(points: Floats, degree: int) -> Floats:
+def _polynomials(points: F8, degree: int) -> F8:
     """All products x^i y^j z^k with i + j + k up to a degree and k at most 1: a basis of the functions on a ball."""
     x, y, z = points.T
     return np.stack(

@@ -10,8 +10,8 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, F8, Words
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.audio.spectral.bins import add_heard, add_moving, move, set_shaped
@@ -21,10 +21,6 @@ __all__ = ["BLOCK", "SCRATCH", "Bank", "State", "Tables", "Voices", "add_blocks"
 
 BLOCK = 240
 """Most new samples at once, 5 ms at 48 kHz; responses may be SIZE - BLOCK + 1 long."""
-
-Floats = NDArray[np.float32]
-Numbers = NDArray[np.float64]
-Words = NDArray[np.int64]
 
 
 SCRATCH = 4 * BINS
@@ -50,7 +46,7 @@ class Bank(NamedTuple):
         loops: 1 where it starts again.
     """
 
-    samples: Floats
+    samples: F4
     begin: Words
     length: Words
     loops: Words
@@ -75,14 +71,14 @@ class Voices(NamedTuple):
 
     sound: Words
     wait: Words
-    cursor: Numbers
-    pitch: Numbers
+    cursor: F8
+    pitch: F8
     cell: Words
     half: Words
-    bands: Floats
+    bands: F4
     changed: Words
-    history: Floats
-    pan: Floats
+    history: F4
+    pan: F4
 
 
 class Tables(NamedTuple):
@@ -96,10 +92,10 @@ class Tables(NamedTuple):
         turns: Of `fourier.turns_of`.
     """
 
-    cells: Floats
-    delays: Floats
-    shelves: Floats
-    turns: Floats
+    cells: F4
+    delays: F4
+    shelves: F4
+    turns: F4
 
 
 @kernel
@@ -125,9 +121,7 @@ def _take(voices: Voices, v: int, bank: Bank, frames: int) -> None:
 
 
 @kernel
-def _read(
-    samples: Floats, begin: int, length: int, loops: int, cursor: int, history: Floats, place: int, end: int
-) -> int:
+def _read(samples: F4, begin: int, length: int, loops: int, cursor: int, history: F4, place: int, end: int) -> int:
     """Fill a history from `place` to `end` with samples of a sound from `cursor` on; where it goes on."""
     while place < end:
         if loops == 1:
@@ -143,14 +137,14 @@ def _read(
 
 @kernel
 def _read_bent(
-    samples: Floats,
+    samples: F4,
     begin: int,
     length: int,
     loops: int,
     cursor: float,
     pitch: float,
     turn: float,
-    history: Floats,
+    history: F4,
     place: int,
     end: int,
 ) -> float:
@@ -186,7 +180,7 @@ def _between(a: float, b: float, c: float, d: float, share: float) -> float:
 
 
 @kernel
-def _sample(samples: Floats, begin: int, length: int, loops: int, k: int) -> float:
+def _sample(samples: F4, begin: int, length: int, loops: int, k: int) -> float:
     """Sample k of a sound; beyond its ends silence, or what a loop has there."""
     if loops == 1:
         return samples[begin + k % length]
@@ -194,9 +188,7 @@ def _sample(samples: Floats, begin: int, length: int, loops: int, k: int) -> flo
 
 
 @kernel
-def mix_for_ears(
-    voices: Voices, order: Words, bank: Bank, tables: Tables, frames: int, scratch: Floats, sums: Floats
-) -> None:
+def mix_for_ears(voices: Voices, order: Words, bank: Bank, tables: Tables, frames: int, scratch: F4, sums: F4) -> None:
     """A block of all sounding voices for two ears.
 
     Args:
@@ -242,7 +234,7 @@ def _settle(voices: Voices, v: int) -> None:
 
 @kernel
 def mix_for_speakers(
-    voices: Voices, order: Words, bank: Bank, tables: Tables, frames: int, scratch: Floats, sums: Floats
+    voices: Voices, order: Words, bank: Bank, tables: Tables, frames: int, scratch: F4, sums: F4
 ) -> None:
     """A block of all sounding voices for loudspeakers or spherical harmonics: one filter each, a gain per channel.
 
@@ -275,14 +267,14 @@ def mix_for_speakers(
 
 
 @kernel
-def _add_scaled(spectrum: Floats, gain: float, sums: Floats, at: int) -> None:
+def _add_scaled(spectrum: F4, gain: float, sums: F4, at: int) -> None:
     scale = np.float32(gain)
     for k in range(2 * BINS):
         sums[at + k] += scale * spectrum[k]
 
 
 @kernel
-def add_blocks(sums: Floats, turns: Floats, rise: Floats, out: Floats) -> None:
+def add_blocks(sums: F4, turns: F4, rise: F4, out: F4) -> None:
     """Add the blocks of sums to a mix.
 
     Args:

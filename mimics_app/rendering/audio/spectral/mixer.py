@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, Vec3
 from mimics_app.contracts.audio_port import Heard, Start, Timing, frame_at
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.settings import AudioSettings, Speakers
@@ -43,8 +44,6 @@ from mimics_app.rendering.audio.spectral.voice_store import VoiceStore, pack_ban
 
 __all__ = ["SpectralMixer"]
 
-Vec3 = tuple[float, float, float]
-Floats = NDArray[np.float32]
 
 _SPARE = 16
 """Rows beyond the voices requested, where stolen ones fade out."""
@@ -147,7 +146,7 @@ class SpectralMixer:
         """Frames before what is filled: none, as a sound begins a constant time after its event."""
         return 0
 
-    def fill(self, handle: int, begin: int, samples: Floats) -> None:
+    def fill(self, handle: int, begin: int, samples: F4) -> None:
         """Set samples of a sound that plays, from its sample `begin` on; what is beyond its end is left out."""
         voice = self._store.row_of(handle)
         if voice is not None:
@@ -155,7 +154,7 @@ class SpectralMixer:
             first, end = self._bank.begin[sound] + begin, self._bank.begin[sound] + self._bank.length[sound]
             self._bank.samples[first : min(first + len(samples), end)] = samples[: max(0, end - first)]
 
-    def render(self, frames: int) -> Floats:
+    def render(self, frames: int) -> F4:
         """Mix the next frames, shape [frames, channels], not limited to full scale."""
         out = np.zeros((frames, self.channels), np.float32)
         pieces = -(-frames // BLOCK)
@@ -199,7 +198,7 @@ class SpectralMixer:
         elif self._store.state[voice] == State.PLAYING:
             self._store.state[voice] = State.FADING
 
-    def _mix(self, out: Floats) -> None:
+    def _mix(self, out: F4) -> None:
         """One block, at most BLOCK frames."""
         frames, store = len(out), self._store
         rows = store.begin_block(self.position, frames)
@@ -217,13 +216,13 @@ class SpectralMixer:
         if self._speakers is not None:
             self._speakers.pan(rows, store.places, store.voices)
 
-    def _add_filtered(self, rows: NDArray[np.int64], out: Floats) -> None:
+    def _add_filtered(self, rows: NDArray[np.int64], out: F4) -> None:
         """Add the block of all voices."""
         mix, tables = mix_for_speakers if self._speakers is not None else mix_for_ears, self._table.tables
         mix(self._store.voices, rows, self._bank, tables, len(out), self._scratch, self._sums)
         add_blocks(self._sums, tables.turns, _rise(len(out)), out)
 
-    def _for_room(self, rows: NDArray[np.int64], frames: int) -> Floats | None:
+    def _for_room(self, rows: NDArray[np.int64], frames: int) -> F4 | None:
         """What is sent into the room, one channel; None where there is none to answer."""
         if not self._room.sounds or len(rows) == 0:
             return None
@@ -232,7 +231,7 @@ class SpectralMixer:
         sent = (store.places.heard[world] * store.reverb[world]).astype(np.float32)
         return np.asarray(sent @ store.history[world, SIZE - frames :], np.float32)
 
-    def _apply_master(self, out: Floats) -> None:
+    def _apply_master(self, out: F4) -> None:
         if self._master == self._master_now == 1.0:
             return
         rise = _rise(len(out))[:, None]
@@ -240,10 +239,10 @@ class SpectralMixer:
         self._master_now = self._master
 
 
-_RISES: dict[int, Floats] = {}
+_RISES: dict[int, F4] = {}
 
 
-def _rise(frames: int) -> Floats:
+def _rise(frames: int) -> F4:
     """From 0 to 1 without a corner, shape [frames]."""
     if frames not in _RISES:
         _RISES[frames] = (0.5 - 0.5 * np.cos(np.pi * (np.arange(frames) + 0.5) / frames)).astype(np.float32)

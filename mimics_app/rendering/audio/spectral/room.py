@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, Words
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["Room"]
 
-Floats = NDArray[np.float32]
-Words = NDArray[np.int64]
 
 _LINES_MS = (23.3, 27.1, 31.7, 35.9, 39.1, 43.7, 47.3, 53.9)
 """Delays [ms], without a common divisor in samples: echoes of a room of 8 to 18 m."""
@@ -48,7 +46,7 @@ class Room:
         self._level = float(level)
         self._feedback[:] = 10.0 ** (-3.0 * self._lengths / (self._rate * max(seconds, 0.05)))
 
-    def add(self, sent: Floats | None, out: Floats) -> None:
+    def add(self, sent: F4 | None, out: F4) -> None:
         """Add the answer to a block to the mix.
 
         Args:
@@ -63,7 +61,7 @@ class Room:
         self._level_now = self._level
 
 
-def _signs(channels: int) -> Floats:
+def _signs(channels: int) -> F4:
     """Rows of a Hadamard matrix: channels that share every line and have nothing in common, shape [channels, lines]."""
     lines = len(_LINES_MS)
     signs = [[(-1.0) ** (line & channel).bit_count() for line in range(lines)] for channel in range(channels)]
@@ -72,15 +70,15 @@ def _signs(channels: int) -> Floats:
 
 @kernel
 def _answer(
-    sent: Floats,
-    lines: Floats,
+    sent: F4,
+    lines: F4,
     lengths: Words,
     place: Words,
-    last: Floats,
-    feedback: Floats,
-    spread: Floats,
-    gains: Floats,
-    out: Floats,
+    last: F4,
+    feedback: F4,
+    spread: F4,
+    gains: F4,
+    out: F4,
 ) -> None:
     """A block of the feedback delay network; the matrix is 1 - 2/n of all ones (Householder)."""
     count, frames = lines.shape[0], sent.shape[0]

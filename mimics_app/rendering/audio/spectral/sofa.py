@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.rendering.audio.spectral.head import HeadResponses, directions_from_angles
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 __all__ = ["read_sofa"]
 
-Floats = NDArray[np.float64]
 
 _RATES = (8_000.0, 384_000.0)
 _TAPS = (16, 16_384)
@@ -77,7 +76,7 @@ def _check_convention(path: Path, file: h5py.File) -> None:
         raise _refused(path, "has no impulse responses (Data.IR)", "export it as SimpleFreeFieldHRIR")
 
 
-def _array(path: Path, file: h5py.File, name: str) -> Floats:
+def _array(path: Path, file: h5py.File, name: str) -> F8:
     """A variable as numbers.
 
     Raises:
@@ -91,7 +90,7 @@ def _array(path: Path, file: h5py.File, name: str) -> Floats:
         raise _refused(path, f"{name} holds no numbers", "export it again") from error
 
 
-def _angles(path: Path, variable: h5py.Dataset, position: Floats) -> Floats:
+def _angles(path: Path, variable: h5py.Dataset, position: F8) -> F8:
     """Azimuth to the right and elevation [rad], shape [n, 2], of spherical (degrees, leftwards) or cartesian places."""
     if position.ndim != 2 or position.shape[1] != 3 or not np.isfinite(position).all():
         raise _refused(path, "SourcePosition is not three finite numbers for each direction", "export it again")
@@ -101,7 +100,7 @@ def _angles(path: Path, variable: h5py.Dataset, position: Floats) -> Floats:
     return np.radians(np.stack((-position[:, 0], np.clip(position[:, 1], -90.0, 90.0)), axis=1))
 
 
-def _check_responses(path: Path, responses: Floats, directions: int, rate: float) -> None:
+def _check_responses(path: Path, responses: F8, directions: int, rate: float) -> None:
     if not (np.isfinite(rate) and _RATES[0] <= rate <= _RATES[1]):
         raise _refused(path, f"has a sampling rate of {rate:g} Hz", "heads are measured at 44,100 or 48,000 Hz")
     if responses.ndim != 3 or responses.shape[1] != 2:
@@ -118,7 +117,7 @@ def _check_responses(path: Path, responses: Floats, directions: int, rate: float
         raise _refused(path, f"is silent in an ear in direction {at}", "measure or export it again")
 
 
-def _check_coverage(path: Path, directions: Floats) -> None:
+def _check_coverage(path: Path, directions: F8) -> None:
     """Directions all around, or a sound would come from where nobody put it."""
     azimuth = np.radians(np.arange(0.0, 360.0, 15.0))
     ring = directions_from_angles(azimuth, np.zeros_like(azimuth))

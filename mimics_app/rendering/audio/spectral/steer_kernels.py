@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, Words
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.audio.spectral.cell_kernels import Cells, cell_of, fill_cell
@@ -18,8 +18,6 @@ from mimics_app.rendering.audio.spectral.mix_kernels import State, Voices
 
 __all__ = ["CONE", "EXPONENTIAL", "INVERSE", "LINEAR", "Head", "Places", "pan_harmonics", "pan_pair", "steer"]
 
-Numbers = NDArray[np.float64]
-Words = NDArray[np.int64]
 
 INVERSE, LINEAR, EXPONENTIAL = 0, 1, 2
 """How level falls with distance."""
@@ -65,10 +63,10 @@ class Head(NamedTuple):
         steps: Rows of the table of delays per sample, and on each side of none, shape [2].
     """
 
-    position: Numbers
-    moving: Numbers
-    axes: Numbers
-    delays: Numbers
+    position: F8
+    moving: F8
+    axes: F8
+    delays: F8
     cells: Cells
     steps: Words
 
@@ -95,24 +93,24 @@ class Places(NamedTuple):
     """
 
     relative: Words
-    position: Numbers
-    velocity: Numbers
-    forward: Numbers
+    position: F8
+    velocity: F8
+    forward: F8
     state: Words
-    authored: Numbers
-    level_set: Numbers
+    authored: F8
+    level_set: F8
     bus: Words
-    passes: Numbers
+    passes: F8
     model: Words
-    fall: Numbers
-    cone: Numbers
-    doppler: Numbers
-    heard: Numbers
-    direction: Numbers
+    fall: F8
+    cone: F8
+    doppler: F8
+    heard: F8
+    direction: F8
 
 
 @kernel
-def steer(order: Words, places: Places, buses: Numbers, voices: Voices, head: Head) -> None:
+def steer(order: Words, places: Places, buses: F8, voices: Voices, head: Head) -> None:
     """Set cell, delay, bands and pitch of some voices for the next block, and whether they changed.
 
     Args:
@@ -147,14 +145,14 @@ def steer(order: Words, places: Places, buses: Numbers, voices: Voices, head: He
 
 
 @kernel
-def _offset(position: Numbers, v: int, head: Numbers) -> tuple[float, float, float, float]:
+def _offset(position: F8, v: int, head: F8) -> tuple[float, float, float, float]:
     """From the head to a voice, and how far."""
     x, y, z = position[v, 0] - head[0], position[v, 1] - head[1], position[v, 2] - head[2]
     return x, y, z, np.sqrt(x * x + y * y + z * z)
 
 
 @kernel
-def _along(vectors: Numbers, v: int, x: float, y: float, z: float) -> float:
+def _along(vectors: F8, v: int, x: float, y: float, z: float) -> float:
     return vectors[v, 0] * x + vectors[v, 1] * y + vectors[v, 2] * z
 
 
@@ -194,7 +192,7 @@ def _pitch(towards: float, away: float, doppler: float) -> float:
 
 
 @kernel
-def _find(x: float, y: float, z: float, distance: float, head: Head, direction: Numbers, v: int) -> tuple[int, int]:
+def _find(x: float, y: float, z: float, distance: float, head: Head, direction: F8, v: int) -> tuple[int, int]:
     """Direction of an offset in the head's axes, ahead for what is inside the head: its cell and its row of delays."""
     axes = head.axes
     if distance < _NEAREST:
@@ -213,7 +211,7 @@ def _find(x: float, y: float, z: float, distance: float, head: Head, direction: 
 
 
 @kernel
-def _half_delay(azimuth: float, elevation: float, grid: Numbers) -> float:
+def _half_delay(azimuth: float, elevation: float, grid: F8) -> float:
     """The grid of delays, blended between its four nearest points."""
     y = (np.degrees(elevation) + _LOWEST) / 2.0
     x = (np.degrees(azimuth) + _LEFTMOST) / 2.0
@@ -247,7 +245,7 @@ def _kept(own: float, share: float, level: float) -> float:
 
 
 @kernel
-def pan_pair(order: Words, places: Places, voices: Voices, angles: Numbers, channels: Words, folded: bool) -> None:
+def pan_pair(order: Words, places: Places, voices: Voices, angles: F8, channels: Words, folded: bool) -> None:
     """Gains of loudspeakers: the two beside the direction share the power (Pulkki 1997).
 
     Args:

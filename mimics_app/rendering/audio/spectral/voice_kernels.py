@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Words
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.audio.spectral.fourier import SIZE
 from mimics_app.rendering.audio.spectral.mix_kernels import Bank, State, Voices
 
 __all__ = ["begin_voices", "end_voices"]
-
-Words = NDArray[np.int64]
 
 
 _SCHEDULED, _PLAYING, _FADING = int(State.SCHEDULED), int(State.PLAYING), int(State.FADING)

@@ -15,9 +15,7 @@ is kept for demonstration. Damping is not printed either; against a hand that st
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import AdmittanceForm
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.kinematics import (
@@ -28,11 +26,6 @@ from mimics_app.rendering.haptic.kernels.kinematics import (
 from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, norm, scale
 
 __all__ = ["acceleration_cartesian", "acceleration_polar", "acceleration_seed", "admit", "limit_motion"]
-
-Vec = NDArray[np.float64]
-
-_SEED = int(AdmittanceForm.SEED)
-_CARTESIAN = int(AdmittanceForm.CARTESIAN)
 
 
 @kernel
@@ -104,7 +97,7 @@ def admit(
         v: Velocity of the mass, robot frame [m/s]; state of the Cartesian form, output of the others.
         dq: Joint velocities; state of the polar and seed forms, output of the Cartesian one.
     """
-    if form == _CARTESIAN:
+    if form == AdmittanceForm.CARTESIAN:
         acceleration_cartesian(q, f, mass, scratch)
         for i in range(3):
             scratch[i] -= damping / mass * v[i]
@@ -114,7 +107,7 @@ def admit(
         clamp_norm(v, max_velocity)
         apply_inverse_jacobian(q, d1, v, dq)
         return
-    if form == _SEED:
+    if form == AdmittanceForm.SEED:
         acceleration_seed(q, f, mass, d1, scratch)
     else:
         acceleration_polar(q, dq, f, mass, d1, scratch)

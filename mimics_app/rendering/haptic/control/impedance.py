@@ -11,15 +11,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import clamp_norm
 
 __all__ = ["draw_along", "draw_joints"]
-
-Vec = NDArray[np.float64]
 
 
 @kernel

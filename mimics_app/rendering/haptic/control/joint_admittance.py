@@ -12,9 +12,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import Kin
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_fields import MAX_JOINTS
@@ -26,8 +24,6 @@ if TYPE_CHECKING:
     from mimics_app.contracts.record_types import JointWorkRecord, SceneRecord, StateRecord, Table
 
 __all__ = ["admit_joints"]
-
-Vec = NDArray[np.float64]
 
 
 @kernel

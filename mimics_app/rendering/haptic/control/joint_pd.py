@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["joint_pd", "joint_pd_as_printed"]
-
-Vec = NDArray[np.float64]
 
 
 @kernel

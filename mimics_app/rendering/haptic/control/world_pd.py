@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import Kin, KinematicsStatus
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd
@@ -18,7 +16,6 @@ if TYPE_CHECKING:
 
 __all__ = ["world_pd_straight", "world_pd_through_joints"]
 
-Vec = NDArray[np.float64]
 
 _UNREACHABLE = int(KinematicsStatus.UNREACHABLE)
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import (
     KINEMATICS,
     DeviceDescriptor,
@@ -19,7 +17,6 @@ from mimics_app.rendering.haptic.kernels import kinematics
 
 __all__ = ["HAPTICMASTER", "axis_offset"]
 
-Vec = NDArray[np.float64]
 
 _DONE = int(KinematicsStatus.DONE)
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import KINEMATICS, DeviceDescriptor, Joint, Kinematics, KinematicsStatus
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.rendering.haptic.kernels.leg_kinematics import (
@@ -23,7 +21,6 @@ from mimics_app.rendering.haptic.kernels.leg_kinematics import (
 
 __all__ = ["LEG", "LEGS", "LENGTHS"]
 
-Vec = NDArray[np.float64]
 
 LENGTHS = {"thigh": 0.43, "shank": 0.50, "foot": 0.12, "hip_width": 0.20}
 """Usual lengths [m], settings of the robot by these names: of a person of 1.75 m (Winter's table: thigh 0.245, shank

@@ -9,13 +9,12 @@ behind it are cut off.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import U1
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["read_number", "write_fixed", "write_whole"]
 
-Bytes = NDArray[np.uint8]
 
 _ZERO, _NINE = ord("0"), ord("9")
 _MINUS, _PLUS, _POINT = ord("-"), ord("+"), ord(".")
@@ -40,7 +39,7 @@ _NEAR_OVERFLOW = 1e300
 
 
 @kernel
-def write_whole(value: int, text: Bytes, at: int) -> int:
+def write_whole(value: int, text: U1, at: int) -> int:
     """A whole number, not negative, into text[at:]; where it ends."""
     size = 1
     rest = value // _TEN
@@ -54,7 +53,7 @@ def write_whole(value: int, text: Bytes, at: int) -> int:
 
 
 @kernel
-def write_fixed(value: float, decimals: int, text: Bytes, at: int) -> int:
+def write_fixed(value: float, decimals: int, text: U1, at: int) -> int:
     """A number with a fixed count of decimals (0 to 9), rounded half up, into text[at:]; where it ends.
 
     Nothing finite is larger than 9e12 here; what is, or is not finite, is written as 0.
@@ -79,12 +78,12 @@ def write_fixed(value: float, decimals: int, text: Bytes, at: int) -> int:
 
 
 @kernel
-def _is_digit(text: Bytes, at: int, end: int) -> bool:
+def _is_digit(text: U1, at: int, end: int) -> bool:
     return at < end and _ZERO <= text[at] <= _NINE
 
 
 @kernel
-def _read_exponent(text: Bytes, at: int, end: int) -> tuple[int, int]:
+def _read_exponent(text: U1, at: int, end: int) -> tuple[int, int]:
     """(power of ten, where it ends) of e+12 at text[at:]; (0, at) where none stands."""
     if at >= end or (text[at] != _E_SMALL and text[at] != _E_LARGE):
         return 0, at
@@ -116,7 +115,7 @@ def _times_power(value: float, power: int) -> float:
 
 
 @kernel
-def read_number(text: Bytes, at: int, end: int) -> tuple[float, int]:
+def read_number(text: U1, at: int, end: int) -> tuple[float, int]:
     """(value, where it ends) of the number that begins at text[at:end]; (0, at) when none does."""
     place = at
     negative = place < end and text[place] == _MINUS

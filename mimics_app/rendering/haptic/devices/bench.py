@@ -9,6 +9,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.atomics import now_ns
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
@@ -40,7 +41,6 @@ if TYPE_CHECKING:
 
 __all__ = ["DeviceBench", "OtherSide", "Track", "run_ticks"]
 
-Vec = NDArray[np.float64]
 
 _MATRIX = types.float64[:, ::1]
 

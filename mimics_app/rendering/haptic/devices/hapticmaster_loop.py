@@ -16,8 +16,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import U1, Vec
 from mimics_app.contracts.descriptors import HUNG_UP, READABLE, look_at, receive_bytes, send_bytes
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel, typed_kernel
@@ -88,8 +88,6 @@ __all__ = [
     "write_hapticmaster",
 ]
 
-Bytes = NDArray[np.uint8]
-Vec = NDArray[np.float64]
 
 LARGEST_AHEAD = 8
 
@@ -134,7 +132,7 @@ _LARGEST_DRIVE = 40.0
 _DECIMALS = 4
 
 
-def _words(text: str) -> Bytes:
+def _words(text: str) -> U1:
     return np.frombuffer(text.encode("ascii"), np.uint8)
 
 
@@ -265,7 +263,7 @@ def _screen_is_due(memory: Vec, tick: int) -> bool:
 
 
 @kernel
-def _show_screen(memory: Vec, text: Bytes, at: int, tick: int) -> int:
+def _show_screen(memory: Vec, text: U1, at: int, tick: int) -> int:
     """Add set person [active,trial,x,y,z,grasp]: what a simulated person sees."""
     memory[_SHOWN] = float(tick)
     memory[_TOLD : _TOLD + INBOX_LENGTH] = memory[_NOW : _NOW + INBOX_LENGTH]

@@ -10,9 +10,7 @@ the same for every length that was seen. Commands are joined with ";", and every
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import U1, Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.devices.ascii_numbers import read_number, write_fixed
 
@@ -30,8 +28,6 @@ __all__ = [
     "take_answer",
 ]
 
-Bytes = NDArray[np.uint8]
-Vec = NDArray[np.float64]
 
 HEADER = 8
 LARGEST_TEXT = 255
@@ -56,7 +52,7 @@ _LENGTH_END = 4
 
 
 @kernel
-def put_text(words: Bytes, text: Bytes, at: int) -> int:
+def put_text(words: U1, text: U1, at: int) -> int:
     """Copy words into text[at:]; where they end."""
     for i in range(words.shape[0]):
         text[at + i] = words[i]
@@ -64,7 +60,7 @@ def put_text(words: Bytes, text: Bytes, at: int) -> int:
 
 
 @kernel
-def put_vector(values: Vec, decimals: int, text: Bytes, at: int) -> int:
+def put_vector(values: Vec, decimals: int, text: U1, at: int) -> int:
     """[a,b,c] into text[at:]; where it ends."""
     text[at] = _OPEN
     at += 1
@@ -78,7 +74,7 @@ def put_vector(values: Vec, decimals: int, text: Bytes, at: int) -> int:
 
 
 @kernel
-def seal_text(frame: Bytes, end: int) -> int:
+def seal_text(frame: U1, end: int) -> int:
     """Put the header before the text that stands at frame[HEADER:end]; the length of the whole frame."""
     for i in range(HEADER):
         frame[i] = 0
@@ -88,7 +84,7 @@ def seal_text(frame: Bytes, end: int) -> int:
 
 
 @kernel
-def frame_length(buffer: Bytes, begin: int, end: int) -> int:
+def frame_length(buffer: U1, begin: int, end: int) -> int:
     """Length of the frame at buffer[begin:end]; 0 when it is not whole yet, -1 when this is no frame at all."""
     if end - begin < HEADER:
         return 0
@@ -102,7 +98,7 @@ def frame_length(buffer: Bytes, begin: int, end: int) -> int:
 
 
 @kernel
-def take_answer(text: Bytes, at: int, end: int, values: Vec) -> tuple[int, int]:
+def take_answer(text: U1, at: int, end: int, values: Vec) -> tuple[int, int]:
     """(kind, where the next answer begins) of the answer at text[at:end]; its numbers are left in values.
 
     Args:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
 from numba import from_dtype, types
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import KINEMATICS_SET, Kin
 from mimics_app.contracts.haptic import SCENE
 from mimics_app.contracts.kernel import typed_kernel
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
 
 __all__ = ["inverse_by_steps"]
 
-Vec = NDArray[np.float64]
 
 _VECTOR = types.float64[::1]
 

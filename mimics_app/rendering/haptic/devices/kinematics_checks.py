@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import KinematicsStatus
 from mimics_app.contracts.haptic import SCENE
 from mimics_app.contracts.loop_fields import MAX_CONTACTS, MAX_JOINTS
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["KINEMATICS_CHECKS"]
 
-Vec = NDArray[np.float64]
 
 _POSES = 40
 _STEP = 1e-6

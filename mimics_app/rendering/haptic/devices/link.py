@@ -17,8 +17,8 @@ from collections.abc import Callable
 from contextlib import suppress
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec, Words
 from mimics_app.contracts.atomics import load_acquire, store_release
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.kernel import kernel
@@ -31,9 +31,6 @@ LINK_LENGTH = 8
 _OFFER, _UP, _FD = 0, 1, 2
 
 _LOOK_EVERY_S = 0.1
-
-Words = NDArray[np.int64]
-Vec = NDArray[np.float64]
 
 
 @kernel

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import STATIC, ForceLaw, ShapeKind
 from mimics_app.rendering.haptic.devices.device_objects import (
     DeviceBlock,
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["device_objects_of"]
 
-Vec = NDArray[np.float64]
 
 _UPRIGHT = 1e-6
 """Farthest an axis may be from one of the robot's (sine of the angle)."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import (
     DATA_BUTTONS,
@@ -25,7 +25,6 @@ from mimics_app.rendering.haptic.kernels.robot import HANDLE, ROBOT_LENGTH, TICK
 
 __all__ = ["build_pointer", "read_pointer"]
 
-Vec = NDArray[np.float64]
 
 _SETTINGS = {
     "hand_force": (hand.HAND_LIMIT, 15.0),  # [N]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import KinematicsStatus, not_given
 from mimics_app.contracts.haptic import SCENE
 from mimics_app.contracts.loop_fields import MAX_CONTACTS, MAX_JOINTS
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from mimics_app.world.components.robot import Robot
 
 __all__ = ["Reach"]
-
-Vec = NDArray[np.float64]
 
 
 class Reach:

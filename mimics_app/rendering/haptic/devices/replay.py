@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import (
@@ -25,7 +25,6 @@ from mimics_app.rendering.haptic.devices.request import DeviceRequest
 
 __all__ = ["build_replay", "ignore_command", "read_recorded"]
 
-Vec = NDArray[np.float64]
 
 _ROW = DATA_LENGTH + 1
 

@@ -11,9 +11,7 @@ period is. A command that is not answered yet counts with the time it has waited
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 
 __all__ = [
@@ -27,7 +25,6 @@ __all__ = [
     "worst_trip",
 ]
 
-Vec = NDArray[np.float64]
 
 _SENT = 0  # number of the newest command, counted up without end
 _SEEN = 1  # newest command that an answer has confirmed; -1: none yet

@@ -9,9 +9,7 @@ any garbage.
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import U1, Vec
 from mimics_app.contracts.kernel import kernel
 
 __all__ = [
@@ -54,8 +52,6 @@ __all__ = [
     "word_at",
 ]
 
-Bytes = NDArray[np.uint8]
-Vec = NDArray[np.float64]
 
 PROTOCOL = 1
 """Version of the protocol, sent in INFO."""
@@ -106,7 +102,7 @@ _PATIENCE = 20
 
 
 @kernel
-def crc16(data: Bytes, start: int, end: int) -> int:
+def crc16(data: U1, start: int, end: int) -> int:
     """CRC-16/CCITT-FALSE (polynomial 0x1021, from 0xFFFF) of data[start:end]; 0x29B1 for "123456789"."""
     crc = _CRC_START
     for i in range(start, end):
@@ -117,13 +113,13 @@ def crc16(data: Bytes, start: int, end: int) -> int:
 
 
 @kernel
-def word_at(data: Bytes, place: int) -> int:
+def word_at(data: U1, place: int) -> int:
     """Unsigned 16 bits at data[place:place + 2]."""
     return int(data[place]) | int(data[place + 1]) << BYTE
 
 
 @kernel
-def seal_frame(frame: Bytes, kind: int, sequence: int, echo: int, payload: int) -> int:
+def seal_frame(frame: U1, kind: int, sequence: int, echo: int, payload: int) -> int:
     """Put header and checksum around the payload that stands at frame[HEADER:]; the length of the whole frame."""
     frame[0] = _SYNC_0
     frame[1] = _SYNC_1
@@ -147,7 +143,7 @@ def reset_line(line: Vec) -> None:
 
 
 @kernel
-def make_room(line: Vec, buffer: Bytes) -> int:
+def make_room(line: Vec, buffer: U1) -> int:
     """Move the bytes not looked at to the front; where the next ones may be written."""
     begin, end = int(line[BEGIN]), int(line[END])
     for i in range(end - begin):
@@ -158,7 +154,7 @@ def make_room(line: Vec, buffer: Bytes) -> int:
 
 
 @kernel
-def next_frame(line: Vec, buffer: Bytes) -> int:
+def next_frame(line: Vec, buffer: U1) -> int:
     """Where the next whole and right frame begins in buffer, -1 when there is none yet."""
     begin, end = int(line[BEGIN]), int(line[END])
     found = -1

@@ -6,8 +6,8 @@ A payload is handled in an aligned space of PAYLOAD_PLACES float64 places. Littl
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import U1, Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import (
     COMMAND_DQ,
@@ -50,8 +50,6 @@ __all__ = [
     "unpack_state",
 ]
 
-Bytes = NDArray[np.uint8]
-Vec = NDArray[np.float64]
 
 PAYLOAD_PLACES = MAX_PAYLOAD // 8
 FRAME_PLACES = 1 + PAYLOAD_PLACES + 1
@@ -67,7 +65,7 @@ _STATE_AGE, _SCREEN_TRIAL = 42, 18
 
 
 @kernel
-def fetch_payload(buffer: Bytes, frame: int, payload: Vec) -> None:
+def fetch_payload(buffer: U1, frame: int, payload: Vec) -> None:
     """Copy the payload of the frame at buffer[frame:] into its aligned space."""
     into = payload.view(np.uint8)
     for i in range(int(buffer[frame + 2])):
@@ -75,7 +73,7 @@ def fetch_payload(buffer: Bytes, frame: int, payload: Vec) -> None:
 
 
 @kernel
-def _put_word(small: Bytes, place: int, value: float) -> None:
+def _put_word(small: U1, place: int, value: float) -> None:
     word = int(min(float(LOW_WORD), max(0.0, value)))
     small[place] = word & LOW_BYTE
     small[place + 1] = word >> BYTE

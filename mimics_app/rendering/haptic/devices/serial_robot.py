@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.descriptors import HUNG_UP, READABLE, look_at, read_bytes, write_bytes
 from mimics_app.contracts.kernel import kernel, typed_kernel
 from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_AGE, DATA_DELAY, INBOX_LENGTH, READ, WRITE
@@ -70,8 +70,6 @@ __all__ = [
     "write_serial",
 ]
 
-Bytes = NDArray[np.uint8]
-Vec = NDArray[np.float64]
 
 LINE = LINK_LENGTH  # reader of STATE frames
 TRIPS = LINE + LINE_LENGTH

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import (
     COMMAND_DQ,
@@ -34,7 +34,6 @@ from mimics_app.rendering.haptic.kernels.vectors import all_finite
 
 __all__ = ["build_simulated_hapticmaster", "read_patient", "robot_delay", "write_robot", "write_robot_memory"]
 
-Vec = NDArray[np.float64]
 
 _ENCODER_QUANTUM = 4e-6
 """Resolution of the position at the handle [m]; the vendor says 4-12 um (not verified)."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import (
     COMMAND_ENABLED,
@@ -32,7 +32,6 @@ from mimics_app.rendering.haptic.kernels.vectors import all_finite
 
 __all__ = ["build_simulated_impedance", "read_light_patient", "write_force"]
 
-Vec = NDArray[np.float64]
 
 _SETTINGS = {
     "mass": (light_robot.MASS, 0.2),  # felt at the handle [kg]

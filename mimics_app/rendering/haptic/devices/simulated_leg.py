@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import (
@@ -39,7 +39,6 @@ from mimics_app.rendering.haptic.kernels.vectors import all_finite
 
 __all__ = ["build_simulated_leg", "read_legs", "write_legs"]
 
-Vec = NDArray[np.float64]
 
 _SHAPE = ARM_LENGTH
 _FOOT = _SHAPE + GEOMETRY

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import (
     DATA_BUTTONS,
@@ -26,7 +24,6 @@ from mimics_app.rendering.haptic.kernels.vectors import all_finite
 
 __all__ = ["move_person", "write_person"]
 
-Vec = NDArray[np.float64]
 
 _RELAXED_MASS = 1.5
 """Of an arm that nobody describes [kg]."""

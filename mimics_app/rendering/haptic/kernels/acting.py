@@ -12,8 +12,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import Controller, SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_limits import common_share, is_pressed
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ACTING", "FREE_TIME", "account", "act", "acting_contact", "device_delay", "own_damping"]
 
-Vec = NDArray[np.float64]
 
 _LINE = 32
 """Ticks of delay that can be counted; what is longer is counted as this."""
@@ -70,8 +69,6 @@ _ACTIVE = int(SafetyState.ACTIVE)
 _DEGRADED = int(SafetyState.DEGRADED)
 _SAFE_STOP = int(SafetyState.SAFE_STOP)
 _NOT_FINITE = int(TripCause.NOT_FINITE)
-_ADMITTANCE = int(Controller.ADMITTANCE)
-_IMPEDANCE = int(Controller.IMPEDANCE)
 
 _STABLE_DAMPER = 0.5
 """A damper of this many masses a tick stops a mass in two ticks; from 2 on it would swing up."""
@@ -97,7 +94,7 @@ def _find_displacement(scene: SceneRecord, state: StateRecord, dt: float) -> Non
     position that jumped is no displacement: it stops the loop on its own.
     """
     acting = state.acting
-    admittance = scene.controller == _ADMITTANCE
+    admittance = scene.controller == Controller.ADMITTANCE
     if admittance:
         rotate(scene.R_world_from_robot, state.v_virtual, state.work_a)
     for i in range(3):
@@ -231,7 +228,7 @@ def _take_back(scene: SceneRecord, state: StateRecord, dt: float) -> float:
     if scene.passivity == 0 or not felt:
         return 1.0
     most, v = scene.passivity_damping, acting.v
-    if scene.controller == _ADMITTANCE:
+    if scene.controller == Controller.ADMITTANCE:
         most = min(most, _STABLE_DAMPER * scene.virtual_mass / dt)
         v = state.work_b
         for i in range(3):
@@ -269,7 +266,7 @@ def _compose(
     _follow_credit(scene, state, totals, dt)
     factor = _take_back(scene, state, dt)
     acting.tank_share = _pay(state)
-    viscosity = scene.virtual_damping if scene.controller == _IMPEDANCE else 0.0
+    viscosity = scene.virtual_damping if scene.controller == Controller.IMPEDANCE else 0.0
     for i in range(3):
         less = (1.0 - acting.shape_share) * totals.shape_force[i]
         less += (1.0 - factor) * state.f_contact[i] + (1.0 - acting.tank_share) * state.f_active[i]

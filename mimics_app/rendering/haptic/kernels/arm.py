@@ -17,9 +17,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.noise import gauss, uniform
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill
@@ -51,7 +49,6 @@ __all__ = [
     "step_arm",
 ]
 
-Vec = NDArray[np.float64]
 
 PATH_POINTS = 400
 

@@ -19,9 +19,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.kernel import kernel
 
 if TYPE_CHECKING:
@@ -39,8 +37,6 @@ __all__ = [
     "wall",
 ]
 
-Vec = NDArray[np.float64]
-Mat = NDArray[np.float64]
 
 _CENTRE = 1e-12
 """Distance [m] from a sphere's centre below which the direction to it means nothing."""

@@ -8,9 +8,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mimics_app.contracts.haptic import SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.safety import latch
@@ -20,7 +17,6 @@ if TYPE_CHECKING:
 
 __all__ = ["collect", "pass_on", "publish_others", "virtual_forces"]
 
-Vec = NDArray[np.float64]
 
 _SAFE_STOP = int(SafetyState.SAFE_STOP)
 _NOT_FINITE = int(TripCause.NOT_FINITE)

@@ -17,8 +17,8 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.eigen import diagonalise, largest
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of
@@ -39,8 +39,6 @@ __all__ = [
     "worst_direction",
 ]
 
-Vec = NDArray[np.float64]
-Mat = NDArray[np.float64]
 
 MOST_TOUCHED = 32
 """Contacts whose directions are known in one tick; what is touched beyond counts as stiff in all directions."""

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import Kin
 from mimics_app.contracts.haptic import AdmittanceForm, Controller, SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
@@ -36,7 +34,6 @@ if TYPE_CHECKING:
 
 __all__ = ["control", "note_arrival"]
 
-Vec = NDArray[np.float64]
 
 _EXTRA_DAMPING = 30.0
 """Added to the virtual damping while the virtual force is off or ramping down [N s/m]."""
@@ -51,10 +48,6 @@ _HOMED = int(SafetyState.HOMED)
 _ACTIVE = int(SafetyState.ACTIVE)
 _SAFE_STOP = int(SafetyState.SAFE_STOP)
 _NOT_FINITE = int(TripCause.NOT_FINITE)
-_JOINT_PD = int(Controller.JOINT_PD)
-_WORLD_PD = int(Controller.WORLD_PD)
-_ADMITTANCE = int(Controller.ADMITTANCE)
-_SEED = int(AdmittanceForm.SEED)
 
 
 @kernel
@@ -81,7 +74,7 @@ def _share_below(scene: SceneRecord, velocities: Vec, most: float) -> float:
 def _wish(kin: Kin, scene: SceneRecord, state: StateRecord) -> None:
     """joint_work.wish: joint velocities that the PD controller requests."""
     work = state.joint_work
-    if scene.controller == _JOINT_PD:
+    if scene.controller == Controller.JOINT_PD:
         joint_pd(state.q, state.dq, scene.target, scene.kp, scene.kd, work.wish)
     elif scene.through_joints == 1:
         world_pd_through_joints(kin, scene, state.q, state.dq, work, work.wish)
@@ -129,9 +122,9 @@ def note_arrival(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> No
     """state.arrived: a PD controller's target is within 1 mm and the robot at rest within 5 mm/s, at every point."""
     state, work = states[0], states[0].joint_work
     state.arrived = 0
-    if scene.controller == _JOINT_PD:
+    if scene.controller == Controller.JOINT_PD:
         points_of(kin, scene, scene.target, work.place)
-    elif scene.controller == _WORLD_PD:
+    elif scene.controller == Controller.WORLD_PD:
         copy(scene.target, work.place)
     else:
         return
@@ -219,15 +212,15 @@ def _velocities_finite(scene: SceneRecord, states: Table[StateRecord]) -> bool:
 def _control_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
     """Joint velocities for a device that follows them."""
     state, work = states[0], states[0].joint_work
-    if scene.controller == _ADMITTANCE and state.safety >= _READY:
+    if scene.controller == Controller.ADMITTANCE and state.safety >= _READY:
         _follow_hand(kin, scene, states, dt)
-    elif scene.controller == _JOINT_PD or scene.controller == _WORLD_PD:
+    elif scene.controller == Controller.JOINT_PD or scene.controller == Controller.WORLD_PD:
         _drive_to_target(kin, scene, states, dt)
     else:
         settle(state.command, dt)
         copy(state.command, state.dq_virtual)
         _find_velocities(kin, scene, states, state.dq_virtual)
-    each = scene.polar == 1 and scene.form == _SEED and scene.controller == _ADMITTANCE
+    each = scene.polar == 1 and scene.form == AdmittanceForm.SEED and scene.controller == Controller.ADMITTANCE
     limited = limit_joints(
         state.command, scene.joint_velocity, scene.joint_acceleration, each, dt, work.step, state.dq_virtual
     )
@@ -243,7 +236,7 @@ def _control_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt
 def _control_force(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
     """Forces for a device that renders them: what the user is to feel, or what draws the device to a target."""
     state = states[0]
-    drives = scene.controller == _JOINT_PD or scene.controller == _WORLD_PD
+    drives = scene.controller == Controller.JOINT_PD or scene.controller == Controller.WORLD_PD
     if drives:
         _drive_to_target(kin, scene, states, dt)
     else:
@@ -302,7 +295,7 @@ def _find_torques(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> N
 def _command_torques(kin: Kin, scene: SceneRecord, states: Table[StateRecord], held: int, dt: float) -> None:
     """Torques of a device that takes them: of the forces felt, or what draws its joints; when late the last ones."""
     state = states[0]
-    drives = scene.controller == _JOINT_PD or scene.controller == _WORLD_PD
+    drives = scene.controller == Controller.JOINT_PD or scene.controller == Controller.WORLD_PD
     if not drives or scene.force_driven == 0 or is_stopped(state) or state.safety < _HOMED:
         _find_torques(kin, scene, states)
     elif held != HOLD:

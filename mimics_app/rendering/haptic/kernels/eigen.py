@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Mat
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["diagonalise", "largest"]
 
-Mat = NDArray[np.float64]
 
 _SWEEPS = 12
 """Rounds of rotations at most: they converge quadratically, five reach the last digit of any 3 x 3 matrix."""

@@ -14,9 +14,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 
 if TYPE_CHECKING:
@@ -31,8 +29,6 @@ __all__ = [
     "regularised",
     "regularised_printed",
 ]
-
-Vec = NDArray[np.float64]
 
 
 @kernel

@@ -7,9 +7,7 @@ up to that limit and no further.
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, copy, fill
 
@@ -23,7 +21,6 @@ __all__ = [
     "step_hand",
 ]
 
-Vec = NDArray[np.float64]
 
 HAND_POSITION = 0  # position 0:3 [m] and velocity 3:6 [m/s], robot frame
 HELD = 6  # 1 while the pointer was active in the last tick

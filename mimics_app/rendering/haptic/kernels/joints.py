@@ -10,8 +10,8 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import (
     FORWARD,
     INVERSE,
@@ -43,7 +43,6 @@ __all__ = [
     "velocities_of",
 ]
 
-Vec = NDArray[np.float64]
 
 _ROWS = 3 * MAX_CONTACTS
 

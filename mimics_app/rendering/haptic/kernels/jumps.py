@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
 __all__ = ["note_jump"]
 
-_FRESH = int(DeviceStatus.FRESH)
-
 
 @kernel
 def note_jump(scene: SceneRecord, state: StateRecord, status: int, last_age: float, dt: float) -> None:
@@ -34,7 +32,7 @@ def note_jump(scene: SceneRecord, state: StateRecord, status: int, last_age: flo
         dt: Tick [s].
     """
     state.jumped = 0
-    if status != _FRESH or state.readable == 0:
+    if status != DeviceStatus.FRESH or state.readable == 0:
         return
     if state.placed == 1:
         square = 0.0

@@ -10,9 +10,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.kernel import kernel
 
 __all__ = [
@@ -29,8 +27,6 @@ __all__ = [
     "tool_to_robot",
 ]
 
-Vec = NDArray[np.float64]
-Mat = NDArray[np.float64]
 
 _SMALLEST_RADIUS = 1e-9
 

@@ -14,14 +14,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["GEOMETRY", "LEGS", "foot_torques", "foot_velocity", "leg_jacobian", "leg_joints", "place_foot"]
 
-Vec = NDArray[np.float64]
 
 LEGS = 0  # how many
 THIGH = 1  # l1 [m]

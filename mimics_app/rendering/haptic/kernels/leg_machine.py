@@ -12,9 +12,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.noise import gauss
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill
@@ -56,7 +54,6 @@ __all__ = [
     "step_leg",
 ]
 
-Vec = NDArray[np.float64]
 
 MAX_DELAY = 50
 

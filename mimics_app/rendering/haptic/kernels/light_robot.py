@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import DATA_AGE, DATA_DELAY, DATA_DQ, DATA_FORCE, DATA_Q
 from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobian, forward, inverse
@@ -35,7 +33,6 @@ __all__ = [
     "step_light_robot",
 ]
 
-Vec = NDArray[np.float64]
 
 MAX_DELAY = 50
 

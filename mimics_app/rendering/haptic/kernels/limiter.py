@@ -7,12 +7,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, fill, norm
 
 __all__ = ["brake_at_limits", "limit_force", "limit_held", "limit_joints", "settle"]
 
-Vec = NDArray[np.float64]
 Limits = NDArray[np.float64] | NDArray[np.float32]
 
 _BRAKE_TIME = 0.05

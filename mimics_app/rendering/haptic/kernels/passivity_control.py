@@ -16,15 +16,11 @@ the virtual mass, while it takes energy from the device that follows.
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import norm
 
 __all__ = ["contact_scale", "limited_credit", "middle_velocity"]
-
-Vec = NDArray[np.float64]
 
 
 @kernel

@@ -19,9 +19,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8, Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import QUATERNION
 
@@ -41,8 +39,6 @@ __all__ = [
     "turned",
 ]
 
-Vec = NDArray[np.float64]
-Quat = NDArray[np.float64]
 Four = tuple[float, float, float, float]
 Three = tuple[float, float, float]
 
@@ -97,7 +93,7 @@ def _exponential(omega: Three, dt: float) -> Four:
 
 
 @kernel
-def _store(value: Four, q: Quat) -> None:
+def _store(value: Four, q: F8) -> None:
     """Write a quaternion, brought back to unit length: R^T must stay R^-1 after a million steps."""
     scale = 1.0 / math.sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2] + value[3] * value[3])
     for i in range(QUATERNION):
@@ -105,7 +101,7 @@ def _store(value: Four, q: Quat) -> None:
 
 
 @kernel
-def angular_velocity(q: Quat, momentum: Vec, inverse_inertia: Vec, out: Vec) -> None:
+def angular_velocity(q: F8, momentum: Vec, inverse_inertia: Vec, out: Vec) -> None:
     """Set out = R I^-1 R^T L: angular velocity [rad/s], world frame, shape [3].
 
     Args:
@@ -118,26 +114,26 @@ def angular_velocity(q: Quat, momentum: Vec, inverse_inertia: Vec, out: Vec) -> 
 
 
 @kernel
-def kinetic_energy(q: Quat, momentum: Vec, inverse_inertia: Vec) -> float:
+def kinetic_energy(q: F8, momentum: Vec, inverse_inertia: Vec) -> float:
     """Energy of the turning body, L.omega/2 [J]."""
     wx, wy, wz = _rate((q[0], q[1], q[2], q[3]), momentum, inverse_inertia)
     return 0.5 * (momentum[0] * wx + momentum[1] * wy + momentum[2] * wz)
 
 
 @kernel
-def turn_exponential(q: Quat, omega: Vec, dt: float) -> None:
+def turn_exponential(q: F8, omega: Vec, dt: float) -> None:
     """Turn q by omega [rad/s, world] for dt [s]: the exponential map, exact while omega is constant."""
     _store(product(_exponential((omega[0], omega[1], omega[2]), dt), (q[0], q[1], q[2], q[3])), q)
 
 
 @kernel
-def turn_axes(q: Quat, omega: Vec, dt: float) -> None:
+def turn_axes(q: F8, omega: Vec, dt: float) -> None:
     """Turn q by rot(x) rot(y) rot(z), (12) with its last factor corrected: first order in dt."""
     _store(product(_three_turns(dt * omega[0], dt * omega[1], dt * omega[2], True), (q[0], q[1], q[2], q[3])), q)
 
 
 @kernel
-def turn_printed(q: Quat, omega: Vec, dt: float) -> None:
+def turn_printed(q: F8, omega: Vec, dt: float) -> None:
     """Turn q by rot(x) rot(y) rot(y) with the y angle twice, (12) as printed: nothing turns about z. Demonstration."""
     _store(product(_three_turns(dt * omega[0], dt * omega[1], dt * omega[1], False), (q[0], q[1], q[2], q[3])), q)
 
@@ -152,7 +148,7 @@ def _three_turns(x: float, y: float, last: float, last_about_z: bool) -> Four:
 
 
 @kernel
-def rotate_exponential(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) -> None:
+def rotate_exponential(q: F8, momentum: Vec, inverse_inertia: Vec, dt: float) -> None:
     """Turn q by the exponential map of the angular velocity at the half step: the default.
 
     R_m = exp([omega h/2]x) R, omega_m = R_m I^-1 R_m^T L, R <- exp([omega_m h]x) R: second order. Of a free top with
@@ -170,7 +166,7 @@ def rotate_exponential(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) 
 
 
 @kernel
-def turn_body(q: Quat, momentum: Vec, inverse_inertia: Vec, axes: Quat, dt: float, omega: Vec) -> None:
+def turn_body(q: F8, momentum: Vec, inverse_inertia: Vec, axes: F8, dt: float, omega: Vec) -> None:
     """`rotate_exponential` of a body whose principal axes are not those of its frame.
 
     Args:
@@ -190,7 +186,7 @@ def turn_body(q: Quat, momentum: Vec, inverse_inertia: Vec, axes: Quat, dt: floa
 
 
 @kernel
-def rotate_start(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) -> None:
+def rotate_start(q: F8, momentum: Vec, inverse_inertia: Vec, dt: float) -> None:
     """The exponential map of the angular velocity at the start of the step: first order, 6 % of energy in 10 s.
 
     Arguments as `rotate_exponential`.
@@ -200,7 +196,7 @@ def rotate_start(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) -> Non
 
 
 @kernel
-def rotate_axes(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) -> None:
+def rotate_axes(q: F8, momentum: Vec, inverse_inertia: Vec, dt: float) -> None:
     """(12) with its last factor and its inertia corrected: axis product of omega at the start of the step.
 
     Arguments as `rotate_exponential`.
@@ -211,7 +207,7 @@ def rotate_axes(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) -> None
 
 
 @kernel
-def rotate_printed(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) -> None:
+def rotate_printed(q: F8, momentum: Vec, inverse_inertia: Vec, dt: float) -> None:
     """(12) as printed: phi' = I^-1 L with a constant I, and dR = rot(x) rot(y) rot(y). For demonstration.
 
     Arguments as `rotate_exponential`.
@@ -234,7 +230,7 @@ def _along(q: Four, slope: Four, dt: float) -> Four:
 
 
 @kernel
-def rotate_rk4(q: Quat, momentum: Vec, inverse_inertia: Vec, dt: float) -> None:
+def rotate_rk4(q: F8, momentum: Vec, inverse_inertia: Vec, dt: float) -> None:
     """Runge and Kutta's method of order 4 on the quaternion, brought back to unit length.
 
     Arguments as `rotate_exponential`.

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, moves_of
@@ -41,16 +39,12 @@ if TYPE_CHECKING:
 
 __all__ = ["read_inputs", "write_command", "write_inputs", "write_outputs", "write_snapshot"]
 
-Vec = NDArray[np.float64]
 
 _copy_outputs = field_copier(moves_of(LOOP_FIELDS, recorded=True))
 _copy_published = field_copier(moves_of(LOOP_FIELDS, recorded=False))
 
 _OTHERS = 3 * (MAX_CONTACTS - 1)
 """Components of a vector of every point of contact behind the first."""
-
-_HOMED = int(SafetyState.HOMED)
-_SAFE_STOP = int(SafetyState.SAFE_STOP)
 
 
 @kernel
@@ -65,7 +59,7 @@ def write_command(scene: SceneRecord, states: Table[StateRecord], command: Vec) 
             command[COMMAND_FORCE + 3 * c + i] = states[c].f_command[i]
         felt = norm(states[c].f_user_world)
         command[COMMAND_VIBRATION + c] = min(1.0, felt / scene.force_limit) if felt > 0.0 else 0.0
-    command[COMMAND_ENABLED] = 1.0 if _HOMED <= state.safety < _SAFE_STOP else 0.0
+    command[COMMAND_ENABLED] = 1.0 if SafetyState.HOMED <= state.safety < SafetyState.SAFE_STOP else 0.0
     command[COMMAND_STATE] = float(state.safety)
 
 

@@ -74,12 +74,7 @@ _DEVICE_FAULT = int(TripCause.DEVICE_FAULT)
 _JUMP = int(TripCause.JUMP)
 _ENERGY = int(TripCause.ENERGY)
 
-_TUNNEL_NOT_FINITE = int(TunnelStatus.NOT_FINITE)
-_FAULT = int(DeviceStatus.FAULT)
 _STOP_BUTTON = int(Button.STOP)
-_CONTROLLER_OFF = int(Controller.OFF)
-_ADMITTANCE = int(Controller.ADMITTANCE)
-_IMPEDANCE = int(Controller.IMPEDANCE)
 
 
 @kernel
@@ -91,7 +86,7 @@ def is_stopped(state: StateRecord) -> bool:
 @kernel
 def lets_feel(controller: int) -> bool:
     """True for the controllers under which the person leads and feels the virtual force."""
-    return controller == _ADMITTANCE or controller == _IMPEDANCE
+    return controller == Controller.ADMITTANCE or controller == Controller.IMPEDANCE
 
 
 @kernel
@@ -176,9 +171,9 @@ def _late_cause(held: int) -> int:
 def _find_trip(scene: SceneRecord, states: Table[StateRecord], status: int, held: int) -> int:
     """Cause that latches SAFE_STOP in this tick, or NONE."""
     cause, state = _NONE, states[0]
-    if state.readable == 0 or state.tunnel.status == _TUNNEL_NOT_FINITE or state.objects_failed == 1:
+    if state.readable == 0 or state.tunnel.status == TunnelStatus.NOT_FINITE or state.objects_failed == 1:
         cause = _NOT_FINITE
-    elif status == _FAULT:
+    elif status == DeviceStatus.FAULT:
         cause = _DEVICE_FAULT
     elif state.safety >= _HOMED and held >= LATE_STOP and scene.late_latches == 1:
         cause = _late_cause(held)
@@ -205,7 +200,7 @@ def _come_up(scene: SceneRecord, state: StateRecord, quiet: bool) -> None:
     elif safety == _INIT:
         state.safety = _HOMED if state.answered == 1 else _INIT
     elif safety == _HOMED:
-        at_target = scene.controller != _CONTROLLER_OFF and state.arrived == 1
+        at_target = scene.controller != Controller.OFF and state.arrived == 1
         state.safety = _READY if haptic or at_target else _HOMED
     elif haptic:
         state.safety = _ACTIVE if quiet else _READY

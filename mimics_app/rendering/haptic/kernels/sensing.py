@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import Kin
 from mimics_app.contracts.haptic import (
     SECOND_NS,
@@ -32,15 +30,12 @@ if TYPE_CHECKING:
 
 __all__ = ["find_motion", "size_ball", "take_data"]
 
-Vec = NDArray[np.float64]
 
 _BALL_TIME = 0.05
 """Time constant with which the ball follows the grasp force [s]."""
 
 _ABSURD = 1e6
 """Beyond this a number from a device counts as not finite."""
-
-_FRESH = int(DeviceStatus.FRESH)
 
 
 @kernel
@@ -64,7 +59,7 @@ def take_data(scene: SceneRecord, states: Table[StateRecord], data: Vec, status:
     """Device data into the states; data that is not finite, or not fresh, leaves the last good motion standing."""
     state = states[0]
     state.readable = 1
-    if status != _FRESH:
+    if status != DeviceStatus.FRESH:
         state.age += dt
     elif _is_plausible(data):
         copy(data[DATA_Q : DATA_Q + MAX_JOINTS], state.q)

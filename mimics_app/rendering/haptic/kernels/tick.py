@@ -10,9 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import Kin
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
@@ -45,16 +43,11 @@ if TYPE_CHECKING:
 
 __all__ = ["tick"]
 
-Vec = NDArray[np.float64]
-
-_ACTIVE = int(SafetyState.ACTIVE)
-_DEGRADED = int(SafetyState.DEGRADED)
-
 
 @kernel
 def _follow_contacts(objects: ObjectWork, counts: ObjectCountsRecord, state: StateRecord, dt: float) -> None:
     """Begin and end of contacts with a tunnel's wall and with objects; only what the user can feel counts."""
-    felt = state.safety == _ACTIVE or state.safety == _DEGRADED
+    felt = state.safety == SafetyState.ACTIVE or state.safety == SafetyState.DEGRADED
     state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
     follow_touches(objects, counts, felt, dt)
 

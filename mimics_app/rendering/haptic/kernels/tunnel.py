@@ -22,9 +22,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.tunnel_frame import arc_at, write_frame
 from mimics_app.rendering.haptic.kernels.tunnel_projection import axis, locate, project
@@ -35,7 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ["fade_at_end", "tunnel_force"]
 
-Vec = NDArray[np.float64]
 
 _NO_TUNNEL = int(TunnelStatus.NO_TUNNEL)
 _FOLLOWING = int(TunnelStatus.FOLLOWING)

@@ -31,9 +31,6 @@ __all__ = [
     "track_one_step",
 ]
 
-_GOLDEN_SECTION = int(Projection.GOLDEN_SECTION)
-_BRUTE_FORCE = int(Projection.BRUTE_FORCE)
-_NEWTON_ONE_STEP = int(Projection.NEWTON_ONE_STEP)
 
 _CONVERGED = 1e-12
 """Newton stops when its step is shorter than this along the bisector [m]."""
@@ -278,11 +275,11 @@ def _keep_branch(
 @kernel
 def project(tunnel: TunnelRecord, px: float, py: float, pz: float, state: TunnelStateRecord) -> float:
     """The closest point by the method the parameter block names (contracts.haptic.Projection)."""
-    if tunnel.projection == _NEWTON_ONE_STEP:
+    if tunnel.projection == Projection.NEWTON_ONE_STEP:
         return track_one_step(tunnel, px, py, pz, state)
-    if tunnel.projection == _GOLDEN_SECTION:
+    if tunnel.projection == Projection.GOLDEN_SECTION:
         s = project_golden_section(tunnel, px, py, pz, state)
-    elif tunnel.projection == _BRUTE_FORCE:
+    elif tunnel.projection == Projection.BRUTE_FORCE:
         s = project_brute_force(tunnel, px, py, pz, state)
     else:
         return track(tunnel, px, py, pz, state)

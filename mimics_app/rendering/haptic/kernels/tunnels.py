@@ -14,7 +14,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.stability import spring_share, stiffness_limit
@@ -34,7 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ["HOLDING", "OWN_TUNNEL", "follow_tunnels", "forget_tunnels", "share_in_touch"]
 
-Vec = NDArray[np.float64]
 
 HOLDING = np.dtype(
     [
@@ -72,9 +70,6 @@ OWN_TUNNEL = np.dtype(
     align=True,
 )
 """What the sample holds of the task's own tunnel."""
-
-
-_FOLLOWING = int(TunnelStatus.FOLLOWING)
 
 
 @kernel
@@ -128,12 +123,12 @@ def _follow_one(
 def _holder(tunnels: Table[TunnelStateRecord], count: int, state: StateRecord) -> int:
     """Row of the tunnel that the ball is in from now on."""
     row = state.tunnel.row
-    stays = state.tunnel.chosen == 1 and row < count and tunnels[row].status == _FOLLOWING
+    stays = state.tunnel.chosen == 1 and row < count and tunnels[row].status == TunnelStatus.FOLLOWING
     if stays and tunnels[row].penetration <= 0.0:
         return row
     best = row if stays else -1
     for k in range(count):
-        if tunnels[k].status != _FOLLOWING:
+        if tunnels[k].status != TunnelStatus.FOLLOWING:
             continue
         if stays:
             if tunnels[k].penetration <= 0.0:

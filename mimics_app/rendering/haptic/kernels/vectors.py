@@ -4,15 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["all_finite", "clamp_joints", "clamp_norm", "copy", "fill", "norm", "rotate", "rotate_back", "scale"]
-
-Vec = NDArray[np.float64]
-Mat = NDArray[np.float64]
 
 
 @kernel

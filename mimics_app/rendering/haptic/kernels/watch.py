@@ -19,13 +19,10 @@ __all__ = ["felt_share", "watch_contact", "watch_margin"]
 _CALM_MARGIN = 0.05
 """A margin that fell below 0 must rise above this before it is reported again."""
 
-_ACTIVE = int(SafetyState.ACTIVE)
-_DEGRADED = int(SafetyState.DEGRADED)
-
 
 @kernel
 def _is_felt(state: StateRecord) -> bool:
-    return state.safety == _ACTIVE or state.safety == _DEGRADED
+    return state.safety == SafetyState.ACTIVE or state.safety == SafetyState.DEGRADED
 
 
 @kernel

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import (
     QUATERNION,
@@ -16,8 +16,6 @@ from mimics_app.maths.quat import (
 
 __all__ = ["arc", "follow_chain", "follow_one", "localise", "multiply_rows", "slerp_rows"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 _OPPOSED = 1e-12
 """1 + cosine of two directions below which they are opposed: any axis at right angles will do."""

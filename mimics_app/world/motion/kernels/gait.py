@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["place_feet"]
 
-F8 = NDArray[np.float64]
 
 _CLEARANCE = 0.004
 """Of the sole over the ground in the middle of a swing, at least [m]."""

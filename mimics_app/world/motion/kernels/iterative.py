@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import QUATERNION
 
 __all__ = ["reach_by_descent", "reach_by_fabrik"]
 
-F8 = NDArray[np.float64]
 
 _NOWHERE = 1e-12
 """Distance [m] in whose place none is divided by."""

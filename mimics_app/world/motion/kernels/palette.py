@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, F8, I4
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import (
     QUATERNION,
@@ -20,9 +20,6 @@ from mimics_app.maths.quat import (
 
 __all__ = ["bound_joints", "write_palette"]
 
-F4 = NDArray[np.float32]
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 _FLAT = 1e-300
 """Determinant below which a matrix has no inverse."""

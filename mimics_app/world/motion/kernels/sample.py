@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import (
     QUATERNION,
@@ -15,10 +15,6 @@ from mimics_app.maths.quat import (
 
 __all__ = ["blend_pose", "sample_clip"]
 
-F4 = NDArray[np.float32]
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
-U1 = NDArray[np.uint8]
 
 _STEP, _LINEAR, _CUBIC = 0, 1, 2
 _ROTATION, _SCALE, _WEIGHTS = 1, 2, 3

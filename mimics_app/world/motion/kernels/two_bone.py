@@ -9,14 +9,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["reach_two_bones", "soften"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 _AT_SHOULDER, _TOO_FAR, _TOO_NEAR, _ON_POLE, _NO_LENGTH, _NOT_FINITE, _TURNING = 1, 2, 4, 8, 16, 32, 64
 """Cases of `reach.ReachCase`."""

@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import (
     QUATERNION,
@@ -26,8 +26,6 @@ from mimics_app.world.motion.kernels.two_bone import reach_two_bones
 
 __all__ = ["BONES", "STATE", "solve_upper_body"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 BONES = 14
 """Slots requested: hips, spine, chest, upper chest, neck, head, then shoulder, upper arm, lower arm, hand of each side;

@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import COMMAND_DQ, COMMAND_ENABLED, DATA_FORCE
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import read_patient, write_robot
@@ -36,8 +36,6 @@ __all__ = [
     "step_machine",
 ]
 
-Vec = NDArray[np.float64]
-Mat = NDArray[np.float64]
 
 RATE = 2500
 

@@ -15,9 +15,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import BodyFlag, ObjectIntegrator
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths import quat
@@ -47,14 +45,10 @@ if TYPE_CHECKING:
 
 __all__ = ["is_free", "place_bodies", "rest_time", "step_bodies", "wake"]
 
-Vec = NDArray[np.float64]
 
 _TRANSLATION = int(BodyFlag.TRANSLATION)
 _ROTATION = int(BodyFlag.ROTATION)
 _SLEEPS = int(BodyFlag.SLEEPS)
-_EXPLICIT = int(ObjectIntegrator.EXPLICIT)
-_EXACT_DRAG = int(ObjectIntegrator.EXACT_DRAG)
-_MIDPOINT = int(ObjectIntegrator.IMPLICIT_MIDPOINT)
 
 _DOZE = 0.25
 """Time a body must have been still before it sleeps [s]."""
@@ -189,15 +183,15 @@ def place_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord) -> No
 def _move(body: BodyRecord, motion: MotionRecord, dt: float) -> None:
     """Advance the centre of mass by (11)."""
     x, v, f, m, b = motion.centre, motion.velocity, motion.force, body.mass, body.damping_translation
-    if body.integrator == _EXACT_DRAG:
+    if body.integrator == ObjectIntegrator.EXACT_DRAG:
         p, s, a = free_responses(m, b, dt)
         for i in range(3):
             x[i] += dt * (s * v[i] + dt * p * f[i] / m)
             v[i] = a * v[i] + dt * s * f[i] / m
-    elif body.integrator == _EXPLICIT:
+    elif body.integrator == ObjectIntegrator.EXPLICIT:
         for i in range(3):
             x[i], v[i] = step_explicit(x[i], v[i], f[i], m, b, 0.0, dt)
-    elif body.integrator == _MIDPOINT:
+    elif body.integrator == ObjectIntegrator.IMPLICIT_MIDPOINT:
         for i in range(3):
             x[i], v[i] = step_midpoint(x[i], v[i], f[i], m, b, 0.0, dt)
     else:
@@ -208,9 +202,9 @@ def _move(body: BodyRecord, motion: MotionRecord, dt: float) -> None:
 @kernel
 def _slowed(integrator: int, rate: float, torque: float, inertia: float, b: float, dt: float) -> float:
     """Turning rate about one principal axis after a tick of torque and drag, by the body's integrator."""
-    if integrator == _EXACT_DRAG:
+    if integrator == ObjectIntegrator.EXACT_DRAG:
         return step_free(0.0, rate, torque, inertia, b, dt)[1]
-    if integrator == _MIDPOINT:
+    if integrator == ObjectIntegrator.IMPLICIT_MIDPOINT:
         return step_midpoint(0.0, rate, torque, inertia, b, 0.0, dt)[1]
     return step_semi_implicit(0.0, rate, torque, inertia, b, 0.0, dt)[1]
 

@@ -44,11 +44,6 @@ if TYPE_CHECKING:
 
 __all__ = ["collide_bodies"]
 
-_WALL = int(ShapeKind.WALL)
-_SPHERE = int(ShapeKind.SPHERE)
-_CYLINDER = int(ShapeKind.CYLINDER)
-_CAPSULE = int(ShapeKind.CAPSULE)
-_MESH = int(ShapeKind.MESH)
 
 _TILTED = 1e-2
 """1 - cosine between a normal and the nearer face from which the rounding of edges counts in full."""
@@ -65,7 +60,7 @@ def _lay_features(a: SolidRecord, b: SolidRecord, n: Three, rounded: float, room
     lone = lone_a if count_a == 2 else lone_b if count_b == 2 else min(lone_a, lone_b)
     tilt = 1.0 - max(dot(out_a, n), -dot(out_b, n))
     correction = rounded * min(1.0, tilt / _TILTED)
-    round_b = b.size[0] if b.kind == _CYLINDER else 0.0
+    round_b = b.size[0] if b.kind == ShapeKind.CYLINDER else 0.0
     return lay_over(
         room.feature_a, count_a, out_a, room.feature_b, count_b, out_b, n, lone, round_b, correction,
         room.polygon, room.points,
@@ -77,13 +72,13 @@ def _touch(pair: PairRecord, a: SolidRecord, b: SolidRecord, room: ScratchRecord
     """Contact points of one pair into `room.points`, and its normal; returns how many."""
     last = (pair.normal[0], pair.normal[1], pair.normal[2])
     count, n = 0, last
-    if b.kind == _WALL:
+    if b.kind == ShapeKind.WALL:
         count, n = touch_wall(a, b, room.feature_a, room.points)
-    elif a.kind == _SPHERE:
+    elif a.kind == ShapeKind.SPHERE:
         count, n = touch_by_sphere(a, b, last, room.points)
-    elif a.kind == _CAPSULE:
+    elif a.kind == ShapeKind.CAPSULE:
         count, n = touch_by_capsule(a, b, last, room.points)
-    elif a.kind == _CYLINDER:
+    elif a.kind == ShapeKind.CYLINDER:
         overlap, rounded, n = separate_hulls(a, b, last, room.simplex)
         if overlap > 0.0:
             count = _lay_features(a, b, n, rounded, room)
@@ -141,9 +136,9 @@ def _touch_mesh(
 ) -> int:
     """`_touch` of a mesh: it alone needs the tables of triangles."""
     last = (pair.normal[0], pair.normal[1], pair.normal[2])
-    if a.kind == _MESH or b.body != STATIC:
+    if a.kind == ShapeKind.MESH or b.body != STATIC:
         count, n = touch_carried_mesh(a, b, last if pair.touching else ANYWHERE, table, room)
-    elif ridges.rows[b.mesh].ridges > 0 and a.kind != _SPHERE:  # a ball is exact by its middle
+    elif ridges.rows[b.mesh].ridges > 0 and a.kind != ShapeKind.SPHERE:  # a ball is exact by its middle
         count, n = touch_ridged_mesh(a, b, last if pair.touching else ANYWHERE, table, ridges, room)
     else:
         count, n = touch_mesh(a, b, last, table.rows, table.vertices, table.corners, table.boxes, room)
@@ -165,8 +160,8 @@ def _collide_pair(pair: PairRecord, rows: Rows, work: ObjectWork, doze: int, dt:
     i, j = pair.body_a, pair.body_b
     a, b, room = work.solids[pair.a], work.solids[pair.b], work.scratch[0]
     found = 0
-    if b.kind == _WALL or near(a, b):
-        if a.kind == _MESH or b.kind == _MESH:
+    if b.kind == ShapeKind.WALL or near(a, b):
+        if a.kind == ShapeKind.MESH or b.kind == ShapeKind.MESH:
             found = _touch_mesh(pair, a, b, work.meshes, work.ridges, room)
         else:
             found = _touch(pair, a, b, room)

@@ -9,9 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Mat
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.triples import Three, axis, cross, dot, into, middle, minus, times
 
@@ -20,7 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = ["separate_boxes"]
 
-Mat = NDArray[np.float64]
 
 _KEEP = 0.95
 """The axis of the last tick counts as so much less deep than it is."""

@@ -39,9 +39,6 @@ if TYPE_CHECKING:
 
 __all__ = ["CORNER_SHARE", "depth_of", "edge_in", "keep_point", "touch_carried_mesh"]
 
-_WALL = int(ShapeKind.WALL)
-_SPHERE = int(ShapeKind.SPHERE)
-_MESH = int(ShapeKind.MESH)
 
 CORNER_SHARE = 0.25
 """Most of the stiffness that one corner of a hull carries."""
@@ -94,10 +91,10 @@ def depth_of(
     p: Three, other: SolidRecord, toward: Three, reach: float, table: MeshTable, room: ScratchRecord
 ) -> tuple[float, Three]:
     """Depth of a point in a shape by the faces that look along `toward`, 0 or less outside; normal out of them."""
-    if other.kind == _WALL:
+    if other.kind == ShapeKind.WALL:
         n = axis(other, 2)
         return dot(minus(middle(other), p), n), n
-    if other.kind == _MESH:
+    if other.kind == ShapeKind.MESH:
         return depth_in_mesh(
             other, p, 0.0, reach, toward, table.rows, table.vertices, table.corners, table.boxes, room
         )  # fmt: skip
@@ -204,10 +201,10 @@ def _edges_in(
     count: int,
 ) -> int:
     """Add what of the sharp edges of a carried mesh is in another shape; arguments as `_corners_in`."""
-    if other.kind == _WALL or other.kind == _SPHERE:  # their corners and middle say all
+    if other.kind == ShapeKind.WALL or other.kind == ShapeKind.SPHERE:  # their corners and middle say all
         return count
     mesh, place, reach, edges = table.rows[carried.mesh], middle(carried), _thinnest(carried), table.edges
-    meets_twice = other.kind == _MESH and table.rows[other.mesh].edges > 0
+    meets_twice = other.kind == ShapeKind.MESH and table.rows[other.mesh].edges > 0
     share = 0.5 * CORNER_SHARE if meets_twice else CORNER_SHARE
     for i in range(mesh.first_edge, mesh.first_edge + mesh.edges):
         p = along(place, 1.0, out_of(carried, (edges[i, 0], edges[i, 1], edges[i, 2])))
@@ -221,12 +218,12 @@ def _edges_in(
 def _gather(a: SolidRecord, b: SolidRecord, n: Three, table: MeshTable, room: ScratchRecord) -> tuple[int, float]:
     """Points of both in each other whose faces look along the normal n from a to b, and the sum of their depths."""
     count, out = 0, times(-1.0, n)
-    if a.kind == _MESH:
+    if a.kind == ShapeKind.MESH:
         count = _corners_in(a, b, out, 1.0, table, room, 0)
         count = _edges_in(a, b, out, 1.0, table, room, count)
     else:
         count, _ = points_in_mesh(a, b, out, table.rows, table.vertices, table.corners, table.boxes, room)
-    if b.kind == _MESH and a.kind != _SPHERE:  # a ball is exact by its middle
+    if b.kind == ShapeKind.MESH and a.kind != ShapeKind.SPHERE:  # a ball is exact by its middle
         count = _corners_in(b, a, n, -1.0, table, room, count)
         count = _edges_in(b, a, n, -1.0, table, room, count)
     total = 0.0
@@ -278,7 +275,7 @@ def touch_carried_mesh(
     Returns:
         (points, unit normal from a to b).
     """
-    if b.kind != _WALL and last == ANYWHERE:
+    if b.kind != ShapeKind.WALL and last == ANYWHERE:
         last = _least_overlap(a, b)
         _, along_axis = _gather(a, b, last, table, room)
         _, nearest = _gather(a, b, ANYWHERE, table, room)

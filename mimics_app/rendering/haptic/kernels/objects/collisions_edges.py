@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 
 __all__ = ["chord_in", "deepest_between", "may_pass"]
 
-_BOX = int(ShapeKind.BOX)
-_MESH = int(ShapeKind.MESH)
 
 _NONE = (0.0, 0.0, 0.0)
 """Normal of an end of a chord that lies inside: there the edge ends."""
@@ -185,9 +183,9 @@ def chord_in(solid: SolidRecord, p: Three, q: Three, table: MeshTable, room: Scr
         (whether there is one, share of the segment at which it begins, at which it ends, outward normals of the faces
         there; zero where the segment itself begins or ends inside).
     """
-    if solid.kind == _BOX:
+    if solid.kind == ShapeKind.BOX:
         return _chord_in_box(solid, p, q)
-    if solid.kind == _MESH:
+    if solid.kind == ShapeKind.MESH:
         return _chord_in_mesh(solid, p, q, table, room)
     return _chord_in_round(solid, p, q)
 

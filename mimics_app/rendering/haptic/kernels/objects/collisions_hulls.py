@@ -12,9 +12,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.triples import (
@@ -34,9 +32,6 @@ if TYPE_CHECKING:
 
 __all__ = ["separate_hulls", "support"]
 
-Simplex = NDArray[np.float64]
-
-_BOX = int(ShapeKind.BOX)
 
 _SKIN = 0.1
 """Skin of a solid, as a share of half of its thinnest side."""
@@ -73,7 +68,7 @@ _AXES_OF_BOTH, _DIRECTIONS = 6, 15
 @kernel
 def _skin(solid: SolidRecord) -> float:
     size = solid.size
-    if solid.kind == _BOX:
+    if solid.kind == ShapeKind.BOX:
         thin = 0.5 * min(size[0], min(size[1], size[2]))
     else:
         thin = min(size[0], 0.5 * size[1])
@@ -84,7 +79,7 @@ def _skin(solid: SolidRecord) -> float:
 def support(solid: SolidRecord, d: Three, skin: float) -> Three:
     """Farthest point [m] along d of a box or cylinder without its skin."""
     size, p = solid.size, middle(solid)
-    if solid.kind == _BOX:
+    if solid.kind == ShapeKind.BOX:
         for j in range(3):
             edge = axis(solid, j)
             p = along(p, math.copysign(0.5 * size[j] - skin, dot(edge, d)), edge)
@@ -96,17 +91,17 @@ def support(solid: SolidRecord, d: Three, skin: float) -> Three:
 
 
 @kernel
-def _corner(simplex: Simplex, i: int) -> Three:
+def _corner(simplex: F8, i: int) -> Three:
     return simplex[i, 0], simplex[i, 1], simplex[i, 2]
 
 
 @kernel
-def _keep(simplex: Simplex, slot: int, p: Three) -> None:
+def _keep(simplex: F8, slot: int, p: Three) -> None:
     simplex[slot, 0], simplex[slot, 1], simplex[slot, 2] = p
 
 
 @kernel
-def _on_line(simplex: Simplex) -> tuple[int, Three]:
+def _on_line(simplex: F8) -> tuple[int, Three]:
     """Closest point of a line to the origin; the simplex keeps the corners it lies between."""
     a, b = _corner(simplex, 0), _corner(simplex, 1)
     ab = minus(b, a)
@@ -156,7 +151,7 @@ def _inside_triangle(a: Three, b: Three, c: Three, d123: Three, d456: Three, are
 
 
 @kernel
-def _on_triangle(simplex: Simplex) -> tuple[int, Three]:
+def _on_triangle(simplex: F8) -> tuple[int, Three]:
     """Closest point of a triangle to the origin; the simplex keeps the corners it lies between."""
     bits, point = _triangle(_corner(simplex, 0), _corner(simplex, 1), _corner(simplex, 2))
     count = 0
@@ -168,7 +163,7 @@ def _on_triangle(simplex: Simplex) -> tuple[int, Three]:
 
 
 @kernel
-def _drop_corner(simplex: Simplex, dropped: int) -> None:
+def _drop_corner(simplex: F8, dropped: int) -> None:
     """Leave the triangle of a tetrahedron that lacks one corner in the first three rows."""
     for slot in range(dropped, 3):
         _keep(simplex, slot, _corner(simplex, slot + 1))
@@ -182,7 +177,7 @@ def _outside_of(a: Three, b: Three, c: Three, other: Three) -> bool:
 
 
 @kernel
-def _on_tetrahedron(simplex: Simplex) -> tuple[int, Three]:
+def _on_tetrahedron(simplex: F8) -> tuple[int, Three]:
     """The nearest of the faces the origin is outside of; 4 corners: it is inside."""
     nearest, dropped = math.inf, -1
     for i in range(_TETRAHEDRON):
@@ -199,7 +194,7 @@ def _on_tetrahedron(simplex: Simplex) -> tuple[int, Three]:
 
 
 @kernel
-def _on_simplex(simplex: Simplex, count: int) -> tuple[int, Three]:
+def _on_simplex(simplex: F8, count: int) -> tuple[int, Three]:
     """Closest point of a simplex to the origin; the simplex is reduced to what holds it."""
     if count == 1:
         return 1, _corner(simplex, 0)

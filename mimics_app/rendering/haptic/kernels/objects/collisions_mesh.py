@@ -11,9 +11,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.manifold import add_point
@@ -41,12 +39,6 @@ if TYPE_CHECKING:
 
 __all__ = ["depth_in_mesh", "points_in_mesh", "project_depths", "touch_mesh"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int32]
-
-_SPHERE = int(ShapeKind.SPHERE)
-_BOX = int(ShapeKind.BOX)
-_CAPSULE = int(ShapeKind.CAPSULE)
 
 _RIM = 8
 
@@ -68,11 +60,11 @@ _CORNERS = 8
 def _samples(solid: SolidRecord) -> tuple[int, float, float, float]:
     """(points, their radius [m], share of the stiffness of each, how far behind the surface they are seen [m])."""
     size = solid.size
-    if solid.kind == _SPHERE:
+    if solid.kind == ShapeKind.SPHERE:
         return 1, size[0], 1.0, size[0]
-    if solid.kind == _CAPSULE:
+    if solid.kind == ShapeKind.CAPSULE:
         return 2, size[0], 0.5, size[0]
-    if solid.kind == _BOX:
+    if solid.kind == ShapeKind.BOX:
         return _CORNERS, 0.0, _OF_A_CORNER, _DEEPEST * min(size[0], min(size[1], size[2]))
     return 2 * _RIM, 0.0, 1.0 / _RIM, _DEEPEST * min(2.0 * size[0], size[1])
 
@@ -81,14 +73,14 @@ def _samples(solid: SolidRecord) -> tuple[int, float, float, float]:
 def _sample(solid: SolidRecord, k: int) -> Three:
     """Point k of a shape, world [m]."""
     size, p = solid.size, middle(solid)
-    if solid.kind == _SPHERE:
+    if solid.kind == ShapeKind.SPHERE:
         return p
-    if solid.kind == _BOX:
+    if solid.kind == ShapeKind.BOX:
         for j in range(3):
             p = along(p, 0.5 * size[j] if k & (1 << j) else -0.5 * size[j], axis(solid, j))
         return p
     p = along(p, 0.5 * size[1] if k % 2 == 1 else -0.5 * size[1], axis(solid, 1))
-    if solid.kind == _CAPSULE:
+    if solid.kind == ShapeKind.CAPSULE:
         return p
     angle = 2.0 * math.pi * (k // 2) / _RIM
     p = along(p, size[0] * math.cos(angle), axis(solid, 0))
@@ -103,9 +95,9 @@ def depth_in_mesh(
     reach: float,
     toward: Three,
     meshes: Table[MeshRecord],
-    vertices: Array,
-    corners: Indices,
-    boxes: Array,
+    vertices: F8,
+    corners: I4,
+    boxes: F8,
     room: ScratchRecord,
 ) -> tuple[float, Three]:
     """Depth of a ball in a mesh [m], 0 where it does not touch, and the outward normal there, world.
@@ -156,9 +148,9 @@ def points_in_mesh(
     b: SolidRecord,
     toward: Three,
     meshes: Table[MeshRecord],
-    vertices: Array,
-    corners: Indices,
-    boxes: Array,
+    vertices: F8,
+    corners: I4,
+    boxes: F8,
     room: ScratchRecord,
 ) -> tuple[int, Three]:
     """What of shape a is inside a mesh; arguments as `touch_mesh` and `depth_in_mesh`, but balls look anywhere.
@@ -185,9 +177,9 @@ def touch_mesh(
     b: SolidRecord,
     last: Three,
     meshes: Table[MeshRecord],
-    vertices: Array,
-    corners: Indices,
-    boxes: Array,
+    vertices: F8,
+    corners: I4,
+    boxes: F8,
     room: ScratchRecord,
 ) -> tuple[int, Three]:
     """Contact points of shape a at a mesh of the static scene.

@@ -11,9 +11,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.collisions_carried_mesh import (
     CORNER_SHARE,
@@ -40,8 +38,6 @@ if TYPE_CHECKING:
 
 __all__ = ["touch_ridged_mesh"]
 
-Array = NDArray[np.float64]
-
 
 @kernel
 def _bounds_in(b: SolidRecord, a: SolidRecord, room: ScratchRecord) -> None:
@@ -59,7 +55,7 @@ def _bounds_in(b: SolidRecord, a: SolidRecord, room: ScratchRecord) -> None:
 
 
 @kernel
-def _overlaps(boxes: Array, node: int, room: ScratchRecord) -> bool:
+def _overlaps(boxes: F8, node: int, room: ScratchRecord) -> bool:
     """The bounds in `room.feature_a` overlap those of a node."""
     for i in range(3):
         if room.feature_a[0, i] > boxes[node, 3 + i] or room.feature_a[1, i] < boxes[node, i]:

@@ -10,9 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.distances import distance_to
@@ -24,11 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = ["touch_by_capsule", "touch_by_sphere"]
 
-Points = NDArray[np.float64]
 Span = tuple[float, float]
 
-_BOX = int(ShapeKind.BOX)
-_CYLINDER = int(ShapeKind.CYLINDER)
 
 _HALVINGS = 40
 """Steps of the search along the axis: to 1e-12 of its length."""
@@ -48,7 +43,7 @@ _NO_RUN = 1e-24
 
 
 @kernel
-def touch_by_sphere(a: SolidRecord, b: SolidRecord, last: Three, points: Points) -> tuple[int, Three]:
+def touch_by_sphere(a: SolidRecord, b: SolidRecord, last: Three, points: F8) -> tuple[int, Three]:
     """Contact point of sphere a with shape b (not a wall).
 
     Args:
@@ -116,22 +111,22 @@ def _disc(p: Three, run: Three, radius: float, span: Span) -> Span:
 def _common_part(kind: int, size: Floats, p: Three, run: Three, n: Three) -> Span:
     """Part of the axis that runs over the face with normal n; reversed where there is none. All in the frame of b."""
     span = (0.0, 1.0)
-    if kind == _BOX:
+    if kind == ShapeKind.BOX:
         if max(abs(n[0]), max(abs(n[1]), abs(n[2]))) < _FACE:
             return 1.0, 0.0
         for i in range(3):
             if abs(n[i]) < 0.5:
                 span = _slab(p[i], run[i], 0.5 * size[i], span)
         return span
-    if kind == _CYLINDER and abs(n[1]) > _FACE:
+    if kind == ShapeKind.CYLINDER and abs(n[1]) > _FACE:
         return _disc(p, run, size[0], span)
-    if abs(n[1]) > 1.0 - _FACE and kind == _CYLINDER:
+    if abs(n[1]) > 1.0 - _FACE and kind == ShapeKind.CYLINDER:
         return 1.0, 0.0
     return _slab(p[1], run[1], 0.5 * size[1], span)
 
 
 @kernel
-def touch_by_capsule(a: SolidRecord, b: SolidRecord, last: Three, points: Points) -> tuple[int, Three]:
+def touch_by_capsule(a: SolidRecord, b: SolidRecord, last: Three, points: F8) -> tuple[int, Three]:
     """Contact points of capsule a with shape b (capsule, cylinder or box); arguments as `touch_by_sphere`."""
     radius = a.size[0]
     run = times(a.size[1], axis(a, 1))

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.manifold import add_point, write_feature
@@ -25,12 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["touch_wall"]
 
-Points = NDArray[np.float64]
-
-_SPHERE = int(ShapeKind.SPHERE)
-_BOX = int(ShapeKind.BOX)
-_CAPSULE = int(ShapeKind.CAPSULE)
-
 
 _OF_A_CORNER = 0.25
 """Share of a face's stiffness that each of its four corners has [-]."""
@@ -43,7 +35,7 @@ _UP = 4
 
 
 @kernel
-def _sink(p: Three, height: float, share: float, n: Three, points: Points, count: int) -> int:
+def _sink(p: Three, height: float, share: float, n: Three, points: F8, count: int) -> int:
     """Add point p at a height over the wall, if it is below; the contact is half way to the wall."""
     if height >= 0.0:
         return count
@@ -51,7 +43,7 @@ def _sink(p: Three, height: float, share: float, n: Three, points: Points, count
 
 
 @kernel
-def _box(solid: SolidRecord, height: float, n: Three, points: Points) -> int:
+def _box(solid: SolidRecord, height: float, n: Three, points: F8) -> int:
     """The corners below the wall: of a box that is not in it to the middle at most four."""
     size, centre = solid.size, middle(solid)
     x, y, z = axis(solid, 0), axis(solid, 1), axis(solid, 2)
@@ -72,7 +64,7 @@ def _box(solid: SolidRecord, height: float, n: Three, points: Points) -> int:
 
 
 @kernel
-def touch_wall(a: SolidRecord, b: SolidRecord, corners: Floats, points: Points) -> tuple[int, Three]:
+def touch_wall(a: SolidRecord, b: SolidRecord, corners: Floats, points: F8) -> tuple[int, Three]:
     """Contact points of shape a in wall b.
 
     Args:
@@ -87,12 +79,12 @@ def touch_wall(a: SolidRecord, b: SolidRecord, corners: Floats, points: Points) 
     n, centre, size = axis(b, 2), middle(a), a.size
     height = dot(minus(centre, middle(b)), n)
     kind, into = a.kind, times(-1.0, n)
-    if kind == _SPHERE:
+    if kind == ShapeKind.SPHERE:
         return _sink(along(centre, -size[0], n), height - size[0], 1.0, n, points, 0), into
-    if kind == _BOX:
+    if kind == ShapeKind.BOX:
         return _box(a, height, n, points), into
     up, count = axis(a, 1), 0
-    if kind == _CAPSULE:
+    if kind == ShapeKind.CAPSULE:
         for end in range(2):
             reach = (end - 0.5) * size[1]
             p = along(along(centre, reach, up), -size[0], n)

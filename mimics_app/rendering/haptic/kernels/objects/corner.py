@@ -10,9 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import norm, scale
 
@@ -21,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["part_walls", "share_corner"]
 
-Numbers = NDArray[np.float64]
 
 _ORTHOGONAL = 1e-6
 """Cosine below which two walls count as orthogonal: a thousandth of a millinewton at 1 N."""
@@ -48,7 +45,7 @@ def _is_orthogonal(walls: Table[WallTouchRecord], count: int) -> bool:
 
 
 @kernel
-def _solve(walls: Table[WallTouchRecord], i: int, j: int, k: int, of: Numbers, out: Numbers) -> bool:
+def _solve(walls: Table[WallTouchRecord], i: int, j: int, k: int, of: F8, out: F8) -> bool:
     """Out = G^-1 of for the Gram matrix of two (k < 0) or three normals; False where they are parallel."""
     a = _cosine(walls[i], walls[j])
     if k < 0:
@@ -70,7 +67,7 @@ def _solve(walls: Table[WallTouchRecord], i: int, j: int, k: int, of: Numbers, o
 
 
 @kernel
-def _is_outside(walls: Table[WallTouchRecord], count: int, i: int, j: int, k: int, pushes: Numbers) -> bool:
+def _is_outside(walls: Table[WallTouchRecord], count: int, i: int, j: int, k: int, pushes: F8) -> bool:
     """No push pulls, and the stand-in they lead to is behind no wall."""
     if pushes[0] < 0.0 or pushes[1] < 0.0 or pushes[2] < 0.0:
         return False
@@ -86,9 +83,7 @@ def _is_outside(walls: Table[WallTouchRecord], count: int, i: int, j: int, k: in
 
 
 @kernel
-def _replace(
-    walls: Table[WallTouchRecord], count: int, rows: tuple[int, int, int], rates: Numbers, pushes: Numbers
-) -> None:
+def _replace(walls: Table[WallTouchRecord], count: int, rows: tuple[int, int, int], rates: F8, pushes: F8) -> None:
     """Depths and rates of the walls in `rows` (those >= 0) become these; those of others are 0."""
     for m in range(count):
         walls[m].depth = 0.0
@@ -100,9 +95,7 @@ def _replace(
 
 
 @kernel
-def _try(
-    walls: Table[WallTouchRecord], count: int, i: int, j: int, k: int, of: Numbers, pushes: Numbers, rates: Numbers
-) -> bool:
+def _try(walls: Table[WallTouchRecord], count: int, i: int, j: int, k: int, of: F8, pushes: F8, rates: F8) -> bool:
     """Whether the stand-in rests on just these planes (those >= 0); if so their depths and rates are replaced."""
     rows = (i, j, k)
     for m in range(3):
@@ -122,7 +115,7 @@ def _try(
 
 
 @kernel
-def share_corner(walls: Table[WallTouchRecord], count: int, of: Numbers, pushes: Numbers, rates: Numbers) -> bool:
+def share_corner(walls: Table[WallTouchRecord], count: int, of: F8, pushes: F8, rates: F8) -> bool:
     """Replace the depths and rates of walls touched at once by what each contributes to the way out.
 
     Orthogonal walls, and walls that leave no room at all (facing one another), keep their depths: False.

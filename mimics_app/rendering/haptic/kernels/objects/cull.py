@@ -6,22 +6,17 @@ hit are looked at one by one. Four rows of numbers are read and nothing else of 
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8, I8, Vec
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["find_near", "find_near_plain"]
 
-Array = NDArray[np.float64]
-Vec = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 _GROUP = 16
 
 
 @kernel
-def _reaches(bounds: Array, i: int, x: float, y: float, z: float, radius: float) -> bool:
+def _reaches(bounds: F8, i: int, x: float, y: float, z: float, radius: float) -> bool:
     """Bounds overlap the ball; a radius < 0 never does, an infinite one always."""
     dx, dy, dz = bounds[0, i] - x, bounds[1, i] - y, bounds[2, i] - z
     reach = bounds[3, i] + radius
@@ -29,7 +24,7 @@ def _reaches(bounds: Array, i: int, x: float, y: float, z: float, radius: float)
 
 
 @kernel
-def find_near(bounds: Array, shapes: int, p: Vec, radius: float, near: Rows) -> int:
+def find_near(bounds: F8, shapes: int, p: Vec, radius: float, near: I8) -> int:
     """Rows of the shapes whose bounding sphere the point's ball reaches, ascending.
 
     Args:
@@ -66,7 +61,7 @@ def find_near(bounds: Array, shapes: int, p: Vec, radius: float, near: Rows) -> 
 
 
 @kernel
-def find_near_plain(bounds: Array, shapes: int, p: Vec, radius: float, near: Rows) -> int:
+def find_near_plain(bounds: F8, shapes: int, p: Vec, radius: float, near: I8) -> int:
     """Rival of `find_near` that asks one shape after the other; arguments and result alike."""
     x, y, z = p[0], p[1], p[2]
     found = 0

@@ -19,9 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["depth_under", "distance_to", "shape_distance"]
 
-_SPHERE = int(ShapeKind.SPHERE)
-_BOX = int(ShapeKind.BOX)
-_CYLINDER = int(ShapeKind.CYLINDER)
 
 _HELD = 0.5
 """A face that is held counts as so much nearer than it is."""
@@ -96,11 +93,11 @@ def shape_distance(kind: int, size: Floats, q: Three, hint: Three) -> tuple[floa
         q: The point in the shape's frame [m].
         hint: Last normal in that frame, or zero: decides where the geometry does not.
     """
-    if kind == _SPHERE:
+    if kind == ShapeKind.SPHERE:
         return _from_centre(q, size[0], hint)
-    if kind == _BOX:
+    if kind == ShapeKind.BOX:
         return _box(q, (0.5 * size[0], 0.5 * size[1], 0.5 * size[2]), hint)
-    if kind == _CYLINDER:
+    if kind == ShapeKind.CYLINDER:
         return _cylinder(q, size[0], 0.5 * size[1], hint)
     half = 0.5 * size[1]
     foot = min(max(q[1], -half), half)
@@ -171,9 +168,9 @@ def depth_under(solid: SolidRecord, p: Three, toward: Three) -> tuple[float, Thr
         (depth [m], outward normal of that face, world).
     """
     q, direction = into(solid, minus(p, middle(solid))), into(solid, toward)
-    if solid.kind == _BOX:
+    if solid.kind == ShapeKind.BOX:
         depth, n, beside = _under_box(solid.size, q, direction)
-    elif solid.kind == _CYLINDER:
+    elif solid.kind == ShapeKind.CYLINDER:
         depth, n, beside = _under_cylinder(solid.size, q, direction)
     else:
         far, n = shape_distance(solid.kind, solid.size, q, direction)

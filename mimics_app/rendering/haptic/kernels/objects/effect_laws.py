@@ -9,9 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 
 if TYPE_CHECKING:
@@ -30,7 +28,6 @@ __all__ = [
     "stick_and_slip",
 ]
 
-Vec = NDArray[np.float64]
 
 _SMALLEST = 1e-12
 """Nearer to its place than this [m] a spring has no direction to pull in, and no need."""

@@ -10,9 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import BodyFlag, EffectKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import FIELD_PARAMETERS, MAX_FIELDS
@@ -46,18 +44,7 @@ if TYPE_CHECKING:
 
 __all__ = ["apply_effects"]
 
-Vec = NDArray[np.float64]
 
-_SPRING = int(EffectKind.SPRING)
-_PATH_SPRING = int(EffectKind.PATH_SPRING)
-_VISCOSITY = int(EffectKind.VISCOSITY)
-_CONSTANT = int(EffectKind.CONSTANT)
-_MAGNET = int(EffectKind.MAGNET)
-_VIBRATION = int(EffectKind.VIBRATION)
-_STICK_SLIP = int(EffectKind.STICK_SLIP)
-_WORKSPACE = int(EffectKind.WORKSPACE)
-_GUIDANCE = int(EffectKind.GUIDANCE)
-_FIELD = int(EffectKind.FIELD)
 _FORCE_ON_OBJECT = int(BodyFlag.FORCE_ON_OBJECT)
 _TORQUE_ON_OBJECT = int(BodyFlag.TORQUE_ON_OBJECT)
 
@@ -134,7 +121,7 @@ def _along_path(effect: EffectRecord, work: ObjectWork, memory: EffectMemoryReco
     if path.pieces < 1:
         return
     remaining = find_path(path, memory)
-    if effect.kind == _PATH_SPRING:
+    if effect.kind == EffectKind.PATH_SPRING:
         pull_to_path(effect, memory)
     else:
         guide(effect, memory, remaining)
@@ -169,23 +156,23 @@ def _act(
 ) -> None:
     """The law of the effect."""
     kind = effect.kind
-    if kind == _SPRING:
+    if kind == EffectKind.SPRING:
         spring(effect, memory)
-    elif kind == _VISCOSITY:
+    elif kind == EffectKind.VISCOSITY:
         brake(effect, memory)
-    elif kind == _CONSTANT:
+    elif kind == EffectKind.CONSTANT:
         push(effect, memory)
-    elif kind == _MAGNET:
+    elif kind == EffectKind.MAGNET:
         magnet(effect, memory)
-    elif kind == _VIBRATION:
+    elif kind == EffectKind.VIBRATION:
         shake(effect, memory, t)
-    elif kind == _STICK_SLIP:
+    elif kind == EffectKind.STICK_SLIP:
         _stick(effect, work, counts, memory)
-    elif kind == _WORKSPACE:
+    elif kind == EffectKind.WORKSPACE:
         pull_back(effect, memory)
-    elif kind == _PATH_SPRING or kind == _GUIDANCE:
+    elif kind == EffectKind.PATH_SPRING or kind == EffectKind.GUIDANCE:
         _along_path(effect, work, memory)
-    elif kind == _FIELD:
+    elif kind == EffectKind.FIELD:
         _call_field(effect, work, fields, t, memory)
 
 
@@ -193,7 +180,7 @@ def _act(
 def _wants_touch(effect: EffectRecord, work: ObjectWork, counts: ObjectCountsRecord) -> bool:
     """Vibration and stick-slip of a body wait until the user touches it."""
     of_body = 0 <= effect.body < counts.bodies and effect.on_body == 0
-    surface = effect.kind == _VIBRATION or effect.kind == _STICK_SLIP
+    surface = effect.kind == EffectKind.VIBRATION or effect.kind == EffectKind.STICK_SLIP
     return of_body and surface and work.motions[effect.body].touched == 0
 
 
@@ -232,7 +219,7 @@ def _deliver(
         for i in range(3):
             totals.effect_force[i] += memory.force[i]
     if memory.held != 0:
-        stiffness = memory.stiffness if effect.kind != _VISCOSITY else 0.0
+        stiffness = memory.stiffness if effect.kind != EffectKind.VISCOSITY else 0.0
         totals.stiffness += stiffness
         totals.even_stiffness += stiffness
         totals.even_damping += effect.damping
@@ -273,7 +260,7 @@ def apply_effects(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand
         _act(effect, work, counts, fields, t, memory)
         if _is_finite(memory):
             _deliver(effect, rows, work, counts, memory)
-        elif effect.kind == _FIELD:
+        elif effect.kind == EffectKind.FIELD:
             if work.totals[0].quarantined < 0:  # one a tick, so that each is reported; another one has its turn next
                 memory.quarantined = 1
                 work.totals[0].quarantined = k

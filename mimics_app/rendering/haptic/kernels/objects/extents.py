@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 
@@ -15,12 +13,6 @@ if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Floats, MeshRecord, ShapeRecord
 
 __all__ = ["half_extent", "mesh_extent"]
-
-Vec = NDArray[np.float64]
-
-_SPHERE = int(ShapeKind.SPHERE)
-_CYLINDER = int(ShapeKind.CYLINDER)
-_CAPSULE = int(ShapeKind.CAPSULE)
 
 
 @kernel
@@ -33,11 +25,11 @@ def half_extent(shape: ShapeRecord, R: Floats, u: Vec) -> float:
         u: Unit direction, world.
     """
     along = abs(R[0, 1] * u[0] + R[1, 1] * u[1] + R[2, 1] * u[2])
-    if shape.kind == _SPHERE:
+    if shape.kind == ShapeKind.SPHERE:
         return shape.size[0]
-    if shape.kind == _CAPSULE:
+    if shape.kind == ShapeKind.CAPSULE:
         return shape.size[0] + 0.5 * shape.size[1] * along
-    if shape.kind == _CYLINDER:
+    if shape.kind == ShapeKind.CYLINDER:
         return 0.5 * shape.size[1] * along + shape.size[0] * math.sqrt(max(0.0, 1.0 - along * along))
     extent = 0.0
     for axis in range(3):

@@ -13,9 +13,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.friction import forget_friction, hayward_armstrong
@@ -37,7 +35,6 @@ if TYPE_CHECKING:
 
 __all__ = ["grip_bodies"]
 
-Vec = NDArray[np.float64]
 
 _TAKE_FORCE = 0.3
 """Grasp force from which the fingers count as closed [N]."""
@@ -58,8 +55,6 @@ _LONGEST_LEAD = 0.02
 _PATCH_ARM = 2.0 / 3.0
 """Mean arm of Coulomb friction over a disc of even pressure, in radii."""
 
-_WALL = int(ShapeKind.WALL)
-_MESH = int(ShapeKind.MESH)
 _FORCE_ON = int(BodyFlag.FORCE_ON_OBJECT)
 _TORQUE_ON = int(BodyFlag.TORQUE_ON_OBJECT)
 
@@ -115,12 +110,12 @@ def _measure(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, body: int
     surface = -1
     for k in range(counts.shapes):
         shape = rows.shapes[k]
-        if shape.body != body or shape.enabled == 0 or shape.kind == _WALL:
+        if shape.body != body or shape.enabled == 0 or shape.kind == ShapeKind.WALL:
             continue
         middle = 0.0
         for i in range(3):
             middle += (work.shape_positions[k, i] - grip.centre[i]) * grip.axis[i]
-        if shape.kind == _MESH:
+        if shape.kind == ShapeKind.MESH:
             mesh = work.meshes.rows[shape.mesh]
             low, high = mesh_extent(mesh, work.meshes.hulls, work.shape_rotations[k], grip.axis)
         else:

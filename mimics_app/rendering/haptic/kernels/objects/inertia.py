@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Mat
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths import quat
 from mimics_app.rendering.haptic.kernels.eigen import diagonalise
@@ -16,7 +14,6 @@ if TYPE_CHECKING:
 
 __all__ = ["find_principal_axes"]
 
-Mat = NDArray[np.float64]
 
 _NOTHING = 1e-9
 """Share of the greatest moment below which a moment is rounding: a steel wire has 1e-6."""

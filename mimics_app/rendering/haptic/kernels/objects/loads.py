@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.bodies import wake
 from mimics_app.rendering.haptic.kernels.vectors import copy
@@ -16,7 +14,6 @@ if TYPE_CHECKING:
 
 __all__ = ["load_bodies"]
 
-Vec = NDArray[np.float64]
 
 _SAME_LOAD = 1e-9
 """A load that differs by this share from the one a body fell asleep under wakes it."""

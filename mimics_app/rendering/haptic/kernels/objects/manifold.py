@@ -18,9 +18,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.triples import (
@@ -41,14 +39,11 @@ if TYPE_CHECKING:
 
 __all__ = ["add_point", "lay_over", "write_feature"]
 
-Points = NDArray[np.float64]
-Polygon = NDArray[np.float64]
 
 _RIM = 8
 _LEANS = math.sqrt(0.5)
 """Cosine between the axis of a cylinder and the normal from which its cap counts and no longer its side."""
 
-_BOX = int(ShapeKind.BOX)
 
 Plane = tuple[float, float, float]
 """Height over the plane of contact as h = a + b u + c v."""
@@ -71,7 +66,7 @@ _FACE = 4
 
 
 @kernel
-def add_point(points: Points, count: int, p: Three, depth: float, share: float) -> int:
+def add_point(points: F8, count: int, p: Three, depth: float, share: float) -> int:
     """Append a contact point; returns how many there are."""
     if count >= points.shape[0]:
         return count
@@ -142,7 +137,7 @@ def write_feature(solid: SolidRecord, d: Three, corners: Floats) -> tuple[int, T
     Returns:
         (corners, outward normal of the feature, share of a lone corner of it). Two corners are a line.
     """
-    if solid.kind == _BOX:
+    if solid.kind == ShapeKind.BOX:
         return _FACE, _box_face(solid, d, corners), _OF_A_CORNER
     count, n = _cylinder_feature(solid, d, corners)
     if count == 2:
@@ -153,7 +148,7 @@ def write_feature(solid: SolidRecord, d: Three, corners: Floats) -> tuple[int, T
 
 
 @kernel
-def _flatten(corners: Floats, count: int, origin: Three, u: Three, v: Three, polygon: Polygon) -> None:
+def _flatten(corners: Floats, count: int, origin: Three, u: Three, v: Three, polygon: F8) -> None:
     for k in range(count):
         q = minus((corners[k, 0], corners[k, 1], corners[k, 2]), origin)
         polygon[k, 0], polygon[k, 1] = dot(q, u), dot(q, v)
@@ -290,7 +285,7 @@ def lay_over(
     round_b: float,
     correction: float,
     polygons: Floats,
-    points: Points,
+    points: F8,
 ) -> int:
     """Contact points of two features laid over each other along n.
 

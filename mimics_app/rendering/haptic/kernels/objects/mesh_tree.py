@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4, Vec
 from mimics_app.contracts.kernel import kernel
 
 if TYPE_CHECKING:
@@ -28,9 +28,6 @@ __all__ = [
     "triangle_normal",
 ]
 
-Vec = NDArray[np.float64]
-Array = NDArray[np.float64]
-Indices = NDArray[np.int32]
 
 Three = tuple[float, float, float]
 
@@ -54,7 +51,7 @@ _EDGE = 1e-9
 
 
 @kernel
-def triangle_normal(vertices: Array, corners: Indices, t: int, out: Vec) -> float:
+def triangle_normal(vertices: F8, corners: I4, t: int, out: Vec) -> float:
     """Set out = (b - a) x (c - a), outward for corners counter-clockwise from outside; return its length."""
     a, b, c = corners[t, 0], corners[t, 1], corners[t, 2]
     ux, uy, uz = vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1], vertices[b, 2] - vertices[a, 2]
@@ -66,13 +63,13 @@ def triangle_normal(vertices: Array, corners: Indices, t: int, out: Vec) -> floa
 
 
 @kernel
-def _along(vertices: Array, a: int, b: int, share: float, out: Vec) -> None:
+def _along(vertices: F8, a: int, b: int, share: float, out: Vec) -> None:
     for i in range(3):
         out[i] = vertices[a, i] + share * (vertices[b, i] - vertices[a, i])
 
 
 @kernel
-def closest_on_triangle(vertices: Array, corners: Indices, t: int, p: Vec, out: Vec) -> int:
+def closest_on_triangle(vertices: F8, corners: I4, t: int, p: Vec, out: Vec) -> int:
     """Set out to the point of triangle t that is closest to p; return the region it lies in (Ericson 2005, 5.1.5).
 
     Args:
@@ -108,7 +105,7 @@ def closest_on_triangle(vertices: Array, corners: Indices, t: int, p: Vec, out: 
 
 @kernel
 def _closest_off_corners(
-    vertices: Array, a: int, b: int, c: int, products: tuple[float, float, float, float, float, float], out: Vec
+    vertices: F8, a: int, b: int, c: int, products: tuple[float, float, float, float, float, float], out: Vec
 ) -> int:
     """The rest of `closest_on_triangle`, for a point nearest to an edge or the interior."""
     ab_ap, ac_ap, ab_bp, ac_bp, ab_cp, ac_cp = products
@@ -141,7 +138,7 @@ def next_node(node: int) -> int:
 
 
 @kernel
-def _meets(boxes: Array, node: int, a: Vec, b: Vec) -> bool:
+def _meets(boxes: F8, node: int, a: Vec, b: Vec) -> bool:
     """The box around the segment a -> b, widened by the tolerance, overlaps that of a node."""
     for i in range(3):
         if min(a[i], b[i]) - _SURFACE > boxes[node, 3 + i] or max(a[i], b[i]) + _SURFACE < boxes[node, i]:
@@ -150,7 +147,7 @@ def _meets(boxes: Array, node: int, a: Vec, b: Vec) -> bool:
 
 
 @kernel
-def _crossing(vertices: Array, corners: Indices, t: int, a: Vec, b: Vec, n: Vec) -> float:
+def _crossing(vertices: F8, corners: I4, t: int, a: Vec, b: Vec, n: Vec) -> float:
     """Share of the segment a -> b at which it passes triangle t from front to back; 2 where it does not."""
     size = triangle_normal(vertices, corners, t, n)
     first = corners[t, 0]
@@ -174,7 +171,7 @@ def _crossing(vertices: Array, corners: Indices, t: int, a: Vec, b: Vec, n: Vec)
 
 
 @kernel
-def first_crossing(mesh: MeshRecord, vertices: Array, corners: Indices, boxes: Array, a: Vec, b: Vec, n: Vec) -> int:
+def first_crossing(mesh: MeshRecord, vertices: F8, corners: I4, boxes: F8, a: Vec, b: Vec, n: Vec) -> int:
     """The first triangle that the segment a -> b passes from front to back, -1: none.
 
     Args:
@@ -206,7 +203,7 @@ def first_crossing(mesh: MeshRecord, vertices: Array, corners: Indices, boxes: A
 
 
 @kernel
-def _box_distance(boxes: Array, node: int, p: Vec) -> float:
+def _box_distance(boxes: F8, node: int, p: Vec) -> float:
     """Square of the distance from p to a node's box [m^2]."""
     total = 0.0
     for i in range(3):
@@ -217,7 +214,7 @@ def _box_distance(boxes: Array, node: int, p: Vec) -> float:
 
 @kernel
 def closest_triangle(
-    mesh: MeshRecord, vertices: Array, corners: Indices, boxes: Array, p: Vec, limit: float, toward: Three, out: Vec
+    mesh: MeshRecord, vertices: F8, corners: I4, boxes: F8, p: Vec, limit: float, toward: Three, out: Vec
 ) -> int:
     """The triangle closest to p, -1: none is closer than `limit` [m]. Of equally close ones that which p faces most.
 
@@ -249,7 +246,7 @@ def closest_triangle(
 
 
 @kernel
-def _looks(vertices: Array, corners: Indices, t: int, toward: Three, out: Vec) -> bool:
+def _looks(vertices: F8, corners: I4, t: int, toward: Three, out: Vec) -> bool:
     """True for a triangle that looks along a direction, or when there is none."""
     if toward[0] == 0.0 and toward[1] == 0.0 and toward[2] == 0.0:
         return True
@@ -258,7 +255,7 @@ def _looks(vertices: Array, corners: Indices, t: int, toward: Three, out: Vec) -
 
 
 @kernel
-def _facing(vertices: Array, corners: Indices, t: int, p: Vec, out: Vec) -> float:
+def _facing(vertices: F8, corners: I4, t: int, p: Vec, out: Vec) -> float:
     """Distance of p from the plane of a triangle [m]: says on which side of an edge shared by two it is."""
     size = triangle_normal(vertices, corners, t, out)
     first = corners[t, 0]

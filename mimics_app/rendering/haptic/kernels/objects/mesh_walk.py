@@ -14,9 +14,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     ANYWHERE,
@@ -33,7 +31,6 @@ if TYPE_CHECKING:
 
 __all__ = ["probe_mesh"]
 
-Vec = NDArray[np.float64]
 
 _CORNER = 3
 """Least region number of a corner."""

@@ -10,8 +10,8 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import I8
 from mimics_app.contracts.haptic_objects import ForceLaw
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_law import pair_damping, pair_stiffness
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = ["add_pair", "drop_pairs", "find_pair", "forget_contact", "forget_pairs", "join_surfaces"]
 
-Slots = NDArray[np.int64]
 
 _HUNT_CROSSLEY = int(ForceLaw.HUNT_CROSSLEY)
 
@@ -115,14 +114,14 @@ def join_surfaces(first: ShapeRecord, second: ShapeRecord, pair: PairRecord) -> 
 
 
 @kernel
-def _home(a: int, b: int, slots: Slots) -> int:
+def _home(a: int, b: int, slots: I8) -> int:
     """Where the hash looks first for a pair; the table's length is a power of two."""
     mixed = (a * _PRIME_A) ^ (b * _PRIME_B)
     return (mixed ^ (mixed >> _FOLD)) & (slots.shape[0] - 1)
 
 
 @kernel
-def find_pair(a: int, b: int, pairs: Table[PairRecord], slots: Slots) -> int:
+def find_pair(a: int, b: int, pairs: Table[PairRecord], slots: I8) -> int:
     """Row of the pair of shapes a and b, or minus the free slot found, less 1."""
     slot = _home(a, b, slots)
     while slots[slot] >= 0:
@@ -134,7 +133,7 @@ def find_pair(a: int, b: int, pairs: Table[PairRecord], slots: Slots) -> int:
 
 
 @kernel
-def add_pair(i: int, j: int, shapes: Table[ShapeRecord], pairs: Table[PairRecord], slots: Slots, count: int) -> int:
+def add_pair(i: int, j: int, shapes: Table[ShapeRecord], pairs: Table[PairRecord], slots: I8, count: int) -> int:
     """Keep the pair of shapes i and j, or begin it; returns how many pairs there are, or -1 when the table is full.
 
     Args:
@@ -166,7 +165,7 @@ def add_pair(i: int, j: int, shapes: Table[ShapeRecord], pairs: Table[PairRecord
 
 
 @kernel
-def drop_pairs(pairs: Table[PairRecord], slots: Slots, count: int) -> int:
+def drop_pairs(pairs: Table[PairRecord], slots: I8, count: int) -> int:
     """Leave out pairs that were not kept, the others in their order; returns how many are left."""
     left = 0
     for k in range(count):

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import ObjectCountsRecord, ObjectWork, Rows
 
 __all__ = ["place_points"]
-
-Vec = NDArray[np.float64]
 
 
 @kernel

@@ -25,23 +25,18 @@ if TYPE_CHECKING:
 
 __all__ = ["pose_shapes"]
 
-_SPHERE = int(ShapeKind.SPHERE)
-_BOX = int(ShapeKind.BOX)
-_CYLINDER = int(ShapeKind.CYLINDER)
-_CAPSULE = int(ShapeKind.CAPSULE)
-
 
 @kernel
 def bounding_radius(shape: ShapeRecord) -> float:
     """Radius [m] of the sphere about a shape's origin that holds it; inf where none is known (walls, meshes)."""
     size = shape.size
-    if shape.kind == _SPHERE:
+    if shape.kind == ShapeKind.SPHERE:
         return size[0]
-    if shape.kind == _BOX:
+    if shape.kind == ShapeKind.BOX:
         return 0.5 * math.sqrt(size[0] * size[0] + size[1] * size[1] + size[2] * size[2])
-    if shape.kind == _CYLINDER:
+    if shape.kind == ShapeKind.CYLINDER:
         return math.sqrt(size[0] * size[0] + 0.25 * size[1] * size[1])
-    if shape.kind == _CAPSULE:
+    if shape.kind == ShapeKind.CAPSULE:
         return size[0] + 0.5 * size[1]
     return math.inf
 

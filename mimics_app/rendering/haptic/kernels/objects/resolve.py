@@ -12,9 +12,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import ForceLaw
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, pair_force
@@ -26,9 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["part", "push_apart"]
 
-Points = NDArray[np.float64]
-
-_HUNT_CROSSLEY = int(ForceLaw.HUNT_CROSSLEY)
 
 _NEW_AFTER = 0.02
 """A contact that was apart for less than this [s] is not a new one: a box that rocks does not knock each tick."""
@@ -63,7 +58,7 @@ def _push(motion: MotionRecord, sign: float, force: Three, moment: Three, p: Thr
 
 @kernel
 def _press(
-    pair: PairRecord, points: Points, count: int, first: MotionRecord, second: MotionRecord, n: Three
+    pair: PairRecord, points: F8, count: int, first: MotionRecord, second: MotionRecord, n: Three
 ) -> tuple[float, float, float, Three]:
     """(normal force [N], share of stiffness that touches, greatest approach speed [m/s], centre of pressure).
 
@@ -75,7 +70,7 @@ def _press(
         p = (points[k, 0], points[k, 1], points[k, 2])
         closing = minus(_velocity_at(first, p), _velocity_at(second, p))
         rate = dot(closing, n)
-        if pair.law == _HUNT_CROSSLEY:
+        if pair.law == ForceLaw.HUNT_CROSSLEY:
             force = hunt_crossley(points[k, 3], rate, pair.stiffness, pair.stiffness * pair.damping, pair.exponent)
         else:
             force = pair_force(points[k, 3], rate, pair.stiffness, pair.damping)
@@ -93,7 +88,7 @@ def _press(
 
 
 @kernel
-def _patch_radius(points: Points, count: int, total: float, centre: Three) -> float:
+def _patch_radius(points: F8, count: int, total: float, centre: Three) -> float:
     """Root of the mean square distance of the pressure from its centre [m]."""
     if count < 2:
         return 0.0
@@ -174,7 +169,7 @@ def part(pair: PairRecord) -> None:
 @kernel
 def push_apart(
     pair: PairRecord,
-    points: Points,
+    points: F8,
     count: int,
     first: MotionRecord,
     second: MotionRecord,

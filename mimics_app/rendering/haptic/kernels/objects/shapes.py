@@ -15,12 +15,6 @@ if TYPE_CHECKING:
 
 __all__ = ["probe_shape"]
 
-_WALL = int(ShapeKind.WALL)
-_SPHERE = int(ShapeKind.SPHERE)
-_BOX = int(ShapeKind.BOX)
-_CYLINDER = int(ShapeKind.CYLINDER)
-_CAPSULE = int(ShapeKind.CAPSULE)
-
 
 @kernel
 def probe_shape(shape: ShapeRecord, scratch: ContactScratchRecord, contact: ContactRecord) -> None:
@@ -32,19 +26,19 @@ def probe_shape(shape: ShapeRecord, scratch: ContactScratchRecord, contact: Cont
         contact: Record of `CONTACT`, updated; depth 0 outside.
     """
     p, v, radius = scratch.p, scratch.v, scratch.radius
-    if shape.kind == _SPHERE:
+    if shape.kind == ShapeKind.SPHERE:
         sphere(p, v, shape.size[0] + radius, contact)
-    elif shape.kind == _BOX:
+    elif shape.kind == ShapeKind.BOX:
         core = scratch.a
         for i in range(3):
             core[i] = shape.size[i] - 2.0 * shape.rounding
         box(p, v, core, shape.rounding + radius, contact)
-    elif shape.kind == _CYLINDER:
+    elif shape.kind == ShapeKind.CYLINDER:
         core_length = shape.size[1] - 2.0 * shape.rounding
         cylinder(p, v, shape.size[0] - shape.rounding, core_length, shape.rounding + radius, contact)
-    elif shape.kind == _CAPSULE:
+    elif shape.kind == ShapeKind.CAPSULE:
         capsule(p, v, shape.size[0] + radius, shape.size[1], scratch.a, scratch.b, contact)
-    elif shape.kind == _WALL:
+    elif shape.kind == ShapeKind.WALL:
         p[2] -= radius
         wall(p, contact)
         p[2] += radius

@@ -9,9 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact import cube
 from mimics_app.rendering.haptic.kernels.vectors import copy
@@ -21,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SHELL", "box"]
 
-Vec = NDArray[np.float64]
 
 SHELL = 9
 """Feature of a contact outside the core: faces and rounded edges as one smooth surface."""

@@ -9,9 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact import sphere
 from mimics_app.rendering.haptic.kernels.objects.shapes_box import SHELL
@@ -22,7 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = ["CAP", "SIDE", "capsule", "cylinder"]
 
-Vec = NDArray[np.float64]
 
 SIDE = 1
 """Feature: the curved side of a cylinder."""

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import SignalSource, SignalTarget
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.hand import (
@@ -27,7 +25,6 @@ if TYPE_CHECKING:
 
 __all__ = ["carry_signals"]
 
-Vec = NDArray[np.float64]
 
 _POSITION_ROBOT = int(SignalSource.POSITION_ROBOT)
 _VELOCITY_ROBOT = int(SignalSource.VELOCITY_ROBOT)
@@ -42,12 +39,6 @@ _AXIS_X_OBJECT = int(SignalSource.AXIS_X_OBJECT)
 _AXIS_Z_OBJECT = int(SignalSource.AXIS_Z_OBJECT)
 _FORCE_OBJECT = int(SignalSource.FORCE_OBJECT)
 _TOUCHED = int(SignalSource.TOUCHED)
-
-_FORCE_AUX = int(SignalTarget.FORCE_AUX)
-_TORQUE_AUX = int(SignalTarget.TORQUE_AUX)
-_EFFECT_POSITION = int(SignalTarget.EFFECT_POSITION)
-_EFFECT_FORCE = int(SignalTarget.EFFECT_FORCE)
-_EFFECT_STIFFNESS = int(SignalTarget.EFFECT_STIFFNESS)
 
 
 @kernel
@@ -104,19 +95,19 @@ def _read(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, wire: WireRe
 def _bring(work: ObjectWork, counts: ObjectCountsRecord, wire: WireRecord, i: int, value: float) -> None:
     """Add component i of a value to an input."""
     row = wire.target_row
-    if wire.target <= _TORQUE_AUX:
+    if wire.target <= SignalTarget.TORQUE_AUX:
         if 0 <= row < counts.bodies:
-            aux = work.aux_forces if wire.target == _FORCE_AUX else work.aux_torques
+            aux = work.aux_forces if wire.target == SignalTarget.FORCE_AUX else work.aux_torques
             aux[row, i] += value
         return
     if not 0 <= row < counts.effects:
         return
     memory = work.effects[row]
-    if wire.target == _EFFECT_POSITION:
+    if wire.target == SignalTarget.EFFECT_POSITION:
         memory.position[i] += value
-    elif i == 0 and wire.target == _EFFECT_FORCE:
+    elif i == 0 and wire.target == SignalTarget.EFFECT_FORCE:
         memory.size += value
-    elif i == 0 and wire.target == _EFFECT_STIFFNESS:
+    elif i == 0 and wire.target == SignalTarget.EFFECT_STIFFNESS:
         memory.stiffness += value
 
 

@@ -11,9 +11,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import ForceLaw
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, spring_damper
@@ -25,9 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["anchor_stiffness", "lower_by_ripple", "normal_force", "rub"]
 
-Vec = NDArray[np.float64]
-
-_HUNT_CROSSLEY = int(ForceLaw.HUNT_CROSSLEY)
 
 _AT_REST = 1e-9
 """Share of its reach by which friction may be overstretched and still counts as holding: rounding, not motion."""
@@ -68,7 +63,7 @@ def lower_by_ripple(shape: ShapeRecord, p: Vec, contact: ContactRecord, slope: V
 @kernel
 def normal_force(shape: ShapeRecord, depth: float, rate: float) -> tuple[float, float, float]:
     """Force [N] of the shape's law, its stiffness [N/m] and its damping [N s/m] at this depth [m] and rate [m/s]."""
-    if shape.law == _HUNT_CROSSLEY:
+    if shape.law == ForceLaw.HUNT_CROSSLEY:
         lam = shape.stiffness * shape.damping
         force = hunt_crossley(depth, rate, shape.stiffness, lam, shape.exponent)
         pushed = depth**shape.exponent

@@ -11,9 +11,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import I8
 from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.bodies import is_free
@@ -37,14 +35,6 @@ if TYPE_CHECKING:
 
 __all__ = ["find_pairs", "near"]
 
-Order = NDArray[np.int64]
-
-_WALL = int(ShapeKind.WALL)
-_SPHERE = int(ShapeKind.SPHERE)
-_BOX = int(ShapeKind.BOX)
-_CYLINDER = int(ShapeKind.CYLINDER)
-_CAPSULE = int(ShapeKind.CAPSULE)
-_MESH = int(ShapeKind.MESH)
 
 _MARGIN = 0.05
 """Room around a shape, as a share of its bounding radius."""
@@ -78,14 +68,14 @@ def _may_come_near(a: SolidRecord, b: SolidRecord) -> bool:
 def _extent(solid: SolidRecord, k: int) -> float:
     """Half of a shape's extent along world axis k [m]; inf for one without bounds."""
     size, R = solid.size, solid.rotation
-    if solid.kind == _BOX:
+    if solid.kind == ShapeKind.BOX:
         return 0.5 * (size[0] * abs(R[k, 0]) + size[1] * abs(R[k, 1]) + size[2] * abs(R[k, 2]))
-    if solid.kind == _SPHERE:
+    if solid.kind == ShapeKind.SPHERE:
         return size[0]
     upright = abs(R[k, 1])
-    if solid.kind == _CAPSULE:
+    if solid.kind == ShapeKind.CAPSULE:
         return 0.5 * size[1] * upright + size[0]
-    if solid.kind == _CYLINDER:
+    if solid.kind == ShapeKind.CYLINDER:
         return 0.5 * size[1] * upright + size[0] * math.sqrt(max(0.0, 1.0 - upright * upright))
     return math.inf
 
@@ -113,7 +103,7 @@ def _bound_mesh(solid: SolidRecord, mesh: MeshRecord, boxes: Floats) -> None:
 
 @kernel
 def _bound_any(solid: SolidRecord, meshes: Table[MeshRecord], boxes: Floats) -> None:
-    if solid.kind == _MESH:
+    if solid.kind == ShapeKind.MESH:
         _bound_mesh(solid, meshes[solid.mesh], boxes)
     else:
         _bound(solid)
@@ -131,7 +121,7 @@ def _room_of(solid: SolidRecord, motion: MotionRecord, dt: float) -> float:
     """How far a moving shape may go [m]."""
     v, w = motion.velocity, motion.omega
     radius = solid.radius
-    if solid.kind == _MESH:
+    if solid.kind == ShapeKind.MESH:
         radius = 0.0
         for k in range(3):
             radius = max(radius, 0.5 * (solid.high[k] - solid.low[k]))
@@ -151,7 +141,7 @@ def _has_left(solid: SolidRecord) -> bool:
 
 @kernel
 def _take_shapes(
-    solids: Table[SolidRecord], meshes: Table[MeshRecord], boxes: Floats, order: Order, sweep: SweepRecord, count: int
+    solids: Table[SolidRecord], meshes: Table[MeshRecord], boxes: Floats, order: I8, sweep: SweepRecord, count: int
 ) -> None:
     """Fill the order from changed rows: enabled shapes with bounds from the front, walls from the back."""
     sweep.sorted = 0
@@ -160,7 +150,7 @@ def _take_shapes(
         solid = solids[i]
         if not solid.enabled:
             continue
-        if solid.kind == _WALL:
+        if solid.kind == ShapeKind.WALL:
             sweep.walls += 1
             order[order.shape[0] - sweep.walls] = i
             continue
@@ -172,7 +162,7 @@ def _take_shapes(
 
 
 @kernel
-def _choose_axis(solids: Table[SolidRecord], order: Order, sweep: SweepRecord) -> None:
+def _choose_axis(solids: Table[SolidRecord], order: I8, sweep: SweepRecord) -> None:
     """Sweep along the axis the shapes are spread widest on."""
     widest, spread = sweep.axis, 0.0
     for turn in range(3):
@@ -189,7 +179,7 @@ def _choose_axis(solids: Table[SolidRecord], order: Order, sweep: SweepRecord) -
 
 
 @kernel
-def _mend_order(solids: Table[SolidRecord], order: Order, sweep: SweepRecord) -> None:
+def _mend_order(solids: Table[SolidRecord], order: I8, sweep: SweepRecord) -> None:
     """Insertion sort by the lower end of the rooms."""
     k = sweep.axis
     for n in range(1, sweep.sorted):
@@ -209,7 +199,7 @@ def _can_move(bodies: Table[BodyRecord], solid: SolidRecord) -> bool:
 
 @kernel
 def _link_moving(
-    bodies: Table[BodyRecord], solids: Table[SolidRecord], order: Order, following: Order, sweep: SweepRecord
+    bodies: Table[BodyRecord], solids: Table[SolidRecord], order: I8, following: I8, sweep: SweepRecord
 ) -> None:
     """For each place in the order, the next place of a shape that can move."""
     after = sweep.sorted
@@ -231,9 +221,7 @@ def _reaches_wall(solid: SolidRecord, wall: SolidRecord) -> bool:
 
 
 @kernel
-def _add(
-    i: int, j: int, shapes: Table[ShapeRecord], pairs: Table[PairRecord], slots: Order, sweep: SweepRecord
-) -> None:
+def _add(i: int, j: int, shapes: Table[ShapeRecord], pairs: Table[PairRecord], slots: I8, sweep: SweepRecord) -> None:
     count = add_pair(i, j, shapes, pairs, slots, sweep.pairs)
     if count < 0:
         sweep.left_out += 1
@@ -246,10 +234,10 @@ def _sweep(
     bodies: Table[BodyRecord],
     shapes: Table[ShapeRecord],
     solids: Table[SolidRecord],
-    order: Order,
-    following: Order,
+    order: I8,
+    following: I8,
     pairs: Table[PairRecord],
-    slots: Order,
+    slots: I8,
     sweep: SweepRecord,
 ) -> None:
     """Keep or begin a pair of all shapes whose rooms overlap and of which one can move."""
@@ -275,7 +263,7 @@ def _look(
     meshes: Table[MeshRecord],
     boxes: Floats,
     motions: Table[MotionRecord],
-    moving: Order,
+    moving: I8,
     tracking: TrackingRecord,
 ) -> bool:
     """Bounds of what is awake; True when a shape has left its room."""
@@ -305,7 +293,7 @@ def _forget_placed(pairs: Table[PairRecord], dynamics: Table[DynamicsRecord], sw
 def _prepare(
     solids: Table[SolidRecord],
     motions: Table[MotionRecord],
-    moving: Order,
+    moving: I8,
     pairs: Table[PairRecord],
     tracking: TrackingRecord,
     sweep: SweepRecord,
@@ -340,11 +328,11 @@ def find_pairs(
     solids: Table[SolidRecord],
     meshes: Table[MeshRecord],
     boxes: Floats,
-    moving: Order,
-    order: Order,
-    following: Order,
+    moving: I8,
+    order: I8,
+    following: I8,
     pairs: Table[PairRecord],
-    slots: Order,
+    slots: I8,
     tracking: TrackingRecord,
     sweep: SweepRecord,
     counts: ObjectCountsRecord,

@@ -38,8 +38,6 @@ if TYPE_CHECKING:
 
 __all__ = ["touch_points"]
 
-_WALL = int(ShapeKind.WALL)
-_MESH = int(ShapeKind.MESH)
 _FORCE_ON_OBJECT = int(BodyFlag.FORCE_ON_OBJECT)
 _TORQUE_ON_OBJECT = int(BodyFlag.TORQUE_ON_OBJECT)
 
@@ -100,7 +98,7 @@ def _look(scratch: ContactScratchRecord) -> None:
 def _feel(scratch: ContactScratchRecord, shape: ShapeRecord, memory: MemoryRecord, meshes: MeshTable) -> bool:
     """Depth of the point in the shape, and its rate; False while they do not touch."""
     contact = memory.contact
-    if shape.kind == _MESH:
+    if shape.kind == ShapeKind.MESH:
         probe_mesh(meshes, shape.mesh, scratch, contact)
     else:
         probe_shape(shape, scratch, contact)
@@ -247,7 +245,7 @@ def _touch_near(scratch: ContactScratchRecord, point: int, found: int, rows: Row
         _look(scratch)
         if not _feel(scratch, shape, memory, work.meshes):
             continue
-        if shape.kind == _WALL and met < MOST_WALLS:
+        if shape.kind == ShapeKind.WALL and met < MOST_WALLS:
             _note_wall(scratch, work.walls[met], row, memory.contact)
             met += 1
         else:

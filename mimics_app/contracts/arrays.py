@@ -1,0 +1,34 @@
+"""Names of array types by the kind of number, for signatures: the shape stands in the docstring of who takes one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["F4", "F8", "I4", "I8", "U1", "U2", "U4", "U8", "Mat", "Records", "Vec", "Vec3", "Words"]
+
+F8 = NDArray[np.float64]
+F4 = NDArray[np.float32]
+I8 = NDArray[np.int64]
+I4 = NDArray[np.int32]
+U8 = NDArray[np.uint64]
+U4 = NDArray[np.uint32]
+U2 = NDArray[np.uint16]
+U1 = NDArray[np.uint8]
+
+Vec = F8
+"""One axis: a point, a direction, a row of memory."""
+
+Mat = F8
+"""Two axes."""
+
+Words = I8
+"""Words of shared memory, or of a table that compiled code reads."""
+
+Records = NDArray[Any]
+"""Rows of a record dtype, which stands where the array is made."""
+
+Vec3 = tuple[float, float, float]
+"""x, y and z [m]."""
