@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from mimics_app.app.cli import main
+from mimics_app.app.devices.emulated_trackers import open_tracker, report_on
 from mimics_app.app.devices.emulator import EmulatorSettings, open_emulator, serve
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import UsageError
@@ -131,3 +132,37 @@ def test_a_headless_run_on_a_robot_with_a_time_of_its_own_is_live(stdin, tmp_pat
     events = (Path(answer["run_dir"]) / "events.jsonl").read_text(encoding="utf-8")
     assert '"kind":"device"' in events
     assert main(["replay", answer["run_dir"]]) == 0
+
+
+@pytest.mark.parametrize("kind", ["fastrak", "flock", "vrpn", "osc"])
+def test_a_tracker_that_is_emulated_is_heard_by_the_tracker_of_its_kind(kind: str) -> None:
+    from mimics_app.inputs.trackers.osc import OscTracker
+    from mimics_app.inputs.trackers.serial_tracker import fastrak, flock_of_birds
+    from mimics_app.inputs.trackers.vrpn import VrpnTracker
+
+    listener = OscTracker("osc", "0") if kind == "osc" else None
+    heard: dict[str, object] = {}
+    if listener is not None:
+        listener.start(lambda sample: heard.setdefault(sample.sensor, sample))
+    try:
+        with open_tracker(kind, 3, 0 if listener is None else listener.port) as (address, report):
+            if listener is None:
+                make = {"fastrak": fastrak, "flock": flock_of_birds}.get(kind)
+                listener = VrpnTracker(kind, address) if make is None else make(kind, address, 115200)
+                listener.start(lambda sample: heard.setdefault(sample.sensor, sample))
+            wanted = 1 if kind == "flock" else 4
+            for _ in range(100):
+                report_on(report, 0.05)
+                if len(heard) == wanted:
+                    break
+            assert len(heard) == wanted, listener.problem
+    finally:
+        assert listener is not None
+        listener.stop()
+
+
+def test_the_first_line_of_an_emulated_tracker_is_its_address(capsys) -> None:
+    assert main(["devices", "emulate", "vrpn", "--seconds", "0.05"]) == 0
+    assert capsys.readouterr().out.startswith("vrpn:person@127.0.0.1:")
+    assert main(["devices", "emulate", "fastrek"]) == 2
+    assert 'did you mean "fastrak"' in capsys.readouterr().err

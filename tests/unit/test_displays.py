@@ -16,7 +16,7 @@ from mimics_app.contracts.display_port import Eye, Viewpoint
 from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.maths.poses import invert_pose, pose_from_parts, rotation_from_vector
 from mimics_app.rendering.visual.displays.headset import RawHeadset, seen_tangents
-from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec, LensSpec, load_headset
+from mimics_app.rendering.visual.displays.headset_file import EyeSpec, HeadsetSpec, LensSpec, load_headset
 from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
 from mimics_app.rendering.visual.displays.lens import distort, undistort
 from mimics_app.rendering.visual.displays.off_axis import Rectangle, look_through
@@ -265,3 +265,21 @@ def test_figures_in_a_headset_are_large_near_the_middle_and_comfortably_far() ->
     assert all(abs(x) <= away * math.tan(math.radians(32.0)) for x, _, _ in corners)
     screen = [view_of(eye) for eye in StereoDisplay("sbs").eyes(Viewpoint(np.eye(4), FOV), (1600, 800), 0)]
     assert plane_of_views(screen, 1.0).canvas_height == CANVAS_HEIGHT
+
+
+def test_figures_stand_straight_before_a_headset_whose_panels_look_outwards() -> None:
+    half = math.radians(2.5)
+    left, right = (
+        EyeSpec(
+            tangents=(-1.1, 0.8, -1.0, 0.9) if side < 0 else (-0.8, 1.1, -1.0, 0.9),
+            position=(side * 0.0315, 0.0, 0.0),
+            rotation=(0.0, -side * math.sin(half), 0.0, math.cos(half)),
+        )
+        for side in (-1.0, 1.0)
+    )
+    eyes = HeadsetDisplay("sim-hmd", SimulatedRuntime(HeadsetSpec(left=left, right=right)))
+    eyes.begin_frame(0)
+    plane = plane_of_views([view_of(eye) for eye in eyes.eyes(Viewpoint(np.eye(4), FOV), (1600, 800), 0)], 1.4)
+    np.testing.assert_allclose(plane.right_world[1:], 0.0, atol=1e-12)
+    np.testing.assert_allclose(plane.up_world[::2], 0.0, atol=1e-12)
+    np.testing.assert_allclose(plane.origin_world[0] + 0.5 * plane.right_world[0], 0.0, atol=1e-12)

@@ -13,13 +13,17 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mimics_app.inputs.trackers.emulated_line import emulated_fastrak, emulated_flock
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
+from mimics_app.contracts.input_port import WindowFrame
 from mimics_app.contracts.tracker_port import TrackerSample
+from mimics_app.contracts.window_input import GamepadState, InputEvent
 from mimics_app.inputs.trackers import vrpn_wire
 from mimics_app.inputs.trackers.ascension import FlockParser, flock_record
 from mimics_app.inputs.trackers.calibration import axis_map, fit_room
+from mimics_app.inputs.trackers.headset_tracker import HeadsetTracker
 from mimics_app.inputs.trackers.hub import Placed, TrackerHub
 from mimics_app.inputs.trackers.lsl import LslTracker
 from mimics_app.inputs.trackers.osc import OscTracker
@@ -352,6 +356,34 @@ def test_the_hub_brings_sensors_into_the_room_and_falls_back_to_whoever_still_se
     assert hub.pose("foot", 0) is None
     pointer.poll(500 * MS)  # the person has not been heard of for half a second
     np.testing.assert_allclose(hub.pose("head", 500 * MS).pose[:3, 3], [0.0, 1.7, 0.0], atol=1e-12)
+
+
+def test_the_pointer_of_a_window_turns_the_head_and_a_stick_moves_a_hand() -> None:
+    hub = TrackerHub([Placed(PointerTracker("desk"), {"head": "head", "hand_left": "hand_left"})])
+    hub.start()
+    gamepad = GamepadState("pad", {"left_x": 1.0, "left_y": 0.0})
+    hub.see(WindowFrame((InputEvent("move", x=1.0, y=0.0),), gamepad))
+    hub.poll(MS)
+    head, hand = hub.pose("head", MS), hub.pose("hand_left", MS)
+    assert head is not None and hand is not None
+    np.testing.assert_allclose(-head.pose[:3, 2], [math.sin(0.6), 0.0, -math.cos(0.6)], atol=1e-9)  # to the right
+    np.testing.assert_allclose(hand.pose[:3, 3], [0.0, 1.05, -0.3], atol=1e-12)
+
+
+def test_a_worn_headset_is_who_is_there_and_nobody_is_made_up_after_it() -> None:
+    roles = {"head": "head"}
+    hub = TrackerHub([Placed(HeadsetTracker("worn"), roles), Placed(ScriptedPerson("p", SEED), roles)])
+    hub.start()
+    hub.poll(10 * MS)
+    made_up = hub.pose("head", 8_333_333)
+    assert made_up is not None  # nobody wears it
+    reports = [TrackerSample("head", 20 * MS, (0.3, 1.6, 0.0), (0.0, 0.0, 0.0, 1.0))]
+    hub.listen_to(lambda: reports)
+    for t in (20, 30, 40, 600):  # one report, requested again and again
+        hub.poll(t * MS)
+    found = hub.pose("head", 600 * MS)
+    assert found is not None and found.stale
+    np.testing.assert_allclose(found.pose[:3, 3], [0.3, 1.6, 0.0], atol=1e-12)
 
 
 class Scripted(PointerTracker):

@@ -3,6 +3,7 @@
 mimics devices                                  robots, displays, gamepads, serial ports, sound
 mimics devices check NAME[:ADDRESS]             the conformance kit; exit 4 when a check fails
 mimics devices emulate serial|hapticmaster      a robot that is not there; its address is the first line
+mimics devices emulate fastrak|flock|vrpn|osc   a tracker on a person who is not there; likewise
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--port",
         type=whole_number("port", range(65536)),
         default=0,
-        help="port on which an emulated hapticmaster listens; 0: any free one",
+        help="port on which an emulated hapticmaster or vrpn listens (0: any), or to which osc sends (0: 9000)",
     )
     parser.add_argument(
         "--delay",
@@ -77,21 +78,33 @@ def _check(args: argparse.Namespace) -> int:
 
 
 def _emulate(args: argparse.Namespace) -> int:
-    """A robot that is not there, until it is stopped."""
+    """A robot or a tracker that is not there, until it is stopped."""
+    from mimics_app.app.devices.emulated_trackers import TRACKERS, open_tracker, report_on
+
+    if args.device in TRACKERS:
+        with open_tracker(args.device, args.seed, args.port) as (address, report):
+            _say_address(args, address)
+            report_on(report, args.seconds)
+        return 0
     from mimics_app.app.devices.emulator import EmulatorSettings, open_emulator, serve
 
     settings = EmulatorSettings(args.scene, args.patient, args.seed, args.port, args.delay)
     with open_emulator(args.device, settings) as emulator:
-        address = f"{args.device}:{emulator.address}"
-        if args.json:
-            from mimics_app.app.terminal.output import write_object
-
-            write_object("devices", {"address": address})
-        else:
-            sys.stdout.write(f"{address}\n")
-            sys.stdout.flush()
+        _say_address(args, emulator.address)
         serve(emulator, args.seconds)
     return 0
+
+
+def _say_address(args: argparse.Namespace, behind: str) -> None:
+    """The first line: the name of what is emulated, and where it is."""
+    address = f"{args.device}:{behind}"
+    if args.json:
+        from mimics_app.app.terminal.output import write_object
+
+        write_object("devices", {"address": address})
+    else:
+        sys.stdout.write(f"{address}\n")
+        sys.stdout.flush()
 
 
 def _list(args: argparse.Namespace) -> int:

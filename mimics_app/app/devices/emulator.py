@@ -16,6 +16,7 @@ from typing import Protocol
 
 import msgspec
 
+from mimics_app.app.devices.emulated_trackers import TRACKERS
 from mimics_app.app.play.collector import left_alone
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
@@ -86,7 +87,7 @@ def open_emulator(name: str, settings: EmulatorSettings) -> Iterator[Emulator]:
         SceneError: The scene is wrong.
     """
     if name not in EMULATED:
-        raise UsageError(f'there is no emulator of "{name}"', nearest(name, EMULATED))
+        raise UsageError(f'there is no emulator of "{name}"', nearest(name, (*EMULATED, *TRACKERS)))
     request = _request(settings)
     with tempfile.TemporaryDirectory(prefix="mimics-") as folder:
         emulator = _open(name, request, Path(folder), settings)

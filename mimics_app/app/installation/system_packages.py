@@ -82,6 +82,8 @@ NEEDS: tuple[SystemNeed, ...] = (
     SystemNeed("xdotool", "tests that move the pointer", kind="test", program="xdotool"),
     SystemNeed("pulseaudio", "tests that listen to a live sound server", kind="test-optional", program="pulseaudio"),
     SystemNeed("pulseaudio-utils", "tests that listen to a live sound server", kind="test-optional", program="parec"),
+    SystemNeed("gcc", "tests with an OpenXR runtime of their own", kind="test-optional", program="cc"),
+    SystemNeed("libc6-dev", "tests with an OpenXR runtime of their own", kind="test-optional", files=("crt1.o",)),
 )
 """Everything requested, in the order it is reported."""
 

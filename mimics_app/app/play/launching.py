@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from datetime import datetime
 from pathlib import Path
 
+from mimics_app.app.installation.display_files import find_display_files
 from mimics_app.app.scenes.shipped import GROUPS, ShippedScene, find_shipped, shipped_scenes, thumbnail_of
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.user_files import read_config, write_config
@@ -108,7 +109,8 @@ def _task_settings() -> list[Setting]:
 
 def _output_settings() -> list[Setting]:
     """Picture and sound."""
-    displays = {"": "", **{kind: kind for kind, wants in DISPLAY_KINDS.items() if wants != "must"}}
+    kinds = ["", *(kind for kind, wants in DISPLAY_KINDS.items() if wants != "must")]
+    displays = {kind: _DISPLAYS.get(kind, kind) for kind in kinds} | _found_displays()
     return [
         Setting(
             "profile",
@@ -126,9 +128,14 @@ def _output_settings() -> list[Setting]:
             "display",
             "Display",
             "On what the picture is shown.",
-            _choices({kind: _DISPLAYS.get(kind, kind) for kind in displays}),
+            _choices(displays),
         ),
     ]
+
+
+def _found_displays() -> dict[str, str]:
+    """Walls and headsets by the files of this folder that are in order."""
+    return {one["write"]: one["write"] for one in find_display_files(Path.cwd()) if not one["error"]}
 
 
 def settings_of_choice(choice: LauncherChoice) -> RunSettings:

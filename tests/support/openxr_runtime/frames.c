@@ -110,8 +110,7 @@ static XrResult create_session(XrHandle instance, const XrSessionCreateInfo *inf
     acquired = released = -1, first_frame = 0, begun_once = 0;
     *session = SESSION;
     enter_state(STATE_IDLE), enter_state(STATE_READY);
-    steal_context();
-    return answer("xrCreateSession", XR_SUCCESS);
+    return steal_context(), answer("xrCreateSession", XR_SUCCESS);
 }
 
 void free_session(void) { session_open = session_running = 0, chain_width = 0; }
@@ -173,8 +172,7 @@ static XrResult create_swapchain(XrHandle session, const XrSwapchainCreateInfo *
     }
     bind_texture(0x0DE1, 0);
     *chain = CHAIN;
-    steal_context();
-    return XR_SUCCESS;
+    return steal_context(), XR_SUCCESS;
 }
 
 static XrResult destroy_swapchain(XrHandle chain) {
@@ -197,8 +195,7 @@ static XrResult acquire_image(XrHandle chain, const void *info, uint32_t *index)
     XrResult wrong = fit_gl("xrAcquireSwapchainImage", acquired >= 0 ? XR_ERROR_CALL_ORDER_INVALID : 0);
     if (wrong) return wrong;
     acquired = *index = next_image++ % IMAGES, ready_image = 0;
-    steal_context();
-    return XR_SUCCESS;
+    return steal_context(), XR_SUCCESS;
 }
 
 static XrResult wait_image(XrHandle chain, const XrSwapchainImageWaitInfo *info) {
@@ -318,7 +315,6 @@ static XrResult reference_space(XrHandle session, const XrReferenceSpaceCreateIn
 }
 
 static XrResult destroy_thing(XrHandle thing) { return (void)thing, XR_SUCCESS; }
-
 static XrResult create_action_set(XrHandle instance, const void *info, XrHandle *set) {
     (void)instance, (void)info;
     *set = ACTION_SET;
@@ -343,7 +339,7 @@ static XrResult suggest(XrHandle instance, const XrInteractionProfileSuggestedBi
 static XrResult attach(XrHandle session, const XrSessionActionSetsAttachInfo *info) {
     (void)session, (void)info;
     XrResult wrong = fit("xrAttachSessionActionSets", attached ? XR_ERROR_ACTIONSETS_ALREADY_ATTACHED : 0);
-    if (!wrong) attached = 1;
+    attached |= !wrong;
     return wrong;
 }
 
@@ -358,12 +354,6 @@ static XrResult boolean_state(XrHandle session, const XrActionStateGetInfo *info
     (void)session;
     int right_select = !strcmp(actions[info->action - ACTIONS].name, "select") && info->subaction != left_hand;
     found->active = synced, found->state = synced && pressed && right_select, found->changed = 0, found->time = 0;
-    return attached ? XR_SUCCESS : XR_ERROR_ACTIONSET_NOT_ATTACHED;
-}
-
-static XrResult pose_state(XrHandle session, const XrActionStateGetInfo *info, XrActionStatePose *found) {
-    (void)session, (void)info;
-    found->active = synced;
     return attached ? XR_SUCCESS : XR_ERROR_ACTIONSET_NOT_ATTACHED;
 }
 
@@ -402,7 +392,7 @@ XrVoidFunction frame_function(const char *name) {
         HAS("xrCreateAction", create_action), HAS("xrDestroyAction", destroy_thing),
         HAS("xrSuggestInteractionProfileBindings", suggest), HAS("xrAttachSessionActionSets", attach),
         HAS("xrSyncActions", sync_actions), HAS("xrGetActionStateBoolean", boolean_state),
-        HAS("xrGetActionStatePose", pose_state), HAS("xrCreateActionSpace", action_space),
+        HAS("xrCreateActionSpace", action_space),
     };
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
         if (!strcmp(known[i].name, name)) return known[i].function;

@@ -301,6 +301,6 @@ __attribute__((visibility("default"))) const char *mimics_sizes(void) {
     SIZE(CompositionLayerProjectionView); SIZE(CompositionLayerProjection); SIZE(FrameEndInfo); SIZE(ActionSetCreateInfo);
     SIZE(ActionCreateInfo); SIZE(ActionSuggestedBinding); SIZE(InteractionProfileSuggestedBinding);
     SIZE(SessionActionSetsAttachInfo); SIZE(ActiveActionSet); SIZE(ActionsSyncInfo); SIZE(ActionStateGetInfo);
-    SIZE(ActionStateBoolean); SIZE(ActionStatePose);
+    SIZE(ActionStateBoolean);
     return text;
 }

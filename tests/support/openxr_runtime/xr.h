@@ -39,7 +39,6 @@ enum {
 #define XR_HEAD int32_t type; void *next
 typedef struct { float x, y, z, w; } XrQuaternionf;
 typedef struct { float x, y, z; } XrVector3f;
-typedef struct { float x, y; } XrVector2f;
 typedef struct { XrQuaternionf orientation; XrVector3f position; } XrPosef;
 typedef struct { float left, right, up, down; } XrFovf;
 typedef struct { int32_t x, y; } XrOffset2Di;
@@ -101,6 +100,4 @@ typedef struct { XrHandle set; XrPath subaction; } XrActiveActionSet;
 typedef struct { XR_HEAD; uint32_t count; const XrActiveActionSet *sets; } XrActionsSyncInfo;
 typedef struct { XR_HEAD; XrHandle action; XrPath subaction; } XrActionStateGetInfo;
 typedef struct { XR_HEAD; XrBool32 state, changed; XrTime time; XrBool32 active; } XrActionStateBoolean;
-typedef struct { XR_HEAD; XrVector2f state; XrBool32 changed; XrTime time; XrBool32 active; } XrActionStateVector2f;
-typedef struct { XR_HEAD; XrBool32 active; } XrActionStatePose;
 #endif

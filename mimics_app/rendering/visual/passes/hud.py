@@ -73,10 +73,21 @@ def plane_of_views(views: Sequence[View], depth: float) -> HudPlane:
     around = len(views) > 1 and bool(seen[3] - seen[2] >= _AROUND)
     left, right, bottom, top = depth * (_readable(seen) if around else seen)
     centre = np.mean([view.eye_world for view in views], axis=0)
-    axes = views[0].world_from_eye[:3, :3]
+    axes = _axes_between(views[0].world_from_eye[:3, :3], views[-1].world_from_eye[:3, :3])
     origin = centre + axes @ np.array([left, bottom, -depth])
     canvas = CANVAS_HEIGHT / _ENLARGED if around else CANVAS_HEIGHT
     return HudPlane(origin, axes[:, 0] * (right - left), axes[:, 1] * (top - bottom), canvas)
+
+
+def _axes_between(first: F8, last: F8) -> F8:
+    """Axes midway between those of two eyes: panels of a headset may each look outwards; float64 [3, 3]."""
+    if np.array_equal(first, last):
+        return first
+    back = first[:, 2] + last[:, 2]
+    back = back / np.linalg.norm(back)
+    up = np.cross(back, first[:, 0] + last[:, 0])
+    up = up / np.linalg.norm(up)
+    return np.column_stack([np.cross(up, back), up, back])
 
 
 def _readable(tangents: F8) -> F8:
