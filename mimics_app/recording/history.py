@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -9,13 +10,14 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+from mimics_app.recording.append_file import is_claimed
 from mimics_app.recording.manifest import Manifest, read_manifest
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.session_header import read_session
 from mimics_app.recording.session_totals import session_totals
 from mimics_app.recording.trial_table import read_trials
 
-__all__ = ["EarlierRun", "earlier_runs", "recent_runs"]
+__all__ = ["EarlierRun", "cut_off_runs", "earlier_runs", "recent_runs"]
 
 _MOST_FOLDERS = 400
 """Newest run folders that are looked at: a glance at each takes about a millisecond."""
@@ -60,6 +62,13 @@ def earlier_runs(parent: Path, scene: str, participant: str, *, besides: Path | 
 def recent_runs(parent: Path, most: int) -> list[EarlierRun]:
     """The newest runs of any scene with trials that ended, newest first, at most so many."""
     return list(islice(_closed(parent), most))
+
+
+def cut_off_runs(parent: Path) -> list[Path]:
+    """Runs that nobody closed and nobody is recording, newest first: a power failure left them."""
+    newest_first = sorted(parent.glob("*_*"), reverse=True)[:_MOST_FOLDERS]
+    left = (folder for folder in newest_first if not os.path.lexists(folder / FILES["manifest"]))
+    return [folder for folder in left if (data := folder / FILES["haptic"]).is_file() and not is_claimed(data)]
 
 
 def _closed(parent: Path, besides: Path | None = None) -> Iterator[EarlierRun]:

@@ -15,6 +15,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from mimics_app.app.play.launching import cut_off_notice
 from mimics_app.contracts.errors import SceneError
 from mimics_app.recording.recover import recover
 from mimics_app.recording.run import Run
@@ -32,7 +33,7 @@ class App:
     """The stand-in as a process of its own group, with the words it shares."""
 
     def __init__(self, folder: Path, seconds: float = 30.0) -> None:
-        self.folder = folder / "run"
+        self.folder = folder / "20260101T000000Z_run"
         self.folder.mkdir(parents=True)
         path = folder / "words"
         path.write_bytes(b"\0" * 32)
@@ -113,12 +114,27 @@ def test_a_session_under_way_is_not_repaired_before_its_end(tmp_path: Path) -> N
     try:
         app.wait_until(lambda: app.words[TICK] > 300)
         assert Run.open(app.folder).problems()[0] == "the run is being recorded"
+        assert cut_off_notice(app.folder.parent) == ""
         with pytest.raises(SceneError, match="this run is being recorded"):
             recover(app.folder)
         os.kill(app.process.pid, signal.SIGKILL)
         app.wait_for_end_of(int(app.words[PID]))
         assert recover(app.folder).verdict.status == "interrupted"
         _assert_rows_are_those_pushed(Run.open(app.folder))
+    finally:
+        app.end()
+
+
+def test_the_launcher_names_a_session_that_a_power_failure_cut_off(tmp_path: Path) -> None:
+    (app,) = _start_apps(tmp_path, 1)
+    try:
+        app.wait_until(lambda: app.words[TICK] > 300)
+        app.kill_all()
+        app.process.join()
+        app.wait_for_end_of(int(app.words[PID]))
+        assert cut_off_notice(app.folder.parent).endswith(f"mimics record recover {app.folder}")
+        recover(app.folder)
+        assert cut_off_notice(app.folder.parent) == ""
     finally:
         app.end()
 

@@ -9,9 +9,11 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
+from mimics_app.rendering.visual.surfaces import window
 from tests.support.xvfb import display
 
 _ROOT = Path(__file__).parents[2]
@@ -181,3 +183,20 @@ def test_every_wall_has_a_window_of_its_own(tmp_path: Path) -> None:
         inside[[0, -1]] = inside[:, [0, -1]] = False
         same = np.abs(seen - wanted).max(axis=-1) <= 2
         assert (same | ~inside).mean() > 0.96  # all but the lines of the pattern
+
+
+@pytest.mark.parametrize(
+    ("monitors", "size"),
+    [
+        ([(0, 0, 800, 600)], (800, 600)),
+        ([(0, 0, 800, 600), (800, 0, 800, 600)], (1280, 600)),
+        ([(0, 27, 1920, 1053)], (1280, 720)),
+        ([], (1280, 720)),
+    ],
+)
+def test_a_window_is_no_larger_than_all_monitors_together(
+    monitors: list[tuple[int, ...]], size: tuple[int, int]
+) -> None:
+    glfw = ModuleType("glfw")
+    glfw.get_monitors, glfw.get_monitor_workarea = lambda: monitors, lambda monitor: monitor  # type: ignore[attr-defined]
+    assert window._on_the_desktop(glfw, (1280, 720)) == size

@@ -20,7 +20,7 @@ from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.sweep.patient import travel
-from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.contracts.messages import FeatureFrame, TaskAction
 from mimics_app.contracts.resources import root
 from mimics_app.dsp.stage import NullDsp
@@ -132,3 +132,14 @@ def test_a_still_of_a_trial_is_the_frame_a_run_has_there(tmp_path: Path) -> None
     assert same.number == drawn
     assert still is not None and same.snapshot is not None
     assert (still.tick, still.hip_world.tobytes()) == (same.snapshot.tick, same.snapshot.hip_world.tobytes())
+
+
+def test_a_session_that_has_ended_plays_no_further_frame() -> None:
+    with open_core(prepare_scene(load_checked_scene(TUNNEL), RunSettings(TUNNEL))) as core:
+        frames = Frames(core)
+        frames.play_on()
+        core.stop()  # once more at the end of the block: nothing happens
+        for play in (frames.step, frames.play_on, frames.play_to_start, Frames(core).step):
+            with pytest.raises(UsageError, match="this session has ended"):
+                play()
+        assert frames.number == 1

@@ -10,10 +10,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from numba import typeof
 
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.haptic import EVENT, SAMPLE, EventKind
+from mimics_app.contracts.haptic_objects import TUNNEL
 from mimics_app.recording.arrow_format import decode_samples, encode_samples
 from mimics_app.recording.columns import INPUT_FIELDS, OUTPUT_FIELDS, present_columns
 from mimics_app.recording.event_log import encode_event
@@ -21,7 +23,10 @@ from mimics_app.recording.recover import recover
 from mimics_app.recording.replay import ReplayData, compare, compare_events, gather
 from mimics_app.recording.run import Run
 from mimics_app.recording.state_hash import StateHash
+from mimics_app.recording.statics import Statics, read_statics, write_statics
 from mimics_app.recording.streams import ParameterStream, SampleStream
+from mimics_app.rendering.haptic.mesh_table import build_mesh_table
+from mimics_app.rendering.haptic.object_statics import ObjectStatics
 from tests.support.recorder_app import scene_block
 
 TICKS = 1000
@@ -219,3 +224,18 @@ def test_events_are_compared_up_to_the_last_row(
     assert main(["replay", str(folder)]) == 0
     printed = capsys.readouterr().out
     assert f"{until} ticks replayed, every output and 2 events equal" in printed and said in printed
+
+
+def test_meshes_come_back_from_disk_as_the_compiled_loop_takes_them(tmp_path: Path) -> None:
+    """A file keeps no alignment of records, and a kernel of a fixed signature refuses those of another."""
+    corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], float)
+    faces = np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+    given = ObjectStatics(build_mesh_table([(corners, faces)]), np.zeros(0, TUNNEL), ())
+    write_statics(tmp_path, Statics(given.arrays, given.fields))
+    kept = read_statics(tmp_path)
+    assert kept is not None
+    back = ObjectStatics.from_arrays(kept.arrays, kept.fields)
+    for before, after in zip(given.meshes, back.meshes, strict=True):
+        assert typeof(after) == typeof(before) and np.array_equal(after, before)
+    with pytest.raises(ValueError, match="of another form"):
+        ObjectStatics.from_arrays({**kept.arrays, "rows": np.zeros(1)}, kept.fields)

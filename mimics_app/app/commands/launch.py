@@ -88,12 +88,13 @@ def _waiting(surface: Surface, scene: Path, window: ExitStack) -> Opening:
 
 
 def _choose(surface: Surface, notice: str) -> LauncherChoice | None:
-    from mimics_app.app.play.launching import last_choice, launcher_cards, launcher_settings
+    from mimics_app.app.play.launching import cut_off_notice, last_choice, launcher_cards, launcher_settings
     from mimics_app.contracts.clock import FRAME_NS, MonotonicClock
     from mimics_app.rendering.visual.launcher.launcher import Launcher
 
-    clock, cards = MonotonicClock(), launcher_cards(Path("runs"))
-    launcher = Launcher(surface, cards, launcher_settings(), last_choice(), notice)
+    runs = Path("runs")
+    clock, cards = MonotonicClock(), launcher_cards(runs)
+    launcher = Launcher(surface, cards, launcher_settings(), last_choice(), notice or cut_off_notice(runs))
     try:
         while not surface.should_close and not launcher.left:
             launcher.handle(surface.poll())

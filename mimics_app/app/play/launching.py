@@ -11,12 +11,12 @@ from mimics_app.app.scenes.shipped import GROUPS, ShippedScene, find_shipped, sh
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.user_files import read_config, write_config
 from mimics_app.contracts.display_choice import DISPLAY_KINDS
-from mimics_app.recording.history import EarlierRun, recent_runs
+from mimics_app.recording.history import EarlierRun, cut_off_runs, recent_runs
 from mimics_app.rendering.haptic.devices.device_names import ADDRESSES, POINTER, REPLAY, SIMULATED, device_names
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice, ScenarioCard
 from mimics_app.rendering.visual.launcher.setting import Choice, Setting
 
-__all__ = ["last_choice", "launcher_cards", "launcher_settings", "remember", "settings_of_choice"]
+__all__ = ["cut_off_notice", "last_choice", "launcher_cards", "launcher_settings", "remember", "settings_of_choice"]
 
 _FILE = "launcher"
 _MOST_RECENT = 12
@@ -163,6 +163,15 @@ def launcher_cards(runs: Path) -> list[ScenarioCard]:
     newest = {run.scene: run for run in reversed(recent)}
     cards = [_card(scene, newest.get(scene.name)) for scene in shipped_scenes()]
     return cards + [card for run in recent if (card := _played(run)) is not None]
+
+
+def cut_off_notice(runs: Path) -> str:
+    """What to do about sessions that a power failure cut off; "" where there is none."""
+    left = cut_off_runs(runs)
+    if not left:
+        return ""
+    more = f" (and {len(left) - 1} before it)" if len(left) > 1 else ""
+    return f"A session{more} was cut off; this seals what it recorded: mimics record recover {left[0]}"
 
 
 def remember(choice: LauncherChoice) -> None:

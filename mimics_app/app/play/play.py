@@ -99,12 +99,17 @@ def _report(session: Session, manifest: Manifest) -> tuple[Path | None, bool]:
     """The report, and whether everything that happened is on disk; what is not is reported."""
     lost = manifest.dropped.get("samples", 0)
     if lost:
-        sys.stderr.write(f"mimics: {session.folder}: {lost} ticks were not recorded; {manifest.problem}\n")
+        sys.stderr.write(f"mimics: {session.folder}: {lost} ticks were not recorded; {_why(manifest)}\n")
     try:
         return write_report(session.folder, report_sections()), not lost
     except OSError as error:
         sys.stderr.write(f"mimics: the report cannot be written: {error.strerror}; mimics report {session.folder}\n")
         return None, False
+
+
+def _why(manifest: Manifest) -> str:
+    """The trouble with the disk that lasts, else why rows are missing."""
+    return manifest.problem or ", ".join(dict.fromkeys(str(gap["reason"]) for gap in manifest.gaps)) or "see its report"
 
 
 @contextmanager

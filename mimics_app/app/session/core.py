@@ -21,6 +21,7 @@ from mimics_app.app.touch.device_fit import device_values
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.clock import Clock, MonotonicClock, VirtualClock
+from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.stages import Dsp, Estimation, Goal, Learning
@@ -54,6 +55,7 @@ class SessionCore:
         side: What of the scene can be touched, as it was when the loop was built.
         report: Says a line to the person at it; nobody is, unless it is a run.
         live: True when the haptic loop runs in real time; False on the virtual clock.
+        ended: Whether `stop` was called: it plays no further frame.
     """
 
     def __init__(
@@ -69,6 +71,7 @@ class SessionCore:
         self.scenario: Scenario = parts.scenario
         self.side: HapticSide = parts.side
         self.live: bool = parts.live
+        self.ended = False
         self.memory = memory
         self.clock: Clock = MonotonicClock() if parts.live else VirtualClock()
         self.parameter_store: ParameterStore = parts.parameter_store
@@ -95,6 +98,15 @@ class SessionCore:
         self.sound = sound
         self.tactile = _open_tactile(parts.scene, live=parts.live)
 
+    def require_open(self) -> None:
+        """Refuse to play on after the end: nobody would record it, and the device is closed.
+
+        Raises:
+            UsageError: The session has ended.
+        """
+        if self.ended:
+            raise UsageError("this session has ended: it plays no further frame", "open another one")
+
     def part_of_body(self, role: str, at_ns: int) -> NDArray[np.float64] | None:
         """room_from_part of the person's body at a time [ns], as far as a tracker knows; float64 [4, 4]."""
         found = self.trackers.pose(role, at_ns)
@@ -114,7 +126,10 @@ class SessionCore:
         self.parameter_store.hand_to(self.recorder.parameters, self.haptics.publish)
 
     def stop(self) -> None:
-        """End the task and the loop, and close the device."""
+        """End the task and the loop, and close the device; nothing the second time."""
+        if self.ended:
+            return
+        self.ended = True
         self.tasks.end_session(self.clock.now_ns())
         self.haptics.stop()
         self.trackers.stop()

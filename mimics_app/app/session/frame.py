@@ -72,8 +72,13 @@ class Frames:
         return self.orders.board.with_cards({"margin": stability_card(self.snapshot)})
 
     def play_on(self) -> TaskOrders:
-        """On the virtual clock: the ticks up to the next frame, then that frame; what the task ordered in it."""
+        """On the virtual clock: the ticks up to the next frame, then that frame; what the task ordered in it.
+
+        Raises:
+            UsageError: The session has ended.
+        """
         core = self._core
+        core.require_open()
         begin, end = ticks_until_frame(self.number), ticks_until_frame(self.number + 1)
         core.recorder.wait_for_room(end - begin)
         core.haptics.advance(end - begin)
@@ -91,8 +96,12 @@ class Frames:
 
         What the learning system chooses after a frame takes effect in the next one, so that it can go by what the task
         came to; before the first frame it gives what the session begins with.
+
+        Raises:
+            UsageError: The session has ended.
         """
         core, stage = self._core, self.timer.stage
+        core.require_open()
         now_ns = core.clock.now_ns()
         with stage("inputs"):
             vr = core.inputs.poll(now_ns)

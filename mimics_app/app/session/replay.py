@@ -14,6 +14,7 @@ from mimics_app.contracts.messages import HapticSnapshot, TaskAction, VRInput
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.recording.replay import ReplayData
 from mimics_app.recording.run import Run
+from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.task_lines import (
     TASK_KINDS,
     FrameLine,
@@ -55,12 +56,24 @@ class PlayedAgain:
 
 
 def play_loop(run: Run, data: ReplayData) -> Replayed:
-    """Every tick again, with what each frame saw of it."""
-    kept = data.statics
-    statics = None if kept is None else ObjectStatics.from_arrays(kept.arrays, kept.fields)
+    """Every tick again, with what each frame saw of it.
+
+    Raises:
+        PartialDataError: What the loop was given once is not whole.
+    """
+    statics = _statics(data)
     seen = [line["tick"] for line in run.lines_of("app", "frame") if isinstance(line.get("tick"), int)]
     kinematics = _kinematics(run.session)
     return replay_run(data.samples, data.blocks, data.rows, statics, kinematics=kinematics, seen=seen)
+
+
+def _statics(data: ReplayData) -> ObjectStatics | None:
+    if data.statics is None:
+        return None
+    try:
+        return ObjectStatics.from_arrays(data.statics.arrays, data.statics.fields)
+    except ValueError as error:
+        raise PartialDataError(f"{FILES['statics']}: {error}", "the run cannot be replayed without it") from error
 
 
 def _kinematics(session: Mapping[str, Any]) -> Kinematics:

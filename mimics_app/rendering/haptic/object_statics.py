@@ -13,6 +13,7 @@ from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.haptic_objects import TUNNEL
 from mimics_app.contracts.object_rows import ObjectCapacities
 from mimics_app.rendering.haptic.force_fields import find_field
+from mimics_app.rendering.haptic.kernels.objects.records import MESH
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS
 from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
@@ -41,12 +42,12 @@ class ObjectStatics:
         """From what `arrays` gave.
 
         Raises:
-            ValueError: A table is missing.
+            ValueError: A table is missing, or of another form.
         """
         known = {name: arrays[name] for name in MeshTable._fields if name in arrays}
         if known and len(known) < len(MeshTable._fields):
             raise ValueError("a table of the meshes is missing")
-        meshes = MeshTable(**known) if known else build_mesh_table()
+        meshes = MeshTable(**{**known, "rows": _as_in_memory(known["rows"])}) if known else build_mesh_table()
         return cls(meshes, arrays.get(_PATHS, np.zeros(0, TUNNEL)), fields)
 
     @property
@@ -68,6 +69,15 @@ class ObjectStatics:
             UsageError: One of that name is not installed, or its plug-in cannot be used.
         """
         return (*(_installed(name) for name in self.fields), *NO_FIELDS[len(self.fields) :])
+
+
+def _as_in_memory(stored: NDArray[Any]) -> NDArray[Any]:
+    """MESH records as the compiled loop takes them: a file does not keep that a record is aligned."""
+    if stored.dtype != MESH:
+        raise ValueError("the rows of the meshes are of another form")
+    rows = np.zeros(stored.shape, MESH)
+    rows[:] = stored
+    return rows
 
 
 def _installed(name: str) -> Callable[..., Any]:

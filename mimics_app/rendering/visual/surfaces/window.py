@@ -240,6 +240,7 @@ def _open_window(glfw: ModuleType, size: Size, title: str, *, stereo: bool = Fal
     glfw.window_hint(glfw.STEREO, stereo)
     glfw.window_hint(glfw.SRGB_CAPABLE, False)
     glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
+    size = _on_the_desktop(glfw, size)
     window = glfw.create_window(*size, title, None, None)
     if not window:  # a driver that cannot report a reset may refuse the request
         glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.NO_ROBUSTNESS)
@@ -250,6 +251,17 @@ def _open_window(glfw: ModuleType, size: Size, title: str, *, stereo: bool = Fal
             raise DeviceError("the display gives no window with a buffer for each eye", _FIX_QUAD)
         raise DeviceError("the display gives no window with OpenGL 4.3", _FIX_GL)
     return window
+
+
+def _on_the_desktop(glfw: ModuleType, size: Size) -> Size:
+    """The size [px], smaller where all monitors together have less room: what lies beside them nobody can reach."""
+    areas = [glfw.get_monitor_workarea(monitor) for monitor in glfw.get_monitors()]
+    areas = [area for area in areas if area[2] > 0 and area[3] > 0]
+    if not areas:
+        return size
+    width = max(x + w for x, _, w, _ in areas) - min(x for x, _, _, _ in areas)
+    height = max(y + h for _, y, _, h in areas) - min(y for _, y, _, _ in areas)
+    return min(size[0], width), min(size[1], height)
 
 
 def _load_blit(glfw: ModuleType) -> tuple[Callable[..., None], Callable[..., None]]:
