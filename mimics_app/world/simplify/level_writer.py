@@ -244,7 +244,7 @@ def _gather(source: GltfSource) -> bytearray:
 
 def _hold(source: GltfSource, blob: bytearray) -> None:
     """Make it the file's one buffer."""
-    source.json["buffers"] = [{"byteLength": len(blob)}]
+    source.table("buffers")[:] = [{"byteLength": len(blob)}]  # in its place: the table has been looked through
     source.binary = bytes(blob)
 
 
