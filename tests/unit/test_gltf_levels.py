@@ -81,6 +81,22 @@ def test_levels_are_read_back_by_the_world(tmp_path):
     assert levels.coverages[2] == 0.0, "the coarsest never vanishes"
 
 
+def test_a_file_in_two_buffers_is_read_to_its_end(tmp_path):
+    """Its views are moved into one buffer; those of the second one lie beyond the end of the first."""
+    whole, fine = write_ball(tmp_path)
+    document = json.loads(whole.read_text())
+    data = (tmp_path / "ball.bin").read_bytes()
+    start = document["bufferViews"][1]["byteOffset"]
+    (tmp_path / "ball.bin").write_bytes(data[:start])
+    (tmp_path / "more.bin").write_bytes(data[start:])
+    views = [document["bufferViews"][0], document["bufferViews"][1] | {"buffer": 1, "byteOffset": 0}]
+    parts = [{"uri": "ball.bin", "byteLength": start}, {"uri": "more.bin", "byteLength": len(data) - start}]
+    file, _ = write_ball(tmp_path, bufferViews=views, buffers=parts)
+    (tmp_path / "ball.bin").write_bytes(data[:start])
+    (levels,) = write_levels(file, tmp_path / "out.glb", (0.5,))
+    assert levels.triangles == (fine, fine // 2)
+
+
 def test_a_level_is_shown_where_its_error_is_a_pixel(tmp_path):
     """At its coverage the ball's radius is sqrt(c w h / pi) px; its error there, error / radius of that, is 1."""
     file, _ = write_ball(tmp_path)

@@ -12,6 +12,10 @@ from scipy.spatial import KDTree
 from mimics_app.builders.avatars.face_shape import EYE_RADIUS
 from mimics_app.builders.avatars.folds import BENDS
 from mimics_app.builders.avatars.poses import Pose
+from mimics_app.contracts.resources import root
+from mimics_app.world.gltf.accessors import GltfAccessors
+from mimics_app.world.gltf.buffers import GltfBuffers
+from mimics_app.world.gltf.source import open_gltf
 from tests.support.reference_skinning import skin_dual, skin_linear, volume
 from tests.support.shipped_people import NAMES, Part, Shipped, load_shipped
 
@@ -46,6 +50,17 @@ def bent(shipped: Shipped) -> Bent:
 
 def _poses(shipped: Shipped) -> dict[str, Pose]:
     return {f"{name} {side}": bend(shipped.bones, side) for name, bend in BENDS.items() for side in (1, -1)}
+
+
+def test_normals_are_as_long_as_they_should_be(shipped: Shipped) -> None:
+    """In the file: the reader scales others, and notes it."""
+    file = root() / "assets" / "models" / "avatars" / f"{shipped.person.name}.glb"
+    source = open_gltf(file, file.parent, file.name)
+    accessors = GltfAccessors(source, GltfBuffers(source))
+    for number, mesh in enumerate(source.table("meshes")):
+        for primitive in mesh["primitives"]:
+            normals = accessors.floats(primitive["attributes"]["NORMAL"], f"/meshes/{number}", "VEC3")
+            assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, abs=1e-6)
 
 
 def test_bends_turn_no_triangle_inside_out(shipped: Shipped, bent: Bent) -> None:

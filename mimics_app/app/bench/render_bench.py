@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.app.bench.crowd_levels import compare_levels
 from mimics_app.app.bench.render_workloads import Crowd, Nodes, Workload, open_workload
 from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.contracts.clock import MonotonicClock, process_seconds
@@ -101,6 +102,7 @@ def measure_render(wanted: RenderBench) -> dict[str, Any]:
             answer.update(_time_poses(workload, wanted.frames))
         if isinstance(workload, Crowd):
             answer.update(_time_still(workload, wanted, renderer))
+            answer.update(compare_levels(workload, wanted.size, wanted.frames, surface, renderer))
         renderer.release()
     return answer
 

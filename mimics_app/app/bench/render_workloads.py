@@ -193,9 +193,14 @@ class Nodes(Workload):
 
 
 class Crowd(Workload):
-    """Skinned characters in rows, each at its own phase of one looped clip."""
+    """Skinned characters in rows, each at its own phase of one looped clip.
+
+    Attributes:
+        file: The character's.
+    """
 
     def __init__(self, file: Path, count: int) -> None:
+        self.file = file
         world = World()
         prefab = read_model(file)
         side = math.ceil(math.sqrt(count))

@@ -23,7 +23,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "action",
         choices=("build", "list", "levels", "thumbnails"),
-        help="build: write the files of NAME; list: the names; levels: write a model with levels of detail; "
+        help="build: write the files of NAME; list: the names; levels: write a model with levels of detail, "
+        "of what bends with vertices of their own; "
         "thumbnails: draw the launcher's pictures of the shipped scenes, or of the one called NAME",
     )
     parser.add_argument("name", nargs="?", default="", help="what to build; of levels: a .glb or .gltf file")

@@ -74,6 +74,10 @@ class GltfAccessors:
             self._source.fail(f"/accessors/{place}/normalized", "integers that are shares must be normalised")
         return self.floats(index, pointer, *shapes)
 
+    def stored(self, index: object, pointer: str) -> Array:
+        """An accessor of any type as the file stores it, sparse values put in, [n, components]."""
+        return self._read(self._require(index, pointer, tuple(_SIZES)), pointer)
+
     def count(self, index: object, pointer: str) -> int:
         """Elements of an accessor, unread."""
         accessor = self._source.item("accessors", index, pointer)

@@ -2,11 +2,13 @@
 
 Quadric error metrics of Garland & Heckbert (1997) with half-edge collapses: what is left are corners of the mesh as it
 was, with their normals and texture coordinates, so that all levels of detail share one set of vertices. Open borders
-and seams of attributes are held in place by planes that stand on them.
+and seams of attributes are held in place by planes that stand on them. Of what bends, the loss is the greatest of
+several poses (deformation sensitive decimation, Mohr & Gleicher 2003, which adds them up).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,7 +34,7 @@ class Decimated:
 
     Attributes:
         indices: Three per triangle, of vertices the mesh had, uint32 [m].
-        error: Farthest that a corner of the mesh as it was lies from the coarser surface [m].
+        error: Farthest that a corner of the mesh as it was lies from the coarser surface in any pose [m].
     """
 
     indices: NDArray[np.uint32]
@@ -45,7 +47,11 @@ class Decimated:
 
 
 def decimate(
-    positions: NDArray[np.floating], indices: NDArray[np.integer], triangles: int, error: float = np.inf
+    positions: NDArray[np.floating],
+    indices: NDArray[np.integer],
+    triangles: int,
+    error: float = np.inf,
+    poses: Sequence[NDArray[np.floating]] = (),
 ) -> Decimated:
     """Take triangles away.
 
@@ -58,30 +64,32 @@ def decimate(
         triangles: Stop when so many or one fewer are left.
         error: Stop before a corner that stays is farther than this from the planes it stands for [m], as root mean
             square; the farthest corner that was taken away can lie several times as far.
+        poses: Where the vertices are as well [m], [n, 3] each: what bends must keep its form there too.
 
     Returns:
         What is left; more triangles than requested where no collapse is left that neither folds nor tears.
     """
-    places, corner_of = _weld(np.asarray(positions, np.float64))
+    first, corner_of = _weld(np.asarray(positions, np.float64))
+    places = np.stack([np.asarray(each, np.float64)[first] for each in (positions, *poses)])
     wedges = np.ascontiguousarray(indices, np.int64).reshape(-1, 3).copy()
     corners = corner_of[wedges]
     sound = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
     wedges, corners = wedges[sound], corners[sound]
     if not len(wedges):
         return Decimated(np.zeros(0, np.uint32), 0.0)
-    quadrics = _quadrics(places, wedges, corners)
+    quadrics = np.stack([_quadrics(each, wedges, corners) for each in places])
     alive = np.ones(len(wedges), np.bool_)
     collapse(places, wedges, corners, quadrics, alive, triangles, error * error)
-    away = farthest(places, np.ascontiguousarray(places[corners[alive]]))
+    away = max(farthest(each, np.ascontiguousarray(each[corners[alive]])) for each in places)
     return Decimated(wedges[alive].reshape(-1).astype(np.uint32), away)
 
 
-def _weld(positions: F8) -> tuple[F8, I8]:
-    """(places of the corners [m], [c, 3], corner of each vertex, [n]): what rounding keeps apart is one place."""
+def _weld(positions: F8) -> tuple[I8, I8]:
+    """(a vertex of each corner, [c], corner of each vertex, [n]): what rounding keeps apart is one place."""
     extent = float(np.ptp(positions, axis=0).max(initial=0.0)) if len(positions) else 0.0
     cells = np.rint(positions / (_WELD * extent or 1.0)).astype(np.int64)
     _, first, corner_of = np.unique(cells, axis=0, return_index=True, return_inverse=True)
-    return np.ascontiguousarray(positions[first]), np.ascontiguousarray(corner_of, np.int64).reshape(-1)
+    return first.astype(np.int64), np.ascontiguousarray(corner_of, np.int64).reshape(-1)
 
 
 def _quadrics(places: F8, wedges: I8, corners: I8) -> F8:

@@ -45,17 +45,17 @@ def collapse(
     """Collapse edges, the least loss first.
 
     Args:
-        places: Of the corners [m], [c, 3].
+        places: Of the corners in every pose [m], [p, c, 3]; nothing folds over in the first one.
         wedges: Vertices of the triangles, written, [t, 3].
         corners: Their corners, written, [t, 3].
-        quadrics: Of the corners, written, [c, 11].
+        quadrics: Of the corners in every pose, written, [p, c, 11].
         alive: False where a triangle is gone, written, [t].
         wanted: Triangles to stop at.
         most: Mean square distance to stop at [m^2].
     """
-    first = np.full(places.shape[0], -1, np.int64)
+    first = np.full(places.shape[1], -1, np.int64)
     following = np.full(3 * wedges.shape[0], -1, np.int64)
-    stamps = np.zeros(places.shape[0], np.int64)
+    stamps = np.zeros(places.shape[1], np.int64)
     rings, pairs = np.empty((2, _MAX_RING), np.int64), np.empty((2, _MAX_RING), np.int64)
     _link_corners(corners, first, following)
     heap = [(0.0, 0, 0, 0, 0) for _ in range(0)]
@@ -68,11 +68,11 @@ def collapse(
             break
         if stamps[u] != stamp_u or stamps[v] != stamp_v:
             continue
-        gone = _try_collapse(u, v, wedges, corners, places, first, following, alive, rings, pairs)
+        gone = _try_collapse(u, v, wedges, corners, places[0], first, following, alive, rings, pairs)
         if gone == 0:
             continue
         left -= gone
-        quadrics[v] += quadrics[u]
+        quadrics[:, v] += quadrics[:, u]
         stamps[u], stamps[v] = -1, stamps[v] + 1
         for i in range(_ring(v, first, following, alive, rings[0])):
             _push(heap, rings[0, i], v, corners, quadrics, places, stamps)
@@ -116,8 +116,16 @@ def _try_collapse(
 
 @kernel
 def _loss(quadrics: F8, u: int, v: int, places: F8) -> float:
-    """Mean square distance [m^2] of v's place from the planes of both corners."""
-    x, y, z = places[v, 0], places[v, 1], places[v, 2]
+    """Mean square distance [m^2] of v's place from the planes of both corners, in the pose where it is greatest."""
+    worst = 0.0
+    for pose in range(places.shape[0]):
+        worst = max(worst, _loss_of_pose(quadrics[pose], u, v, places[pose, v]))
+    return worst
+
+
+@kernel
+def _loss_of_pose(quadrics: F8, u: int, v: int, place: F8) -> float:
+    x, y, z = place[0], place[1], place[2]
     total = 0.0
     weight = quadrics[u, 10] + quadrics[v, 10]
     if weight <= 0.0:

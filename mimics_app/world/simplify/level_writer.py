@@ -1,4 +1,7 @@
-"""Levels of detail written into a glTF file: coarser forms of its meshes that share the vertices of the fine ones."""
+"""Levels of detail written into a glTF file: coarser forms of its meshes.
+
+What stands still shares the vertices of the fine form, what bends has vertices of its own.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +17,13 @@ from numpy.typing import NDArray
 
 from mimics_app.world.gltf.accessors import GltfAccessors
 from mimics_app.world.gltf.buffers import GltfBuffers, data_uri
+from mimics_app.world.gltf.skins import GltfSkins
 from mimics_app.world.gltf.source import MAX_TOTAL_BYTES, GltfSource, open_gltf
 from mimics_app.world.gltf.writer import pack_glb
 from mimics_app.world.levels import MAX_LEVELS, coverages_of
 from mimics_app.world.scene.source import read_bytes
-from mimics_app.world.simplify.decimation import decimate
+from mimics_app.world.simplify.decimation import Decimated, decimate
+from mimics_app.world.simplify.level_vertices import Bending, LevelVertices, lighter
 
 __all__ = ["SHARES", "MeshLevels", "add_levels", "write_levels"]
 
@@ -88,6 +93,21 @@ def add_levels(source: GltfSource, shares: Sequence[float], pixels: float = 1.0)
     return pack_glb(source.json, source.binary or b""), levels
 
 
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A primitive: where it stands in the file, its positions and indices, and what makes it bend."""
+
+    place: str
+    positions: NDArray[np.float32]
+    indices: NDArray[np.uint32]
+    bending: Bending | None
+
+    def decimate(self, share: float) -> Decimated:
+        """With a share of its triangles."""
+        poses = self.bending.poses if self.bending else ()
+        return decimate(self.positions, self.indices, round(share * len(self.indices) / 3), poses=poses)
+
+
 class _LevelWriter:
     """Adds to a file's JSON, and to its one buffer."""
 
@@ -95,7 +115,9 @@ class _LevelWriter:
         self._source, self._shares, self._pixels = source, shares, pixels
         self._blob = _gather(source)
         self._accessors = GltfAccessors(source, GltfBuffers(source))
-        self._made: dict[int, tuple[list[int], MeshLevels] | None] = {}
+        self._vertices = LevelVertices(source, self._accessors, self._blob)
+        self._skins = GltfSkins(source, self._accessors).read_all()
+        self._made: dict[tuple[int, int | None], tuple[list[int], MeshLevels] | None] = {}
 
     def add_levels(self) -> list[MeshLevels]:
         """Give every node of the file that has a mesh its levels."""
@@ -105,10 +127,12 @@ class _LevelWriter:
         for number, node in enumerate(nodes):
             if "mesh" not in node or levels[number] or number in coarser:
                 continue
-            mesh = source.index(node["mesh"], len(source.table("meshes")), "meshes", f"/nodes/{number}/mesh")
-            if mesh not in self._made:
-                self._made[mesh] = self._coarsen(mesh)
-            made = self._made[mesh]
+            place = f"/nodes/{number}"
+            mesh = source.index(node["mesh"], len(source.table("meshes")), "meshes", f"{place}/mesh")
+            skin = source.index(node["skin"], len(self._skins), "skins", f"{place}/skin") if "skin" in node else None
+            if (mesh, skin) not in self._made:
+                self._made[mesh, skin] = self._coarsen(mesh, skin)
+            made = self._made[mesh, skin]
             if made is not None:
                 self._attach(node, *made)
         _hold(source, self._blob)
@@ -126,32 +150,52 @@ class _LevelWriter:
         if "MSFT_lod" not in used:
             used.append("MSFT_lod")
 
-    def _coarsen(self, mesh: int) -> tuple[list[int], MeshLevels] | None:
+    def _coarsen(self, mesh: int, skin: int | None) -> tuple[list[int], MeshLevels] | None:
         """(numbers of the coarser meshes, what they are); None where none is smaller."""
         source = self._source
         fine = source.table("meshes")[mesh]
-        parts = [self._arrays(part, f"/meshes/{mesh}/primitives/{k}") for k, part in enumerate(fine["primitives"])]
-        count = sum(len(indices) // 3 for _, indices in filter(None, parts))
+        parts = [self._part(each, f"/meshes/{mesh}/primitives/{k}", skin) for k, each in enumerate(fine["primitives"])]
+        count = sum(len(part.indices) // 3 for part in filter(None, parts))
         triangles, errors, meshes = [count], [0.0], []
         for share in self._shares:
-            coarse = [part and decimate(*part, round(share * len(part[1]) / 3)) for part in parts]
+            coarse = [None if part is None else part.decimate(share) for part in parts]
             left = sum(each.triangle_count for each in coarse if each)
             if not left or left > _LEAST_GAIN * triangles[-1]:
                 continue
             triangles.append(left)
-            errors.append(max(errors[-1], *(each.error for each in coarse if each)))
             made = dict(fine, primitives=[])
-            for primitive, each in zip(fine["primitives"], coarse, strict=True):
-                indices = {"indices": self._write(each.indices)} if each else {}
-                made["primitives"].append(dict(primitive, **indices))
+            error = errors[-1]
+            for primitive, part, each in zip(fine["primitives"], parts, coarse, strict=True):
+                own = dict(primitive)
+                error = max(error, 0.0 if part is None or each is None else self._put(own, part, each))
+                made["primitives"].append(own)
+            errors.append(error)
             meshes.append(len(source.json["meshes"]))
             source.json["meshes"].append(made)
         if not meshes:
             return None
-        every = np.concatenate([positions for positions, _ in filter(None, parts)])
+        every = np.concatenate([part.positions for part in filter(None, parts)])
         radius = float(np.linalg.norm(every - 0.5 * (every.min(axis=0) + every.max(axis=0)), axis=1).max())
         name = str(fine.get("name", f"mesh {mesh}"))
         return meshes, MeshLevels(name, tuple(triangles), tuple(errors), coverages_of(radius, errors, self._pixels))
+
+    def _put(self, primitive: dict[str, Any], part: _Part, coarse: Decimated) -> float:
+        """Write a coarser form of a part into a primitive; returns how far a corner lies from it [m]."""
+        if part.bending is None:
+            primitive["indices"] = self._write(coarse.indices)
+            return coarse.error
+        kept, indices = np.unique(coarse.indices.astype(np.int64), return_inverse=True)
+        weights, apart = lighter(part.bending, kept, coarse.error)
+        self._vertices.write(primitive, part.place, kept, weights)
+        primitive["indices"] = self._write(indices.reshape(-1).astype(np.uint32))
+        return coarse.error + apart
+
+    def _part(self, primitive: dict[str, Any], place: str, skin: int | None) -> _Part | None:
+        arrays = self._arrays(primitive, place)
+        if arrays is None:
+            return None
+        bending = self._vertices.bending(primitive, place, None if skin is None else self._skins[skin])
+        return _Part(place, *arrays, bending)
 
     def _arrays(self, primitive: dict[str, Any], place: str) -> tuple[NDArray[np.float32], NDArray[np.uint32]] | None:
         """Positions and indices of triangles; None for lines, points and what has no indices of its own."""
@@ -200,7 +244,7 @@ def _gather(source: GltfSource) -> bytearray:
 
 def _hold(source: GltfSource, blob: bytearray) -> None:
     """Make it the file's one buffer."""
-    source.json["buffers"] = [{"byteLength": len(blob)}]
+    source.table("buffers")[:] = [{"byteLength": len(blob)}]  # in its place: the table has been looked through
     source.binary = bytes(blob)
 
 
