@@ -35,6 +35,7 @@ __all__ = [
     "KernelCache",
     "KernelFiles",
     "cache_folder",
+    "compile_listeners",
     "enable_cache",
     "private_folder",
     "rebuilt",
@@ -285,6 +286,10 @@ def rebuilt(target_context: Any, library: Any, payload: Any, entry_point: Any = 
     return CompileResult(**known)
 
 
+compile_listeners: list[Callable[[], None]] = []
+"""Called after each function that was compiled in this process and kept."""
+
+
 class KernelCache(FunctionCache):
     """numba's cache of one function that takes what is damaged or foreign for missing."""
 
@@ -312,6 +317,8 @@ class KernelCache(FunctionCache):
         except _NOT_LOADABLE:
             self.flush()  # type: ignore[no-untyped-call]
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+        for listener in compile_listeners:
+            listener()
 
 
 class _Deferred:

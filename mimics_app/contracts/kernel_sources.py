@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 _STARTED = wall_time().timestamp()
 """Sources changed after this [s since the epoch] may not be those this process has."""
 
-_KEEPERS = frozenset(Path(__file__).resolve().with_name(name) for name in ("kernel_cache.py", "kernel_sources.py"))
+_KEEPERS = frozenset(Path(__file__).resolve().with_name(f"kernel_{name}.py") for name in ("cache", "sources", "sweep"))
 """Where machine code is kept, and under which key, changes nothing in it."""
 
 _IMPORT = re.compile(

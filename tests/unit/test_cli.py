@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import shlex
 import signal
@@ -17,7 +18,8 @@ import pytest
 from mimics_app.app import cli, settings
 from mimics_app.app.terminal import output
 from mimics_app.app.terminal.examples import EXAMPLES
-from mimics_app.app.terminal.first_start import is_cold
+from mimics_app.app.terminal.first_start import CompileLine, is_cold
+from mimics_app.contracts.clock import VirtualClock
 from mimics_app.contracts.errors import (
     DeviceError,
     Issue,
@@ -310,3 +312,22 @@ def test_first_start_is_known_by_a_folder_without_machine_code(tmp_path: Path) -
     (tmp_path / "kernels").mkdir()
     (tmp_path / "kernels" / "tick.1.nbc").touch()
     assert not is_cold(tmp_path)
+
+
+class _Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize("stream", [io.StringIO(), _Terminal()], ids=["log", "terminal"])
+def test_compiling_says_how_far_it_is(stream: io.StringIO) -> None:
+    """A function every half a second: nothing for two seconds, then in place, or a line every ten seconds."""
+    clock = VirtualClock()
+    line = CompileLine(stream, clock)
+    for _ in range(400):
+        line.count()
+        clock.sleep_until_ns(clock.now_ns() + 500_000_000)
+    said = stream.getvalue()
+    assert "41 of about 350 functions, 20 s" in said and "381 functions, 190 s" in said
+    assert said.count("\n") == (0 if stream.isatty() else 19)
+    assert said.count("\r") == (396 if stream.isatty() else 0)

@@ -58,7 +58,7 @@ def key():
         known.cache_clear()
     return cache.source_key(root)
 
-KEEPERS = ("kernel_cache.py", "kernel_sources.py", "clock.py")
+KEEPERS = ("kernel_cache.py", "kernel_sources.py", "kernel_sweep.py", "clock.py")
 root = Path(loop.__file__).resolve()
 base = Path(cache.__file__).resolve().parents[2]
 loaded = {Path(m.__file__).resolve() for m in list(sys.modules.values()) if getattr(m, "__file__", None)}

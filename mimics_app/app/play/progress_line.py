@@ -41,7 +41,7 @@ class ProgressLine:
             return
         seconds = self._session.clock.now_ns() * 1e-9
         self._stream.write(
-            f"\rtrial {view.trial} / {view.trials} {draw_bar(view.progress)}  {seconds:6.1f} s simulated "
+            f"\rtrial {view.trial} / {view.trials} {draw_bar(view.progress)}  {seconds:6.1f} s simulated \x1b[K"
         )
         self._stream.flush()
 
