@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import threading
 import time
 from pathlib import Path
@@ -267,6 +268,23 @@ def test_the_command_writes_events_a_page_and_features(tmp_path: Path, capsys: p
     assert all(float(row[1]) >= float(row[0]) for row in rows)
     assert files[1].read_text().count("<svg") > 4
     assert "heart_rate" in files[2].read_text().splitlines()[0]
+
+
+@pytest.mark.parametrize("seconds", [4.0, 2.5])
+def test_the_command_reads_as_many_seconds_as_it_is_asked_for(
+    seconds: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = write_csv(tmp_path / "a.csv", np.arange(9000) / 1000.0, ecg=body(9)[0]["ecg"])
+    for source in (str(path), "sim:moderate"):
+        assert main(["physio", source, "--seconds", str(seconds), "--json"]) == 0
+        assert json.loads(capsys.readouterr().out)["signals"]["ecg"]["seconds"] == seconds
+
+
+def test_the_command_reads_a_file_to_its_last_sample(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = write_csv(tmp_path / "a.csv", np.arange(1234) / 360.0, ecg=np.sin(np.arange(1234) / 9.0))
+    assert main(["physio", str(path), "--json"]) == 0
+    ecg = json.loads(capsys.readouterr().out)["signals"]["ecg"]
+    assert round(ecg["seconds"] * ecg["rate"]) == 1234
 
 
 def test_the_check_finds_a_loose_electrode(capsys: pytest.CaptureFixture[str]) -> None:

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mimics_app.inputs.trackers.emulated_line import emulated_fastrak, emulated_flock
 
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
@@ -23,6 +22,7 @@ from mimics_app.contracts.window_input import GamepadState, InputEvent
 from mimics_app.inputs.trackers import vrpn_wire
 from mimics_app.inputs.trackers.ascension import FlockParser, flock_record
 from mimics_app.inputs.trackers.calibration import axis_map, fit_room
+from mimics_app.inputs.trackers.emulated_line import emulated_fastrak, emulated_flock
 from mimics_app.inputs.trackers.headset_tracker import HeadsetTracker
 from mimics_app.inputs.trackers.hub import Placed, TrackerHub
 from mimics_app.inputs.trackers.lsl import LslTracker
@@ -30,14 +30,13 @@ from mimics_app.inputs.trackers.osc import OscTracker
 from mimics_app.inputs.trackers.plausibility import Plausibility
 from mimics_app.inputs.trackers.pointer_tracker import PointerTracker
 from mimics_app.inputs.trackers.polhemus import RECORD_BYTES, FastrakParser, euler_quaternion, fastrak_record
+from mimics_app.inputs.trackers.pose_senders import OscSender, VrpnServer
 from mimics_app.inputs.trackers.scripted_person import PERSON_SENSORS, ScriptedPerson, person_at
 from mimics_app.inputs.trackers.serial_tracker import fastrak, flock_of_birds
 from mimics_app.inputs.trackers.tape import TapeTracker, TapeWriter, read_tape
 from mimics_app.inputs.trackers.track import Track
 from mimics_app.inputs.trackers.vrpn import VrpnTracker
 from mimics_app.maths.poses import pose_from_parts, rotation_from_vector, rotation_vector
-from tests.support.pose_senders import OscSender, VrpnServer
-from tests.support.tracker_line import emulated_fastrak, emulated_flock
 
 MS = 1_000_000
 SEED = 7

@@ -66,7 +66,7 @@ def report_on(report: Report, seconds: float | None) -> None:
 
 @contextmanager
 def _vrpn(seed: int, port: int) -> Iterator[tuple[str, Report]]:
-    from mimics_app.inputs.trackers.vrpn import VrpnServer
+    from mimics_app.inputs.trackers.pose_senders import VrpnServer
 
     try:
         server = VrpnServer("person", port)
@@ -85,7 +85,7 @@ def _vrpn(seed: int, port: int) -> Iterator[tuple[str, Report]]:
 
 @contextmanager
 def _osc(seed: int, port: int) -> Iterator[tuple[str, Report]]:
-    from mimics_app.inputs.trackers.osc import OscSender
+    from mimics_app.inputs.trackers.pose_senders import OscSender
 
     port = port or _OSC_PORT
     sender = OscSender(port)

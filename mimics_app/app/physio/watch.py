@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
@@ -118,8 +119,9 @@ class Watch:
 
 
 def blocks_of_file(source: SignalSource, seconds: float) -> Iterator[tuple[tuple[SignalBlock, ...], int]]:
-    """Blocks of a source that knows no time of its own, a second at once, as fast as they can be taken."""
-    for now_ns in range(0, round((seconds + 1.0) * SECOND_NS) + 1, SECOND_NS):
+    """So many seconds of a source that knows no time of its own, a second at once, as fast as they can be taken."""
+    end_ns = math.ceil(seconds * SECOND_NS) + 1  # a time that was rounded down would leave the last sample out
+    for now_ns in (*range(0, end_ns, SECOND_NS), end_ns):
         yield source.read(now_ns), now_ns
 
 
