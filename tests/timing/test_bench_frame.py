@@ -27,6 +27,8 @@ def test_a_live_session_is_timed_stage_by_stage():
     assert row["triangles"] > 1000 and row["draw_calls"] > 1 and row["whole_ms"] > 0.0
     assert row["quality"] == {"scale": 1.0, "shadows": True, "steps": []}
     assert 0.0 <= row["missed_share"] <= 1.0
+    assert 0.0 <= row["late"]["share"] < 1.0
+    assert all(each["ms"] > 5.0 * row["ms"]["p50"] and each["stage_ms"] > 0.0 for each in row["late"]["frames"])
     inside = sum(each["p50"] for each in row["stages"].values())
     assert inside > 0.3 * row["ms"]["p50"], "the stages are where the time of a frame is"
 

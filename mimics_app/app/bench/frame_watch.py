@@ -1,4 +1,7 @@
-"""What `mimics bench frame` takes down of frames: whole ones first, then stage by stage, each waited for."""
+"""What `mimics bench frame` takes down of frames: whole ones first, then stage by stage, each waited for.
+
+Of every frame it has the stage that most of its time was spent in, for those that are late to be explained by.
+"""
 
 from __future__ import annotations
 
@@ -20,6 +23,9 @@ SETTLING_S = 1.0
 
 _TIMED_SHARE = 0.4
 """Of the time, at the end: in which stages are timed."""
+
+_LATE = 5.0
+"""Of a frame that is late: its time over the median."""
 
 _NS = 1e9
 
@@ -45,6 +51,8 @@ class FrameWatch:
             governor may have kept waiting.
         frames_ms: Of whole frames [ms].
         stages: Times of each stage [ms].
+        seen: Every frame that counts: when it was done, since counting began [s], its time [ms], and in which stage
+            most of that was spent, with the stage's time [ms].
         begun: Processor time and moment of the first frame that counts [s].
         cpu_ms: Processor time of a frame, all threads of the process together [ms].
     """
@@ -55,6 +63,7 @@ class FrameWatch:
     stages_ns: float = 0.0
     frames_ms: list[float] = field(default_factory=list)
     stages: dict[str, list[float]] = field(default_factory=dict)
+    seen: list[tuple[float, float, str, float]] = field(default_factory=list)
     begun: tuple[float, int] | None = None
     cpu_ms: float = 0.0
     fps: float = 0.0
@@ -67,15 +76,21 @@ class FrameWatch:
             self.stages_ns = self.from_ns + (1.0 - _TIMED_SHARE) * self.seconds * _NS
         if picture is None or governor is None or now_ns < self.from_ns:
             return
+        picture.renderer.timing = True
+        times = picture.renderer.times
+        assert times is not None
         if self.begun is None:
-            self.begun = (process_seconds(), now_ns)
-        elif now_ns < self.stages_ns:
+            self.begun, times.waits = (process_seconds(), now_ns), False
+            return
+        spent = times.frames[-1].cpu_ms if times.frames else {}
+        self.seen.append(((now_ns - self.begun[1]) / _NS, governor.last_ms, *_longest(spent, governor.last_ms)))
+        if now_ns < self.stages_ns:
             self.frames_ms.append(governor.last_ms)
             self._settle(now_ns)
-        elif not picture.renderer.timing:
-            picture.renderer.timing = True
-        elif picture.renderer.times is not None and picture.renderer.times.frames:
-            for name, ms in picture.renderer.times.frames[-1].cpu_ms.items():
+        elif not times.waits:
+            times.waits = True
+        else:
+            for name, ms in spent.items():
                 self.stages.setdefault(name, []).append(ms)
 
     def row(self) -> Row:
@@ -86,6 +101,7 @@ class FrameWatch:
         return {
             "fps": self.fps,
             "ms": _spread(self.frames_ms),
+            "late": self._late(),
             "stages": {name: _spread(times) for name, times in self.stages.items()},
             "over_budget": over_budget({name: float(np.median(times)) for name, times in self.stages.items()}),
             "cpu_ms": self.cpu_ms,
@@ -95,12 +111,26 @@ class FrameWatch:
             "quality": {"scale": settings.scale, "shadows": settings.shadow_size > 0, "steps": list(governor.given_up)},
         }
 
+    def _late(self) -> Row:
+        """Frames of more than `_LATE` times the median: their share of all that count, and each with its stage."""
+        limit_ms = _LATE * float(np.median(self.frames_ms)) if self.frames_ms else np.inf
+        names = ("t_s", "ms", "stage", "stage_ms")
+        late = [dict(zip(names, each, strict=True)) for each in self.seen if each[1] > limit_ms]
+        return {"share": len(late) / max(1, len(self.seen)), "frames": late}
+
     def _settle(self, now_ns: int) -> None:
         """Processor time a frame, and frames a second, so far."""
         if self.begun is not None:
             cpu, since_ns = self.begun
             self.cpu_ms = 1e3 * (process_seconds() - cpu) / len(self.frames_ms)
             self.fps = len(self.frames_ms) / ((now_ns - since_ns) / _NS)
+
+
+def _longest(stages_ms: dict[str, float], frame_ms: float) -> tuple[str, float]:
+    """Where most of a frame went, and how much [ms]: a stage, or "between stages"."""
+    spent = {**stages_ms, "between stages": frame_ms - sum(stages_ms.values())}
+    name = max(spent, key=lambda stage: spent[stage])
+    return name, spent[name]
 
 
 def _spread(values: list[float]) -> dict[str, float]:

@@ -4,6 +4,7 @@ It never touches the haptic loop, and nothing that a study has fixed. It starts 
 frames drawn before the first one fit into (`start_from`, `settle`). Down after half a second over the budget; up after
 three seconds in which the frame would have stayed within it one level up too, by what that level cost when it was left,
 and after one where it would have been at ease even so: frames before the first are drawn whole, later ones need not.
+What a level cost before the first frame is therefore a guess: with a quarter of the budget left it is tried once.
 That cost is doubted after half a minute of ease, since the load may have changed just then; doubts grow ever rarer.
 The last level of all is given back, and left alone, where it buys nothing.
 """
@@ -33,6 +34,8 @@ _ROOM = 0.9
 """Share of the budget a frame may be expected to take one level up."""
 _EASE = 0.6
 """Share of the budget below which a frame is at ease."""
+_TRIED = 0.75
+"""Share of the budget below which a level is tried whose cost is known from frames drawn as a whole alone."""
 _DOUBT_NS = 30_000_000_000
 _WORTH = 1.05
 """Growth below which giving up the last level is not worth what is seen."""
@@ -71,6 +74,8 @@ class _Move:
         growth: Frame time one level up over the one here, as found when it was last given up; >= 1.
         patience_ns: How long frames must be at ease before that figure is doubted.
         vain: True once it was found to buy nothing.
+        guessed: True while its growth is of frames drawn as a whole before the first one, which those of a run need
+            not be.
     """
 
     step: QualityStep
@@ -78,6 +83,7 @@ class _Move:
     growth: float = 1.0
     patience_ns: int = _DOUBT_NS
     vain: bool = False
+    guessed: bool = False
 
     @property
     def label(self) -> str:
@@ -142,14 +148,17 @@ class FrameGovernor:
         """The quality that most frames had, for the next run to start from."""
         counts = [self._counts.get(state, 0) for state in (FULL, *self.steps)]
         most = max(range(len(counts)), key=lambda level: counts[level])
-        return Held(self.steps, tuple(move.growth for move in self._ladder[:most]))
+        kept = self._ladder[:most]
+        return Held(self.steps, tuple(move.growth for move in kept), tuple(move.guessed for move in kept))
 
     def start_from(self, held: Held) -> bool:
         """Begin with what was held before; False, and nothing is changed, where that was of other levels."""
-        if held.steps != self.steps or len(held.growths) > len(self._ladder):
+        fits = len(held.guessed) == len(held.growths) <= len(self._ladder)
+        if held.steps != self.steps or not fits:
             return False
-        for growth in held.growths:
+        for move, growth, guessed in zip(self._ladder, held.growths, held.guessed, strict=False):
             self._begin_lower(growth)
+            move.guessed = guessed
         return True
 
     def settle(self, frame_ms: Callable[[], float]) -> None:
@@ -159,7 +168,8 @@ class FrameGovernor:
             before_ms = now_ms
             self._begin_lower(1.0)
             now_ms = frame_ms()
-            self._ladder[self._given_up - 1].growth = max(1.0, before_ms / max(now_ms, 1e-6))
+            move = self._ladder[self._given_up - 1]
+            move.growth, move.guessed = max(1.0, before_ms / max(now_ms, 1e-6)), True
         self.prove_last(frame_ms)
 
     def prove_last(self, frame_ms: Callable[[], float]) -> None:
@@ -223,7 +233,10 @@ class FrameGovernor:
         }
 
     def _has_room(self, now_ms: float) -> bool:
-        return self._given_up > 0 and self._one_level_up(now_ms) <= _ROOM * self._budget_ms
+        if not self._given_up:
+            return False
+        tried = self._ladder[self._given_up - 1].guessed and now_ms <= _TRIED * self._budget_ms
+        return tried or self._one_level_up(now_ms) <= _ROOM * self._budget_ms
 
     def _up_ns(self, now_ms: float) -> int:
         """How long there has to be room [ns]."""
@@ -237,7 +250,8 @@ class FrameGovernor:
         """What the level given up last had cost, once the frames since then fill the window."""
         if self._before_ms is None or self._moved_ns is None or now_ns - self._moved_ns < _WINDOW_NS:
             return
-        self._ladder[self._given_up - 1].growth = max(1.0, self._before_ms / max(now_ms, 1e-6))
+        move = self._ladder[self._given_up - 1]
+        move.growth, move.guessed = max(1.0, self._before_ms / max(now_ms, 1e-6)), False
         self._before_ms = None
         if self._last_in_vain():
             self._ladder[-1].vain = True

@@ -32,10 +32,12 @@ class Held(msgspec.Struct, frozen=True):
     Attributes:
         steps: Names of all levels, in the order they are given up.
         growths: Frame time without each level over that with it, as far as levels were given up; >= 1.
+        guessed: Which of these are of frames drawn as a whole, before the first one.
     """
 
     steps: tuple[str, ...]
     growths: tuple[float, ...]
+    guessed: tuple[bool, ...]
 
 
 class HeldQuality:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,8 @@ __all__ = ["PictureTarget"]
 
 _EDGE_STEPS = 9.0
 """Steps in which an edge is followed each way: 22 pixels."""
+_EDGE_REACH, _LINEAR_REACH = 24, 1
+"""How far the filters look [texels]."""
 
 
 class PictureTarget:
@@ -37,14 +40,16 @@ class PictureTarget:
         self._surface = surface
         self._most_samples = surface.ctx.max_samples
         self._bloom = BloomPass(surface.ctx, shaders, settings)
-        self._edges = PictureFilter(surface.ctx, shaders, "post/edges.frag", steps=_EDGE_STEPS)
-        self._enlarge = PictureFilter(surface.ctx, shaders, "post/resample.frag")
+        self._edges = PictureFilter(surface.ctx, shaders, "post/edges.frag", _EDGE_REACH, steps=_EDGE_STEPS)
+        self._enlarge = PictureFilter(surface.ctx, shaders, "post/resample.frag", _LINEAR_REACH)
         self._made_for: object = None
         self._multisampled: moderngl.Framebuffer | None = None
         # The surface without depth: copying resolves every attachment both sides have, and depth is not wanted.
         self._shown: moderngl.Framebuffer | None = None
         self._buffer: DrawBuffer | None = None
         self._between: list[moderngl.Framebuffer] = []
+        # What the last filter made, while frames are kept: figures are laid over the surface.
+        self._filtered: moderngl.Framebuffer | None = None
 
     @property
     def samples(self) -> int:
@@ -73,8 +78,8 @@ class PictureTarget:
     def begin(self) -> moderngl.Framebuffer:
         """The framebuffer to draw into, for the surface's present size and the present settings."""
         self._bloom.settings = self.settings
-        alone = self.keep and not self._filters
-        wanted = (self.size, self._surface.framebuffer, self.samples, self.settings.bloom > 0.0, self._filters, alone)
+        filters = (self.settings.bloom > 0.0, self._filters, self.keep)
+        wanted = (self.size, self._surface.framebuffer, self.samples, *filters)
         if self._made_for != wanted:
             self.holds = False
             self._free()
@@ -96,20 +101,34 @@ class PictureTarget:
         draws, surface = 0, self._surface
         if self._buffer is not None:
             self._buffer.finish(parts)
-            if not self._filters and self._shown is not None:
-                surface.ctx.copy_framebuffer(self._shown, self._buffer.finished)
-                surface.framebuffer.use()
-                return draws
-            picture, drawn = self._buffer.texture, [self.rectangle(each) for each in rectangles]
-            for step, between in zip(self._filters, self._between, strict=False):
-                draws += step.draw(picture, between, drawn, drawn)
-                picture = texture_of(between)
-            if sum(width * height for _, _, width, height in rectangles) < surface.size[0] * surface.size[1]:
-                surface.framebuffer.clear(alpha=1.0)
-            draws += self._filters[-1].draw(picture, surface.framebuffer, drawn, rectangles)
-        elif self._multisampled is not None and self._shown is not None:
-            surface.ctx.copy_framebuffer(self._shown, self._multisampled)
+            if self._filters:
+                target = self._filtered or surface.framebuffer
+                draws += self._filter(self._buffer.texture, target, rectangles, parts if self._filtered else None)
+        finished = self._filtered or (self._buffer.finished if self._buffer else self._multisampled)
+        if self._shown is not None and finished is not None:
+            surface.ctx.copy_framebuffer(self._shown, finished)
         surface.framebuffer.use()
+        return draws
+
+    def _filter(
+        self,
+        picture: moderngl.Texture,
+        target: moderngl.Framebuffer,
+        rectangles: Sequence[Rect],
+        parts: Sequence[Rect] | None,
+    ) -> int:
+        """Fill a target with what the filters make of a picture; in parts, where it holds what they made before."""
+        drawn = [self.rectangle(each) for each in rectangles]
+        if parts is None and sum(width * height for _, _, width, height in rectangles) < math.prod(self._surface.size):
+            target.clear(alpha=1.0)
+        draws, places = 0, [*([drawn] * len(self._between)), rectangles]
+        for step, into, where in zip(self._filters, [*self._between, target], places, strict=True):
+            if parts is None or isinstance(step, BloomPass):
+                draws += step.draw(picture, into, drawn, where)
+            else:
+                parts = step.draw_parts(picture, into, drawn[0], where[0], parts)
+                draws += len(parts)
+            picture = texture_of(into)
         return draws
 
     def release(self) -> None:
@@ -137,14 +156,16 @@ class PictureTarget:
                 texture = ctx.texture(size, 4)
                 texture.repeat_x = texture.repeat_y = False
                 self._between.append(ctx.framebuffer([texture]))
+            if self.keep and self._filters and not self.settings.bloom:
+                self._filtered = ctx.framebuffer([ctx.texture(self._surface.size, 4)])
         elif samples:
             colour = ctx.renderbuffer(size, 4, samples=samples)
             self._multisampled = ctx.framebuffer([colour], ctx.depth_renderbuffer(size, samples=samples))
-        if not self._filters and (samples or self.filtered):
+        if self._filtered or (not self._filters and (samples or self.filtered)):
             self._shown = ctx.framebuffer([self._surface.framebuffer.color_attachments[0]])
 
     def _free(self) -> None:
-        for own in (*self._between, self._multisampled):
+        for own in (*self._between, self._multisampled, self._filtered):
             if own is not None:
                 release_framebuffer(own)
         if self._buffer is not None:
@@ -152,4 +173,4 @@ class PictureTarget:
         if self._shown is not None:
             self._shown.release()
         self._between, self._multisampled, self._shown = [], None, None
-        self._buffer, self._made_for = None, None
+        self._buffer, self._filtered, self._made_for = None, None, None

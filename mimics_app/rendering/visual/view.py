@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,7 +73,7 @@ class View:
         left, right, bottom, top = self.tangents
         return self.window / ((right - left) * (top - bottom))
 
-    @property
+    @cached_property
     def clip_from_eye(self) -> F8:
         """Projection from the frame "eye": world axes, origin at the eye (float64 [4, 4]).
 
@@ -89,7 +90,7 @@ class View:
         offset = self.clip_plane[:3] @ self.eye_world + self.clip_plane[3]
         return tilt_near_plane(clip_from_eye, np.array([*self.clip_plane[:3], offset]))
 
-    @property
+    @cached_property
     def clip_from_world(self) -> F8:
         """Projection from the world (float64 [4, 4]), for culling and for tests."""
         eye_from_world = np.eye(4)

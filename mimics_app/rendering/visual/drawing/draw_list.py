@@ -208,8 +208,11 @@ class DrawList:
         shown = self._levels.show_for_texels(self._shown, self.radii, texel)
         drawn = np.zeros(len(self.items.rows), np.bool_)
         drawn[casters.items] = True
-        families = np.unique(self.items.families[casters.items])
-        drawn |= np.isin(self.items.families, families[families >= 0])
+        families = self.items.families
+        casting = np.zeros(int(families.max(initial=-1)) + 2, np.bool_)
+        casting[families[casters.items]] = True
+        casting[-1] = False  # -1 are bodies of one form alone
+        drawn |= casting[families]
         items = np.flatnonzero(drawn & (shown > 0) & (self.items.casting > 0)).astype(np.int32)
         return Casters(items, casters.centres, casters.radii)
 

@@ -16,8 +16,9 @@ F8 = NDArray[np.float64]
 _TIP = math.sqrt(3.0)
 """Distance of the corners of the octahedron that holds the unit ball."""
 
-_LOW_X, _HIGH_X, _LOW_Y, _HIGH_Y, _NEAR, _FAR, _LEFT, _RIGHT, _BOTTOM, _TOP = range(10)
-"""Least and greatest of a set: its places across and up and how far it is away [m], and its places on the screen, in
+_FIGURES = 10
+_LOW_X, _HIGH_X, _LOW_Y, _HIGH_Y, _NEAR, _FAR, _LEFT, _RIGHT, _BOTTOM, _TOP = range(_FIGURES)
+"""Of a set, least and greatest: its places across and up and how far it is away [m], and its places on the screen, in
 tangents."""
 
 
@@ -73,7 +74,7 @@ def bound_balls(points: F8, radii: F8, world_from_eye: F8, tangents: F8, near: f
         How many were written.
     """
     left, right, bottom, top = tangents
-    pose, reached, count = world_from_eye, np.zeros(10), 0
+    pose, reached, count = world_from_eye, np.zeros(_FIGURES), 0
     for i in range(points.shape[0]):
         reached[::2], reached[1::2] = np.inf, -np.inf
         for j in range(points.shape[1]):

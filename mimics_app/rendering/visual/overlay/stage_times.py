@@ -52,6 +52,8 @@ class StageTimes:
     Attributes:
         frames: Oldest first, at most 240; the last one is being drawn.
         begun: Whether a frame is under way that the renderer has not drawn yet.
+        waits: False neither waits for the driver nor asks it: stages have the time that the frame spent in them, which
+            changes no frame's length, whosever drawing it was.
     """
 
     def __init__(self, ctx: moderngl.Context, clock: Clock, *, software: bool) -> None:
@@ -62,6 +64,7 @@ class StageTimes:
         self._asked: list[tuple[FrameTimes, list[str]]] = [(FrameTimes(), []) for _ in range(_BEHIND)]
         self._number = 0
         self.begun = False
+        self.waits = True
         self.frames: deque[FrameTimes] = deque(maxlen=_FRAMES)
 
     def begin(self) -> None:
@@ -80,10 +83,11 @@ class StageTimes:
         """Time a stage; stages do not lie in each other."""
         slot = self._number % _BEHIND
         frame, stages = self._asked[slot]
-        if self._software:
+        if self._software or not self.waits:
             started = self._clock.now_ns()
             yield
-            self._ctx.finish()
+            if self.waits:
+                self._ctx.finish()
             frame.cpu_ms[name] = (self._clock.now_ns() - started) * 1e-6
             return
         if name not in self._queries[slot]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -75,10 +76,21 @@ class ScreenPass:
 
 
 class PictureFilter:
-    """Shows each view's part of a picture in its place, through one shader with some fixed uniforms."""
+    """Shows each view's part of a picture in its place, through one shader with some fixed uniforms.
 
-    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, fragment: str, **numbers: float) -> None:
+    Args:
+        ctx: Whose state is set.
+        shaders: Has the shader.
+        fragment: Its path, of one that includes post/region.glsl.
+        reach: How far from its own place a pixel looks into the picture at most [texels].
+        numbers: Uniforms.
+    """
+
+    def __init__(
+        self, ctx: moderngl.Context, shaders: ShaderLibrary, fragment: str, reach: int, **numbers: float
+    ) -> None:
         self._pass = ScreenPass(ctx, shaders, fragment)
+        self._reach = reach
         self._numbers = numbers
 
     def draw(
@@ -99,6 +111,45 @@ class PictureFilter:
         each = zip(regions, places, strict=True)
         return sum(self._pass.draw(source, region, place, blend=False, **self._numbers) for region, place in each)
 
+    def draw_parts(
+        self,
+        source: moderngl.Texture,
+        target: moderngl.Framebuffer,
+        region: Rect,
+        place: Rect,
+        parts: Sequence[Rect],
+    ) -> list[Rect]:
+        """Fill of a target that holds another picture's view what is not the same of this one.
+
+        Args:
+            source: The picture.
+            target: Where to.
+            region: The view's part of it [texels].
+            place: Where that goes [px].
+            parts: Outside of which the picture is that other one [texels].
+
+        Returns:
+            Where the target was written, one rectangle for each part [px].
+        """
+        written = [_reached(part, region, place, self._reach) for part in parts]
+        for each in written:
+            target.scissor = each
+            self.draw(source, target, [region], [place])
+        target.scissor = None  # type: ignore[assignment]  # None takes it away
+        return written
+
     def release(self) -> None:
         """Free the vertex array."""
         self._pass.release()
+
+
+def _reached(part: Rect, region: Rect, place: Rect, reach: int) -> Rect:
+    """Where in its place a filter shows a part of a region, or what lies so near it [texels]."""
+    spans = []
+    for axis in (0, 1):
+        scale = place[axis + 2] / region[axis + 2]
+        low = math.floor((part[axis] - region[axis] - reach) * scale)
+        high = math.ceil((part[axis] - region[axis] + part[axis + 2] + reach) * scale)
+        low, high = max(low, 0), min(high, place[axis + 2])
+        spans.append((place[axis] + low, high - low))
+    return spans[0][0], spans[1][0], spans[0][1], spans[1][1]

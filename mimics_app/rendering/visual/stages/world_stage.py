@@ -127,6 +127,7 @@ class WorldStage:
         self._shaders = shaders
         self._blocks = (ViewBlock(ctx, settings), ViewBlock(ctx, settings))
         self._second = ViewBlock(ctx, settings)
+        self._filled: tuple[FrameScene, list[View], bool] | None = None
         self._volumes = VolumePass(ctx, shaders)
         self._ambient = AmbientPass(ctx, shaders, arena, frame)
         self._cords = CordPass(ctx, shaders)
@@ -281,8 +282,11 @@ class WorldStage:
         self._blocks[0].bind()
 
     def _fill(self, scene: FrameScene, eyes: Sequence[ViewDraws], *, sun: bool) -> None:
-        """Blocks of numbers for each eye; the first one has the places of all."""
+        """Blocks of numbers for each eye; the first one has the places of all. Parts of a view share them."""
         views = [each.view for each in eyes]
+        if self._filled == (scene, views, sun):
+            return
+        self._filled = scene, views, sun
         turns = passes_of(eyes[0].passes)
         for block, drawn, eye in (
             (self._blocks[0], views, turns[0].eye),
