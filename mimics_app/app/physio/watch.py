@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.clock import SECOND_NS, Clock
+from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.dsp.channel import Event
@@ -20,6 +20,7 @@ from mimics_app.dsp.stage import PhysioDsp
 
 __all__ = ["Watch", "blocks_of_file", "follow"]
 
+_SECOND = 1_000_000_000
 _SHOWN_S = 12.0
 _POLL_NS = 20_000_000
 _BAD = 0.5
@@ -44,15 +45,15 @@ class Watch:
         for block in blocks:
             if self.start_ns < 0:
                 self.start_ns = block.t_ns
-            self._offset.setdefault(block.name, (block.t_ns - self.start_ns) / SECOND_NS)
+            self._offset.setdefault(block.name, (block.t_ns - self.start_ns) / _SECOND)
             kept = self.recent.setdefault(block.name, deque())
             kept.append(block)
-            while kept[-1].t_ns - kept[0].t_ns > _SHOWN_S * SECOND_NS:
+            while kept[-1].t_ns - kept[0].t_ns > _SHOWN_S * _SECOND:
                 kept.popleft()
         frame = self._dsp.process(blocks, now_ns)
-        if frame.t_ns // SECOND_NS != self._second and self.start_ns >= 0:
-            self._second = frame.t_ns // SECOND_NS
-            row = {"t_s": (frame.t_ns - self.start_ns) / SECOND_NS, **frame.values}
+        if frame.t_ns // _SECOND != self._second and self.start_ns >= 0:
+            self._second = frame.t_ns // _SECOND
+            row = {"t_s": (frame.t_ns - self.start_ns) / _SECOND, **frame.values}
             row |= {f"quality_{name}": value for name, value in frame.quality.items()}
             self.features.append(row)
             for name, value in frame.quality.items():
@@ -64,7 +65,7 @@ class Watch:
     def recent_samples(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Times [s] and values of the newest seconds of a signal."""
         blocks = self.recent[name]
-        times = [(b.t_ns - self.start_ns) / SECOND_NS + np.arange(len(b.values)) / b.rate for b in blocks]
+        times = [(b.t_ns - self.start_ns) / _SECOND + np.arange(len(b.values)) / b.rate for b in blocks]
         return np.concatenate(times), np.concatenate([b.values for b in blocks])
 
     def times_of(self, name: str, kind: str) -> list[float]:
@@ -119,13 +120,13 @@ class Watch:
 
 def blocks_of_file(source: SignalSource, seconds: float) -> Iterator[tuple[tuple[SignalBlock, ...], int]]:
     """Blocks of a source that knows no time of its own, a second at once, as fast as they can be taken."""
-    for now_ns in range(0, round((seconds + 1.0) * SECOND_NS) + 1, SECOND_NS):
+    for now_ns in range(0, round((seconds + 1.0) * _SECOND) + 1, _SECOND):
         yield source.read(now_ns), now_ns
 
 
 def follow(source: SignalSource, clock: Clock, seconds: float) -> Iterator[tuple[tuple[SignalBlock, ...], int]]:
     """Blocks of a live source as they come."""
     begin = clock.now_ns()
-    while (now_ns := clock.now_ns()) - begin < seconds * SECOND_NS:
+    while (now_ns := clock.now_ns()) - begin < seconds * _SECOND:
         yield source.read(now_ns), now_ns
         clock.sleep_until_ns(now_ns + _POLL_NS)
