@@ -22,7 +22,7 @@ from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
-from mimics_app.rendering.haptic.replay import replay_ticks
+from mimics_app.rendering.haptic.replay import replay_run
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.scene_tunnel import PROJECTIONS
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
@@ -133,7 +133,7 @@ def _inputs() -> NDArray[Any]:
 def _forces(projection: Projection | None) -> F8:
     """Virtual force on the user in that travel [N], shape [ticks, 3]."""
     block, rows = _block(projection)
-    return replay_ticks(_inputs(), {1: block}, {1: rows})["f_virt_world"].copy()
+    return replay_run(_inputs(), {1: block}, {1: rows}).samples["f_virt_world"].copy()
 
 
 def _false_force(projection: Projection | None) -> float:

@@ -10,7 +10,7 @@ import pytest
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.resources import root
 from mimics_app.contracts.trial_state import TrialState
-from mimics_app.rendering.haptic.replay import replay_ticks
+from mimics_app.rendering.haptic.replay import replay_run
 from tests.support.object_scenes import thing, written
 from tests.support.scene_play import ScenePlay
 
@@ -109,7 +109,7 @@ def test_wires_carry_the_kite_after_the_hand():
 def test_recorded_ticks_of_paths_fields_and_meshes_simulate_again_bit_for_bit():
     for name in ("guided_path", "force_field", "models"):
         play = ScenePlay(EXAMPLES / f"{name}.json").run(0.5)
-        again = replay_ticks(play.samples, play.blocks, play.rows, play.statics)
+        again = replay_run(play.samples, play.blocks, play.rows, play.statics).samples
         for column in ("hip_world", "f_user_world", "f_effects", "f_shapes", "bodies"):
             assert (again[column] == play.samples[column]).all(), f"{name}: {column}"
 

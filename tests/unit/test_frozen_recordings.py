@@ -25,7 +25,7 @@ from mimics_app.recording.report import page_of, write_report
 from mimics_app.recording.run import Run
 from mimics_app.recording.verdict import judge
 from mimics_app.rendering.haptic.object_statics import ObjectStatics
-from mimics_app.rendering.haptic.replay import replay_ticks
+from mimics_app.rendering.haptic.replay import replay_run
 from mimics_app.tasks.kinds.registry import report_sections
 
 FROZEN = sorted((Path(__file__).parents[1] / "data").glob("run_*"))
@@ -90,7 +90,7 @@ def test_a_recording_with_the_tunnel_in_its_blocks_is_simulated_again_bit_for_bi
     assert {len(rows.tunnels) for rows in data.rows.values()} == {1}
     assert {block.dtype for block in data.blocks.values()} == {SCENE}
     statics = None if data.statics is None else ObjectStatics.from_arrays(data.statics.arrays, data.statics.fields)
-    replayed = replay_ticks(data.samples, data.blocks, data.rows, statics)
+    replayed = replay_run(data.samples, data.blocks, data.rows, statics).samples
     assert compare(data.samples, replayed) is None
 
 

@@ -20,7 +20,7 @@ from mimics_app.contracts.clock import FRAMES_PER_SECOND, MonotonicClock
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.haptic.object_statics import ObjectStatics
-from mimics_app.rendering.haptic.replay import replay_ticks
+from mimics_app.rendering.haptic.replay import replay_run
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, read_pixels
 from mimics_app.world.scene.scene import Scene
 
@@ -134,7 +134,7 @@ class WholePlay:
             for number, block in ours.blocks.items()
         }
         rows = {number: self._rows_under(tables, theirs, first, changed) for number, tables in ours.rows.items()}
-        again = replay_ticks(self._samples, blocks, rows, self._statics)
+        again = replay_run(self._samples, blocks, rows, self._statics).samples
         apart = np.linalg.norm(again["f_user_world"] - self._samples["f_user_world"], axis=1)
         return float(np.sqrt(np.mean(apart**2)))
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+
+from mimics_app.contracts.arrays import F8
 
 __all__ = ["F8", "Ball", "Blend", "Curve", "Field", "Loft", "Mirrored", "Vector", "gradient", "step"]
 
-F8 = NDArray[np.float64]
 Vector = Sequence[float] | F8
 """Three numbers."""
 

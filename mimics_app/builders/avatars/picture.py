@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from mimics_app.builders.avatars.fields import F8
 from mimics_app.builders.avatars.sheet import I8
+from mimics_app.contracts.arrays import U1
 
 __all__ = ["U1", "encode", "place_map", "slopes"]
 
-U1 = NDArray[np.uint8]
 
 _QUALITY = 88
 

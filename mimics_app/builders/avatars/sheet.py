@@ -6,16 +6,15 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.builders.avatars.fields import F8, Field, gradient
+from mimics_app.contracts.arrays import I8
 
 if TYPE_CHECKING:
     from scipy import sparse
 
 __all__ = ["I8", "Sheet", "corner_normals", "near_means", "neighbour_means", "settle", "triangles_of"]
 
-I8 = NDArray[np.int64]
 
 _SHORTEST = 1e-3
 """Edges that are shorter count as if they were so long [m]."""

@@ -234,10 +234,11 @@ class HapticEngine:
     def replay_ticks(
         self, inputs: Records, scenes: Mapping[int, Records], rows: Mapping[int, Rows] | None = None
     ) -> Records:
-        """See `replay_ticks`; with this engine's rate."""
-        from mimics_app.rendering.haptic.replay import replay_ticks  # a loop of its own, compiled where it is used
+        """Samples of `replay_run`, with this engine's rate."""
+        from mimics_app.rendering.haptic.replay import replay_run  # a loop of its own, compiled where it is used
 
-        return replay_ticks(inputs, scenes, rows, kinematics=self._descriptor.kinematics, period_ns=self._period_ns)
+        kinematics = self._descriptor.kinematics
+        return replay_run(inputs, scenes, rows, kinematics=kinematics, period_ns=self._period_ns).samples
 
     def _demote(self, *_: object) -> None:
         """A loop that ran away under SCHED_FIFO (SIGXCPU) goes on as an ordinary thread; its late ticks stop it."""

@@ -25,7 +25,7 @@ from mimics_app.rendering.haptic.replay_loop import replay_recorded
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.object_statics import ObjectStatics
 
-__all__ = ["Replayed", "replay_run", "replay_ticks"]
+__all__ = ["Replayed", "replay_run"]
 
 
 _TICKS_AT_ONCE = 500
@@ -46,19 +46,6 @@ class Replayed:
     samples: Records
     events: Records
     snapshots: dict[int, HapticSnapshot] = field(default_factory=dict)
-
-
-def replay_ticks(
-    inputs: Records,
-    scenes: Mapping[int, Records],
-    rows: Mapping[int, Rows] | None = None,
-    statics: ObjectStatics | None = None,
-    *,
-    kinematics: Kinematics = HAPTICMASTER.kinematics,
-    period_ns: int = 1_000_000,
-) -> Records:
-    """The samples of `replay_run`."""
-    return replay_run(inputs, scenes, rows, statics, kinematics=kinematics, period_ns=period_ns).samples
 
 
 def replay_run(

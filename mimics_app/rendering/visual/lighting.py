@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.environment import Backdrop, Fog
 from mimics_app.world.light import Light
 from mimics_app.world.world import World
@@ -23,7 +24,6 @@ __all__ = [
     "sun_axes",
 ]
 
-F8 = NDArray[np.float64]
 
 MAX_LIGHTS = 8
 """Point and spot lights one frame can hold; of more, the strongest stay."""

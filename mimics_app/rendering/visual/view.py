@@ -6,14 +6,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import UsageError
 from mimics_app.rendering.visual.view_matrices import Tangents, compose_clip_from_view
 
 __all__ = ["Rect", "View", "compute_frustum_planes", "tilt_near_plane"]
 
-F8 = NDArray[np.float64]
 Rect = tuple[int, int, int, int]
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.lighting import MAX_LIGHTS, Lighting
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.shadows.cascades import MAX_CASCADES
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["VIEW_BLOCK", "ViewBlock"]
 
-F8 = NDArray[np.float64]
 
 VIEW_BLOCK = np.dtype(
     [

@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from mimics_app.contracts.arrays import F8
 
 __all__ = ["Tangents", "compose_clip_from_view", "compose_look_at"]
 
-F8 = NDArray[np.float64]
 Tangents = tuple[float, float, float, float]
 
 _ENDLESS = 2.0**54

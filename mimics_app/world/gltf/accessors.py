@@ -74,7 +74,7 @@ class GltfAccessors:
             self._source.fail(f"/accessors/{place}/normalized", "integers that are shares must be normalised")
         return self.floats(index, pointer, *shapes)
 
-    def stored(self, index: object, pointer: str) -> Array:
+    def stored(self, index: object, pointer: str) -> Records:
         """An accessor of any type as the file stores it, sparse values put in, [n, components]."""
         return self._read(self._require(index, pointer, tuple(_SIZES)), pointer)
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from mimics_app.contracts.arrays import F8
 
 __all__ = ["NEWTON_STEPS", "distort", "undistort"]
 
-F8 = NDArray[np.float64]
 
 NEWTON_STEPS = 8
 """Of the inverse: five reach 2e-10 where the edge is moved by a third, six the last digit of a double."""

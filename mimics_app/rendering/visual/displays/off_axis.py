@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.view_matrices import Tangents
 
 __all__ = ["EDGE_ON_RAD", "NEAREST_EYE", "Rectangle", "Sight", "look_through"]
 
-F8 = NDArray[np.float64]
 
 NEAREST_EYE = 0.01
 """An eye is drawn as if no nearer to a wall's plane than this [m]: in the plane there is no picture."""

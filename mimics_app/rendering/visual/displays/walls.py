@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.display_port import Composing, Eye, Rect, Size, Viewpoint, WindowPlace
 from mimics_app.rendering.visual.displays.off_axis import look_through
 from mimics_app.rendering.visual.displays.plain_display import PlainDisplay, eye_offset
@@ -12,7 +12,6 @@ from mimics_app.rendering.visual.displays.wall_file import WallSpec, WallsSpec, 
 
 __all__ = ["WallDisplay"]
 
-F8 = NDArray[np.float64]
 _SIDES: dict[bool, tuple[tuple[str, float], ...]] = {False: (("", 0.0),), True: (("_left", -0.5), ("_right", 0.5))}
 
 

@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.kernels.tree import build_tree, count_below, cull_tree, refit_tree
@@ -14,9 +15,6 @@ from mimics_app.rendering.visual.settings import Culling
 
 __all__ = ["TREE_FROM", "Culler", "FlatCuller", "TreeCuller", "make_culler"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
-U1 = NDArray[np.uint8]
 
 TREE_FROM = 20_000
 """Items from which the tree is quicker than going through all, where most of them are outside (chart "culling")."""

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, F8, I4
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.materials.look import Look
 from mimics_app.rendering.visual.materials.materials import MaterialStore
@@ -17,9 +18,6 @@ from mimics_app.world.world import World
 
 __all__ = ["DrawItems", "DrawState", "list_items"]
 
-F4 = NDArray[np.float32]
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 Flags = NDArray[np.bool_]
 T = TypeVar("T")
 A = TypeVar("A", bound=NDArray[Any])

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.drawing.culling import make_culler
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems, list_items
 from mimics_app.rendering.visual.drawing.draw_order import DrawOrder
@@ -24,8 +25,6 @@ from mimics_app.world.world import World
 
 __all__ = ["DRAWN", "HIDDEN", "Casters", "DrawList", "Tally"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 Size = tuple[int, int]
 
 

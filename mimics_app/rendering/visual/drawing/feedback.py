@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.drawing.skinning import BendSource, bend_mesh, make_source
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = ["FeedbackSkinning"]
 
-F4 = NDArray[np.float32]
 
 _VARYINGS = ("bent_position", "bent_normal", "bent_uv")
 _VERTEX_BYTES = 32

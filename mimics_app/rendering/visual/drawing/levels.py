@@ -6,8 +6,8 @@ import math
 from collections.abc import Hashable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.kernels.levels import choose_levels, show_levels
 from mimics_app.rendering.visual.view import View
@@ -22,10 +22,6 @@ the same share of a small one has fewer pixels to be wrong by."""
 
 _FILTER = 2.0
 """Width of the filter of shadows (shaders/common/shadow.glsl): of its 3 x 3 weights half lie within [texel]."""
-
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
-U1 = NDArray[np.uint8]
 
 
 def fewer_pixels(view: View, size: tuple[int, int]) -> float:

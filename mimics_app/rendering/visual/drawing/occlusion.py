@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.kernels.occluders import draw_occluders, pick_occluders
@@ -18,8 +18,6 @@ from mimics_app.world.world import World
 
 __all__ = ["LEAST_ITEMS", "Occluders", "OcclusionPass", "gather_occluders"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 LEAST_ITEMS = 64
 """Sub-entities from which a world is worth the trouble."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.kernels.skin import morph_vertices, skin_dual, skin_linear
 from mimics_app.world.meshes.mesh import MeshData
@@ -15,7 +15,6 @@ from mimics_app.world.world import World
 
 __all__ = ["BendSource", "ProcessorSkinning", "bend_mesh", "make_source"]
 
-F4 = NDArray[np.float32]
 
 _FLOATS = 8
 """Of a vertex: position, normal, texture coordinates."""

@@ -12,16 +12,14 @@ from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.drawing.t_junctions import seal, unmatched_edges
 from mimics_app.rendering.visual.kernels.solid import find_best_box, grow_box, label_cells, mark_cells, winding_number
 from mimics_app.world.meshes.mesh import MeshData
 
 __all__ = ["MAX_TRIANGLES", "Solid", "find_solid"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 MAX_TRIANGLES = 20_000
 """Meshes of more triangles are not searched for a box."""

@@ -13,13 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.kernels.solid import points_on_edges
 from mimics_app.world.meshes.mesh import MeshData
 
 __all__ = ["Sealed", "seal", "unmatched_edges"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 _WELD = 2e-6
 """Corners within this share of the mesh's size are one; float32 rounds to 6e-8 of it."""

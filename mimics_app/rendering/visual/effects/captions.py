@@ -7,12 +7,12 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.figures.glyphs import Glyph, GlyphAtlas, load_glyph_atlas
 from mimics_app.world.materials.material import TextureData
 
 __all__ = ["caption_key", "caption_picture", "draw_letters"]
 
-F8 = NDArray[np.float64]
 
 _HEIGHT = 96
 """Of the picture [px]: a caption fills an eighth of the screen at most."""

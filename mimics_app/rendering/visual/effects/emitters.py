@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.kernels.particles import BIRTH, EMITTER, SPRITE, fill_particles
 from mimics_app.world.components.effects import Particles
 from mimics_app.world.effects import Burst
@@ -15,7 +16,6 @@ from mimics_app.world.store import grown
 
 __all__ = ["Emitter", "SpriteRows"]
 
-F8 = NDArray[np.float64]
 
 _NUMBERS_OF_BURST = 1 << 20
 """Numbers kept for each burst, more than it can have particles, so that no two share their randomness."""

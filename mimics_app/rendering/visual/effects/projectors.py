@@ -9,6 +9,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
 from mimics_app.rendering.visual.view import compute_frustum_planes
@@ -20,7 +21,6 @@ from mimics_app.world.world import World
 
 __all__ = ["Beam", "BeamRuns", "ProjectorField", "clip_from_projector"]
 
-F8 = NDArray[np.float64]
 
 _TO_TEXTURE = np.array([[0.5, 0.0, 0.0, 0.5], [0.0, 0.5, 0.0, 0.5], [0.0, 0.0, 0.5, 0.5], [0.0, 0.0, 0.0, 1.0]])
 

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
 from mimics_app.rendering.visual.effects.captions import caption_key, caption_picture
@@ -26,8 +27,6 @@ from mimics_app.world.world import World
 
 __all__ = ["SpriteField", "SpriteRun", "SpriteState"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
 
 _FACINGS = ("free", "upright")
 """In the order of their numbers in kernels/sprites.py."""

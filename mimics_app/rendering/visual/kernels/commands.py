@@ -2,19 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F4, F8, I4, I8, U1, U4
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["write_commands", "write_instances"]
-
-I4 = NDArray[np.int32]
-I8 = NDArray[np.int64]
-U4 = NDArray[np.uint32]
-F4 = NDArray[np.float32]
-F8 = NDArray[np.float64]
-U1 = NDArray[np.uint8]
 
 
 @kernel

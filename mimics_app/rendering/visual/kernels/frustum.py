@@ -4,16 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["box_outside", "cull_flat", "distance_key", "is_seen"]
-
-I4 = NDArray[np.int32]
-F8 = NDArray[np.float64]
-U1 = NDArray[np.uint8]
 
 
 @kernel

@@ -4,16 +4,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["HYSTERESIS", "choose_levels", "show_levels"]
 
-I4 = NDArray[np.int32]
-F8 = NDArray[np.float64]
-U1 = NDArray[np.uint8]
 
 HYSTERESIS = 0.1
 """Share of a threshold by which a coverage has to be beyond it before the level changes."""

@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.projection import project_box
 
 __all__ = ["draw_occluders", "pick_occluders"]
 
-I4 = NDArray[np.int32]
-F8 = NDArray[np.float64]
 
 _POINTS = 24
 """A box cut by the near plane has at most 8 corners and 12 cut edges, of which some are gone."""

@@ -16,15 +16,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.projection import project_box
 
 __all__ = ["MARGIN_PX", "remove_hidden"]
 
-I4 = NDArray[np.int32]
-F8 = NDArray[np.float64]
 
 MARGIN_PX = 0.0625
 """How far a corner drawn may be from where it should be [px]; drivers stay below a sixteenth of that."""

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, F8, I4, U1, U8
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.frustum import distance_key
 
 __all__ = ["FINE_COUNT", "make_keys", "sort_by_key"]
 
-I4 = NDArray[np.int32]
-U4 = NDArray[np.uint32]
-U8 = NDArray[np.uint64]
-F4 = NDArray[np.float32]
-F8 = NDArray[np.float64]
-U1 = NDArray[np.uint8]
 
 FINE_COUNT = 4096
 """Items up to which each is placed by its own distance; of more, a quarter of an octave shares a place, so that equal

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, F8, Records
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["BIRTH", "EMITTER", "MOST_COLOURS", "SPRITE", "ease", "fall", "fill_particles", "hash_unit"]
 
-F8 = NDArray[np.float64]
-F4 = NDArray[np.float32]
-Records = NDArray[Any]
 
 MOST_COLOURS = 8
 MOST_TINTS = 16

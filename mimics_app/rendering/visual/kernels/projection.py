@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["project_box"]
 
-F8 = NDArray[np.float64]
 
 _CORNERS, _UP = 8, 4
 """Of a box, numbered by bits: which side along each of its axes; and the bit of the third."""

@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, U2
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["morph_vertices", "skin_dual", "skin_linear"]
 
-F4 = NDArray[np.float32]
-U2 = NDArray[np.uint16]
 
 _COLUMNS = 4
 """Of an affine matrix of three rows."""

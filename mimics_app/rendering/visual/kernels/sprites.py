@@ -3,21 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4, F8, I4, U1, Records
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["SPRITE_VERTEX", "see_sprites", "write_sprites"]
 
-F4 = NDArray[np.float32]
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
-U1 = NDArray[np.uint8]
-U8 = NDArray[np.uint64]
-Records = NDArray[Any]
 
 SPRITE_VERTEX = np.dtype(
     [

@@ -9,16 +9,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.visual.kernels.frustum import is_seen
 
 __all__ = ["FAN_OUT", "build_tree", "count_below", "cull_tree", "refit_tree"]
 
-I4 = NDArray[np.int32]
-F8 = NDArray[np.float64]
-U1 = NDArray[np.uint8]
 
 FAN_OUT = 8
 """Siblings that stand in one group before they are split up."""

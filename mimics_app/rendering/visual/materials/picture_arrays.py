@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.materials.material import TextureData
 
 if TYPE_CHECKING:
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
 
 __all__ = ["PictureArray", "PictureArrays", "encode_srgb", "halved", "set_sampling", "shrunk", "unfolded"]
 
-F8 = NDArray[np.float64]
 _Kind = tuple[tuple[int, ...], tuple[str, str], str, bool]
 
 

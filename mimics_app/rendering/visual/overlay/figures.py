@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.draw_list import DRAWN, HIDDEN, DrawList
 from mimics_app.rendering.visual.figures.hud import Colour
@@ -17,7 +18,6 @@ from mimics_app.world.world import World
 
 __all__ = ["add_bounds", "add_lights", "add_node_bounds"]
 
-F8 = NDArray[np.float64]
 
 _DRAWN: Colour = (0.20, 0.92, 0.72, 0.75)
 _HIDDEN: Colour = (1.0, 0.46, 0.20, 0.85)

@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.figures.hud import Colour
 
 __all__ = ["LAYERS", "Arrow", "Layer"]
 
-F8 = NDArray[np.float64]
 
 Layer = Literal["graph", "wires", "bounds", "lights", "forces", "atlas"]
 LAYERS: tuple[Layer, ...] = ("graph", "wires", "bounds", "lights", "forces", "atlas")

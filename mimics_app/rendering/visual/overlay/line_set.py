@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.figures.hud import Colour
 
 __all__ = ["LINE_ROW", "LineSet", "box_lines", "circle_lines"]
 
-F8 = NDArray[np.float64]
 
 LINE_ROW = np.dtype([("begin", "f4", (3,)), ("end", "f4", (3,)), ("tint", "f4", (4,)), ("widths", "f4", (2,))])
 """One line as shaders/overlay/lines.vert reads it."""

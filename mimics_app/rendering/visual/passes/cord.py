@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.passes.eye_passes import EyePass
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = ["CORD_BLOCK", "CordPass", "fill_cord_block"]
 
-F8 = NDArray[np.float64]
 
 CORD_BLOCK = np.dtype(
     [

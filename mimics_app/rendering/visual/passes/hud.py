@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, HUD_ROW, Hud
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.view import View
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["HudPass", "HudPlane", "clip_from_hud", "plane_of_views"]
 
-F8 = NDArray[np.float64]
 
 _GLYPH_BINDING, _IMAGE_BINDING = 2, 3
 _NEAREST_FOR_TWO = 1.28

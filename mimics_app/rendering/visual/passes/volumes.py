@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["VolumePass"]
 
-F8 = NDArray[np.float64]
 
 _BIAS = (0.05, 8.0)
 """Depth slopes per pixel and smallest depth steps by which volumes lie behind the surfaces that cast them: a cap that

@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.world.meshes.mesh import MeshData
 
 __all__ = ["Reflection", "plane_of_sheet", "reflect_view"]
 
-F8 = NDArray[np.float64]
 
 _FLAT = 1e-3
 """Largest share of its width that a sheet may be thick."""

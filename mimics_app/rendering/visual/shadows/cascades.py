@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.drawing.draw_list import Casters
 from mimics_app.rendering.visual.lighting import sun_axes
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap
@@ -15,7 +15,6 @@ from mimics_app.rendering.visual.view import View
 
 __all__ = ["MAX_CASCADES", "Cascades"]
 
-F8 = NDArray[np.float64]
 
 MAX_CASCADES = 4
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.drawing.draw_list import Casters
 from mimics_app.rendering.visual.lighting import ShadowFrustum
 from mimics_app.rendering.visual.view_matrices import compose_clip_from_view
@@ -24,7 +24,6 @@ __all__ = [
     "whole_map",
 ]
 
-F8 = NDArray[np.float64]
 
 MAX_SPOT_MAPS = 4
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.drawing.t_junctions import unmatched_edges
 from mimics_app.world.meshes.mesh import MeshData
 
 __all__ = ["VolumeSource", "extrude"]
 
-F8 = NDArray[np.float64]
 
 _WELD = 1e-6
 """Corners within this share of a mesh's size are one."""

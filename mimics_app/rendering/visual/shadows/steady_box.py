@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.lighting import SHADOW_STEP, ShadowFrustum, fit_shadow_frustum
 
 __all__ = ["SteadyBox"]
 
-F8 = NDArray[np.float64]
 
 _WIDEST = SHADOW_STEP**3
 """How many times as wide as it would have to be a box may be before it is made smaller."""

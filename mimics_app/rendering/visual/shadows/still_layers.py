@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import I4
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap
 
 __all__ = ["QUIET_FRAMES", "Split", "StillLayers"]
 
-I4 = NDArray[np.int32]
 
 QUIET_FRAMES = 120
 """Frames without motion after which a caster counts as still."""

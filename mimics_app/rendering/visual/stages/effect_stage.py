@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
@@ -26,8 +24,6 @@ if TYPE_CHECKING:
     import moderngl
 
 __all__ = ["EffectStage"]
-
-F8 = NDArray[np.float64]
 
 
 class EffectStage:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap
 from mimics_app.rendering.visual.stages.world_stage import FrameScene
@@ -17,7 +17,6 @@ from mimics_app.world.render_list import RenderList
 
 __all__ = ["SeenFrame", "look_at", "may_keep"]
 
-F8 = NDArray[np.float64]
 
 _LEAST_PIXELS = 10_000
 """Of a picture of fewer, looking for what changed costs more than drawing them."""
