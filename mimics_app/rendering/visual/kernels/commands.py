@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["write_commands", "write_instances"]
+__all__ = ["MOST_TRIANGLES", "write_commands", "write_instances"]
 
 I4 = NDArray[np.int32]
 I8 = NDArray[np.int64]
@@ -15,6 +15,9 @@ U4 = NDArray[np.uint32]
 F4 = NDArray[np.float32]
 F8 = NDArray[np.float64]
 U1 = NDArray[np.uint8]
+
+MOST_TRIANGLES = 20_000
+"""After which a command of many instances ends, and a piece of what is drawn (decision 173)."""
 
 
 @kernel
@@ -83,7 +86,7 @@ def write_commands(
             run += 1
             runs[run, 0], runs[run, 1], runs[run, 2], runs[run, 3] = state, command + 1, 0, 0
             mesh_before = -1
-        if mesh != mesh_before:
+        if mesh != mesh_before or commands[command, 1] * (ranges[mesh, 0] // 3) >= MOST_TRIANGLES:
             command += 1
             commands[command, 0], commands[command, 1] = ranges[mesh, 0], 0
             commands[command, 2], commands[command, 3] = ranges[mesh, 1], ranges[mesh, 2]
