@@ -11,10 +11,12 @@ import pytest
 from mimics_app.app.bench.render_workloads import open_workload
 from mimics_app.app.cli import main
 from mimics_app.maths.mat import look_at
+from mimics_app.rendering.visual.kernels.commands import MOST_TRIANGLES
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
+from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.environment import Sky
 from mimics_app.world.materials.material import Material, TextureData
@@ -58,6 +60,32 @@ def make_crowd(count=300, seed=2) -> World:
         node.create_entity(str(rng.choice(["box", "ball", "tinted"])), f"m{rng.integers(12)}")
     world.update()
     return world
+
+
+def test_a_large_frame_is_sent_in_pieces_which_nothing_shows(monkeypatch):
+    """Of one mesh and of many: no pixel says in how many pieces a frame was sent."""
+    world = World()
+    world.set_material(Material("grey"))
+    world.meshes["ball"], world.meshes["box"] = sphere(0.4, 12), box(0.5, 0.5, 0.5)
+    each = len(world.meshes["ball"].indices) // 3
+    count = 5 * MOST_TRIANGLES // (2 * each)
+    for k in range(count):
+        where = (k % 20 - 9.5, (k // 20 % 10) - 4.5, -float(k // 200))
+        world.root.create_child("", where).create_entity("box" if k % 9 == 0 else "ball", "grey")
+    world.update()
+    pieces: list[int] = []
+    send = RawGL.flush
+    monkeypatch.setattr(RawGL, "flush", lambda raw: (pieces.append(1), send(raw)))
+    views = [view_from((0, 0, 15), (0, 0, 0))]
+    with create_surface("egl", SIZE) as surface:
+        drawn = Renderer(surface, world, PLAIN).draw(views)
+        picture, sent = read_pixels(surface), len(pieces)
+        monkeypatch.setattr("mimics_app.rendering.visual.drawing.frame_buffers.MOST_TRIANGLES", 10 * drawn.triangles)
+        pieces.clear()
+        Renderer(surface, world, PLAIN).draw(views)
+        np.testing.assert_array_equal(read_pixels(surface), picture)
+    assert not pieces
+    assert drawn.triangles // MOST_TRIANGLES >= sent >= 1
 
 
 def test_looks_that_differ_in_picture_and_colour_share_draw_calls():

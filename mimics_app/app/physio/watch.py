@@ -21,6 +21,7 @@ from mimics_app.dsp.stage import PhysioDsp
 
 __all__ = ["Watch", "blocks_of_file", "follow"]
 
+_SHOWN_S = 12.0
 _POLL_NS = 20_000_000
 _BAD = 0.5
 """Quality below which a second counts as bad."""

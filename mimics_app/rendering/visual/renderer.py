@@ -238,8 +238,7 @@ class Renderer:
             scene = self._prepare(views)
             parts = self._changed_parts(scene, views if latch is None else ())
             target = self._picture.begin()
-            if not self._picture.holds:
-                parts = None
+            parts = parts if self._picture.holds else None
             drawn = self._batch_all(scene, views) if parts is None else self._batch_parts(scene, views[0], parts)
             self._bending.bend(self.world, self._list.drawn_meshes())
             self._frame.upload(self._arena)
@@ -276,9 +275,8 @@ class Renderer:
 
     def _changed_parts(self, scene: FrameScene, views: Sequence[View]) -> list[Rect] | None:
         """Rectangles in which the picture is another one than before [px]; None for all of it, or of no views."""
-        overlaid = self._overlay is not None and self._overlay.shows
         place = self._picture.rectangle(views[0].rectangle if views else (0, 0, 0, 0))
-        if overlaid or not (self._has.software and may_keep(scene, views, place)):
+        if (self._overlay and self._overlay.shows) or not (self._has.software and may_keep(scene, views, place)):
             self._still.forget()
             parts = None
         else:

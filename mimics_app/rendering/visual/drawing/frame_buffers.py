@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -9,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.drawing.mesh_arena import COMMAND_WORDS, MeshArena
-from mimics_app.rendering.visual.kernels.commands import write_commands, write_instances
+from mimics_app.rendering.visual.kernels.commands import MOST_TRIANGLES, write_commands, write_instances
 from mimics_app.rendering.visual.materials.look import Look
+from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
+from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
 from mimics_app.world.store import grown
 
 if TYPE_CHECKING:
@@ -69,11 +72,13 @@ class FrameBuffers:
         self._commands = np.zeros((256, COMMAND_WORDS), np.uint32)
         self._runs = np.zeros((256, 4), np.int64)
         self._buffer: moderngl.Buffer | None = None
+        self._raw = RawGL(ctx) if read_capabilities(ctx).software else None
+        self._waiting = 0
         self.instance_count = self.command_count = 0
 
     def begin(self) -> None:
         """Forget the last frame."""
-        self.instance_count = self.command_count = 0
+        self.instance_count = self.command_count = self._waiting = 0
 
     def add(
         self,
@@ -149,7 +154,29 @@ class FrameBuffers:
         assert self._buffer is not None, "runs are drawn after upload"
         self._ctx.front_face = "cw" if run.mirrored else "ccw"
         array = arena.vertex_array(shader, wide=run.wide, eyes=run.eyes)
-        array.render_indirect(self._buffer, moderngl.TRIANGLES, run.count, first=run.first)
+        for first, count in self._pieces(run):
+            array.render_indirect(self._buffer, moderngl.TRIANGLES, count, first=first)
+            if self._raw is not None and self._waiting >= MOST_TRIANGLES:
+                self._raw.flush()
+                self._waiting = 0
+
+    def _pieces(self, run: DrawRun) -> Iterator[tuple[int, int]]:
+        """First command and number of commands of what is drawn at once; counts the triangles that wait for the driver.
+
+        A software driver places corners in one thread and fills pixels in others, which begin when it is told to, or at
+        the frame's end: corners and pixels of a large frame are worked on at once where it is sent in pieces.
+        """
+        if self._raw is None or self._waiting + run.eyes * run.triangles < MOST_TRIANGLES:
+            self._waiting += run.eyes * run.triangles
+            yield run.first, run.count
+            return
+        commands = self._commands[run.first : run.first + run.count].astype(np.int64)
+        begun = 0
+        for number, triangles in enumerate((commands[:, 0] // 3 * commands[:, _INSTANCES]).tolist(), 1):
+            self._waiting += triangles
+            if self._waiting >= MOST_TRIANGLES or number == run.count:
+                yield run.first + begun, number - begun
+                begun = number
 
     def release(self) -> None:
         """Free the command buffer."""

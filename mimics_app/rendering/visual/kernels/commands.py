@@ -5,7 +5,10 @@ from __future__ import annotations
 from mimics_app.contracts.arrays import F4, F8, I4, I8, U1, U4
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["write_commands", "write_instances"]
+__all__ = ["MOST_TRIANGLES", "write_commands", "write_instances"]
+
+MOST_TRIANGLES = 20_000
+"""After which a command of many instances ends, and a piece of what is drawn (decision 173)."""
 
 
 @kernel
@@ -74,7 +77,7 @@ def write_commands(
             run += 1
             runs[run, 0], runs[run, 1], runs[run, 2], runs[run, 3] = state, command + 1, 0, 0
             mesh_before = -1
-        if mesh != mesh_before:
+        if mesh != mesh_before or commands[command, 1] * (ranges[mesh, 0] // 3) >= MOST_TRIANGLES:
             command += 1
             commands[command, 0], commands[command, 1] = ranges[mesh, 0], 0
             commands[command, 2], commands[command, 3] = ranges[mesh, 1], ranges[mesh, 2]

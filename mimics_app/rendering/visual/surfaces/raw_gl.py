@@ -1,4 +1,4 @@
-"""The few OpenGL functions that moderngl leaves out, called in its context: stencil, viewports, copies."""
+"""The few OpenGL functions that moderngl leaves out, called in its context: stencil, viewports, copies, flushes."""
 
 from __future__ import annotations
 
@@ -29,6 +29,7 @@ _TEXTURE_2D, _READ_FRAMEBUFFER, _DRAW_FRAMEBUFFER, _COLOUR_BUFFER_BIT, _NEAREST 
 
 _UINT, _INT, _BYTE, _FLOAT = ctypes.c_uint, ctypes.c_int, ctypes.c_ubyte, ctypes.c_float
 _ARGUMENTS: dict[str, tuple[Any, ...]] = {
+    "glFlush": (),
     "glStencilFunc": (_UINT, _INT, _UINT),
     "glStencilOpSeparate": (_UINT, _UINT, _UINT, _UINT),
     "glClearStencil": (_INT,),
@@ -77,6 +78,10 @@ class RawGL:
         place = (_FRAMEBUFFER, _DEPTH_STENCIL_ATTACHMENT, _RENDERBUFFER)
         self._calls["glFramebufferRenderbuffer"](*place, name.value)
         self._buffers[framebuffer.glo] = framebuffer, name.value
+
+    def flush(self) -> None:
+        """Have the driver begin with what it was given so far."""
+        self._calls["glFlush"]()
 
     def use_viewports(self, places: Sequence[tuple[int, int, int, int]]) -> None:
         """Have the rectangles [px] a vertex shader chooses among; the next change of the viewport ends it."""
