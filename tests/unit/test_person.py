@@ -31,7 +31,11 @@ def test_on_a_robot_of_its_own_time_the_mouse_only_stops(real_time: bool):
     session: Any = SimpleNamespace(
         scene=load_checked_scene(root() / "scenes" / "pick_and_place.json"),
         scenario=SimpleNamespace(via_points_world=()),
-        picture=SimpleNamespace(ray=lambda right, up: ((right, up, 2.0), (0.0, 0.0, -1.0)), surface=Window()),
+        picture=SimpleNamespace(
+            ray=lambda right, up: ((right, up, 2.0), (0.0, 0.0, -1.0)),
+            surface=Window(),
+            presenter=SimpleNamespace(display=SimpleNamespace(take_pressed=tuple)),
+        ),
         haptics=SimpleNamespace(plugin=SimpleNamespace(real_time=real_time)),
         inputs=SimpleNamespace(signals=()),
     )

@@ -55,6 +55,8 @@ class CompileLine:
         if self._done == 0:
             self._begun_ns = self._said_ns = now_ns
         self._done += 1
+        if self._stream.closed:  # by whoever reads a command's messages and had enough
+            return
         watched = self._stream.isatty()
         if now_ns - self._begun_ns < _SOON_NS or (not watched and now_ns - self._said_ns < _LINE_NS):
             return

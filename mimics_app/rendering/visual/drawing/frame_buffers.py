@@ -154,22 +154,23 @@ class FrameBuffers:
         assert self._buffer is not None, "runs are drawn after upload"
         self._ctx.front_face = "cw" if run.mirrored else "ccw"
         array = arena.vertex_array(shader, wide=run.wide, eyes=run.eyes)
+        waiting = self._waiting + run.eyes * run.triangles
+        if self._raw is None or waiting < MOST_TRIANGLES:
+            self._waiting = waiting
+            array.render_indirect(self._buffer, moderngl.TRIANGLES, run.count, first=run.first)
+            return
         for first, count in self._pieces(run):
             array.render_indirect(self._buffer, moderngl.TRIANGLES, count, first=first)
-            if self._raw is not None and self._waiting >= MOST_TRIANGLES:
+            if self._waiting >= MOST_TRIANGLES:
                 self._raw.flush()
                 self._waiting = 0
 
     def _pieces(self, run: DrawRun) -> Iterator[tuple[int, int]]:
         """First command and number of commands of what is drawn at once; counts the triangles that wait for the driver.
 
-        A software driver places corners in one thread and fills pixels in others, which begin when it is told to, or at
+        A software driver places corners in one thread and fills pixels in others, which begin when it is flushed, or at
         the frame's end: corners and pixels of a large frame are worked on at once where it is sent in pieces.
         """
-        if self._raw is None or self._waiting + run.eyes * run.triangles < MOST_TRIANGLES:
-            self._waiting += run.eyes * run.triangles
-            yield run.first, run.count
-            return
         commands = self._commands[run.first : run.first + run.count].astype(np.int64)
         begun = 0
         for number, triangles in enumerate((commands[:, 0] // 3 * commands[:, _INSTANCES]).tolist(), 1):
