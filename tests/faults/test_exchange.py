@@ -100,7 +100,8 @@ def test_triple_buffer_for_ten_seconds():
         more += 5.0
     assert result["reads"] >= 10_000_000
     assert (result["torn"], result["backwards"]) == (0, 0)
-    assert result["fresh"] > 10_000 and result["writes"] > 10_000  # the two sides did meet
+    # The two sides did meet; where others use both cores, a side waits for whole time slices.
+    assert result["fresh"] > 500 and result["writes"] > 10_000
 
 
 def test_a_planted_plain_copy_is_caught():

@@ -20,6 +20,9 @@ length = st.floats(-0.3, 0.3, allow_subnormal=False)
 point = st.tuples(length, length, length)
 control_points = st.lists(point, min_size=4, max_size=9)
 velocity = st.tuples(*[st.floats(-3.0, 3.0, allow_subnormal=False)] * 3)
+SHALLOW = [(-0.3, 0.0, 0.0), (-0.1, 0.02, 0.0), (0.1, -0.02, 0.0), (0.3, 0.0, 0.0)]
+"""A piece that is odd about its middle, the origin."""
+
 anything = st.one_of(length, st.floats(-1e6, 1e6), st.floats(allow_nan=True, allow_infinity=True, width=64))
 
 
@@ -38,6 +41,7 @@ def test_wall_force_never_pulls_and_power_of_the_rest_is_known():
 
     @QUICK
     @given(control_points, st.floats(0.0, 0.999), point, velocity, st.floats(0.0, 0.05), st.floats(0.0, 3.0))
+    @example(SHALLOW, 0.5, (0.0, 0.0, 0.0), (0.1, 0.0, 0.0), 0.001, 1.0)  # inside, which few that are drawn are
     def check(points, share, p, v, ball, scale):
         curve = lawful(points, share)
         assume(curve is not None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import faulthandler
+import gc
 import os
 import pickle
 import signal
@@ -55,6 +56,7 @@ def run(memory: SessionMemory, settings: AudioSettings, orders: Connection, resu
     _tell_of_crashes()
     _die_with_parent()
     session = _LiveSession(memory, settings, orders, results, MonotonicClock())
+    gc.freeze()  # to look through all that was loaded would take the time of four blocks
     session.send(session.engine.status)
     while not session.ended:
         session.step()
