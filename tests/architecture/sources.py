@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import gc
+import os
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -10,7 +12,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "mimics_app"
 
-_LEFT_OUT = {".git", ".venv", "runs", "build", "dist", "node_modules", "differences"}
+_LEFT_OUT = {"__pycache__", "runs", "build", "dist", "node_modules", "differences"}
 _TEXT = {
     ".py",
     ".md",
@@ -43,22 +45,38 @@ def texts() -> dict[str, str]:
 
 @cache
 def modules() -> dict[str, ast.Module]:
-    """The same, parsed."""
-    return {path: ast.parse(text) for path, text in texts().items()}
+    """The same, parsed; the garbage collector is kept from looking through a million nodes again and again."""
+    trees = {path: ast.parse(text) for path, text in texts().items()}
+    gc.freeze()
+    return trees
 
 
-def imports(tree: ast.Module) -> Iterator[tuple[int, str]]:
+@cache
+def nodes(tree: ast.Module) -> tuple[ast.AST, ...]:
+    """Every node of a module. A dozen tests look through all modules, and walking a tree costs more than a test."""
+    return tuple(ast.walk(tree))
+
+
+@cache
+def imports(tree: ast.Module) -> tuple[tuple[int, str], ...]:
     """(line, full dotted name) of everything a module imports, at any depth."""
-    for node in ast.walk(tree):
+    found: list[tuple[int, str]] = []
+    for node in nodes(tree):
         if isinstance(node, ast.Import):
-            yield from ((node.lineno, alias.name) for alias in node.names)
+            found += [(node.lineno, alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            yield from ((node.lineno, f"{node.module}.{alias.name}") for alias in node.names)
+            found += [(node.lineno, f"{node.module}.{alias.name}") for alias in node.names]
+    return tuple(found)
 
 
-def attributes(tree: ast.Module) -> Iterator[tuple[int, str]]:
+@cache
+def attributes(tree: ast.Module) -> tuple[tuple[int, str], ...]:
     """(line, dotted name) of every attribute that is read from a plain name, e.g. "time.sleep" or "os.nice"."""
-    for node in ast.walk(tree):
+    return tuple(_attributes(tree))
+
+
+def _attributes(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    for node in nodes(tree):
         if isinstance(node, ast.Attribute):
             parts = [node.attr]
             inner: ast.expr = node.value
@@ -69,12 +87,12 @@ def attributes(tree: ast.Module) -> Iterator[tuple[int, str]]:
                 yield node.lineno, ".".join([inner.id, *reversed(parts)])
 
 
-def repository_files() -> Iterator[Path]:
+@cache
+def repository_files() -> tuple[Path, ...]:
     """Every text file of the repository that people write; what is built, recorded or cached is left out."""
-    for file in sorted(ROOT.rglob("*")):
-        parts = file.relative_to(ROOT).parts
-        hidden = any(part.startswith(".") and part not in {".ci", ".gitignore"} for part in parts)
-        if hidden or _LEFT_OUT.intersection(parts) or "__pycache__" in parts or not file.is_file():
-            continue
-        if file.suffix in _TEXT:
-            yield file
+    found = []
+    for folder, folders, names in os.walk(ROOT):
+        folders[:] = [name for name in folders if name == ".ci" or not (name in _LEFT_OUT or name.startswith("."))]
+        files = [Path(folder, name) for name in names if name == ".gitignore" or not name.startswith(".")]
+        found += [file for file in files if file.suffix in _TEXT and file.is_file()]
+    return tuple(sorted(found))

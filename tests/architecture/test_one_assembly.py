@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.architecture.sources import modules
+from tests.architecture.sources import modules, nodes
 
 ASSEMBLY = "app/session/"
 PARTS = {"TaskManager", "PersonInbox", "EffectCues", "NullDsp", "NullEstimation"}
@@ -18,7 +18,7 @@ def made_elsewhere(path: str, tree: ast.Module) -> Iterator[str]:
     """Places outside the assembly where a part of a session is made."""
     if path.startswith(ASSEMBLY):
         return
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in PARTS:
             yield f"{path}:{node.lineno} makes a {node.func.id}"
 
@@ -33,7 +33,7 @@ def test_every_part_is_made_there() -> None:
         node.func.id
         for path, tree in modules().items()
         if path.startswith(ASSEMBLY)
-        for node in ast.walk(tree)
+        for node in nodes(tree)
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
     }
     assert names >= PARTS

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.architecture.sources import imports, modules
+from tests.architecture.sources import imports, modules, nodes
 
 WRITER = "rendering/haptic/"
 """The loop, its engine and its recorder-free play."""
@@ -73,7 +73,7 @@ def trespasses(path: str, tree: ast.Module) -> Iterator[str]:
     for line, name in imports(tree):
         if name.startswith("mimics_app.rendering.haptic.channels"):
             yield f"{path}:{line} takes the loop's own channels"
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if _is_loops(node) and path not in READERS:
             yield f"{path}:{node.lineno} takes hold of {ast.unparse(node)}"  # type: ignore[attr-defined]
         yield from (f"{path}:{target.lineno} writes {ast.unparse(target)}" for target in _stores(node))
@@ -90,7 +90,7 @@ def test_what_the_loop_writes_has_no_other_writer() -> None:
 def test_every_reader_named_here_reads() -> None:
     """A name that is stale would let a module of that name write."""
     for path in READERS:
-        assert any(_is_loops(node) for node in ast.walk(modules()[path])), path
+        assert any(_is_loops(node) for node in nodes(modules()[path])), path
 
 
 PLANTED = {

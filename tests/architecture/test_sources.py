@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.architecture.sources import PACKAGE, ROOT, attributes, imports, modules, repository_files, texts
+from tests.architecture.sources import PACKAGE, ROOT, attributes, imports, modules, nodes, repository_files, texts
 from tests.support.order import LONGEST
 
 TIMEKEEPERS = {"contracts/clock.py", "contracts/atomics.py"}
@@ -77,7 +77,7 @@ def test_nothing_is_imported_by_a_string() -> None:
         f"{path}:{node.lineno}"
         for path, tree in modules().items()
         if path not in IMPORTERS_BY_NAME
-        for node in ast.walk(tree)
+        for node in nodes(tree)
         if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("import_module", "__import__", "exec"))
     ]
     assert not found
@@ -86,7 +86,7 @@ def test_nothing_is_imported_by_a_string() -> None:
 def _markup_by_hand(tree: ast.Module) -> list[int]:
     """Lines of texts that hold an element of HTML or SVG."""
     tag = re.compile(r"<(?:svg|path|circle|rect|figure|html|div|table|tr|td|span|p)[ >]")
-    texts = (node for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str))
+    texts = (node for node in nodes(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str))
     return [node.lineno for node in texts if tag.search(str(node.value))]
 
 
@@ -126,8 +126,8 @@ def test_every_home_of_the_platform_is_a_module(what: str) -> None:
 
 @cache
 def _classes() -> dict[str, ast.ClassDef]:
-    nodes = [node for tree in modules().values() for node in ast.walk(tree)]
-    return {node.name: node for node in nodes if isinstance(node, ast.ClassDef)}
+    every = [node for tree in modules().values() for node in nodes(tree)]
+    return {node.name: node for node in every if isinstance(node, ast.ClassDef)}
 
 
 def _inherits_docstring(owner: ast.ClassDef, method: str) -> bool:
@@ -172,10 +172,8 @@ def test_every_module_says_what_it_offers() -> None:
     """`__all__` is there and names only what exists."""
     faults = []
     for path, tree in modules().items():
-        defined = {getattr(node, "name", "") for node in ast.walk(tree)}
-        defined |= {
-            node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
-        }
+        defined = {getattr(node, "name", "") for node in nodes(tree)}
+        defined |= {node.id for node in nodes(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
         defined |= {name.rsplit(".", 1)[1] for _, name in imports(tree) if "." in name}
         offered = _offered(tree)
         if offered is None:

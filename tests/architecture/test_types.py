@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Mapping
 
-from tests.architecture.sources import modules
+from tests.architecture.sources import modules, nodes
 
 MOST_ANY = 100
 """Parameters and values that say `Any` alone: insides of the compiler, and libraries without types."""
@@ -15,7 +15,7 @@ def any_in_annotations(trees: Mapping[str, ast.Module]) -> list[str]:
     """Places of parameters and values annotated with `Any`."""
     found = []
     for path, tree in trees.items():
-        for node in ast.walk(tree):
+        for node in nodes(tree):
             note = node.annotation if isinstance(node, ast.arg | ast.AnnAssign) else None
             if isinstance(note, ast.Name) and note.id == "Any":
                 found.append(f"{path}:{node.lineno}")

@@ -10,7 +10,7 @@ import pytest
 
 from mimics_app.contracts.loop_fields import LOOP_FIELDS
 from tests.architecture.record_stub import STUB
-from tests.architecture.sources import modules
+from tests.architecture.sources import modules, nodes
 
 READ_ELSEWHERE = {
     "StateRecord.others_f_meas": "copied whole into the sample, as a row of the loop's table",
@@ -101,7 +101,7 @@ def unread_fields(trees: list[ast.Module], records: dict[str, dict[str, str]]) -
 
 def _own_attributes(tree: ast.Module) -> Iterator[tuple[str, bool]]:
     """(name, whether it is read) of every attribute in a module; of those set, only on `self`."""
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, ast.Attribute):
             own = isinstance(node.value, ast.Name) and node.value.id == "self"
             if isinstance(node.ctx, ast.Load) or own:
@@ -116,10 +116,22 @@ def unread_attributes(trees: list[ast.Module]) -> list[str]:
     return sorted(name for name, read in counts if not read and (name, True) not in counts)
 
 
-def test_fields_of_records_are_read() -> None:
+@pytest.fixture(scope="module")
+def fields() -> list[str]:
+    """Fields of records that no module of the product reads."""
+    return unread_fields(list(modules().values()), _records())
+
+
+@pytest.fixture(scope="module")
+def attributes() -> list[str]:
+    """Attributes that the product sets on its own objects and does not read."""
+    return unread_attributes(list(modules().values()))
+
+
+def test_fields_of_records_are_read(fields: list[str]) -> None:
     published = {row.name for row in LOOP_FIELDS}
     rows = ("SampleRecord", "OwnTunnelRecord")  # whose fields leave the loop
-    unread = [name for name in unread_fields(list(modules().values()), _records()) if name not in READ_ELSEWHERE]
+    unread = [name for name in fields if name not in READ_ELSEWHERE]
     left = [name for name in unread if not (name.startswith(rows) and _leaves(name.partition(".")[2], published))]
     assert not left, f"written and never read: {left}; remove them, or say who reads them"
 
@@ -128,15 +140,14 @@ def _leaves(field: str, published: set[str]) -> bool:
     return field in published or field.removeprefix("others_") in published
 
 
-def test_attributes_of_objects_are_read() -> None:
-    unread = [name for name in unread_attributes(list(modules().values())) if name not in SET_FOR_OTHERS]
+def test_attributes_of_objects_are_read(attributes: list[str]) -> None:
+    unread = [name for name in attributes if name not in SET_FOR_OTHERS]
     assert not unread, f"set and never read: {unread}; remove them, or say who reads them"
 
 
 @pytest.mark.parametrize("allowed", [READ_ELSEWHERE, SET_FOR_OTHERS], ids=["fields", "attributes"])
-def test_every_exception_is_one(allowed: dict[str, str]) -> None:
-    trees = list(modules().values())
-    found = {*unread_fields(trees, _records()), *unread_attributes(trees)}
+def test_every_exception_is_one(allowed: dict[str, str], fields: list[str], attributes: list[str]) -> None:
+    found = {*fields, *attributes}
     assert set(allowed) <= found, f"no exception: {sorted(set(allowed) - found)}"
 
 

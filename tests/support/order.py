@@ -16,6 +16,7 @@ LONGEST = (
     "test_window_pick",
     "test_patients",
     "test_wavy_tunnel_run",
+    "test_avatars",
     "test_bench_realtime",
     "test_pick_and_place",
     "test_serial_robot",
