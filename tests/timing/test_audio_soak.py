@@ -35,4 +35,7 @@ def test_a_soak_counts_every_block(load):
     reported = measure_soak(root() / "scenes" / "wavy_tunnel.json", 6.0, load=load)
     assert reported["block_us"]["count"] >= 0.4 * 6.0 * 48_000 / LIVE_BLOCK
     assert 0.0 < reported["block_us"]["p50"] <= reported["block_us"]["p99"] <= reported["block_us"]["max"]
+    assert bool(reported["loop"]) == load
+    if load:  # the figure beside which gaps are read
+        assert set(reported["loop"]["lateness_us"]) == {"p50", "p99", "p99_9", "max"}
     assert reported["missed"] >= 0 and reported["late_turns"] >= 0 and reported["voices"] == 64

@@ -7,6 +7,7 @@ time as a card does; where PulseAudio is not installed, to OpenAL's null device.
 
 from __future__ import annotations
 
+import json
 import math
 import subprocess
 import sys
@@ -37,7 +38,9 @@ _VOICES = 64
 _FRAME_NS = 16_666_667
 _START_S = 60.0
 _SPARE_S = 120.0
-"""That the load may take to begin and to end [s]."""
+"""Time-out for the load to start and to end [s]."""
+
+Row = dict[str, Any]
 
 
 def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str, Any]:
@@ -51,7 +54,8 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
     Returns:
         `seconds, voices, block_ms, turns`; `block_us` with p50, p99 and max of the work of a turn in which blocks were
         mixed, and their `count`; `missed`, how often the device wanted a block that was not there: a gap that is heard;
-        `late_turns`, those that began more than half a millisecond late, which the queue bears; `device`.
+        `late_turns`, those that began more than half a millisecond late, which the queue bears; `device`; `loop`, the
+        row of the load's haptic loop, whose real-time thread runs before this process: its lateness is the machine's.
         OpenAL's null device takes several blocks at once where its own thread was held up, which counts as missed too.
 
     Raises:
@@ -59,7 +63,7 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
     """
     empty: Mapping[str, str] = {}
     with nullcontext(empty) if pulse_missing() else private_pulse_server() as environment:
-        report = _play(scene, seconds, environment, load=load)
+        report, loop = _play(scene, seconds, environment, load=load)
     if report.crashed:
         raise DeviceError("the audio process ended on its own")
     return {
@@ -72,11 +76,12 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
         "late_turns": report.late_blocks,
         "device": report.status.device,
         "load": str(scene) if load else "none",
+        "loop": loop,
     }
 
 
-def _play(scene: Path, seconds: float, environment: Mapping[str, str], *, load: bool) -> AudioReport:
-    """Voices that circle for some seconds.
+def _play(scene: Path, seconds: float, environment: Mapping[str, str], *, load: bool) -> tuple[AudioReport, Row]:
+    """Let voices circle for some seconds; return the report of the audio process and the row of the load's loop.
 
     Args:
         scene: Of the load.
@@ -99,6 +104,7 @@ def _play(scene: Path, seconds: float, environment: Mapping[str, str], *, load: 
     memory, clock = SessionMemory(), MonotonicClock()
     audio = AudioProcess(memory, settings)
     audio.start()
+    loop: Row = {}
     try:
         status = audio.wait_ready(_START_S)
         if status.sink != "device":
@@ -106,15 +112,15 @@ def _play(scene: Path, seconds: float, environment: Mapping[str, str], *, load: 
         child = _begin_load(scene, seconds) if load else None
         _move_voices(memory, clock, seconds)
         if child is not None:
-            child.communicate(timeout=seconds + _SPARE_S)
+            loop = json.loads(child.communicate(timeout=seconds + _SPARE_S)[0] or "{}")
     finally:
         report = audio.stop()
-    return report
+    return report, loop
 
 
 def _begin_load(scene: Path, seconds: float) -> subprocess.Popen[bytes]:
     command = [sys.executable, "-m", "mimics_app.app.bench.realtime_load", "product", str(scene), str(seconds)]
-    return subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    return subprocess.Popen(command, stdout=subprocess.PIPE)
 
 
 def _move_voices(memory: SessionMemory, clock: Clock, seconds: float) -> None:
