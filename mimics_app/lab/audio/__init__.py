@@ -1,3 +1,3 @@
-"""Probes of sound: what the rival spatialisers cost and how far their output is from the reference."""
+"""Probes of sound: cost and error of the rival spatialisers."""
 
 __all__: list[str] = []

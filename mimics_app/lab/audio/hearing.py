@@ -1,7 +1,7 @@
-"""What two ears are given, measured: delay and level between them against a reference head, and steps between them.
+"""Interaural errors of rendered responses against a reference head: ITD, ILD, and jumps of the ITD.
 
-The delay is that below 1.5 kHz (peak of the correlation), the level that of bands as wide as the ear's own (ERB,
-Glasberg & Moore 1990).
+The interaural time difference is measured below 1.5 kHz (peak of the cross-correlation), the level difference in bands
+of equivalent rectangular bandwidth (ERB, Glasberg & Moore 1990).
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ __all__ = ["BAND_CENTRES", "HearingErrors", "compare", "level_differences"]
 
 
 BAND_CENTRES = (250, 500, 1000, 2000, 3150, 4000, 5000, 6300, 8000, 10000, 12500)
-"""Of the bands [Hz]."""
+"""Centre frequencies of the bands [Hz]."""
 
 _POINTS = 4096
 
 
 @dataclass(frozen=True, slots=True)
 class HearingErrors:
-    """Of a method to render against a reference.
+    """Errors of a spatialiser against a reference.
 
     Attributes:
-        itd_median: Of the delay between the ears [us].
-        itd_max: Its largest.
-        itd_jump: Largest step of the delay in half a degree of azimuth [us]; nan where it was not sought.
-        ild_median: Of the level between the ears by band [dB]: mean over the bands of each direction, then the median.
-        ild_p95: Its 95th percentile.
+        itd_median: Median error of the ITD over directions [us].
+        itd_max: Largest error of the ITD [us].
+        itd_jump: Largest step of the ITD per half a degree of azimuth [us]; nan where it was not measured.
+        ild_median: Error of the ILD [dB]: mean over bands, then median over directions.
+        ild_p95: 95th percentile over directions of the same [dB].
     """
 
     itd_median: float
@@ -42,7 +42,7 @@ class HearingErrors:
     ild_p95: float
 
     def as_dict(self) -> dict[str, dict[str, float]]:
-        """Ready for JSON, what was not sought left out."""
+        """Return the errors for JSON, without those that were not measured."""
         itd = {"median": self.itd_median, "max": self.itd_max, "jump": self.itd_jump}
         return {
             "itd_us": {name: value for name, value in itd.items() if np.isfinite(value)},
@@ -51,7 +51,7 @@ class HearingErrors:
 
 
 def level_differences(responses: F8, rate: float) -> F8:
-    """Level of the right ear over the left by band [dB], shape [n, bands] of responses [n, 2, taps]."""
+    """Return the level of the right ear over the left by band [dB], shape [n, bands], of responses [n, 2, taps]."""
     power = np.abs(np.fft.rfft(responses, _POINTS)) ** 2
     frequency = np.fft.rfftfreq(_POINTS, 1.0 / rate)
     levels = []
@@ -66,13 +66,13 @@ def level_differences(responses: F8, rate: float) -> F8:
 def compare(
     rendered: F8, rate: float, reference: HeadResponses, sweep: Callable[[F8], F8] | None = None
 ) -> HearingErrors:
-    """Errors of responses that were rendered for the directions of a reference.
+    """Return the errors of responses rendered for the directions of a reference.
 
     Args:
-        rendered: Shape [n, 2, taps].
-        rate: Of those.
-        reference: The head.
-        sweep: Renders directions, shape [m, 3], to responses [m, 2, taps]: requested half degrees in front.
+        rendered: Rendered responses, shape [n, 2, taps].
+        rate: Their samples per second.
+        reference: Reference head.
+        sweep: Renders directions, shape [m, 3], to responses, shape [m, 2, taps]; called for steps of half a degree.
     """
     delays = delays_between_ears(rendered, rate) - delays_between_ears(reference.responses, reference.rate)
     levels = np.abs(level_differences(rendered, rate) - level_differences(reference.responses, reference.rate))

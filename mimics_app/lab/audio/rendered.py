@@ -1,4 +1,4 @@
-"""Impulse responses of a mixer, as it plays them: a click from each direction."""
+"""Impulse responses of a mixer, measured with a click from each direction."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ def render_clicks(
     rate: int = 48_000,
     table: HeadTable | None = None,
 ) -> F8:
-    """What both ears get of a click 1 m away in each direction.
+    """Return the responses of both ears to a click 1 m away in each direction.
 
     Args:
         directions: Unit vectors in the head's frame, shape [n, 3].
-        mixer: Which one.
+        mixer: Name of the mixer.
         sofa: Head of the spectral mixer; None: the computed one.
-        hrtf: About the head, or by two loudspeakers.
+        hrtf: True for headphones, False for two loudspeakers.
         rate: Samples per second.
         table: Head of the spectral mixer instead of the settings'.
 
@@ -60,7 +60,7 @@ def render_clicks(
     try:
         responses = np.empty((len(directions), 2, _GAP))
         for row, (x, y, z) in enumerate(directions):
-            # on a whole frame: a time that is rounded to one would move the click
+            # on a whole frame: rounding would shift the click
             opened.start("click", -(-opened.position * 1_000_000_000 // rate), (float(x), float(y), float(z)), 1.0)
             responses[row] = opened.render(_GAP).T
     finally:

@@ -1,4 +1,4 @@
-"""The rivals of sound, measured: two mixers with head-related filters, a rigid sphere for a head, and panning."""
+"""Rival spatialisers: two mixers with head-related filters, a spherical head, and panning."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ __all__ = [
 GROUP = "spatialiser"
 
 KEMAR_DELAYS_US = {5: 47.0, 15: 139.0, 30: 275.0, 45: 396.0, 60: 528.0, 90: 706.0}
-"""Delay between the ears of the KEMAR dummy head by azimuth [degrees to us], below 1.5 kHz, from the responses of
+"""Interaural time difference of the KEMAR dummy head by azimuth [degrees to us], below 1.5 kHz, from the responses of
 Gardner and Martin (MIT Media Lab, 1994)."""
 
 _RATE = 48_000
@@ -46,7 +46,7 @@ _BLOCK = 240
 _SOURCES = 16
 _SIZES = (4, 8, 16, 32)
 _UNIT = "us of interaural delay"
-_WIDTH = 0.152  # of the computed head [m], as by default
+_WIDTH = 0.152  # default width of the computed head [m]
 _CLICK = {"tick": SoundSpec(recipe="tick")}
 
 
@@ -70,7 +70,7 @@ def measure_block_us(
 
 
 def heard_around(handles: NDArray[np.int64], places: NDArray[np.float64]) -> Heard:
-    """A head at the origin that looks along -z, and sounds around it, shape [n, 3] [m]."""
+    """Return a listener at the origin that looks along -z, with sounds around it, shape [n, 3] [m]."""
     count = len(handles)
     still, axis = np.zeros((count, 3)), np.tile((0.0, 0.0, -1.0), (count, 1))
     return Heard(
@@ -91,22 +91,22 @@ def heard_around(handles: NDArray[np.int64], places: NDArray[np.float64]) -> Hea
 
 
 def measure_delay_error_us(hrtf: bool) -> float:
-    """Median error of the delay between the ears against the measured head [us], sources in the plane of the ears."""
+    """Return the median ITD error against the measured head [us], for sources in the horizontal plane."""
     errors = [abs(_rendered_delay_us(hrtf, azimuth) - delay) for azimuth, delay in KEMAR_DELAYS_US.items()]
     return float(np.median(errors))
 
 
 def measure_own_head_error_us(taps: int = TAPS) -> float:
-    """Median error of the delay between the ears of the spectral mixer against the head it is given [us].
+    """Return the median ITD error of the spectral mixer against its own head [us].
 
     Args:
-        taps: Kept of each response.
+        taps: Length of the minimum-phase responses.
     """
     return own_head_errors(taps).itd_median
 
 
 def own_head_errors(taps: int = TAPS) -> HearingErrors:
-    """Errors of the spectral mixer against the computed head, at every tenth of its directions."""
+    """Return the errors of the spectral mixer against the computed head, at every tenth direction."""
     head = compute_head(_WIDTH)
     some = HeadResponses(head.directions[::10], head.responses[::10], head.rate, head.name)
     if taps == TAPS:
@@ -116,7 +116,7 @@ def own_head_errors(taps: int = TAPS) -> HearingErrors:
 
 
 def interaural_delay_us(near: NDArray[np.float64], far: NDArray[np.float64], rate: int) -> float:
-    """Delay of far behind near [us] below 1.5 kHz, where the ear uses it: peak of the correlation, interpolated."""
+    """Return the delay of far behind near [us] below 1.5 kHz, by the interpolated peak of the cross-correlation."""
     count = 2 * len(near)
     spectrum = np.fft.rfft(far, count) * np.conj(np.fft.rfft(near, count))
     spectrum[np.fft.rfftfreq(count, 1.0 / rate) > 1500.0] = 0.0
@@ -137,7 +137,7 @@ def _rendered_delay_us(hrtf: bool, azimuth_deg: float) -> float:
 
 
 def _measure_sphere_us(sources: int = _SOURCES) -> float:
-    """Cost of a 5 ms block with moving sources on the ear of a rigid sphere [us]."""
+    """Return the cost of a 5 ms block with moving sources by the spherical head [us]."""
     noise = np.random.default_rng(1).standard_normal(_RATE).astype(np.float32)
     mix = np.zeros((_BLOCK, 2), np.float32)
 
@@ -149,7 +149,7 @@ def _measure_sphere_us(sources: int = _SOURCES) -> float:
 
 
 def _sphere_delay_error_us() -> float:
-    """Median error of the sphere's delay between the ears against the measured head [us]."""
+    """Return the median ITD error of the spherical head against the measured head [us]."""
     click = SoundBank(_CLICK, _RATE)["tick"].samples
     errors = []
     for azimuth, delay in KEMAR_DELAYS_US.items():

@@ -1,4 +1,4 @@
-"""The sounds of a session, ready to mix."""
+"""The sound bank: samples of every sound of a session, synthesised or read from files."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from mimics_app.rendering.audio.wav_file import WavWriter
 __all__ = ["DRIVEN", "FAMILIES", "LIVE_VOICES", "RECIPES", "TAKES", "Sound", "SoundBank", "write_sounds"]
 
 CONTACT_TAKES = 3
-"""Strike points a contact is synthesised for, taken in turn so that no two neighbours are the same recording."""
+"""Variants of a contact sound, one per strike point; they alternate, so that no sound is played twice in a row."""
 
-# Names of the speed steps are decided by equal ratios: the border between two steps is their geometric mean.
+# An impact speed takes the nearest step by ratio: the border between two steps is their geometric mean.
 _BORDERS = tuple(sqrt(a * b) for a, b in zip(synth.CONTACT_SPEEDS, synth.CONTACT_SPEEDS[1:], strict=False))
 
 
@@ -34,9 +34,9 @@ class Sound:
 
     Attributes:
         samples: Shape [n].
-        spec: How it is placed.
-        cell: Which ears hear it where it is not spatial: 0 both, 1 left, 2 right.
-        other: Name of the sound that is its second channel, None where there is none.
+        spec: Settings of the sound: recipe or file, gain, placement.
+        cell: Channel of a sound that is not spatial: 0 both, 1 left, 2 right.
+        other: Name of the sound that holds the second channel, None for one channel.
     """
 
     samples: NDArray[np.float32]
@@ -58,7 +58,7 @@ def _trial_end(rate: int) -> NDArray[np.float32]:
 
 
 def _struck(material: str) -> Callable[[float, int, int], NDArray[np.float32]]:
-    """A family of what is struck, by its modes."""
+    """Synthesiser of an object that is struck, from the modes of its material."""
     return partial(synth.synthesise_struck, synth_scene.MATERIALS[material])
 
 
@@ -66,28 +66,28 @@ DRIVEN: Mapping[str, str] = {
     **{name: name for name in ("cup", "apple", "table", "tap")},
     **{f"stub_{name}": name for name in ("wall", "kerb", "box")},
 }
-"""Recipes of what a contact's own force plays, and their material; where no voice is free a recording is taken."""
+"""Recipes driven by the contact force, with their material; a synthesised recording plays where no voice is free."""
 
 LIVE_VOICES = 4
-"""Of one such sound at once."""
+"""Force-driven voices of one sound that may play at once."""
 
 _LIVE_S = 0.55
-"""How long one sounds [s]: as long as a contact is followed, and what rings on."""
+"""Length of a force-driven voice [s]: the time a contact is followed, plus the decay."""
 
 FAMILIES: Mapping[str, Callable[[float, int, int], NDArray[np.float32]]] = {
     "contact": synth.synthesise_contact,
     "knock": synth.synthesise_knock,
     **{name: _struck(material) for name, material in DRIVEN.items()},
 }
-"""Recipes with a sound for every speed step and take."""
+"""Recipes with one sound per speed step and take."""
 
 TAKES: Mapping[str, Callable[[int, int], NDArray[np.float32]]] = {
     f"step_{surface}": partial(synth_scene.synthesise_step, surface) for surface in synth_scene.SURFACES
 }
-"""Recipes with a sound for every take, whatever the speed."""
+"""Recipes with one sound per take, independent of speed."""
 
 LOOPS = ("scrape", "crowd", "wind")
-"""Recipes that repeat without a seam."""
+"""Recipes that are seamless loops."""
 
 RECIPES: Mapping[str, Callable[[int], NDArray[np.float32]]] = {
     "goal": _goal,
@@ -105,17 +105,17 @@ RECIPES: Mapping[str, Callable[[int], NDArray[np.float32]]] = {
     "ui_no": partial(synth_scene.synthesise_tone, (330.0, 262.0)),
     "ui_hint": partial(synth_scene.synthesise_tone, (587.0,)),
 }
-"""Recipes with one sound each."""
+"""Recipes with a single sound."""
 
 
 class SoundBank:
-    """Sounds by name. A contact `hit` is the family `hit:SPEED STEP:TAKE`, and `hit` alone its middle.
+    """Sounds by name. A contact sound `hit` has the variants `hit:SPEED STEP:TAKE`; `hit` alone is the middle step.
 
     Attributes:
         rate: Samples per second.
         sounds: By name.
-        live: Sounds that are silent until they are filled while they play, `hit:live:NUMBER`; see `modal`.
-        modes: Of those, by the name of the sound, one for each number.
+        live: Force-driven sounds, named `hit:live:NUMBER`: silent until `driven` fills them while they play.
+        modes: Modes of the force-driven sounds, by the name of the sound, one for each number.
     """
 
     def __init__(self, specs: Mapping[str, SoundSpec], rate: int) -> None:
@@ -141,7 +141,7 @@ class SoundBank:
         return name in self.sounds
 
     def variant(self, name: str, speed: float, turn: int) -> str:
-        """Name of the sound for an impact speed [m/s]; `turn` counts contacts and chooses the take."""
+        """Return the name of the variant for an impact speed [m/s]; the contact number `turn` selects the take."""
         if name in self._takes:
             return f"{name}:{turn % synth_scene.STEP_TAKES}"
         if name not in self._families:
@@ -149,7 +149,7 @@ class SoundBank:
         return f"{name}:{bisect_left(_BORDERS, speed)}:{turn % CONTACT_TAKES}"
 
     def _add(self, name: str, spec: SoundSpec) -> None:
-        rate = round(self.rate / spec.pitch)  # made for a slower rate and played at ours: higher by that ratio
+        rate = round(self.rate / spec.pitch)  # played at the full rate, the pitch rises by the ratio
         if spec.recipe in FAMILIES:
             strike = FAMILIES[spec.recipe]
             for step, speed in enumerate(synth.CONTACT_SPEEDS):
@@ -174,7 +174,7 @@ class SoundBank:
             raise SceneError(Issue("", f"/sounds/{name}/recipe", f'no recipe "{spec.recipe}"', known))
 
     def _add_live(self, name: str, spec: SoundSpec) -> None:
-        """Voices of what a force plays, each struck in another place."""
+        """Add the force-driven voices of a sound, each with another strike point."""
         material = DRIVEN[spec.recipe]
         self.modes[name] = [
             Modes(material, spec.full_force, self.rate, spec.pitch, take) for take in range(LIVE_VOICES)
@@ -183,7 +183,7 @@ class SoundBank:
         self.live |= {f"{name}:live:{k}": Sound(silence, spec) for k in range(LIVE_VOICES)}
 
     def _put_file(self, name: str, file: Path, spec: SoundSpec) -> None:
-        """A file; the channels of one that is not spatial stay apart: left and right."""
+        """Add the sound of a file: mixed to one channel where it is spatial, else left and right as two sounds."""
         channels = read_sound(file, self.rate, spec.inside)
         if spec.spatial or channels.shape[1] == 1:
             self._put(name, np.ascontiguousarray(channels.mean(axis=1)), spec)
@@ -197,7 +197,7 @@ class SoundBank:
 
 
 def write_sounds(folder: Path, specs: Mapping[str, SoundSpec], rate: int = 48_000) -> list[Path]:
-    """Write every sound, the speed steps of a contact included, as a wave file to listen to; return the paths."""
+    """Write every sound with all its variants as wave files for listening; return the paths."""
     bank = SoundBank(specs, rate)
     paths = []
     for name, sound in bank.sounds.items():

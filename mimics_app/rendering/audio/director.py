@@ -1,4 +1,4 @@
-"""Decides what sounds: events of the loop, orders of the task, wall pressure and emitters become voices."""
+"""The sound director: turns events of the haptic loop, orders of the task and emitters into voices of the mixer."""
 
 from __future__ import annotations
 
@@ -29,23 +29,23 @@ __all__ = ["TOUCHES", "SoundDirector"]
 _STALE_NS = 100_000_000
 
 _ORDER_SPEED = 0.3
-"""Impact speed of what is ordered with a gain of 1 [m/s]: of sounds that have steps of speed."""
+"""Impact speed assumed for an order of gain 1 [m/s], where the sound has speed steps."""
 
 TOUCHES: Mapping[int, str] = {
     EventKind.CONTACT_BEGIN: "contact",
     EventKind.CONTACT_END: "contact_end",
     EventKind.IMPACT: "impact",
 }
-"""Events of the haptic loop that are triggers, by their name in the settings."""
+"""Names by which the settings refer to events of the haptic loop."""
 
 
 class SoundDirector:
-    """Reads the session's memory and plays it on a mixer.
+    """Plays the sounds of a session on a mixer, from the session's shared memory.
 
     Attributes:
         rows: One row for every sound started.
-        merged: Contacts held back by the pause of their pair.
-        stale: Events older than 100 ms when they were read; they are not played.
+        merged: Contacts suppressed by the refractory period of their pair.
+        stale: Events that were older than 100 ms when they were read, and were not played.
     """
 
     def __init__(
@@ -60,21 +60,21 @@ class SoundDirector:
         self._settings = settings
         self._clock = clock
         self._gates = {kind: ContactGate() for kind in TOUCHES}
-        self._handles = np.zeros(len(settings.emitters) + 1, np.int64)  # of the emitters, and of the rub of the wall
+        self._handles = np.zeros(len(settings.emitters) + 1, np.int64)  # emitters, then the scrape of the wall
         self._scene = np.zeros(1, SOUND_SCENE)
         fill_defaults(self._scene)
-        self._rub = np.zeros(7)  # place, velocity, level
+        self._rub = np.zeros(7)  # of the scrape: position, velocity, gain
         self._drained = np.zeros(256, EVENT)
         self._forces = np.zeros(1024, CONTACT_FORCE)
         self._driven = DrivenSounds(mixer, bank)
 
     @property
     def driving(self) -> bool:
-        """Whether a contact sounds by its force: then the ring of forces wants to be looked into every tick."""
+        """Whether a force-driven sound plays; the ring of contact forces must then be read every tick."""
         return self._driven.playing
 
     def take_contacts(self) -> None:
-        """Drain the rings: start a sound for every contact that deserves one, and let forces play theirs."""
+        """Drain the rings: start the sounds of new contacts and feed forces to the sounds they drive."""
         count = len(self._drained)
         while count == len(self._drained):
             count = ring.drain(self._memory.audio_event_words, self._memory.audio_events, self._drained)
@@ -86,11 +86,11 @@ class SoundDirector:
         self._driven.pass_time(self._clock.now_ns())
 
     def ring_out(self) -> None:
-        """Let what contacts play ring out: no force will come any more."""
+        """Let all force-driven sounds decay; no more forces are expected."""
         self._driven.ring_out()
 
     def play_contacts(self, events: NDArray[Any]) -> None:
-        """Start the sounds of EVENT records, shape [n]; only contacts that begin or end and impacts have one."""
+        """Start the sounds of EVENT records, shape [n]; only the kinds in `TOUCHES` have one."""
         now = self._clock.now_ns()
         for event in events:
             kind = int(event["kind"])
@@ -99,12 +99,12 @@ class SoundDirector:
                 self._play_contact(event, sound, self._gates[kind], TOUCHES[kind], now)
 
     def _sound_of(self, event: NDArray[Any], cause: str) -> str:
-        """By what is touched: the loop names the material of a shape under the hand, and bodies by their row + 1."""
+        """Return the sound of an event by the touched material; an event holds a material or a body row + 1."""
         bodies = (int(event["body_b"]) - 1, int(event["body_a"]) - 1)
         return self._settings.sound_of_touch(cause, bodies, (int(event["material_b"]), int(event["material_a"])))
 
     def play_order(self, order: SoundEvent) -> None:
-        """Start a sound the task requested; a name the bank does not know is ignored, the app has refused it before."""
+        """Start a sound requested by the task; an unknown name is ignored here, as the application refuses it."""
         if order.sound not in self._bank:
             return
         if self._clock.now_ns() - order.t_ns > 10 * _STALE_NS:
@@ -130,7 +130,7 @@ class SoundDirector:
                 self._note(driven[1], cause, driven[0], t_ns, tick, level)
 
     def listen(self) -> None:
-        """Hand the newest snapshot to the mixer, if there is one: the frame's head and emitters, the loop's rub."""
+        """Pass the newest snapshots to the mixer: head and emitters of the frame, scrape of the haptic loop."""
         slot, fresh = triple_buffer.acquire(self._memory.sound_scene_words)
         if fresh:
             self._scene[:] = self._memory.sound_scenes[slot : slot + 1]
@@ -139,7 +139,7 @@ class SoundDirector:
             self._mixer.hear(self._heard())
 
     def _feel_pressure(self) -> bool:
-        """Let the rub of the wall follow the newest haptic snapshot; whether there is a new one."""
+        """Update the scrape from the newest haptic snapshot; return whether there was a new one."""
         slot, fresh = triple_buffer.acquire(self._memory.audio_words)
         if not fresh:
             return False
@@ -153,7 +153,7 @@ class SoundDirector:
         return True
 
     def _heard(self) -> Heard:
-        """The snapshot as the mixer takes it; a sound that is named for the first time is started."""
+        """Return the snapshot in the mixer's form; emitters that appear for the first time are started."""
         scene, count = self._scene[0], len(self._settings.emitters)
         position = np.vstack((scene["position"][:count], self._rub[:3]))
         velocity = np.vstack((scene["velocity"][:count], self._rub[3:6]))
@@ -183,7 +183,7 @@ class SoundDirector:
         self._note(self._mixer.start(sound, t_ns, place, gain), cause, sound, t_ns, tick, gain)
 
     def _note(self, start: Start, cause: str, sound: str, t_ns: int, tick: int, gain: float) -> None:
-        """Keep a row of what was started."""
+        """Append the row of a started sound."""
         if start.handle == 0:
             return
         submitted = self._clock.now_ns()

@@ -1,4 +1,4 @@
-"""Sounds that the force of a contact plays: started at its event, filled while they play as the loop computes it."""
+"""Force-driven sounds: started at the contact event and filled with samples while the contact force is computed."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ Pair = tuple[int, int]
 
 _FOLLOWED_NS = FOLLOWED * 1_000_000_000 // FORCE_RATE
 _FORESEEN_S = 0.01
-"""How far a voice rings on beyond the newest force [s], so that a tick that is late is no gap in the sound."""
+"""How far a voice is filled beyond the newest force [s], so that a late tick causes no gap."""
 
 
 @dataclass(slots=True, eq=False)
 class _Voice:
-    """One contact that sounds.
+    """One contact with a force-driven sound.
 
     Attributes:
-        handle: Of its sound.
-        modes: What is struck.
-        begin_ns: When the contact began.
+        handle: Handle of the sound in the mixer.
+        modes: Modal synthesiser of the struck object.
+        begin_ns: Start of the contact.
         last_ns: Time of the newest force.
-        cursor: Sample of the sound up to which it is filled for good.
-        length: Samples of the sound.
-        free_ns: When its sound is over.
+        cursor: Number of samples whose values are final.
+        length: Number of samples of the sound.
+        free_ns: Time at which the sound ends.
         open: True while forces are expected.
     """
 
@@ -49,11 +49,11 @@ class _Voice:
 
 
 class DrivenSounds:
-    """Voices of a mixer that contacts play.
+    """The force-driven voices of a mixer.
 
     Args:
-        mixer: Plays them.
-        bank: Has the sounds that are filled, and what is struck.
+        mixer: Mixer that plays them.
+        bank: Bank with the force-driven sounds and their modes.
     """
 
     def __init__(self, mixer: Mixer, bank: SoundBank) -> None:
@@ -66,22 +66,22 @@ class DrivenSounds:
 
     @property
     def playing(self) -> bool:
-        """Whether forces of a contact are expected."""
+        """Whether forces of any contact are expected."""
         return bool(self._by_pair)
 
     def start(self, name: str, t_ns: int, place: Vec3 | None, force: float, pair: Pair) -> tuple[str, Start] | None:
-        """Start what is struck by a contact.
+        """Start the force-driven sound of a contact.
 
         Args:
-            name: Of a sound.
-            t_ns: When the contact began.
-            place: Of it in the world [m].
-            force: In its first tick [N].
-            pair: The two bodies, as the forces that follow name them.
+            name: Name of the sound.
+            t_ns: Start of the contact.
+            place: Point of contact in the world [m].
+            force: Force in the first tick [N].
+            pair: The two bodies, as the CONTACT_FORCE records name them.
 
         Returns:
-            Name of the sound and where it was put; None where a recording is to be played: the sound has none that is
-            filled, no voice of it is free, or the mixer cannot fill one.
+            Name of the sound and its start; None where a recording must be played instead: the sound is not
+            force-driven, all its voices are busy, or the mixer cannot fill a voice.
         """
         number = self._free(name, t_ns)
         if number is None or self._lead is None:
@@ -101,7 +101,7 @@ class DrivenSounds:
         return sound, start
 
     def feel(self, forces: NDArray[np.void]) -> None:
-        """Take CONTACT_FORCE records, shape [n], in order of time; those of contacts without a sound say nothing."""
+        """Take CONTACT_FORCE records, shape [n], in order of time; contacts without such a sound are ignored."""
         assert forces.dtype == CONTACT_FORCE
         for row in forces:
             voice = self._by_pair.get((int(row["body_a"]), int(row["body_b"])))
@@ -110,25 +110,25 @@ class DrivenSounds:
                 self._press(voice, t_ns, force)
 
     def pass_time(self, now_ns: int) -> None:
-        """Let what is not followed any more ring out."""
+        """Let contacts decay that have had no force for too long."""
         for voice in list(self._by_pair.values()):
             if now_ns - voice.begin_ns > 2 * _FOLLOWED_NS or voice.last_ns - voice.begin_ns >= _FOLLOWED_NS - 1:
                 self._end(voice)
 
     def ring_out(self) -> None:
-        """Let everything ring out: no force will come any more."""
+        """Let all voices decay; no more forces are expected."""
         for voice in list(self._by_pair.values()):
             self._end(voice)
 
     def _free(self, name: str, t_ns: int) -> int | None:
-        """Number of a voice of a sound that is over, None where all sound or there is none."""
+        """Return the number of an idle voice of a sound, None where all are busy or there is none."""
         if name not in self._bank.modes:
             return None
         voices = (self._voices.get(f"{name}:live:{number}") for number in range(LIVE_VOICES))
         return next((k for k, voice in enumerate(voices) if voice is None or voice.free_ns <= t_ns), None)
 
     def _press(self, voice: _Voice, t_ns: int, force: float) -> None:
-        """Fill what a tick's force makes, after what has rung since the last one, and what would follow."""
+        """Fill the decay since the last force, the response to this one, and the decay that would follow."""
         rate = self._mixer.rate
         begin = (self._lead or 0) + frame_at(t_ns, 0, rate) - frame_at(voice.begin_ns, 0, rate)
         since = voice.modes.ring(max(0, begin - voice.cursor))
@@ -138,7 +138,7 @@ class DrivenSounds:
         voice.last_ns = t_ns
 
     def _end(self, voice: _Voice | None) -> None:
-        """Fill the rest of a voice with what rings on."""
+        """Fill the rest of a voice with its decay."""
         if voice is None or not voice.open:
             return
         voice.open = False

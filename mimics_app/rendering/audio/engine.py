@@ -1,10 +1,10 @@
-"""Opens the output a session requested, or the next one down the ladder, and keeps it fed.
+"""Opens the requested sound output, or the next one of the fallback chain, and feeds it.
 
-    device  -> a live device, drawn by the library's own thread
-    file    -> a loopback, rendered on the clock in blocks and written to a wave file
-    null    -> nothing: the events are read and forgotten
+    device  -> a live device, rendered by a thread of the library
+    file    -> a loopback, rendered by the clock in blocks and written to a wave file
+    null    -> no output: events are read and dropped
 
-Where the wish cannot be had the session goes on with one clear line about what became of its sound.
+Where the requested output is not available, the session continues and one line reports what happens to its sound.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ _SILENT = AudioStatus(device="none", sink="null", hrtf=False, rate=0, latency_ms
 
 
 class Engine:
-    """What is open: a mixer, perhaps a file behind it, and the status that says so.
+    """An open output: the mixer, the file it is written to, and the status reported to the application.
 
     Attributes:
-        status: As the app gets it.
-        bank: The sounds.
+        status: Status as the application receives it.
+        bank: Sound bank, None where there is none.
         mixer: None where sound is dropped.
         writer: None where no file is written.
     """
@@ -48,14 +48,14 @@ class Engine:
 
     @property
     def live(self) -> bool:
-        """True where the library's own thread draws the sound."""
+        """True where a thread of the library renders the sound."""
         return self.status.sink == "device"
 
     def render_to(self, frame: int, block: int) -> int:
-        """Render a loopback up to a frame in blocks, into the file; return how many blocks that took.
+        """Render a loopback up to a frame, in blocks, into the file; return the number of blocks.
 
         Raises:
-            DeviceError: The file takes no more.
+            DeviceError: The file cannot be written any further.
         """
         if self.mixer is None or self.live:
             return 0
@@ -71,7 +71,7 @@ class Engine:
         return blocks
 
     def close(self) -> None:
-        """Close device and file."""
+        """Close the device and the file."""
         if self.mixer is not None:
             self.mixer.close()
         if self.writer is not None:
@@ -79,12 +79,12 @@ class Engine:
 
 
 def open_engine(settings: AudioSettings, clock: Clock, prepared: Callable[[], None] | None = None) -> Engine:
-    """The output of a live session, down the ladder; never raises for a missing library or device.
+    """Open the output of a live session, falling back where needed; a missing library or device raises nothing.
 
     Args:
-        settings: What is wished.
-        clock: Of the session.
-        prepared: Called when what takes long is done (sounds and head made, kernels loaded) and nothing is open yet.
+        settings: Requested output.
+        clock: Clock of the session.
+        prepared: Called after the slow part (sounds, head tables, kernels) and before a device opens.
     """
     try:
         if settings.mixer == "openal":
@@ -107,11 +107,11 @@ def open_engine(settings: AudioSettings, clock: Clock, prepared: Callable[[], No
 
 
 def fall_back(settings: AudioSettings, bank: SoundBank, clock: Clock, why: str) -> Engine:
-    """A file where one is named, else nothing; `why` begins the line the person reads, "" when it was requested."""
+    """Fall back to the file, or to no output; `why` begins the line the user reads, "" where this was requested."""
     if settings.file is None:
         return _dropped(f"{why}: sound is dropped; picture and touch run on")
     try:
-        # A block of slack, a block to fill, and a millisecond for the tick's own work before its event is in the ring.
+        # One block of slack, one block being filled, and 1 ms until the event of a tick is in the ring.
         engine = open_engine_in_step(settings, bank, clock, settings.file, 2 * settings.block + settings.rate // 1000)
     except (DeviceError, OSError) as error:
         return _dropped(f"{why or 'no sound file'} ({error}): sound is dropped; picture and touch run on")
@@ -129,10 +129,10 @@ def open_engine_in_step(
     latency: int,
     origin_ns: int | None = None,
 ) -> Engine:
-    """A mixer that renders on demand, whose sounds start `latency` frames after their events, into `file` or nowhere.
+    """Open a mixer that renders on demand into `file` or nowhere; sounds start `latency` frames after their events.
 
     Raises:
-        DeviceError: No library for the mixer that is requested.
+        DeviceError: The library of the requested mixer is missing.
         OSError: The file cannot be written.
     """
     origin = clock.now_ns() if origin_ns is None else origin_ns
@@ -144,11 +144,11 @@ def open_engine_in_step(
 
 
 def open_mixer(settings: AudioSettings, bank: SoundBank, clock: Clock, latency: int, origin_ns: int) -> Mixer:
-    """The mixer the settings name, rendering on demand.
+    """Open the mixer that the settings name, rendering on demand.
 
     Raises:
-        DeviceError: There is no library for it.
-        SceneError: The head it is to take cannot be used.
+        DeviceError: Its library is missing.
+        SceneError: The SOFA file of the head cannot be used.
     """
     if settings.mixer == "spectral":
         from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
@@ -166,7 +166,7 @@ def _status(settings: AudioSettings, mixer: Mixer, device: str, sink: str, laten
 
 
 def open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
-    """A live device.
+    """Open a live device.
 
     Raises:
         DeviceError: There is none, or it cannot be opened.
@@ -182,7 +182,7 @@ def open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engin
 
 
 def _open_stream(settings: AudioSettings, bank: SoundBank, clock: Clock, library: OpenALLibrary) -> Engine:
-    """The spectral mixer on a live device."""
+    """Open the spectral mixer on a live device."""
     from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
     from mimics_app.rendering.audio.streamed_mixer import StreamedMixer
 
@@ -199,7 +199,7 @@ def _open_stream(settings: AudioSettings, bank: SoundBank, clock: Clock, library
 
 
 def _warm_spectral(settings: AudioSettings, bank: SoundBank) -> None:
-    """Make the head's tables and compile, or load, the mixing, before a device or the scheduler waits for it."""
+    """Make the head tables and load the mixing kernels before a device or the real-time scheduler depends on them."""
     from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
 
     mixer = SpectralMixer(bank, settings, Timing())

@@ -1,4 +1,4 @@
-"""The wait of the audio process: asleep in machine code until the haptic loop has something to be heard."""
+"""The wait of the audio process: a compiled sleep until the haptic loop has published an event."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["wait_for_records"]
 
 @kernel
 def wait_for_records(words: Words, timespec: Words, deadline_ns: int, step_ns: int) -> bool:
-    """Look into a ring every `step_ns` until it holds a record (True) or the deadline has come (False)."""
+    """Poll a ring every `step_ns` until it holds a record (True) or the deadline has passed (False)."""
     while waiting(words) == 0:
         now = now_ns(timespec)
         if now >= deadline_ns:

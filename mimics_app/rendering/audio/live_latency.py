@@ -1,10 +1,10 @@
-"""How long from a touch to its sound, measured on a live device that can be listened to: a private PulseAudio server.
+"""Latency from contact to sound, measured on a live device that can be recorded: a private PulseAudio server.
 
-A null sink plays nothing but has a monitor; what the monitor hands out is what loudspeakers would have been given. Not
-in the figure: the converter behind a real sound card (about a period more) and wireless headphones (100-300 ms).
+A null sink plays nothing but has a monitor, which delivers what loudspeakers would have received. The figure excludes
+the converter of a real sound card (about one period) and wireless headphones (100-300 ms).
 
-The time of a sample is that of the device's clock, not of the listener: on a busy machine what was played arrives here
-late and in heaps, but its frames are still 1/48000 s apart. See `handed_out_ns`.
+The time of a sample is that of the device's clock, not of its arrival: on a busy machine samples arrive late and in
+bursts, but their frames are still 1/48000 s apart. See `handed_out_ns`.
 """
 
 from __future__ import annotations
@@ -41,28 +41,28 @@ _FRAME_BYTES = 8
 _SINK = "mimics"
 _THRESHOLD = 0.02
 _QUIET_FRAMES = 1500
-_SETTLE_NS = 2_500_000_000  # a young recording loses stretches of sound; the player's stream does not
+_SETTLE_NS = 2_500_000_000  # the monitor's stream drops sound at first; the player's does not
 _PAUSE_NS = (200_000_000, 240_000_000)
-"""Shortest and longest time between two contacts [ns]. A contact read later than 100 ms is not played, so whatever
-holds the mixer up, two that are played are at least 100 ms apart: two onsets."""
+"""Shortest and longest time between two contacts [ns]. A contact read later than 100 ms is not played, so the onsets
+of two played contacts are at least 100 ms apart however late the mixer is."""
 
 _LONGEST_NS = _PAUSE_NS[0]
-"""The first onset within this time after a contact is its own [ns]."""
+"""Time after a contact within which the first onset is taken as its sound [ns]."""
 
 _CALM_NS = 2_000_000_000
-"""Chunks that arrive within this time of a frame date it [ns]; the null sink's clock gains 0.3 ms a second, no more."""
+"""Chunks that arrive within this time of a frame bound its time [ns]; the sink's clock drifts by 0.3 ms/s at most."""
 
 _START_TIMEOUT_NS = 10_000_000_000
 
 _BLOW_N = tuple(12.0 * np.sin(np.pi * np.arange(1, 9) / 8.0))
-"""Force of a tap in each tick [N]: 12 N at most, over after 8 ms."""
+"""Force of a tap in each tick [N]: a half sine of 12 N and 8 ms."""
 
 _STRUCK_BODY = 1
-"""As events name it: what is tapped, and sounds by the force of the tap."""
+"""Id of the tapped body in events; its sound is force-driven."""
 
 
 def pulse_missing() -> str:
-    """Why the measurement cannot be made here, "" when it can."""
+    """Return why the measurement cannot be made here, "" when it can."""
     missing = [name for name in ("pulseaudio", "parec") if shutil.which(name) is None]
     return f"no {' and '.join(missing)}: apt-get install pulseaudio pulseaudio-utils" if missing else ""
 
@@ -70,23 +70,22 @@ def pulse_missing() -> str:
 def measure_live_latency(
     seconds: float = 10.0, period: int = 64, seed: int = 1, mixer: MixerName = "openal"
 ) -> dict[str, Any]:
-    """Contacts pushed into a session's ring as the haptic loop does, heard at the monitor of a null sink.
+    """Push contacts into a session's ring as the haptic loop does, and record them at the monitor of a null sink.
 
-    Every second contact plays a recording; the others are taps on a thing that sounds by the force of the tap, tick by
-    tick (`modal.py`).
+    Every second contact plays a recording; the others are taps with a force-driven sound (`modal.py`).
 
     Args:
         seconds: Length of the measurement, about four contacts a second.
         period: Frames per period of the device, see AudioSettings.
-        seed: Of the random times of the contacts.
-        mixer: Which one plays.
+        seed: Seed of the random contact times.
+        mixer: Mixer that plays.
 
     Returns:
-        `events` pushed, `played` by the mixer, `heard` at the monitor, `stale` ones that were read too late to be
-        played; `latency_ms` of recordings and `struck_ms` of taps, with p50, p95 and max from the tick's time to the
-        sample at the monitor, left out where nothing was heard; `struck`, taps that were played by their force;
-        `modelled_ms`, of all as the session's report has it; `buffers_ms`, what the device's buffers make of it; and
-        `device, sink, hrtf, rate, period`.
+        `events` pushed, `played` by the mixer, `heard` at the monitor, `stale` (read too late to be played);
+        `latency_ms` of recordings and `struck_ms` of taps, each with p50, p95 and max from the time of the tick to the
+        sample at the monitor, absent where nothing was heard; `struck`, taps whose sound was force-driven;
+        `modelled_ms`, latency of all as the session's report computes it; `buffers_ms`, the share of the device's
+        buffers; and `device, sink, hrtf, rate, period`.
 
     Raises:
         DeviceError: PulseAudio is not installed, or its server or our device did not come up.
@@ -126,7 +125,7 @@ def _rounded(values: Mapping[str, float | None]) -> dict[str, float]:
 
 @contextmanager
 def private_pulse_server() -> Iterator[dict[str, str]]:
-    """A PulseAudio server of our own with one null sink; yields the environment that leads a client to it.
+    """Run a private PulseAudio server with one null sink; yield the environment variables of its clients.
 
     Raises:
         DeviceError: The server did not come up within 10 s.
@@ -151,7 +150,7 @@ def private_pulse_server() -> Iterator[dict[str, str]]:
         )
         try:
             _wait_for(socket, server)
-            _prefer(server)  # when it has chosen its own niceness
+            _prefer(server)  # after it has set its own niceness
             yield environment
         finally:
             server.terminate()
@@ -163,10 +162,10 @@ def private_pulse_server() -> Iterator[dict[str, str]]:
 
 
 def _prefer(process: subprocess.Popen[bytes]) -> None:
-    """Put it before ordinary work where the system allows it: it stands for a sound card, which no load holds up.
+    """Give a process real-time priority where the system allows it: it stands for a sound card, which no load delays.
 
-    A server that is held up longer than two periods takes what it missed for the past and drops it; PulseAudio gives
-    precedence to its sinks on its own, but not to the thread that takes the sound from its clients.
+    A server that is delayed by more than two periods drops what it missed. PulseAudio gives real-time priority to its
+    sinks, but not to the thread that receives the sound of its clients.
     """
     ask_for_fifo(process.pid, FIFO_PRIORITY + 1)
 
@@ -181,7 +180,7 @@ def _wait_for(socket: Path, server: subprocess.Popen[bytes]) -> None:
 
 
 class Monitor:
-    """Listens to a private server's monitor; each chunk of samples is kept with the time it arrived."""
+    """Records the monitor of a private server; each chunk of samples is kept with its time of arrival."""
 
     def __init__(self, environment: dict[str, str]) -> None:
         self._environment = environment
@@ -215,12 +214,12 @@ class Monitor:
             self._chunks.append((clock.now_ns(), chunk))
 
     def frames(self) -> F4:
-        """What was heard so far, shape [n, 2]."""
+        """Return the recording so far, shape [n, 2]."""
         raw = b"".join(chunk for _, chunk in self._chunks)
         return np.frombuffer(raw[: len(raw) // _FRAME_BYTES * _FRAME_BYTES], np.float32).reshape(-1, 2)
 
     def onsets(self) -> list[int]:
-        """Times at which the first samples after a quiet stretch were handed out [ns], by the device's clock."""
+        """Return the times of the first samples after silence [ns], by the device's clock."""
         frames = self.frames()
         loud = np.flatnonzero(np.abs(frames).max(axis=1) > _THRESHOLD) if len(frames) else np.zeros(0, np.int64)
         first = loud[np.flatnonzero(np.diff(loud, prepend=-_QUIET_FRAMES - 1) > _QUIET_FRAMES)]
@@ -230,20 +229,20 @@ class Monitor:
 
 
 def handed_out_ns(frames: I8, ends: I8, arrivals_ns: I8) -> I8:
-    """When frames of a recording were handed out by a device whose clock is steady, whatever held the listener up.
+    """Return when a device with a steady clock delivered frames of a recording, however late the chunks arrived.
 
-    A chunk cannot arrive before its last frame was handed out, and every frame before that one was due so much earlier:
-    each chunk from a frame's own on bounds the frame's time from above, and the one that was held up least decides.
+    A chunk cannot arrive before its last frame was delivered, and earlier frames were due correspondingly earlier: each
+    chunk from a frame's own on bounds the frame's time from above, and the least delayed one gives the time.
 
     Args:
         frames: Indices of the frames, shape [n].
         ends: Number of frames recorded by the end of each chunk, ascending, shape [chunks].
-        arrivals_ns: When each chunk arrived [ns], ascending, shape [chunks].
+        arrivals_ns: Time of arrival of each chunk [ns], ascending, shape [chunks].
 
     Returns:
         Times [ns], shape [n].
     """
-    starts = arrivals_ns - ends * 1_000_000_000 // _RATE  # when frame 0 was due, as each chunk has it
+    starts = arrivals_ns - ends * 1_000_000_000 // _RATE  # bound on the time of frame 0 by each chunk
     own = np.searchsorted(ends, frames, side="right")
     last = np.searchsorted(arrivals_ns, arrivals_ns[own] + _CALM_NS, side="right")
     calm = np.array([starts[i:j].min() for i, j in zip(own, last, strict=True)], np.int64)
@@ -272,7 +271,7 @@ def _play_contacts(
         status = audio.wait_ready(60.0)
         if status.sink != "device":
             raise DeviceError(f"no live device on the private PulseAudio server: {status.notice}")
-        clock.sleep_until_ns(clock.now_ns() + 700_000_000)  # the stream's buffers settle
+        clock.sleep_until_ns(clock.now_ns() + 700_000_000)  # until the buffers of the stream have settled
         pushed = _push_contacts(memory, clock, seconds, np.random.default_rng(seed))
         clock.sleep_until_ns(clock.now_ns() + 300_000_000)
     finally:
@@ -283,12 +282,12 @@ def _play_contacts(
 def _push_contacts(
     memory: SessionMemory, clock: MonotonicClock, seconds: float, random: np.random.Generator
 ) -> list[int]:
-    """Contacts for some seconds, a recording and a tap in turn; their times [ns]."""
+    """Push contacts for some seconds, alternately with a recording and a tap; return their times [ns]."""
     pushed: list[int] = []
     end = clock.now_ns() + round(seconds * 1e9)
     event, force = np.zeros(1, EVENT), np.zeros(1, CONTACT_FORCE)
-    ring.push(memory.audio_event_words, memory.audio_events, event)  # of no kind: compiles the call
-    ring.push(memory.audio_force_words, memory.audio_forces, force)  # of no contact: likewise
+    ring.push(memory.audio_event_words, memory.audio_events, event)  # a record of no kind: compiles the call
+    ring.push(memory.audio_force_words, memory.audio_forces, force)  # likewise
     event["kind"], event["speed"], event["position_world"] = EventKind.CONTACT_BEGIN, 0.6, (0.0, 0.0, -1.0)
     while clock.now_ns() < end:
         clock.sleep_until_ns(clock.now_ns() + int(random.integers(*_PAUSE_NS)))
@@ -303,7 +302,7 @@ def _push_contacts(
 
 
 def _push_forces(memory: SessionMemory, clock: MonotonicClock, begin_ns: int) -> None:
-    """The rest of a tap, a tick at a time."""
+    """Push the remaining forces of a tap, one per tick."""
     row = np.zeros(1, CONTACT_FORCE)
     row["body_a"], row["body_b"] = 0, _STRUCK_BODY
     for tick, newton in enumerate(_BLOW_N[1:], 1):
@@ -313,7 +312,7 @@ def _push_forces(memory: SessionMemory, clock: MonotonicClock, begin_ns: int) ->
 
 
 def match_onsets(pushed: Sequence[int], onsets: Sequence[int]) -> list[float]:
-    """Latency [ms] of every event that was heard, ascending: the first onset after it, soon enough to be its own.
+    """Return the latency [ms] of every event that was heard, ascending, by the first onset within `_LONGEST_NS` of it.
 
     Args:
         pushed: Times of the events [ns], ascending, more than `_LONGEST_NS` apart.

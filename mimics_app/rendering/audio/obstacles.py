@@ -1,8 +1,8 @@
-"""What boxes between a sound and the listener let through: around their edges and through their walls.
+"""Occlusion by boxes between a source and the listener: diffraction around edges and transmission through walls.
 
-Around: Maekawa (1968), attenuation 10 log10(3 + 20 N) dB, N = 2 (detour) / wavelength, negative N before the shadow so
-that nothing snaps. Through: the mass law for all directions, 20 log10(f m) - 47 dB. The louder counts; five rays to
-points around the source make it as wide as it is.
+Diffraction: Maekawa (1968), attenuation 10 log10(3 + 20 N) dB, N = 2 (detour) / wavelength; N is negative outside the
+shadow, so that the gain is continuous. Transmission: the field-incidence mass law, 20 log10(f m) - 47 dB. The louder of
+the two counts; five rays to points around the source model its extent.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ __all__ = ["BAND_HZ", "Box", "diffraction_db", "passes_of", "transmission_db"]
 
 
 BAND_HZ = (250.0, 1400.0, 6000.0)
-"""Frequencies that stand for the bands."""
+"""Representative frequency of each band [Hz]."""
 
 SOUND_SPEED = 343.0
-"""[m/s] at 20 degrees C."""
+"""Speed of sound in air at 20 degrees C [m/s]."""
 
-_SPREAD = 0.25  # m by which the four other rays end beside the source
+_SPREAD = 0.25  # distance of the other four ray ends from the source [m]
 _WAVELENGTHS = SOUND_SPEED / np.array(BAND_HZ)
 
-# The twelve edges of a box from -1 to 1: a corner of each and the axis it runs along.
+# The twelve edges of the box [-1, 1]^3: one end of each and the axis it is parallel to.
 _EDGES = [
     (np.insert(np.array([i, j]), axis, -1.0), axis) for axis in range(3) for i in (-1.0, 1.0) for j in (-1.0, 1.0)
 ]
 
-# Ways around it: over one edge, or over two parallel ones of a face.
+# Pairs of edges a path may bend over: one edge twice, or two parallel edges of a face.
 _TURNS = [
     (i, j)
     for i, (one, axis) in enumerate(_EDGES)
@@ -46,8 +46,8 @@ class Box:
 
     Attributes:
         world_from_box: Pose, shape [4, 4].
-        half: Half its edges [m], shape [3].
-        surface_mass: Of its wall [kg/m^2].
+        half: Half extents [m], shape [3].
+        surface_mass: Mass per area of its wall [kg/m^2].
     """
 
     world_from_box: F8
@@ -56,18 +56,18 @@ class Box:
 
 
 def transmission_db(surface_mass: float) -> F8:
-    """Loss through a wall by band [dB], none below 0."""
+    """Return the transmission loss of a wall per band [dB], at least 0."""
     return np.maximum(0.0, 20.0 * np.log10(np.array(BAND_HZ) * surface_mass) - 47.0)
 
 
 def diffraction_db(detour: float | F8) -> F8:
-    """Loss around an edge by band [dB] for a detour [m], negative where the edge does not hide the source."""
+    """Return the diffraction loss per band [dB] for a detour [m], negative where the source is visible."""
     fresnel = 2.0 * np.asarray(detour)[..., None] / _WAVELENGTHS
     return np.asarray(10.0 * np.log10(np.maximum(1.0, 3.0 + 20.0 * fresnel)))
 
 
 def passes_of(listener: F8, source: F8, boxes: list[Box]) -> F8:
-    """Linear share by band that the boxes let through, shape [BANDS], world positions [m], shape [3]."""
+    """Return the linear gain per band past the boxes, shape [BANDS]; positions in the world [m], shape [3]."""
     total = np.ones(BANDS)
     for box in boxes:
         through = 10.0 ** (-transmission_db(box.surface_mass) / 10.0)
@@ -81,7 +81,7 @@ def passes_of(listener: F8, source: F8, boxes: list[Box]) -> F8:
 
 
 def _around(listener: F8, source: F8) -> list[F8]:
-    """The source and four points beside it, across the path to it."""
+    """Return the source and four points around it, perpendicular to the direct path."""
     between = source - listener
     distance = float(np.linalg.norm(between))
     if distance < _SPREAD:
@@ -94,7 +94,7 @@ def _around(listener: F8, source: F8) -> list[F8]:
 
 
 def _detour(listener: F8, source: F8, box: Box) -> float:
-    """Length of the shortest path around the box less that of the straight one [m]; negative where that is free."""
+    """Return by how much the shortest path around the box exceeds the direct one [m]; negative where that is free."""
     turn, place = box.world_from_box[:3, :3], box.world_from_box[:3, 3]
     scale = np.linalg.norm(turn, axis=0)
     a, b = ((point - place) @ (turn / scale) for point in (listener, source))
@@ -122,7 +122,7 @@ def _length(a: F8, b: F8) -> float:
 
 
 def _bends(a: F8, b: F8, half: F8) -> list[F8]:
-    """On each edge the point by which the path from a to b is shortest."""
+    """Return on each edge the point over which the path from a to b is shortest."""
     points = []
     for corner, axis in _EDGES:
         start = corner * half
@@ -136,7 +136,7 @@ def _bends(a: F8, b: F8, half: F8) -> list[F8]:
 
 
 def _hits(a: F8, b: F8, half: F8) -> bool:
-    """Whether the path from a to b goes through the box (slabs)."""
+    """Return whether the segment from a to b intersects the box (slab test)."""
     between = b - a
     with np.errstate(divide="ignore", invalid="ignore"):
         near, far = (-half - a) / between, (half - a) / between
@@ -146,5 +146,5 @@ def _hits(a: F8, b: F8, half: F8) -> bool:
 
 
 def _cut(a: F8, b: F8, half: F8) -> bool:
-    """The same for a path that touches the box at one of its edges: a little less of the box."""
+    """Like `_hits` for a segment that ends on an edge of the box: tests a slightly smaller box."""
     return _hits(a, b, half * (1.0 - 1e-6))

@@ -1,4 +1,4 @@
-"""Sound in step with a virtual clock: the same events give the same bytes, each sound at its exact sample."""
+"""Sound of a virtual clock: the same events give the same bytes, and every sound starts at its exact sample."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ _TAIL_S = 1.5
 
 
 class OfflineAudio:
-    """Sound of a headless session, mixed by the app itself; the same calls as `AudioProcess`.
+    """Sound of a headless session, mixed in the main process, with the interface of `AudioProcess`.
 
-    It goes into a wave file where the settings name one; else what would be heard, and when, is reported and not kept.
+    It is written to a wave file where the settings name one; else only the report says which sounds play when.
     Frame n of the file is session time n / rate; a sound starts at round(t * rate) plus the constant pipeline.
     """
 
@@ -47,7 +47,7 @@ class OfflineAudio:
         self._lost = False
 
     def start(self) -> None:
-        """Open the loopback and the file, if any; a missing library leaves the session without sound, and says so."""
+        """Open the loopback and the file, if any; without the library the session continues silently, with a notice."""
         settings = self._settings
         try:
             bank = SoundBank(settings.sounds, settings.rate)
@@ -62,7 +62,7 @@ class OfflineAudio:
 
     @property
     def ready(self) -> AudioStatus | None:
-        """What was opened, None before `start`."""
+        """Status of the output, None before `start`."""
         return self._status
 
     def play(self, event: SoundEvent) -> None:
@@ -78,7 +78,7 @@ class OfflineAudio:
             self._mixer.master(gain)
 
     def advance(self, now_ns: int) -> None:
-        """Read the contacts up to now and mix them. Call it after the haptic ticks of the frame were run."""
+        """Read the contacts up to now and mix them; to be called after the haptic ticks of the frame."""
         self._clock.sleep_until_ns(now_ns)
         if self._engine is None or self._director is None or self._mixer is None:
             return
@@ -87,7 +87,7 @@ class OfflineAudio:
         self._render(self._engine, frame_at(now_ns, 0, self._mixer.rate))
 
     def stop(self) -> AudioReport:
-        """Let the last sounds ring out, close the file and return what was done."""
+        """Let the last sounds decay, close the file and return the report."""
         if self._report is None:
             self._report = self._close()
         return self._report
@@ -97,7 +97,7 @@ class OfflineAudio:
         return None if self._engine is None else self._engine.mixer
 
     def _render(self, engine: Engine, frame: int) -> None:
-        """Mix up to a frame; a file that takes no more ends the sound, not the session."""
+        """Mix up to a frame; a file that cannot be written any further ends the sound, not the session."""
         if self._lost:
             return
         try:
@@ -143,12 +143,12 @@ def render_offline(
 
     Args:
         events: Sounds to start, in any order.
-        sounds: What the names mean.
+        sounds: Settings of the sounds, by name.
         seconds: Length of the render.
         listener: Position [m], forward and up of the head; None: at the origin, looking along -z.
-        hrtf: Head-related filters.
+        hrtf: Whether head-related filters are applied.
         rate: Samples per second.
-        mixer: Which one.
+        mixer: Mixer to use.
 
     Returns:
         The mix, shape [n, 2], not limited to full scale, and for every event the frame of its first sample:
@@ -175,7 +175,7 @@ def _head_alone(pose: Pose) -> Heard:
 
 
 def _render_events(mixer: Mixer, events: Sequence[SoundEvent], frames: int) -> tuple[NDArray[np.float32], list[int]]:
-    """Hand each event to the mixer one block before it is due, so that voices are busy only while they sound."""
+    """Pass each event to the mixer one block before it is due, so that voices are busy only while they sound."""
     order = sorted(range(len(events)), key=lambda k: events[k].t_ns)
     onsets = [-1] * len(events)
     blocks = []

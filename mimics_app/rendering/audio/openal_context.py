@@ -1,4 +1,4 @@
-"""One OpenAL output: a live device, or a loopback whose samples we request ourselves."""
+"""An OpenAL context on a live device, or on a loopback that renders on demand."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ class OpenALContext:
     """A device of the library with one context.
 
     Attributes:
-        library: The library it belongs to.
+        library: Library of the device.
         loopback: True when it renders on demand.
-        name: What the library calls the device, or "loopback".
-        rate: Samples per second it really runs at.
+        name: The library's name of the device, or "loopback".
+        rate: Actual samples per second.
         hrtf: True when the head-related filters are on.
-        period: Frames that a live device takes at a time: what was asked for, or what it has.
+        period: Actual frames per period of a live device.
     """
 
     def __init__(self, library: OpenALLibrary, rate: int, hrtf: bool, voices: int, *, loopback: bool) -> None:
@@ -45,11 +45,11 @@ class OpenALContext:
         self.name = "loopback" if loopback else self._device_name()
 
     def activate(self) -> None:
-        """Make the calls that follow mean this context."""
+        """Make this the current context of the library."""
         self._call.alcMakeContextCurrent(self._context)
 
     def render_into(self, out: NDArray[np.float32]) -> None:
-        """Fill out, shape [frames, 2], C order; a loopback only."""
+        """Render into `out`, shape [frames, 2], C order; loopback only."""
         self._call.alcRenderSamplesSOFT(self._device, out.ctypes.data, len(out))
 
     @property
@@ -59,10 +59,10 @@ class OpenALContext:
 
     @property
     def buffered_ms(self) -> float:
-        """From a started sound to its first sample leaving the device [ms]: wait for a period, then the queued ones.
+        """Latency from the start of a sound to its first sample at the device's output [ms].
 
-        The library's own figure counts where it is larger and credible; on some servers it is 0 or 80 ms before the
-        stream has run, so it proves nothing.
+        One period of waiting plus the queued ones, or the library's own figure where that is larger and credible: on
+        some servers it is 0 or 80 ms before the stream has run.
         """
         queued = (1 + DEVICE_PERIODS) * self.period / self.rate * 1e3
         latency = (ctypes.c_int64 * 1)()
@@ -72,9 +72,9 @@ class OpenALContext:
         return max(queued, reported) if 0.0 < reported < 500.0 else queued
 
     def close(self) -> None:
-        """Give the device back; calling it again does nothing."""
+        """Close context and device; a second call does nothing."""
         if getattr(self, "_context", None):
-            if self._call.alcGetCurrentContext() == self._context:  # another one's calls go on meaning that one
+            if self._call.alcGetCurrentContext() == self._context:  # the current context may be another one
                 self._call.alcMakeContextCurrent(None)
             self._call.alcDestroyContext(self._context)
             self._context = None
@@ -97,7 +97,7 @@ class OpenALContext:
         return int(context)
 
     def _filters_for(self, rate: int) -> list[int]:
-        """Attributes that choose filters made for this rate: a device takes the rate of its filters, not ours."""
+        """Return the attributes that select filters of this rate: a device runs at the rate of its filters."""
         for index in range(self._integer(ALC.NUM_HRTF_SPECIFIERS)):
             name = self._call.alcGetStringiSOFT(self._device, ALC.HRTF_SPECIFIER, index)
             if name and str(rate) in name.decode(errors="replace"):
@@ -116,7 +116,7 @@ class OpenALContext:
 
 
 def measure_pipeline(library: OpenALLibrary, rate: int, hrtf: bool) -> int:
-    """Frames from the start of a sound to its first sample in the mix: constant for a library (0 without HRTF)."""
+    """Return the frames from the start of a sound to its first sample in the mix, a constant of the library."""
     context = OpenALContext(library, rate, hrtf, 1, loopback=True)
     call = library.call
     try:

@@ -1,9 +1,9 @@
-"""OpenAL Soft bound by hand: the only module that knows the library's C interface.
+"""Bindings of OpenAL Soft: the only module that knows the library's C interface.
 
-PyOpenAL finds the library where it has an unusual name; its own wrappers lack loopback, HRTF and float formats and hide
-errors behind `ALC_OUT_OF_MEMORY`, so a second handle with function objects of its own is taken (the first one's carry
-PyOpenAL's error hooks). The library reads its configuration once, at the first open; ours is written before that,
-because every default of it breaks the 20 ms between touch and sound (1024 x 3 frames: 51 ms).
+PyOpenAL locates the library where it has an unusual name. Its wrappers lack loopback, HRTF and float formats and report
+errors as `ALC_OUT_OF_MEMORY`; therefore the library is loaded through a second handle, whose function objects do not
+carry PyOpenAL's error hooks. The library reads its configuration once, when the first device opens. Ours is written
+before that, as the defaults break the 20 ms from contact to sound (1024 x 3 frames: 51 ms).
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ __all__ = ["AL", "ALC", "INSTALL_LINE", "OpenALLibrary", "load_library", "quiet_
 
 INSTALL_LINE = "apt-get install libopenal1"
 _USUAL_NAME = "libopenal.so.1"
-"""Of the library on every Linux that has it."""
+"""File name of the library on Linux."""
 
 
 DEVICE_PERIODS = 3
-"""Periods that a live device has queued. Two leave gaps where its server is held up for one (decision 020)."""
+"""Queued periods of a live device; with two, a sound server that is one period late causes a gap (decision 020)."""
 
 
 class ALC:
-    """Numbers of alc.h and alext.h that are used here."""
+    """Constants of alc.h and alext.h used here."""
 
     FREQUENCY = 0x1007
     REFRESH = 0x1008
@@ -55,7 +55,7 @@ class ALC:
 
 
 class AL:
-    """Numbers of al.h and alext.h that are used here."""
+    """Constants of al.h and alext.h used here."""
 
     CONE_INNER_ANGLE = 0x1001
     CONE_OUTER_ANGLE = 0x1002
@@ -132,7 +132,7 @@ _OPTIONAL: dict[str, tuple[Any, list[Any]]] = {
     "alBufferStorageSOFT": (None, [_uint, _int, _pointer, _int, _int, _uint]),
     "alMapBufferSOFT": (_pointer, [_uint, _int, _int, _uint]),
 }
-"""Of AL_SOFT_map_buffer: memory of a sound that is written while it plays; a library without it plays recordings."""
+"""Functions of AL_SOFT_map_buffer: buffers written while they play. Without them, contacts play recordings."""
 
 _ERRORS = {
     0xA001: "invalid name or device",
@@ -147,9 +147,9 @@ class OpenALLibrary:
     """The functions of one OpenAL Soft library, with explicit checks.
 
     Attributes:
-        path: What the loader was given.
-        call: The functions by their C names.
-        maps: Whether it has those of AL_SOFT_map_buffer.
+        path: Path or name that was loaded.
+        call: Functions by their C names.
+        maps: Whether AL_SOFT_map_buffer is available.
     """
 
     def __init__(self, path: str) -> None:
@@ -170,13 +170,13 @@ class OpenALLibrary:
             setattr(self.call, name, function)
 
     def check(self, what: str) -> None:
-        """Raise DeviceError when the calls since the last check left an error behind."""
+        """Raise DeviceError if a call since the last check has failed."""
         code = self.call.alGetError()
         if code:
             raise DeviceError(f"OpenAL could not {what}: {_ERRORS.get(code, hex(code))}")
 
     def device_error(self, device: int | None) -> str:
-        """The error of a device or of the library (None), in words; "" when there is none."""
+        """Return the error of a device, or of the library (None), in words; "" when there is none."""
         code = self.call.alcGetError(device)
         return _ERRORS.get(code, hex(code)) if code else ""
 
@@ -185,7 +185,7 @@ _loaded: dict[str, OpenALLibrary] = {}
 
 
 def load_library(settings: AudioSettings) -> OpenALLibrary:
-    """The library of this process; its configuration is that of the first call.
+    """Return the library of this process; the first call fixes its configuration.
 
     Raises:
         DeviceError: No library is found, or it is not OpenAL Soft; the fix names the package.
@@ -198,7 +198,7 @@ def load_library(settings: AudioSettings) -> OpenALLibrary:
                 library = OpenALLibrary(path)
             except OSError as error:
                 raise DeviceError(f"the OpenAL library {path} cannot be loaded", INSTALL_LINE) from error
-            # The first open makes the library read its configuration, so that the file can go again.
+            # The library reads its configuration when a device first opens; the file can be deleted then.
             first = library.call.alcLoopbackOpenDeviceSOFT(None)
             if first:
                 library.call.alcCloseDevice(first)
@@ -207,7 +207,7 @@ def load_library(settings: AudioSettings) -> OpenALLibrary:
 
 
 def _find() -> str:
-    """By its usual name; else as PyOpenAL finds it, which takes many times as long: its search runs a compiler."""
+    """Find the library by its usual name, else by PyOpenAL, whose search is far slower: it runs a compiler."""
     if sys.platform.startswith("linux"):
         with suppress(OSError):
             ctypes.CDLL(_USUAL_NAME)
@@ -222,7 +222,7 @@ def _find_by_pyopenal() -> str:
             from openal.al_lib import lib
     except ImportError:
         found = _find_without_pyopenal()
-    except Exception as error:  # PyOpenAL has a class of its own for this
+    except Exception as error:  # PyOpenAL raises a class of its own
         raise DeviceError(f"no OpenAL library ({type(error).__name__})", INSTALL_LINE) from error
     else:
         found = str(lib._name)
@@ -233,7 +233,7 @@ def _find_by_pyopenal() -> str:
 
 @contextmanager
 def _signals_held() -> Iterator[None]:
-    """Let signals that end the program wait: PyOpenAL has bare `except:` clauses, which would swallow Ctrl-C."""
+    """Defer signals that end the program: PyOpenAL has bare `except:` clauses, which would swallow Ctrl-C."""
     came: list[int] = []
     names = ("SIGINT", "SIGTERM", "SIGHUP") if threading.current_thread() is threading.main_thread() else ()
     numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]
@@ -261,7 +261,7 @@ def _find_without_pyopenal() -> str:
 
 
 def _configuration_text(settings: AudioSettings) -> str:
-    """Everything that touches delay or samples, so that no file of the user or the system decides it."""
+    """Return a configuration that fixes latency and samples, whatever files the user or the system has."""
     lines = [
         "[general]",
         f"frequency = {settings.rate}",
@@ -301,7 +301,7 @@ def _configuration(settings: AudioSettings) -> Iterator[None]:
 
 @contextmanager
 def quiet_stderr() -> Iterator[None]:
-    """Point file descriptor 2 to nowhere: the sound libraries write many lines of their own where there is no card."""
+    """Redirect file descriptor 2 to /dev/null: sound libraries print many lines where there is no sound card."""
     saved = os.dup(2)
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, 2)

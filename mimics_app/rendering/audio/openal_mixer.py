@@ -1,10 +1,10 @@
-"""The mixer on OpenAL: named sounds in, positional sound out, with sample-exact starts where we request the samples.
+"""The OpenAL mixer: named sounds in, spatial sound out, with sample-exact starts on a loopback.
 
-A loopback starts a sound at `round((t - origin) * rate) + latency` frames, late ones at once: `render` cuts its block
-at every start, because the library begins a sound only at the head of a render. A live device draws on its own; there
-a start is a start at the next period.
-The library of the stable distributions cuts a stopped sound off with a click (-23 dBFS), so a stop is a fade to zero
-over one mix and the cut comes when nothing is heard any more.
+A loopback starts a sound at frame `round((t - origin) * rate) + latency`, a late one at once: `render` splits its block
+at every start, because the library starts sounds only at the beginning of a render call. A live device renders in a
+thread of the library; there a sound starts with the next period.
+OpenAL Soft of the stable distributions stops a sound with a click (-23 dBFS); therefore a stop fades to zero over one
+render call first.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ _AUDIBLE_CHANGE = 0.02
 _AHEAD: Vec3 = (0.0, 0.0, -1.0)
 
 _LEAD_S = 0.005
-"""How far a sound that is filled while it plays is behind its start on a live device [s]: the library takes a period at
-once, and a tick's force is read up to a millisecond after it was felt."""
+"""Lead-in of a force-driven sound on a live device [s]: the library renders a whole period at once, and the force of a
+tick is read up to 1 ms after the tick."""
 
 
 class _State(IntEnum):
@@ -64,7 +64,7 @@ class OpenALMixer:
     """See contracts.audio_port.Mixer.
 
     Attributes:
-        context: What it plays into.
+        context: Context it plays on.
     """
 
     def __init__(
@@ -95,7 +95,7 @@ class OpenALMixer:
             raise
 
     def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
-        """Start a sound; its handle is 0 when no voice was free for it. KeyError: no such sound."""
+        """Start a sound; its handle is 0 when no voice was free. KeyError: no such sound."""
         content = self._bank[sound]
         voice = self._find_voice(content.spec.gain * gain)
         if voice is None:
@@ -117,7 +117,7 @@ class OpenALMixer:
         return Start(voice.handle, frame, late=frame > wanted)
 
     def first_sample(self, start: Start, submitted_ns: int) -> tuple[int, int]:
-        """Frame of a sound's first sample (-1: only the device knows) and the session time by which it is heard."""
+        """Return the frame of a sound's first sample (-1: unknown) and the session time by which it is heard [ns]."""
         if start.frame < 0:
             pipeline_ms = self.timing.pipeline / self.context.rate * 1e3
             return -1, submitted_ns + round((self.context.buffered_ms + pipeline_ms) * 1e6)
@@ -125,9 +125,9 @@ class OpenALMixer:
         return frame, self.timing.origin_ns + frame * 1_000_000_000 // self.context.rate
 
     def hear(self, heard: Heard) -> None:
-        """Place the head and move the sounds; gains are ramped by the library over one mix.
+        """Set the poses of listener and sounds; the library ramps gains over one render call.
 
-        Of what obstacles let through only the middle band is used, as the level.
+        Of the gains past obstacles only the middle band is used, as the level.
         """
         orientation = (ctypes.c_float * 6)(*heard.head_forward, *heard.head_up)
         call = self._call
@@ -145,13 +145,13 @@ class OpenALMixer:
                 self._change(call.alSource3f, voice.source, AL.DIRECTION, *heard.forward[row])
 
     def _set_gain(self, voice: _Voice, gain: float) -> None:
-        """Change the gain of a voice, where the ear can hear it."""
+        """Change the gain of a voice where the change is audible."""
         if abs(gain - voice.gain) > _AUDIBLE_CHANGE * (gain + voice.gain):
             voice.gain = gain
             self._change(self._call.alSourcef, voice.source, AL.GAIN, gain)
 
     def stop(self, handle: int) -> None:
-        """Fade a sound out; its voice is free again once that is heard."""
+        """Fade a sound out; its voice is free once the fade has been played."""
         voice = self._by_handle.get(handle)
         if voice is not None:
             self._fade(voice)
@@ -162,20 +162,20 @@ class OpenALMixer:
 
     @property
     def lead(self) -> int | None:
-        """Frames before what is filled: on a live device the library reads ahead of what the loop has computed."""
+        """Lead-in of force-driven sounds [frames]: a live device reads ahead of the newest force."""
         if self._bank.live and not self._filled:
             return None
         return 0 if self.context.loopback else round(_LEAD_S * self.rate)
 
     def fill(self, handle: int, begin: int, samples: NDArray[np.float32]) -> None:
-        """Set samples of a sound that plays, from its sample `begin` on; what is beyond its end is left out."""
+        """Write samples of a playing sound from its sample `begin` on; those beyond its end are ignored."""
         voice = self._by_handle.get(handle)
         if voice is not None:
             memory = self._filled[voice.sound]
             memory[begin : begin + len(samples)] = samples[: max(0, len(memory) - begin)]
 
     def render(self, frames: int) -> NDArray[np.float32]:
-        """Mix the next frames, shape [frames, 2], not limited to full scale; shape [0, 2] for a live device."""
+        """Render the next frames, shape [frames, 2], not limited to full scale; shape [0, 2] on a live device."""
         if not self.context.loopback:
             return np.zeros((0, 2), np.float32)
         self.context.activate()
@@ -186,7 +186,7 @@ class OpenALMixer:
             rest = frames - done
             piece = min(rest, self._due[0][0] - self.position) if self._due else rest
             if piece >= _SHORTEST_RAMP or piece == rest:
-                self._apply_changes()  # on a piece long enough for the library's ramp not to be a step
+                self._apply_changes()  # on a segment long enough for the library to ramp over
             self.context.render_into(out[done : done + piece])
             done += piece
             self.position += piece
@@ -197,7 +197,7 @@ class OpenALMixer:
         return self.context.connected
 
     def close(self) -> None:
-        """Give the device back."""
+        """Close the device."""
         self.context.close()
 
     def _upload(self) -> dict[str, int]:
@@ -214,7 +214,7 @@ class OpenALMixer:
         return buffers
 
     def _map_live(self) -> dict[str, NDArray[np.float32]]:
-        """Memory of the sounds that are filled while they play; none where the library cannot share it."""
+        """Map the buffers of force-driven sounds; return none where the library cannot."""
         filled: dict[str, NDArray[np.float32]] = {}
         for name, sound in self._bank.live.items() if self._library.maps else ():
             buffer, size, access = ctypes.c_uint(), sound.samples.nbytes, AL.MAP_WRITE | AL.MAP_PERSISTENT
@@ -248,7 +248,7 @@ class OpenALMixer:
         self._library.check(f'prepare the sound "{name}"')
 
     def _aim(self, source: int, spec: SoundSpec) -> None:
-        """At rest, and loud where its cone is."""
+        """Set velocity to zero and the cone of a source."""
         self._call.alSource3f(source, AL.VELOCITY, 0.0, 0.0, 0.0)
         self._call.alSourcef(source, AL.CONE_INNER_ANGLE, min(360.0, degrees(spec.cone_inner)))
         self._call.alSourcef(source, AL.CONE_OUTER_ANGLE, min(360.0, degrees(spec.cone_outer)))
@@ -261,7 +261,7 @@ class OpenALMixer:
         voice.end = None if sound.spec.loop else frame + len(sound.samples) + self.context.rate // 10
 
     def _launch(self) -> None:
-        """Play every sound whose frame has come."""
+        """Play every sound whose start frame is reached."""
         while self._due and self._due[0][0] <= self.position:
             voice = heapq.heappop(self._due)[2]
             if voice.state == _State.SCHEDULED:
@@ -270,7 +270,7 @@ class OpenALMixer:
                 voice.state = _State.PLAYING
 
     def _find_voice(self, gain: float) -> _Voice | None:
-        """A free source; when the limit is reached, the quietest quieter sound makes room."""
+        """Return a free source; at the voice limit the quietest sound is stolen if it is quieter than the new one."""
         self._collect()
         busy = [voice for voice in self._voices if voice.state in (_State.SCHEDULED, _State.PLAYING)]
         if len(busy) >= self._limit:
@@ -289,7 +289,7 @@ class OpenALMixer:
             self._change(self._call.alSourcef, voice.source, AL.GAIN, 0.0)
 
     def _collect(self) -> None:
-        """Free the voices whose sound has ended or has faded."""
+        """Free the voices whose sound has ended or faded out."""
         now = self._now_frame()
         for voice in self._voices:
             if voice.state in (_State.PLAYING, _State.FADING) and voice.end is not None and now >= voice.end:

@@ -1,8 +1,8 @@
-"""The audio process as the app sees it: started, commanded, and closed, without ever waiting for it inside a frame.
+"""The audio process seen from the main process: started, commanded and closed, never waited for within a frame.
 
-Contacts and the places of head and emitters do not pass through here: the child reads them from shared memory. Orders
-travel through a pipe whose writing end never blocks; a message is smaller than PIPE_BUF, so the kernel takes it whole
-or not at all.
+Contacts and the poses of head and emitters do not pass through here: the child reads them from shared memory. Orders
+are sent through a pipe whose writing end never blocks; a message is smaller than PIPE_BUF, so that the kernel accepts
+it whole or not at all.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ __all__ = ["AudioProcess"]
 _SILENT = AudioStatus(device="none", sink="null", hrtf=False, rate=0, latency_ms=0.0)
 
 _STARTS = 2
-"""Tries: a start that fails for a passing reason (memory that ran short, a signal) is made again once."""
+"""Number of attempts: a start that fails for a transient reason (memory, a signal) is repeated once."""
 
 _GONE_S = 0.01
-"""Wait for the exit code of a child that has closed its end of the pipe: shorter than a frame."""
+"""Time-out for the exit code of a child that has closed its end of the pipe [s], shorter than a frame."""
 
 
 class AudioProcess:
-    """Sound of a live session, mixed in a spawned process so that no Python work of the app can hold it up.
+    """Sound of a live session, mixed in a spawned process, which no Python work of the main process can delay.
 
-    Start it before the haptic thread and before the app changes its niceness, which a child inherits.
+    Start it before the haptic thread and before the main process changes its niceness, which a child inherits.
 
     Attributes:
-        starts: How often a process was started: twice where the first one ended before it was ready.
+        starts: Number of processes started: two where the first one ended before it was ready.
     """
 
     def __init__(self, memory: SessionMemory, settings: AudioSettings) -> None:
@@ -57,7 +57,7 @@ class AudioProcess:
         self._hung_up = False
 
     def start(self) -> None:
-        """Spawn the process and return at once; a session without sound starts none."""
+        """Spawn the process and return at once; a session without sound spawns none."""
         if self._settings.sink == "null":
             self._status = _SILENT
             return
@@ -80,7 +80,7 @@ class AudioProcess:
             daemon=True,
         )
         self._process.start()
-        # Our copies of the child's ends would keep a read waiting for a child that is gone.
+        # With our copies of the child's ends open, a read would wait for a child that has ended.
         orders_child.close()
         results_child.close()
         if hasattr(os, "set_blocking"):
@@ -88,13 +88,13 @@ class AudioProcess:
 
     @property
     def ready(self) -> AudioStatus | None:
-        """What is open now (another output once a device was lost), or None while it is starting; never waits."""
+        """Status of the present output (a fallback once a device was lost), None while starting; never waits."""
         if self._report is None:
             self._take_status(timeout_s=0.0)
         return self._status
 
     def wait_ready(self, timeout_s: float | None = None) -> AudioStatus:
-        """Wait until the output is open; past the timeout of the settings the session goes on without sound."""
+        """Wait until the output is open; after the time-out of the settings the session continues without sound."""
         if self._status is None:
             self._take_status(self._settings.start_timeout_s if timeout_s is None else timeout_s)
         if self._status is None:
@@ -113,7 +113,7 @@ class AudioProcess:
         return None if self._process is None else self._process.pid
 
     def play(self, event: SoundEvent) -> None:
-        """Start a sound of the task; never waits, and counts what the process did not take.
+        """Start a sound of the task; never waits, and counts orders that the process did not accept.
 
         Raises:
             MimicsError: The settings know no sound of that name.
@@ -128,10 +128,10 @@ class AudioProcess:
         self._send("master", gain)
 
     def advance(self, now_ns: int) -> None:
-        """Do nothing: the process keeps its own time."""
+        """Do nothing: the process has a clock of its own."""
 
     def stop(self) -> AudioReport:
-        """End the sound, fetch the report and end the process, by force where it does not answer."""
+        """End the sound, receive the report and end the process, by force where it does not answer."""
         if self._report is None:
             self._report = self._close()
         return self._report
@@ -180,7 +180,7 @@ class AudioProcess:
             self._give_up(f"the audio process has ended{self._cause()}: sound is dropped; picture and touch run on")
 
     def _start_again(self) -> None:
-        """Clear away a child that ended before it was ready, and spawn another."""
+        """Clean up after a child that ended before it was ready, and spawn another."""
         for end in (self._orders, self._results):
             if end is not None:
                 end.close()
@@ -190,13 +190,13 @@ class AudioProcess:
         self._spawn()
 
     def _receive(self, timeout_s: float) -> Any:
-        """Next message of the child, or None at the timeout or when the child is gone."""
+        """Return the next message of the child, None at the time-out or when the child has ended."""
         if self._results is None:
             return None
         try:
             return self._results.recv() if self._results.poll(timeout_s) else None
         except (EOFError, OSError):
-            self._hung_up = True  # its end of the pipe is closed: it is gone, or about to be
+            self._hung_up = True  # it closed its end of the pipe: it has ended or is ending
             return None
 
     def _send(self, what: str, content: object) -> bool:
@@ -209,7 +209,7 @@ class AudioProcess:
         return True
 
     def _cause(self) -> str:
-        """What is known of the end of a child that is gone or about to be, in brackets: its signal or exit code."""
+        """Return the signal or exit code of a child that has ended, in brackets, as far as it is known."""
         if self._process is None:
             return ""
         self._process.join(_GONE_S)

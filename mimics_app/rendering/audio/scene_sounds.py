@@ -1,4 +1,4 @@
-"""From the `sound` and `sound_emitter` components of a scene to the settings of its audio."""
+"""Audio settings of a scene, from its `sound` and `sound_emitter` components."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _SINGLE = ("crowd", "goal", "grip", "kick", "score", "scrape", "slip", "start", 
 _STRUCK = ("apple", "contact", "cup", "knock", "stub_box", "stub_kerb", "stub_wall", "table", "tap")
 _STEPS = ("step_asphalt", "step_earth", "step_grass", "step_wood")
 _RECIPES = (*_SINGLE, *_STRUCK, *_STEPS, "ui_hint", "ui_no", "ui_yes")
-"""Named here too, so that checking a scene makes no sound (a test compares them with the bank's)."""
+"""All recipes, so that checking a scene does not import the synthesiser; a test compares them with the bank's."""
 
 _PARAMETERS = {"pitch": (0.25, 4.0)}
 
@@ -31,12 +31,12 @@ def settings_from_components(
     scene_file: str,
     **changes: Any,
 ) -> AudioSettings | None:
-    """The audio a scene requests.
+    """Return the audio settings of a scene.
 
     Args:
         sounds: (entity id, component, JSON pointer) of every `sound`; the id is the sound's name.
-        emitters: The same of every `sound_emitter`; each becomes a sound of its own under its entity's id.
-        assets: Of the scene, by id.
+        emitters: Likewise of every `sound_emitter`; each becomes a sound named after its entity.
+        assets: Assets of the scene, by id.
         scene_file: Path of the scene, for messages.
         changes: Fields of AudioSettings that do not come from the scene (sink, file, ...).
 
@@ -44,7 +44,7 @@ def settings_from_components(
         The settings, or None when the scene has no sound, so that no audio process is started.
 
     Raises:
-        SceneError: Unknown recipes and parameters, all of them.
+        SceneError: Unknown recipes or parameters; lists all of them.
     """
     if not sounds:
         return None
@@ -69,12 +69,12 @@ def settings_from_components(
 
 
 def _trigger(sound: Sound) -> str:
-    """As in `AudioSettings.triggers`."""
+    """Return the key of a sound in `AudioSettings.triggers`."""
     return f"{sound.trigger}/{sound.material}" if sound.material else str(sound.trigger)
 
 
 def check_sound(sound: Sound, pointer: str, scene: Scene) -> list[Issue]:
-    """Faults of one sound: an unknown recipe or parameter, a wave file that cannot be played."""
+    """Return the faults of one sound: an unknown recipe or parameter, or a file that cannot be played."""
     issues = _faults(sound, pointer, scene.issue)
     path = None if sound.asset is None or sound.asset not in scene.assets else scene.assets[sound.asset].path
     if path is not None and path.suffix.lower() == ".wav":

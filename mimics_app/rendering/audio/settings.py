@@ -1,4 +1,4 @@
-"""What a session asks of its sound."""
+"""Settings of a session's sound."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ MixerName = Literal["openal", "spectral"]
 Speakers = Literal["stereo", "5.1", "7.1", "ambisonic"]
 
 LAYOUTS: Mapping[Speakers, int] = {"stereo": 2, "5.1": 6, "7.1": 8, "ambisonic": 16}
-"""Channels by arrangement; ambisonic: third order, ACN, SN3D."""
+"""Number of channels per loudspeaker layout; ambisonic: third order, ACN, SN3D."""
 
 _MOST_VOICES = 4096
 
 
 @dataclass(frozen=True, slots=True)
 class BusSpec:
-    """A group of sounds that are loud together.
+    """A mixer bus: a group of sounds with a common gain.
 
     Attributes:
-        gain: Linear.
-        ducks: Other buses this one turns down while it sounds.
-        duck_gain: Linear factor on those, 0.25: by 12 dB.
+        gain: Linear gain.
+        ducks: Buses that are ducked while this one sounds.
+        duck_gain: Linear gain of a ducked bus; 0.25 is -12 dB.
     """
 
     gain: float = 1.0
@@ -36,29 +36,29 @@ class BusSpec:
 
 @dataclass(frozen=True, slots=True)
 class SoundSpec:
-    """One sound of a scene: made by a recipe of the synthesiser, or read from a wave file.
+    """One sound of a scene: synthesised from a recipe, or read from a file.
 
     Attributes:
         recipe: Name of a recipe ("contact", "goal", "start", "trial_end", "tick", "scrape", "knock", "grip",
             "slip"); "" when a file is given.
         file: Sound file (any rate, mixed to one channel), or the model that holds it; None when a recipe is given.
         inside: Number of the sound in that model, None for a file of its own.
-        gain: Linear gain it is authored with.
-        pitch: Ratio that raises or lowers a recipe.
-        loop: True to repeat it until it is stopped.
-        full_force: Contact force [N] at which a contact is about as loud as authored; softer ones are quieter.
-        reference_distance: Distance [m] at which it is as loud as authored; half as loud at twice the distance.
-        max_distance: Distance [m] beyond which it gets no quieter.
-        rolloff: Factor on the fall with distance; 0: none, 1: natural.
-        distance_model: "inverse" (6 dB per doubling), "linear" (to nothing at max_distance) or "exponential".
-        cone_inner: Full angle around its axis in which it is as loud as authored [rad].
-        cone_outer: Full angle beyond which it has `cone_gain` [rad].
-        cone_gain: Linear gain behind the cone.
-        doppler: Factor on the change of pitch by motion; 0: none, 1: natural.
-        priority: Factor on its level when voices are short: the quietest by it gives way.
-        reverb: Linear share that the room answers.
-        bus: Name of its group.
-        spatial: False for music and binaural recordings, which play as they are, two channels where they have two.
+        gain: Authored linear gain.
+        pitch: Pitch ratio of a recipe.
+        loop: True to repeat until stopped.
+        full_force: Contact force at which a contact has about the authored gain [N]; softer ones are quieter.
+        reference_distance: Distance at which the sound has its authored gain [m].
+        max_distance: Distance beyond which attenuation is constant [m].
+        rolloff: Factor on distance attenuation; 0: none, 1: natural.
+        distance_model: "inverse" (6 dB per doubling), "linear" (zero at max_distance) or "exponential".
+        cone_inner: Full angle of the cone with the authored gain [rad].
+        cone_outer: Full angle beyond which the gain is `cone_gain` [rad].
+        cone_gain: Linear gain outside the outer cone.
+        doppler: Factor on the Doppler shift; 0: none, 1: natural.
+        priority: Factor on the level when voices are stolen: the lowest product is stolen first.
+        reverb: Linear send level to the reverb.
+        bus: Name of its mixer bus.
+        spatial: False for music and binaural recordings: played unspatialised, with two channels where they have two.
     """
 
     recipe: str = ""
@@ -88,33 +88,33 @@ def _default_sounds() -> dict[str, SoundSpec]:
 
 @dataclass(frozen=True, slots=True)
 class AudioSettings:
-    """How sound is opened and what it plays.
+    """Output and content of a session's sound.
 
     Attributes:
         sink: "device" (falls back to a file or to nothing), "file", or "null": no process, no sound.
-        file: Wave file of the sink "file", and of the fallback when there is no device; None: dropped then.
+        file: Wave file of the sink "file", and of the fallback when there is no device; None: sound is dropped.
         sounds: Sounds of the scene by the name that `SoundEvent.sound` uses.
-        triggers: Sound by what starts it: "contact", "contact_end" and "impact" come from the haptic loop, any
-            other kind ("goal", "start", "step") from the frame; "step/grass" is for one material and goes first.
-        materials: Name of each material number of what can be touched; number 0 is "".
+        triggers: Sound by trigger: "contact", "contact_end" and "impact" come from the haptic loop, all other kinds
+            ("goal", "start", "step") from the frame; "step/grass" holds for one material and takes precedence.
+        materials: Name of each material number; number 0 is "".
         body_materials: Material number of each body of the haptic loop, by its row.
         scrape: Looping sound of sliding along a wall, or "" for none.
-        emitters: Sounds that play from entities, in the order of the rows of SOUND_SCENE.
-        buses: Groups of sounds by name; "main" is always there.
-        mixer: "openal", or "spectral": exact between the ears and the same to the sample on any machine.
-        hrtf: Head-related filters; switch off for loudspeakers.
-        speakers: Arrangement of the loudspeakers where `hrtf` is off; beyond stereo only "spectral" has them.
-        sofa: SOFA file of a measured head; None: a computed one of `head_width`. Of "spectral" only.
-        head_width: Between the ears of the computed head [m].
+        emitters: Sounds of entities, in the order of the rows of SOUND_SCENE.
+        buses: Mixer buses by name; "main" always exists.
+        mixer: "openal", or "spectral": exact interaural delays, and equal samples on every machine.
+        hrtf: Whether head-related filters are applied; off for loudspeakers.
+        speakers: Loudspeaker layout where `hrtf` is off; other than stereo needs "spectral".
+        sofa: SOFA file of a measured head; None: a computed head of `head_width`. "spectral" only.
+        head_width: Distance between the ears of the computed head [m].
         rate: Samples per second requested.
         period: Frames per period of a live device, three periods queued; 64 to 192 keep contact to sound below 20 ms.
         block: Frames per block of a file.
-        voices: Most sounds at once.
-        realtime: Request the first-in-first-out scheduler below the haptic loop, where the system grants it.
-        start_timeout_s: After this time without an answer the app reports that there is no sound [s].
-        stop_timeout_s: After this time without a report the process is ended by force [s].
+        voices: Maximum number of voices.
+        realtime: Request SCHED_FIFO with a priority below the haptic loop's, where the system grants it.
+        start_timeout_s: Time-out for the start, after which the session has no sound [s].
+        stop_timeout_s: Time-out for the report, after which the process is killed [s].
         driver: Backend of OpenAL Soft ("pulse", "alsa", ...); "" lets the library choose.
-        library: Path of an OpenAL Soft library; "" takes the one PyOpenAL finds.
+        library: Path of an OpenAL Soft library; "" takes the one that PyOpenAL finds.
         environment: Environment variables set in the audio process before the library loads.
     """
 
@@ -145,20 +145,20 @@ class AudioSettings:
 
     @property
     def channels(self) -> int:
-        """Of the mix."""
+        """Number of channels of the mix."""
         return 2 if self.hrtf else LAYOUTS[self.speakers]
 
     def sound_of(self, kind: str, material: str = "") -> str:
-        """Sound that a trigger starts, "" for none; one for its material goes before one for all."""
+        """Return the sound of a trigger, "" for none; a sound for the material takes precedence."""
         return self.triggers.get(f"{kind}/{material}", "") or self.triggers.get(kind, "")
 
     def sound_of_touch(self, kind: str, rows: Sequence[int], numbers: Sequence[int]) -> str:
-        """Sound of a touch: that of the first surface which has one of its own, else the one for all, "" for none.
+        """Return the sound of a contact: that of the first material with one of its own, else the general one, else "".
 
         Args:
-            kind: Of the trigger.
-            rows: Bodies that touch, by their row; what is none of them is passed over.
-            numbers: Materials after those of the bodies; what has no name is passed over.
+            kind: Trigger.
+            rows: Rows of the bodies in contact; values that are no row are ignored.
+            numbers: Further material numbers; those without a name are ignored.
         """
         of_bodies = [self.body_materials[row] for row in rows if 0 <= row < len(self.body_materials)]
         named = [self.materials[number] for number in (*of_bodies, *numbers) if 0 <= number < len(self.materials)]
@@ -167,7 +167,7 @@ class AudioSettings:
 
     @property
     def sources(self) -> int:
-        """Sources of the library: one for each voice, and spare ones for sounds that are fading out."""
+        """Number of sources in the library: one per voice, and spare ones for sounds that fade out."""
         return self.voices + 8
 
     def __post_init__(self) -> None:

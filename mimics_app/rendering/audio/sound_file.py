@@ -15,16 +15,16 @@ from mimics_app.rendering.audio.wav_file import read_wav, resample
 __all__ = ["read_sound"]
 
 _LONGEST_S = 1800.0
-"""Longer sounds are refused: half an hour of two channels is 700 MB in memory."""
+"""Longest sound that is read [s]: half an hour of two channels takes 700 MB of memory."""
 
 _LARGEST_BYTES = 1 << 30
 
 
 def read_sound(path: Path, rate: int, inside: int | None = None) -> NDArray[np.float32]:
-    """The samples of a file at `rate` [Hz], shape [n, channels]; of a model the sound of that number `inside`.
+    """Read a sound file, or sound number `inside` of a model, at `rate` [Hz]; shape [n, channels].
 
     Raises:
-        SceneError: It is missing, damaged, too long, or of a kind that is not known.
+        SceneError: The file is missing, damaged, too long, or of an unknown format.
     """
     try:
         size = path.stat().st_size
@@ -46,7 +46,7 @@ def read_sound(path: Path, rate: int, inside: int | None = None) -> NDArray[np.f
 
 
 def _decode(raw: bytes) -> tuple[NDArray[np.float64], int]:
-    """Samples, shape [n, channels], and their rate. RuntimeError: libsndfile does not know it."""
+    """Return samples, shape [n, channels], and their rate. RuntimeError: libsndfile does not know the format."""
     import soundfile
 
     samples, rate = soundfile.read(io.BytesIO(raw), dtype="float64", always_2d=True)

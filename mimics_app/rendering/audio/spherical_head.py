@@ -1,7 +1,7 @@
-"""A rigid sphere for a head: the simplest placing of a sound that has a delay between the ears.
+"""Spherical head model: the simplest spatialiser with an interaural time difference.
 
-No more than a yardstick beside the measured head of the sound library: it colours nothing, so that front and back,
-above and below sound alike.
+A yardstick beside the library's measured head: it has no spectral cues, so that front and back, above and below sound
+alike.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from mimics_app.contracts.kernel import kernel
 __all__ = ["HEAD_RADIUS", "add_at_sphere", "sphere_delay_s"]
 
 HEAD_RADIUS = 0.0875
-"""Of the sphere [m], the usual one (Woodworth & Schlosberg 1954)."""
+"""Radius of the sphere [m] (Woodworth & Schlosberg 1954)."""
 
 _SOUND_SPEED = 343.0
 _SHADOW = 0.9
-"""Share of the power that moves to the near ear: 13 dB between the ears of a sound from the side."""
+"""Panning depth: the power ratio of the ears is (1 + 0.9) / (1 - 0.9), 13 dB, for a source at the side."""
 
 
 @kernel
 def sphere_delay_s(azimuth: float) -> float:
-    """Delay of the far ear behind the near one [s] at high frequency: a / c (theta + sin theta), -90 to 90 degrees.
+    """Return the high-frequency interaural time difference [s]: a / c (theta + sin theta), -90 to 90 degrees.
 
     Args:
-        azimuth: Of a far source, from straight ahead to the right [rad]; one behind is mirrored to the front.
+        azimuth: Azimuth of a far source, clockwise from ahead [rad]; a source behind is mirrored to the front.
     """
     side = math.asin(math.sin(azimuth))
     return HEAD_RADIUS / _SOUND_SPEED * (side + math.sin(side))
@@ -38,15 +38,15 @@ def sphere_delay_s(azimuth: float) -> float:
 def add_at_sphere(
     samples: NDArray[np.float32], start: float, azimuth: float, rate: int, gain: float, mix: NDArray[np.float32]
 ) -> None:
-    """Add a block of one sound, seen from a direction, to a mix: delayed by linear interpolation, and panned by power.
+    """Add a block of a sound from a direction to a mix: delayed by linear interpolation, panned at constant power.
 
     Args:
-        samples: The sound, shape [n]; silence before and behind.
-        start: Sample that falls on the block's first frame, halves and all.
-        azimuth: [rad], to the right.
+        samples: Samples of the sound, shape [n]; silence before and after.
+        start: Fractional index of the sample at the block's first frame.
+        azimuth: Azimuth, clockwise from ahead [rad].
         rate: Samples per second.
-        gain: Linear.
-        mix: Added to, left and right, shape [frames, 2].
+        gain: Linear gain.
+        mix: Mix to add to, left and right, shape [frames, 2].
     """
     delay = 0.5 * rate * sphere_delay_s(azimuth)
     sine = math.sin(azimuth)

@@ -1,7 +1,7 @@
-"""The spectral mixer on a live device: its blocks are queued on one source of OpenAL, which only carries them.
+"""The spectral mixer on a live device: its blocks are queued on one OpenAL source, which only plays them.
 
-A sound starts a constant time after its event, at its exact frame: the clock of the device is followed by the lowest of
-what the queue says (it is read late, never early), so a late reading moves no sound.
+A sound starts a constant time after its event, at its exact frame. The device's clock is estimated by the minimum of
+the queue readings, which are late but never early, so that a late reading moves no sound.
 """
 
 from __future__ import annotations
@@ -25,38 +25,38 @@ __all__ = ["LIVE_BLOCK", "StreamedMixer", "queued_blocks"]
 
 
 LIVE_BLOCK = 80
-"""Frames of a block, 1.7 ms at 48 kHz: shorter than a file's, as the queue's length is most of the latency."""
+"""Frames per block, 1.7 ms at 48 kHz; shorter than a file's, as the queue makes up most of the latency."""
 
 _READING = 48
-"""Frames until an event is read: a millisecond."""
+"""Time until an event is read [frames]: 1 ms."""
 
 _TURN = 24
-"""Frames between two looks at the queue: half a millisecond."""
+"""Interval between two polls of the queue [frames]: 0.5 ms."""
 
 _DRIFT = 0.02
-"""Share by which the device may fall behind our clock: far more than crystals differ, so that a pause of the device is
-followed within a second, and so little that a reading every 1.7 ms moves no sound by more than 50 us."""
+"""Relative rate at which the device may fall behind our clock: far above the tolerance of crystals, so that a pause of
+the device is followed within a second, and so small that a reading every 1.7 ms moves no sound by more than 50 us."""
 
 
 def queued_blocks(period: int) -> int:
-    """Blocks to keep ahead of a device that takes `period` frames at a time.
+    """Return the number of blocks to queue for a device with this period [frames].
 
-    Of the first block any part may have been taken already; the others last for two periods, which a device takes at
-    once when it was held up, and until the queue is looked at again.
+    The first block may be partly consumed. The others last for two periods, which a device consumes at once after a
+    delay, and until the next poll of the queue.
     """
     return 1 + math.ceil((2 * period + _TURN) / LIVE_BLOCK)
 
 
 class StreamedMixer:
-    """See contracts.audio_port.Mixer; `render` keeps the queue filled and hands out nothing.
+    """See contracts.audio_port.Mixer; `render` keeps the queue filled and returns no samples.
 
     Args:
-        mixer: What is heard, two channels.
-        context: A live device without filters of its own.
-        clock: Of the session.
+        mixer: Mixer of two channels.
+        context: Live device without HRTF of its own.
+        clock: Clock of the session.
 
     Attributes:
-        underruns: How often the queue ran empty: gaps that are heard.
+        underruns: How often the queue ran empty: audible gaps.
     """
 
     def __init__(self, mixer: SpectralMixer, context: OpenALContext, clock: Clock) -> None:
@@ -85,20 +85,20 @@ class StreamedMixer:
 
     @property
     def refused(self) -> int:
-        """Sounds that found every voice busy with louder ones."""
+        """Number of sounds that found all voices busy with louder ones."""
         return self._mixer.refused
 
     @property
     def timing(self) -> Timing:
-        """How session time and frames meet, as the device's clock runs."""
+        """Relation of session time and frames, by the device's clock."""
         return self._mixer.timing
 
     def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
-        """Start a sound a constant time after t_ns."""
+        """Start a sound a constant time after t_ns [ns]."""
         return self._mixer.start(sound, t_ns, position_world, gain)
 
     def first_sample(self, start: Start, submitted_ns: int) -> tuple[int, int]:
-        """Frame of a sound's first sample, and the session time by which it leaves the device's buffers."""
+        """Return the frame of a sound's first sample, and the session time at which the device outputs it [ns]."""
         frame, heard = self._mixer.first_sample(start, submitted_ns)
         return frame, heard + round(self._context.buffered_ms * 1e6)
 
@@ -116,15 +116,15 @@ class StreamedMixer:
 
     @property
     def lead(self) -> int | None:
-        """Frames before what is filled."""
+        """Lead-in of force-driven sounds [frames]."""
         return self._mixer.lead
 
     def fill(self, handle: int, begin: int, samples: NDArray[np.float32]) -> None:
-        """Set samples of a sound that plays."""
+        """Write samples of a playing sound."""
         self._mixer.fill(handle, begin, samples)
 
     def render(self, frames: int) -> NDArray[np.float32]:
-        """Fill the queue with blocks of `frames`; shape [0, 2], as the device takes them itself."""
+        """Fill the queue with blocks of `frames`; return shape [0, 2]."""
         self._context.activate()
         self._take_back()
         while self._free:
@@ -144,7 +144,7 @@ class StreamedMixer:
         return self._context.connected
 
     def close(self) -> None:
-        """Give the device back."""
+        """Close the device."""
         self._context.close()
 
     def _take_back(self) -> None:
@@ -161,7 +161,7 @@ class StreamedMixer:
         self._call.alSourceQueueBuffers(self._source, 1, ctypes.byref(ctypes.c_uint(buffer)))
 
     def _follow_device(self, frames: int, ran_empty: bool) -> None:
-        """Set when frame 0 was taken: each reading says too late a time, or the right one; the lowest counts."""
+        """Update the time of frame 0: a reading is exact or too late, so the minimum counts."""
         now, timing = self._clock.now_ns(), self._mixer.timing
         read = now - (self.position - self._queued * frames) * 1_000_000_000 // self.rate
         slack = round((now - self._set_ns) * _DRIFT)

@@ -1,8 +1,8 @@
-"""The sounds of the scenes, computed instead of shipped: knocks, chords and a scrape.
+"""Synthesised sounds of contact and task: knocks, chords, a scrape.
 
-A struck object is a bank of damped modes driven by a contact force pulse; what reaches the ear is the acceleration of
-the surface, so each mode answers with the derivative of its damped sine. That derivative begins at full height and
-integrates to zero: the attack is as short as the pulse, and no sound carries a constant offset.
+A struck object is a bank of damped modes driven by a pulse of contact force. The sound is the acceleration of the
+surface, so each mode responds with the derivative of its damped sine. That derivative begins at its maximum and
+integrates to zero: the attack is as short as the pulse, and no sound has a DC offset.
 All functions return float32 samples in [-1, 1], shape [n], one channel.
 """
 
@@ -31,15 +31,15 @@ __all__ = [
 
 
 CONTACT_SPEEDS = (0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.0, 1.5)
-"""Impact speeds [m/s] a contact is synthesised for, slowest first."""
+"""Speed steps for which contacts are synthesised [m/s], ascending."""
 
 CONTACT_RMS = 0.1
-"""Root mean square of every contact over its first 50 ms; the peakiest variant then stays below -1 dBFS."""
+"""RMS of every contact over its first 50 ms; the variant with the largest crest factor stays below -1 dBFS."""
 
 TAKE_SPREAD = 0.15
-"""Share by which the weights of modes differ from one strike point to another."""
+"""Relative variation of mode weights between strike points."""
 
-# Frequency [Hz], time to fall by 60 dB [s] and weight of the modes of a padded tube: inharmonic, short, no bell in it.
+# Modes of a padded tube: frequency [Hz], T60 [s], weight; inharmonic and short, so that nothing rings like a bell.
 _TUBE_MODES = (
     (236.0, 0.130, 0.55),
     (395.0, 0.110, 0.95),
@@ -51,7 +51,7 @@ _TUBE_MODES = (
     (5400.0, 0.015, 0.50),
 )
 
-# The same of a table board: lower, drier, a little clack in it.
+# Modes of a table board: lower and drier, with a little click.
 _WOOD_MODES = (
     (142.0, 0.090, 0.70),
     (287.0, 0.110, 1.00),
@@ -62,39 +62,39 @@ _WOOD_MODES = (
     (3120.0, 0.018, 0.35),
 )
 
-# Skin on skin: a few low modes that die at once.
+# Skin on skin: a few low modes with a short decay.
 _PAT_MODES = ((170.0, 0.045, 1.0), (310.0, 0.035, 0.8), (560.0, 0.024, 0.45), (940.0, 0.016, 0.25))
 
-# A felt-like pad stiffens as it is compressed: force ~ compression^p with p about 2.2, so the pulse shortens as
+# A felt-like pad stiffens under compression: force ~ compression^p with p about 2.2, so the pulse shortens as
 # speed^-((p - 1) / (p + 1)) (Hertz's sphere is the case p = 3/2, exponent -1/5).
 _PULSE_AT_ONE = 0.00026
 _PULSE_EXPONENT = 0.37
 _LOUDNESS_WINDOW_S = 0.05
-_HIGHEST = 0.88  # of a sample, -1.1 dBFS: what dies at once would pass full scale at that loudness
+_HIGHEST = 0.88  # peak, -1.1 dBFS: very short sounds would exceed full scale at CONTACT_RMS
 
 
 def synthesise_contact(speed: float, take: int = 0, rate: int = 48_000) -> F4:
-    """A soft knock at an impact speed [m/s]; higher speed: shorter pulse, brighter. Takes differ as strike points do.
+    """Synthesise a soft knock at an impact speed [m/s]: the faster, the shorter the pulse and the brighter the sound.
 
-    Every variant has the same energy in its first 50 ms; how loud a contact is stays with the contact law.
+    Every variant has the same energy in its first 50 ms; the contact law sets the gain. A take is a strike point.
     """
     return _strike(_TUBE_MODES, speed, take, rate)
 
 
 def synthesise_knock(speed: float, take: int = 0, rate: int = 48_000) -> F4:
-    """Something set down or fallen on a board, as `synthesise_contact`."""
+    """Synthesise an object put down or dropped on a board; arguments as of `synthesise_contact`."""
     return _strike(_WOOD_MODES, speed, take, rate)
 
 
 def synthesise_struck(
     modes: tuple[tuple[float, float, float], ...], speed: float, take: int = 0, rate: int = 48_000
 ) -> F4:
-    """Anything that is struck, by its modes: frequency [Hz], time to fall by 60 dB [s], weight."""
+    """Synthesise a struck object from its modes: frequency [Hz], T60 [s], weight."""
     return _strike(modes, speed, take, rate)
 
 
 def synthesise_grip(rate: int = 48_000) -> F4:
-    """Fingers that close on something: two soft pats, one shortly after the other."""
+    """Synthesise a grasp: two soft pats in short succession."""
     length, later = int(0.16 * rate), int(0.034 * rate)
     pat = np.asarray(_strike(_PAT_MODES, 0.05, 0, rate), np.float64)[:length]
     both = np.zeros(length)
@@ -104,7 +104,7 @@ def synthesise_grip(rate: int = 48_000) -> F4:
 
 
 def synthesise_slip(rate: int = 48_000) -> F4:
-    """Something that slides out of the fingers: a short rub that falls in pitch."""
+    """Synthesise an object slipping out of the fingers: a short rub with falling pitch."""
     length = int(0.22 * rate)
     time = np.arange(length) / rate
     noise = np.random.default_rng(17).standard_normal(length)
@@ -121,7 +121,7 @@ def synthesise_slip(rate: int = 48_000) -> F4:
 
 
 def _strike(modes: tuple[tuple[float, float, float], ...], speed: float, take: int, rate: int) -> F4:
-    """Modes struck at a speed, of one energy in the first 50 ms."""
+    """Synthesise modes struck at a speed, normalised to CONTACT_RMS."""
     pulse = _force_pulse(speed, rate)
     length = int(0.25 * rate)
     strike = np.random.default_rng(1000 + take).uniform(1.0 - TAKE_SPREAD, 1.0 + TAKE_SPREAD, len(modes))
@@ -138,7 +138,7 @@ def _strike(modes: tuple[tuple[float, float, float], ...], speed: float, take: i
 def synthesise_chord(
     notes_hz: tuple[float, ...], spacing_s: float, fall_s: float, rate: int = 48_000, peak: float = 0.5
 ) -> F4:
-    """Notes struck one after the other on a soft bell, each with its octave and its twelfth."""
+    """Synthesise notes in succession on a soft bell, each with its octave and twelfth."""
     length = int((spacing_s * (len(notes_hz) - 1) + fall_s) * rate)
     chord = np.zeros(length)
     for k, note in enumerate(notes_hz):
@@ -152,14 +152,14 @@ def synthesise_chord(
 
 
 def synthesise_tick(rate: int = 48_000, frequency: float = 1500.0) -> F4:
-    """A short dry tick that stands at half its height in its first sample, so that its onset can be seen anywhere."""
+    """Synthesise a short dry tick whose first sample has half its peak, so that its onset is easy to detect."""
     length = int(0.03 * rate)
     time = np.arange(length) / rate
     return _finish(_mode_acceleration(time, frequency, 0.02) * _fade_out(length, length // 4), peak=0.6)
 
 
 def synthesise_scrape(rate: int = 48_000, seconds: float = 2.0, seed: int = 5) -> F4:
-    """A quiet rub without beginning or end: noise made in the frequency domain, periodic by construction."""
+    """Synthesise a seamless loop of quiet scraping: noise made in the frequency domain, periodic by construction."""
     length = int(seconds * rate)
     frequency = np.fft.rfftfreq(length, 1.0 / rate)
     rise = 1.0 / (1.0 + (180.0 / np.maximum(frequency, 1.0)) ** 4)
@@ -170,7 +170,7 @@ def synthesise_scrape(rate: int = 48_000, seconds: float = 2.0, seed: int = 5) -
 
 
 def _force_pulse(speed: float, rate: int) -> NDArray[np.float64]:
-    """Half sine to the power 3/2 (Hertz), unit impulse; its samples start half a sample in, so none is zero."""
+    """Return a half sine to the power 3/2 (Hertz) of unit sum; sampled at half-integers, so that none is zero."""
     duration = _PULSE_AT_ONE * speed**-_PULSE_EXPONENT
     count = max(3, round(duration * rate))
     pulse = np.sin(np.pi * (np.arange(count) + 0.5) / count) ** 1.5
@@ -179,18 +179,18 @@ def _force_pulse(speed: float, rate: int) -> NDArray[np.float64]:
 
 @lru_cache(maxsize=32)
 def _ringing(length: int, rate: int, frequency: float, fall_s: float) -> NDArray[np.float64]:
-    """`_mode_acceleration` of the first `length` samples, once for every speed and take of a thing that is struck."""
+    """`_mode_acceleration` of the first `length` samples, cached for all speeds and takes of an object."""
     return _mode_acceleration(np.arange(length) / rate, frequency, fall_s)
 
 
 def _mode_acceleration(time: NDArray[np.float64], frequency: float, fall_s: float) -> NDArray[np.float64]:
-    """Derivative of a damped sine, scaled to begin at 1; `fall_s` is its time to fall by 60 dB."""
+    """Return the derivative of a damped sine, scaled to begin at 1; `fall_s` is its T60."""
     omega = 2.0 * np.pi * frequency
     damping = 3.0 * np.log(10.0) / fall_s
     mode: NDArray[np.float64] = np.exp(-damping * time) * (
         np.cos(omega * time) - damping / omega * np.sin(omega * time)
     )
-    mode[0] *= 0.5  # the mean of the jump it starts with: the sum of the samples is then zero as the integral is
+    mode[0] *= 0.5  # half of the initial jump, so that the samples sum to zero as the integral does
     return mode
 
 

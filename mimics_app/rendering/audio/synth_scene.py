@@ -1,8 +1,9 @@
-"""Sounds of the walking and ball scenes, computed: steps, a kick, a crowd, a score, wind, things that are struck.
+"""Synthesised sounds of the walking and ball scenes: steps, a kick, a crowd, a goal, wind, struck objects.
 
-A step is grains (small impacts of soil, blades or grit) whose number follows the ground-reaction force with its two
-humps, heel and toe, each grain a burst of the surface's own band, over the thud of the heel. Loops are made in the
-frequency domain, so that they are periodic by construction. float32 samples in [-1, 1], shape [n], one channel.
+A step is a sum of grains (small impacts of soil, grass or grit) whose density follows the two peaks of the
+ground-reaction force, heel and toe; each grain is a noise burst in the band of the surface. The heel adds a low thud.
+Loops are made in the frequency domain, so that they are periodic by construction. All functions return float32 samples
+in [-1, 1], shape [n], one channel.
 """
 
 from __future__ import annotations
@@ -28,23 +29,23 @@ __all__ = [
 
 
 PEAK = 0.7
-"""Of every sound here, -3 dBFS."""
+"""Peak of every sound of this module, -3 dBFS."""
 
 STEP_TAKES = 8
-"""Steps of one surface, taken in turn."""
+"""Variants of a step per surface; they alternate."""
 
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """What a foot falls on.
+    """A ground surface.
 
     Attributes:
-        band: Centre of its grains [Hz].
-        width: Of that in octaves, to either side.
-        grains: Per second at full force.
-        fall: Time in which a grain falls by 60 dB [s].
-        thud: Of the heel: frequency [Hz], time to fall by 60 dB [s], level over that of the grains.
-        toe: Level of the second hump over the first.
+        band: Centre frequency of its grains [Hz].
+        width: Bandwidth to either side [octaves].
+        grains: Grains per second at full force.
+        fall: T60 of a grain [s].
+        thud: Heel thud: frequency [Hz], T60 [s], level relative to the grains.
+        toe: Second peak of the force relative to the first.
     """
 
     band: float
@@ -63,9 +64,9 @@ SURFACES = {
 }
 
 _STEP_S = 0.6
-_HEEL_S, _TOE_S = 0.05, 0.33  # of the two humps after the heel's touch
+_HEEL_S, _TOE_S = 0.05, 0.33  # times of the two force peaks after heel strike
 
-# Frequency [Hz], time to fall by 60 dB [s] and weight of the modes of things that are struck.
+# Frequency [Hz], T60 [s] and weight of each mode.
 MATERIALS = {
     "cup": ((1730.0, 0.16, 0.7), (2890.0, 0.12, 1.0), (4310.0, 0.09, 0.9), (6120.0, 0.06, 0.7), (8350.0, 0.04, 0.4)),
     "apple": ((310.0, 0.035, 1.0), (540.0, 0.026, 0.9), (910.0, 0.018, 0.6), (1450.0, 0.012, 0.3)),
@@ -75,11 +76,11 @@ MATERIALS = {
     "box": ((118.0, 0.12, 1.0), (243.0, 0.11, 0.9), (395.0, 0.08, 0.7), (702.0, 0.05, 0.5)),
     "tap": ((720.0, 0.020, 0.8), (1650.0, 0.014, 1.0), (3400.0, 0.010, 0.8)),
 }
-"""Modes of what is struck; the feet's own obstacles (4.3) among them."""
+"""Modes of struck objects, among them the obstacles for the feet (D2.1 4.3)."""
 
 
 def synthesise_step(surface: str, take: int = 0, rate: int = 48_000) -> F4:
-    """One step on a surface; takes differ in every grain. KeyError: no such surface."""
+    """Synthesise a step on a surface; takes differ in every grain. KeyError: no such surface."""
     ground = SURFACES[surface]
     random = np.random.default_rng([7, list(SURFACES).index(surface), take])
     time = np.arange(int(_STEP_S * rate)) / rate
@@ -99,14 +100,14 @@ def synthesise_step(surface: str, take: int = 0, rate: int = 48_000) -> F4:
 
 
 def _reaction(time: F8, toe: float) -> F8:
-    """Ground-reaction force over its first hump: two humps, the heel's sharp one first."""
+    """Return the ground-reaction force relative to its first peak: a sharp peak of the heel, a broad one of the toe."""
     heel = (time / _HEEL_S) * np.exp(1.0 - time / _HEEL_S)
     late = np.exp(-0.5 * ((time - _TOE_S) / 0.07) ** 2)
     return np.asarray(heel**1.5 + toe * late)
 
 
 def synthesise_kick(rate: int = 48_000) -> F4:
-    """A foot against a ball: the slap of leather, then the air in it, falling in pitch."""
+    """Synthesise a kicked ball: the slap of leather, then a resonance of the air inside with falling pitch."""
     time = np.arange(int(0.3 * rate)) / rate
     phase = 2.0 * np.pi * (150.0 * time + 70.0 * 0.03 * (1.0 - np.exp(-time / 0.03)))
     body = np.sin(phase) * _fall(time, 0.14)
@@ -116,7 +117,7 @@ def synthesise_kick(rate: int = 48_000) -> F4:
 
 
 def synthesise_crowd(rate: int = 48_000, arousal: float = 0.6, seconds: float = 4.0) -> F4:
-    """A cheering crowd as a loop: many voices by the formants of an open vowel, brighter the more they are roused.
+    """Synthesise a loop of a cheering crowd: noise with the formants of an open vowel, brighter with arousal.
 
     Args:
         rate: Samples per second.
@@ -140,7 +141,7 @@ def synthesise_crowd(rate: int = 48_000, arousal: float = 0.6, seconds: float = 
 
 
 def synthesise_score(rate: int = 48_000) -> F4:
-    """A goal is scored: three rising notes of a horn, with the crowd behind them."""
+    """Synthesise a scored goal: three rising notes of a horn over the crowd."""
     count = int(1.8 * rate)
     sound = 0.35 * synthesise_crowd(rate, 1.0, 1.8).astype(np.float64)
     for k, note in enumerate((392.0, 523.25, 659.26)):
@@ -151,7 +152,7 @@ def synthesise_score(rate: int = 48_000) -> F4:
 
 
 def synthesise_wind(rate: int = 48_000, seconds: float = 6.0) -> F4:
-    """Gusts of wind over a canyon as a loop: bands of noise that swell each in its own time, and a hollow tone."""
+    """Synthesise a loop of wind gusts over a canyon: independently modulated noise bands and a hollow tone."""
     random, count = np.random.default_rng(41), int(seconds * rate)
     frequency = np.fft.rfftfreq(count, 1.0 / rate)
     wind = np.zeros(count)
@@ -165,7 +166,7 @@ def synthesise_wind(rate: int = 48_000, seconds: float = 6.0) -> F4:
 
 
 def synthesise_tone(notes_hz: tuple[float, ...], rate: int = 48_000) -> F4:
-    """A short tone of the operator's and the launcher's, two notes at most a tenth of a second each."""
+    """Synthesise a user-interface tone: notes of 90 ms each."""
     parts = []
     for note in notes_hz:
         time = np.arange(int(0.09 * rate)) / rate
@@ -174,7 +175,7 @@ def synthesise_tone(notes_hz: tuple[float, ...], rate: int = 48_000) -> F4:
 
 
 def _periodic_noise(shape: F8 | NDArray[np.bool_], random: np.random.Generator, count: int) -> F8:
-    """Noise of a spectrum, shape [count // 2 + 1], that repeats without a seam; standard deviation 1."""
+    """Return periodic noise with a magnitude spectrum, shape [count // 2 + 1]; standard deviation 1."""
     phase = random.uniform(0.0, 2.0 * np.pi, len(shape))
     spectrum = np.asarray(shape, np.float64) * np.exp(1j * phase)
     spectrum[0] = 0.0
@@ -183,7 +184,7 @@ def _periodic_noise(shape: F8 | NDArray[np.bool_], random: np.random.Generator, 
 
 
 def _banded(samples: F8, centre: float, octaves: float, rate: int) -> F8:
-    """What lies about a frequency, a bell over the octaves."""
+    """Apply a band-pass, Gaussian over octaves."""
     count = 2 * len(samples)
     frequency = np.fft.rfftfreq(count, 1.0 / rate)
     bell = np.exp(-0.5 * (np.log2(np.maximum(frequency, 1.0) / centre) / octaves) ** 2)
@@ -192,18 +193,18 @@ def _banded(samples: F8, centre: float, octaves: float, rate: int) -> F8:
 
 
 def _convolve(samples: F8, response: F8) -> F8:
-    """As long as `samples`."""
+    """Return the convolution, as long as `samples`."""
     count = len(samples) + len(response)
     return np.asarray(np.fft.irfft(np.fft.rfft(samples, count) * np.fft.rfft(response, count), count)[: len(samples)])
 
 
 def _fall(time: F8, seconds: float) -> F8:
-    """Falls by 60 dB in a time."""
+    """Return an exponential decay with this T60 [s]."""
     return np.asarray(np.exp(-3.0 * np.log(10.0) / seconds * time))
 
 
 def _ends(count: int, rate: int) -> F8:
-    """Begins within half a millisecond and fades over the last 30."""
+    """Return a window with an attack of 0.5 ms and a fade-out of 30 ms."""
     shape = np.ones(count)
     rise, fade = int(0.0005 * rate), int(0.03 * rate)
     shape[:rise] = np.arange(rise) / rise

@@ -1,4 +1,4 @@
-"""Wave files: a writer that is valid after every block, also when its process is killed, and a reader for sounds."""
+"""Wave files: a writer whose file is valid after every block, also when its process is killed, and a reader."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _GIVEN_BACK = 2 << 20
 
 
 def unused_name(path: Path | None) -> Path | None:
-    """The path, or, where there is such a file, the first of name-2, name-3, .. that is none; None stays None."""
+    """Return the path, or the first of name-2, name-3, .. that does not exist; None for None."""
     if path is None or not path.exists():
         return path
     names = (path.with_stem(f"{path.stem}-{number}") for number in itertools.count(2))
@@ -33,14 +33,14 @@ def unused_name(path: Path | None) -> Path | None:
 
 
 class WavWriter:
-    """Channels of 16 bit, valid at every moment.
+    """Writer of a 16-bit wave file that is valid at any time.
 
-    After each block the sizes in the header are written again, so the file can be read to its last block; a kill
-    between the two writes leaves one block behind the end, which readers skip.
+    The sizes in the header are updated after each block, so that the file can be read to its last block; a kill between
+    the two writes leaves one block beyond the stated end, which readers skip.
 
     Attributes:
         frames: Frames written so far.
-        clipped: Samples that passed the knee of full scale and were softened.
+        clipped: Samples above the limiter's knee.
     """
 
     def __init__(self, path: Path, rate: int, channels: int = 2) -> None:
@@ -55,11 +55,11 @@ class WavWriter:
         self._file.write(_header(rate, channels))
 
     def append(self, block: NDArray[np.float32]) -> None:
-        """Write frames, shape [n, channels], full scale 1; past 4 GiB nothing more is written.
+        """Write frames, shape [n, channels], full scale 1; beyond 4 GiB nothing is written.
 
         Raises:
-            OSError: The disk is full or failed. The file is closed; what it loses of its end gives the recording, which
-                has the same disk, room to be sealed.
+            OSError: The disk is full or failed. The file is closed, and shortened by 2 MiB so that the recording on the
+                same disk can be completed.
         """
         if (self.frames + len(block)) * self._width > _LARGEST_DATA:
             return
@@ -92,12 +92,12 @@ class WavWriter:
         self._file.close()
 
     def close(self) -> None:
-        """End the file; calling it again does nothing."""
+        """Close the file; a second call does nothing."""
         self._file.close()
 
 
 def soften_peaks(block: NDArray[np.float32]) -> tuple[NDArray[np.float32], int]:
-    """Bend what passes 0.85 towards 1 without memory or delay; return the block and how many samples were bent."""
+    """Limit by a memoryless soft knee from 0.85 to 1; return the block and the number of samples above the knee."""
     loud = np.abs(block) > _KNEE
     count = int(np.count_nonzero(loud))
     if count == 0:
@@ -108,7 +108,7 @@ def soften_peaks(block: NDArray[np.float32]) -> tuple[NDArray[np.float32], int]:
 
 
 def read_wav(path: Path, rate: int) -> NDArray[np.float32]:
-    """The samples of a wave file at `rate` [Hz], shape [n, channels].
+    """Read a wave file at `rate` [Hz]; shape [n, channels].
 
     Raises:
         SceneError: The file is missing, damaged, or of a kind that is not PCM or float.
@@ -118,7 +118,7 @@ def read_wav(path: Path, rate: int) -> NDArray[np.float32]:
 
 
 def frames_of_wav(path: Path) -> tuple[NDArray[np.float64], int]:
-    """The samples of a wave file as they are, shape [n, channels], and their rate [Hz]; raises what `read_wav` does."""
+    """Read a wave file without resampling; return samples, shape [n, channels], and rate [Hz]; raises as `read_wav`."""
     try:
         raw = read_regular(path)
     except OSError as error:
@@ -144,7 +144,7 @@ def frames_of_wav(path: Path) -> tuple[NDArray[np.float64], int]:
 
 
 def _header(rate: int, channels: int) -> bytes:
-    """Of a file without samples."""
+    """Return the header of an empty file."""
     width = 2 * channels
     layout = (16, _PCM, channels, rate, rate * width, width, 16)
     return struct.pack("<4sI4s4sIHHIIHH4sI", b"RIFF", _HEADER_SIZE - 8, b"WAVE", b"fmt ", *layout, b"data", 0)
@@ -179,10 +179,10 @@ def _decode(data: bytes, kind: int, bits: int) -> NDArray[np.float64] | None:
 
 
 def resample(samples: NDArray[np.float64], rate_in: int, rate_out: int) -> NDArray[np.float64]:
-    """Change of rate by cutting or padding the spectrum: exact for what both rates can hold."""
+    """Resample by truncating or zero-padding the spectrum, exact for content below both Nyquist frequencies."""
     if rate_in == rate_out:
         return samples
-    pad = rate_in // 10  # silence around, so that the end does not wrap into the beginning
+    pad = rate_in // 10  # padding, so that the end does not wrap around to the beginning
     padded = np.concatenate([samples, np.zeros(pad)])
     count = round(len(padded) * rate_out / rate_in)
     resampled = np.fft.irfft(np.fft.rfft(padded)[: count // 2 + 1], count) * (count / len(padded))

@@ -1,4 +1,4 @@
-"""How long the audio process works on a block, counted without keeping every one."""
+"""Histogram of the working time per block of the audio process."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ __all__ = ["WorkTimes"]
 
 _BIN_NS = 10_000
 _BINS = 2000
-"""Up to 20 ms; what takes longer counts there."""
+"""Number of bins, up to 20 ms; the last one also counts longer times."""
 
 
 class WorkTimes:
-    """A histogram in steps of 10 us."""
+    """A histogram with bins of 10 us."""
 
     def __init__(self) -> None:
         self._counts = np.zeros(_BINS, np.int64)
         self._longest_ns = 0
 
     def count(self, took_ns: int) -> None:
-        """One block took so long [ns]."""
+        """Count the working time of one block [ns]."""
         self._counts[min(took_ns // _BIN_NS, _BINS - 1)] += 1
         self._longest_ns = max(self._longest_ns, took_ns)
 
     def percentiles_us(self) -> Mapping[str, float]:
-        """p50 and p99, the upper ends of their bins, and max [us], with their `count`; empty of none."""
+        """Return p50 and p99 (upper ends of their bins), max [us] and `count`; empty without counts."""
         total = int(self._counts.sum())
         if total == 0:
             return {}

@@ -38,25 +38,25 @@ from mimics_app.rendering.audio.work_times import WorkTimes
 __all__ = ["FIFO_PRIORITY", "ask_for_fifo", "run"]
 
 _LIVE_WAIT_NS = 4_000_000
-_STREAM_WAIT_NS = 500_000  # a queue of three blocks of 1.7 ms is looked after by us
+_STREAM_WAIT_NS = 500_000  # the queue of three blocks of 1.7 ms is polled
 _LIVE_STEP_NS = 1_000_000
 _IDLE_WAIT_NS = 20_000_000
 _CHECK_DEVICE_NS = 1_000_000_000
-_TRY_DEVICE_NS = 3_000_000_000  # an attempt to open what is not there may hold a file up for some milliseconds
+_TRY_DEVICE_NS = 3_000_000_000  # a failing attempt to open a device may delay the file by some milliseconds
 _FADE_NS = 40_000_000
 FIFO_PRIORITY = 10
-"""Below the haptic loop's."""
+"""SCHED_FIFO priority of the audio process, below the haptic loop's."""
 
 
 def run(memory: SessionMemory, settings: AudioSettings, orders: Connection, results: Connection) -> None:
-    """Play the session until the app says stop, closes its end, or is gone; then send the report."""
-    for name in ("SIGINT", "SIGHUP"):  # Ctrl-C and a closed terminal reach the whole group; only the app decides
+    """Play the session until the application sends stop, closes its end, or ends; then send the report."""
+    for name in ("SIGINT", "SIGHUP"):  # sent to the whole process group; the application decides
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
     _tell_of_crashes()
     _die_with_parent()
     session = _LiveSession(memory, settings, orders, results, MonotonicClock())
-    gc.freeze()  # to look through all that was loaded would take the time of four blocks
+    gc.freeze()  # a full collection over all loaded modules takes as long as four blocks
     session.send(session.engine.status)
     while not session.ended:
         session.step()
@@ -65,7 +65,7 @@ def run(memory: SessionMemory, settings: AudioSettings, orders: Connection, resu
 
 
 class _LiveSession:
-    """One turn of the loop is: wait, read orders, read contacts, mix what is due."""
+    """Main loop of the audio process: wait, read orders, read contacts, mix the blocks that are due."""
 
     def __init__(
         self, memory: SessionMemory, settings: AudioSettings, orders: Connection, results: Connection, clock: Clock
@@ -82,7 +82,7 @@ class _LiveSession:
         self._times = WorkTimes()
         self._gain = 1.0
         self._earlier = AudioReport(_nothing())
-        self._lost: SoundBank | None = None  # the sounds of a device that went away
+        self._lost: SoundBank | None = None  # sounds of a lost device
         _warm_up(memory, clock)
         self.engine = open_engine(settings, clock, _take_precedence if settings.realtime else None)
         self._director = self._direct()
@@ -92,7 +92,7 @@ class _LiveSession:
         self._advance_file()
 
     def step(self) -> None:
-        """One block of a file, or one look at the ring of a live device."""
+        """Run one iteration: one block of a file, or one poll of the rings for a live device."""
         self._wait()
         begun, before = self._clock.now_ns(), self._mixed
         try:
@@ -107,7 +107,7 @@ class _LiveSession:
         self.ended = self.ended or bool(self._memory.control[ControlWord.CLOSED])
 
     def finish(self) -> AudioReport:
-        """Let a file ring out, or a device fade, and return the report."""
+        """Let the sounds of a file decay, or fade a device out, and return the report."""
         mixer = self.engine.mixer
         if self._director is not None:
             self._director.ring_out()
@@ -115,19 +115,19 @@ class _LiveSession:
             mixer.master(0.0)
             self._clock.sleep_until_ns(self._clock.now_ns() + _FADE_NS)
         elif mixer is not None:
-            with suppress(DeviceError):  # a file that takes no more ends where it ends
+            with suppress(DeviceError):  # a file that cannot be written any further keeps what it has
                 self.engine.render_to(mixer.position + self._settings.rate * 3 // 2, self._settings.block)
         return self.report()
 
     def send(self, message: object) -> None:
-        """Report to the app; nobody listening any more is no error here."""
+        """Send a message to the application; a closed pipe ends the session."""
         try:
             self._results.send(message)
         except OSError:
             self.ended = True
 
     def report(self) -> AudioReport:
-        """What was done, the part before a lost device included."""
+        """Return the report, including the time before a lost device."""
         director, mixer, writer = self._director, self.engine.mixer, self.engine.writer
         now = AudioReport(
             self.engine.status,
@@ -192,19 +192,19 @@ class _LiveSession:
 
     @property
     def _mixed(self) -> int:
-        """Frames mixed so far on the output that is open."""
+        """Frames mixed so far on the open output."""
         return 0 if self.engine.mixer is None else self.engine.mixer.position
 
     def _block_ns(self) -> int:
         return self._settings.block * 1_000_000_000 // self._settings.rate
 
     def _block_due_ns(self, now: int) -> int:
-        """The next border between two blocks of session time."""
+        """Return the next block boundary in session time [ns]."""
         origin = self.engine.mixer.timing.origin_ns if self.engine.mixer is not None else 0
         return origin + ((now - origin) // self._block_ns() + 1) * self._block_ns()
 
     def _advance_file(self) -> None:
-        """Render two blocks ahead of the clock: what is rendered now would be heard next."""
+        """Render a file two blocks ahead of the clock, or fill the queue of a live device."""
         mixer = self.engine.mixer
         if mixer is None:
             return
@@ -238,7 +238,7 @@ class _LiveSession:
             mixer.master(self._gain)
 
     def _check_device(self) -> None:
-        """Once a second: a device that was unplugged is replaced by what is next down the ladder, until it is back."""
+        """Once a second, replace an unplugged device by the next output of the fallback chain, until it is back."""
         now = self._clock.now_ns()
         if now < self._check_ns:
             return
@@ -250,7 +250,7 @@ class _LiveSession:
             self._replace_output("the audio device is gone")
 
     def _try_device(self, bank: SoundBank) -> None:
-        """Go back to the device where it can be opened again."""
+        """Return to the device if it can be opened again."""
         try:
             engine = open_device(self._settings, bank, self._clock)
         except DeviceError:
@@ -262,7 +262,7 @@ class _LiveSession:
         self._go_on()
 
     def _replace_output(self, why: str) -> None:
-        """Close what failed and go on with the file, or without sound when it was the file."""
+        """Close the failed output and continue with the file, or without sound if the file failed."""
         failed = self.engine
         self._earlier = self.report()
         failed.close()
@@ -273,7 +273,7 @@ class _LiveSession:
         self._go_on()
 
     def _go_on(self) -> None:
-        """Play on another output as loud as before, and report it to the app."""
+        """Continue on a new output with the same master gain, and report its status."""
         if self.engine.mixer is not None:
             self.engine.mixer.master(self._gain)
         self._director = self._direct()
@@ -285,7 +285,7 @@ def _nothing() -> AudioStatus:
 
 
 def _die_with_parent() -> None:
-    """End with the app, also when it is killed; its sentinel is portable, PDEATHSIG fires with the spawning thread."""
+    """Exit when the application ends, also when it is killed. PDEATHSIG would fire with the spawning thread."""
     parent = parent_process()
     if parent is None:
         return
@@ -298,13 +298,13 @@ def _die_with_parent() -> None:
 
 
 def _tell_of_crashes() -> None:
-    """A crash inside a library leaves its stack on the error stream, also while that is pointed to nowhere."""
+    """Have a crash in a library print its stack to stderr, also while that is redirected."""
     if sys.stderr is not None:
         faulthandler.enable(os.fdopen(os.dup(2), "w"))
 
 
 def _warm_up(memory: SessionMemory, clock: Clock) -> None:
-    """Compile, or load, what every turn of the loop calls, on copies: before precedence, and before the app knows."""
+    """Compile or load the functions of the main loop, on copies of the data, before real-time priority is set."""
     wait_for_records(memory.audio_event_words, scratch(), clock.now_ns(), _LIVE_STEP_NS)
     ring.drain(memory.audio_event_words.copy(), memory.audio_events.copy(), np.zeros(1, EVENT))
     ring.drain(memory.audio_force_words.copy(), memory.audio_forces.copy(), np.zeros(1, CONTACT_FORCE))
@@ -313,10 +313,10 @@ def _warm_up(memory: SessionMemory, clock: Clock) -> None:
 
 
 def _take_precedence() -> None:
-    """Run before ordinary work from here on, where the system allows it; threads started later inherit it.
+    """Set real-time priority where the system allows it; threads started later inherit it.
 
-    Nothing that takes long may follow: under a limit of real-time work without a pause (RLIMIT_RTTIME, which the app
-    has once its haptic loop runs, and hands down) the kernel ends what goes on. So a turn that does becomes ordinary.
+    Under a limit of uninterrupted real-time work (RLIMIT_RTTIME, set with the haptic loop and inherited) the kernel
+    kills a process that exceeds it. SIGXCPU comes first, and its handler returns the process to normal priority.
     """
     ask_for_fifo()
     if hasattr(signal, "SIGXCPU"):
@@ -324,7 +324,7 @@ def _take_precedence() -> None:
 
 
 def ask_for_fifo(pid: int = 0, priority: int = FIFO_PRIORITY) -> None:
-    """Run a process (0: this one) before ordinary work where the system allows it; threads it starts inherit it."""
+    """Set SCHED_FIFO for a process (0: this one) where the system allows it; threads it starts inherit it."""
     if not hasattr(os, "sched_setscheduler"):
         return
     try:

@@ -1,7 +1,7 @@
-"""A voice's spectrum through shape, delay and direction, sixteen bins at a time, none of which leaves the registers.
+"""Spectral filtering of a voice: shelves, interaural delay and head response, 16 bins at a time in registers.
 
-How a voice is heard from somewhere is three numbers: its gain, its cell of the table of directions, its row of the
-table of delays. A voice that moves is heard from two places at once, with one shape where that has not changed.
+A position is three numbers: gain, cell of the table of directions, row of the table of delays. A voice that moves is
+filtered for two positions, which are crossfaded; the shelves are applied once where they have not changed.
 """
 
 from __future__ import annotations
@@ -34,17 +34,17 @@ Heard: TypeAlias = tuple[float, int, int]
 Shape: TypeAlias = tuple[float, float]
 
 ROWS = BINS // WIDTH
-"""Of a spectrum."""
+"""Rows of 16 bins in a spectrum."""
 
 DELAY_ROW = 4 * WIDTH
-"""Numbers of a delay: cos and -sin of the first row of bins, then those that turn it into each of the rows."""
+"""Numbers per delay: cos and -sin of the first row of bins, then of the rotation from row to row."""
 
-_PART = BYTES * BINS  # bytes of real or of imaginary parts
+_PART = BYTES * BINS  # bytes of the real (or imaginary) parts
 _STEP = BYTES * WIDTH
 
 
 def move(target: F4, at: int, source: F4, of: int, count: int) -> None:
-    """Copy `count` numbers from place `of` of one array to place `at` of another or of the same one."""
+    """Copy `count` numbers from index `of` of `source` to index `at` of `target`; both may be one array."""
     target[at : at + count] = source[of : of + count].copy()
 
 
@@ -52,14 +52,14 @@ def add_heard(spectrum: F4, shelves: F4, shape: Shape, cells: F4, delays: F4, he
     """Add a voice to both ears.
 
     Args:
-        spectrum: Of the voice, [2 * BINS].
-        shelves: Of `Tables`.
-        shape: By how much, as a share, the middle band is louder than the low one, and the high than the middle.
-        cells: Of `Tables`.
-        delays: Of `Tables`.
+        spectrum: Spectrum of the voice, [2 * BINS].
+        shelves: See `Tables`.
+        shape: Relative gain of the middle band over the low one, and of the high band over the middle one.
+        cells: See `Tables`.
+        delays: See `Tables`.
         heard: Gain of the low band, row of `cells`, row of `delays`.
-        sums: A row is added to: left and right, real and imaginary, [.., 4 * BINS].
-        row: Of `sums`.
+        sums: Sums to add to: left and right, real and imaginary, [.., 4 * BINS].
+        row: Row of `sums`.
     """
     gain, cell, half = heard
     parts = cells.reshape(-1, ROWS, 2, 2, WIDTH)[cell]
@@ -83,13 +83,13 @@ def add_moving(
     after: Heard,
     sums: F4,
 ) -> None:
-    """Add a voice as it was heard to row 1 of `sums`, and as it is heard now to row 2; the rest as of `add_heard`."""
+    """Add a voice at its old position to row 1 of `sums` and at its new one to row 2; see `add_heard`."""
     add_heard(spectrum, shelves, shape, cells, delays, before, sums, 1)
     add_heard(spectrum, shelves, shape, cells, delays, after, sums, 2)
 
 
 def set_shaped(spectrum: F4, shelves: F4, gain: float, shape: Shape, shaped: F4) -> None:
-    """Set `shaped`, [2 * BINS], to a spectrum through a shape and a gain; the rest as of `add_heard`."""
+    """Set `shaped`, [2 * BINS], to a spectrum filtered by a shape and a gain; see `add_heard`."""
     low, turn, high, twist = shelves.reshape(4, BINS)
     curve = (1.0 + shape[0] * (low + 1j * turn)) * (1.0 + shape[1] * (high + 1j * twist))
     found = gain * (spectrum[:BINS] + 1j * spectrum[BINS:]) * curve
@@ -156,27 +156,27 @@ def _move(typingctx, target, source, count):
 
 
 _PLACE = [types.float32, ADDRESS, ADDRESS, ADDRESS]
-"""Gain, cell, delay and sums of a place that a voice is heard from."""
+"""Types of gain, cell, delay and sums of one position."""
 
 
 @intrinsic
 def _add_still(typingctx, spectrum, shelves, lower, upper, gain, cell, delay, sums):
-    """Add a spectrum, through a shape, to both ears as it is heard from one place."""
+    """Filter a spectrum by a shape and add it to both ears for one position."""
     return types.void(ADDRESS, ADDRESS, types.float32, types.float32, *_PLACE), _ears
 
 
 @intrinsic
 def _add_moved(typingctx, spectrum, shelves, lower, upper, gain, cell, delay, sums, gain2, cell2, delay2, sums2):
-    """The same from two places at once."""
+    """Filter a spectrum by a shape and add it to both ears for two positions."""
     return types.void(ADDRESS, ADDRESS, types.float32, types.float32, *_PLACE, *_PLACE), _ears
 
 
 def _ears(context, builder, signature, args):
-    """Machine code that adds a spectrum to both ears, from one place or from several."""
+    """Generate the code that adds a spectrum to both ears for one or several positions."""
     own, shelf, lower, upper, *rest = args
     write = Writer(builder)
     places = [(rest[n + 1], rest[n + 2], rest[n + 3]) for n in range(0, len(rest), 4)]
-    # the gain goes with the delay: once for all rows
+    # the gain is folded into the delay, once for all rows
     firsts = [write.rows(rest[n + 2], 0, WIDTH).scaled(write.filled(rest[n])) for n in range(0, len(rest), 4)]
     curve = [write.filled(lower), write.filled(upper)]
     with for_range(builder, _constant(ROWS)) as loop:
@@ -191,7 +191,7 @@ def _ears(context, builder, signature, args):
 
 
 def _add_row(write: Writer, shaped: Complex, turned: Complex, ears: Value, sums: Value) -> None:
-    """16 bins to both ears, which hear them as much earlier as later."""
+    """Add 16 bins to both ears, half the delay early on one and late on the other."""
     across, along = shaped.im * turned.im, shaped.re * turned.im
     left = Complex(shaped.re.times_plus(turned.re, -across), shaped.im.times_plus(turned.re, along))
     right = Complex(shaped.re.times_plus(turned.re, across), shaped.im.times_plus(turned.re, -along))
@@ -206,7 +206,7 @@ def _add_row(write: Writer, shaped: Complex, turned: Complex, ears: Value, sums:
 
 @intrinsic
 def _set_rows(typingctx, spectrum, shelves, lower, upper, gain, shaped):
-    """Set a spectrum to another one through a shape and a gain."""
+    """Filter a spectrum by a shape and a gain into another one."""
 
     def codegen(context, builder, signature, args):
         own, shelf, lower, upper, gain, out = args
@@ -223,7 +223,7 @@ def _set_rows(typingctx, spectrum, shelves, lower, upper, gain, shaped):
 
 
 def _shaped(write: Writer, spectrum: Value, shelves: Value, curve: Sequence[Lanes]) -> Complex:
-    """16 bins through both shelves."""
+    """Filter 16 bins by both shelves."""
     one, shelf = write.filled(1.0), 2 * BINS
     first, second = (
         Complex(write.row(shelves, n * shelf).times_plus(share, one), write.row(shelves, n * shelf + BINS) * share)

@@ -1,4 +1,4 @@
-"""Groups of sounds: a gain each, and one that turns others down while it sounds."""
+"""Mixer buses: a gain each, and ducking of other buses."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from mimics_app.rendering.audio.settings import BusSpec
 __all__ = ["Buses"]
 
 _DOWN_S = 0.05
-"""Time constant of turning down [s]: before the first syllable is over."""
+"""Attack of ducking [s]: within the first syllable."""
 
 _UP_S = 0.4
-"""Time constant of coming back [s], slow enough not to pump between words."""
+"""Release of ducking [s]: slow enough not to pump between words."""
 
 
 class Buses:
-    """Gains of all groups, block by block.
+    """Gains of all buses, block by block.
 
     Args:
-        specs: By name; "main" is added.
+        specs: Buses by name; "main" is added.
         rate: Samples per second.
     """
 
@@ -36,11 +36,11 @@ class Buses:
         self._ducks = any(spec.ducks for spec in self._specs.values())
 
     def row_of(self, name: str) -> int:
-        """Row of a group; that of "main" for one that is not known."""
+        """Return the row of a bus, that of "main" for an unknown name."""
         return self._names.index(name) if name in self._specs else 0
 
     def gains(self, sounding: NDArray[np.int64], frames: int) -> NDArray[np.float64]:
-        """Linear gain of each group for a block in which the groups `sounding` have a voice, shape [groups]."""
+        """Return the linear gain of each bus for a block in which the buses `sounding` have voices, shape [buses]."""
         if not self._ducks:
             return self._own
         wanted = np.ones(len(self._names))

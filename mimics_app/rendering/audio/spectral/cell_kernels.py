@@ -1,4 +1,4 @@
-"""Cells of the grid of directions: filled from the nearest measured ones the first time a sound comes from there."""
+"""Cells of the direction grid, interpolated from the nearest measured directions on first use."""
 
 from __future__ import annotations
 
@@ -15,34 +15,34 @@ __all__ = ["Cells", "add_blended", "cell_of", "fill_cell", "find_nearest"]
 
 
 NEIGHBOURS = 4
-"""Measured directions that a cell is blended from."""
+"""Number of measured directions that a cell is interpolated from."""
 
 _LOW_BINS = 33  # of SIZE: up to 3 kHz at 48 kHz, where the weight has fallen to 1/256
-_REACH = 36  # samples on each side among which the peak is sought first
-_COARSE = 3  # samples between them: a wave of 1.5 kHz is ten times as long
-_STEPS = 6  # of Newton's method, which doubles the digits each time
+_REACH = 36  # samples on each side of the coarse search for the peak
+_COARSE = 3  # step of the coarse search [samples]: a tenth of the period of 1.5 kHz
+_STEPS = 6  # iterations of Newton's method
 
 _LOWEST = 90
-"""Degrees of elevation below the horizon: the first row of the grid."""
+"""Depression of the first row of the grid [degrees]."""
 
 _PARTS = 4
-"""Of a cell's spectra: left and right, real and imaginary."""
+"""Parts of a cell: left and right, real and imaginary."""
 
 _MET = 1e-10
-"""Square of an angle [rad^2] below which a measured direction is met."""
+"""Squared angle below which a measured direction is used alone [rad^2]."""
 
 
 class Cells(NamedTuple):
-    """Responses by direction.
+    """Head responses by direction.
 
     Attributes:
-        filled: 1 for each cell that holds one, shape [cells].
-        rows: First cell of each degree of elevation, and the number of all, shape [182].
-        directions: Measured, unit vectors, shape [n, 3].
-        measured: Spectra of those, a cell each, shape [n, 4 * BINS].
-        spectra: Of the cells, see `Tables.cells`.
-        halves: Half the delay of the left ear behind the right that the spectra themselves have [samples], [cells].
-        weights: Of the low bins where that delay is sought, shape [_LOW_BINS].
+        filled: 1 for each cell that is interpolated, shape [cells].
+        rows: First cell of each degree of elevation, then the number of cells, shape [182].
+        directions: Measured directions, unit vectors, shape [n, 3].
+        measured: Spectra of the measured directions, shape [n, 4 * BINS].
+        spectra: Spectra of the cells, see `Tables.cells`.
+        halves: Half of the interaural delay inherent in the spectra, left behind right [samples], shape [cells].
+        weights: Weights of the low bins used to estimate that delay, shape [_LOW_BINS].
     """
 
     filled: Words
@@ -56,7 +56,7 @@ class Cells(NamedTuple):
 
 @kernel
 def find_nearest(point: F8, directions: F8, index: Words, weight: F8) -> None:
-    """The nearest directions and their shares, which fall with the square of the angle; one that is met has all."""
+    """Find the nearest directions and their inverse-square weights; a direction that coincides has all the weight."""
     weight[:] = np.inf
     for n in range(directions.shape[0]):
         gap = 0.0
@@ -82,7 +82,7 @@ def find_nearest(point: F8, directions: F8, index: Words, weight: F8) -> None:
 
 @kernel
 def add_blended(points: F8, directions: F8, values: F8, field: F8) -> None:
-    """Add to `field`, shape [m], the values of the directions nearest to each point."""
+    """Add to `field`, shape [m], the values interpolated from the directions nearest to each point."""
     index, weight = np.zeros(NEIGHBOURS, np.int64), np.zeros(NEIGHBOURS)
     for m in range(points.shape[0]):
         find_nearest(points[m], directions, index, weight)
@@ -92,7 +92,7 @@ def add_blended(points: F8, directions: F8, values: F8, field: F8) -> None:
 
 @kernel
 def cell_of(azimuth: float, elevation: float, rows: Words) -> int:
-    """Cell of the grid nearest to a direction; azimuth to the right from ahead, elevation upwards [rad]."""
+    """Return the cell nearest to a direction; azimuth clockwise from ahead, elevation upwards [rad]."""
     degree = int(np.rint(np.degrees(elevation))) + _LOWEST
     count = rows[degree + 1] - rows[degree]
     return rows[degree] + int(np.rint((azimuth + np.pi) / (2.0 * np.pi) * count)) % count
@@ -100,7 +100,7 @@ def cell_of(azimuth: float, elevation: float, rows: Words) -> int:
 
 @kernel
 def fill_cell(cell: int, azimuth: float, elevation: float, cells: Cells) -> None:
-    """Blend the response of a cell, where it is not there yet, about the middle of the cell a direction is in."""
+    """Interpolate the response of a cell at its centre, where that is not done yet."""
     if cells.filled[cell] != 0:
         return
     degree = int(np.rint(np.degrees(elevation)))
@@ -123,7 +123,7 @@ def fill_cell(cell: int, azimuth: float, elevation: float, cells: Cells) -> None
 
 @kernel
 def _own_delay(spectra: F4, weights: F8) -> float:
-    """Delay of the left ear behind the right [samples]: the peak of the correlation of the low bins."""
+    """Return the delay of the left ear behind the right [samples]: the peak of the low bins' cross-correlation."""
     delay, most = 0.0, -np.inf
     for whole in range(-_REACH, _REACH + 1, _COARSE):
         height = _correlation(spectra, weights, float(whole))[0]
@@ -138,13 +138,13 @@ def _own_delay(spectra: F4, weights: F8) -> float:
 
 @kernel
 def _correlation(spectra: F4, weights: F8, delay: float) -> tuple[float, float, float]:
-    """Correlation of the ears at a delay [samples], its slope and its bend."""
+    """Return the cross-correlation of the ears at a delay [samples], and its first two derivatives."""
     step = np.pi / BINS
     height, slope, bend = 0.0, 0.0, 0.0
     for k in range(1, _LOW_BINS):
         at = k // WIDTH * _PARTS * WIDTH + k % WIDTH
         a, b, c, d = spectra[at], spectra[at + WIDTH], spectra[at + 2 * WIDTH], spectra[at + 3 * WIDTH]
-        re, im = a * c + b * d, b * c - a * d  # left times the conjugate of right
+        re, im = a * c + b * d, b * c - a * d  # left times conjugate of right
         u, w = np.cos(step * k * delay), np.sin(step * k * delay)
         height += weights[k] * (re * u - im * w)
         slope -= weights[k] * step * k * (re * w + im * u)

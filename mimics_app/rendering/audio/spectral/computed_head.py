@@ -1,7 +1,7 @@
-"""A head made of formulas: waves around a rigid sphere, and echoes of the outer ear that change with elevation.
+"""Computed head responses: diffraction around a rigid sphere, and pinna echoes that depend on elevation.
 
-Sphere: pressure on its surface by the series of Kuhn (1977) and Duda & Martens (1998). Outer ear: the five echoes of
-Brown & Duda (1998). No measured data; the width can be a person's own.
+Sphere: pressure on its surface by the series of Kuhn (1977) and Duda & Martens (1998). Pinna: the five echoes of
+Brown & Duda (1998). No measured data; the width can be that of a person.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ __all__ = ["compute_head", "sphere_response"]
 
 
 SOUND_SPEED = 343.0
-"""[m/s] at 20 degrees C."""
+"""Speed of sound in air at 20 degrees C [m/s]."""
 
 _RADIUS_OF_WIDTH = 0.531
-"""Radius of the sphere over the width of the head: 80.7 mm of KEMAR's 152 mm gives its 706 us (Kuhn 3 a / c)."""
+"""Radius of the sphere over head width: 80.7 mm for KEMAR's 152 mm, which gives its ITD of 706 us (Kuhn, 3 a / c)."""
 
-_EAR_AZIMUTH = np.radians(100.0)  # ears sit a little behind the middle
+_EAR_AZIMUTH = np.radians(100.0)  # the ears are slightly behind the centre
 _STEP_DEG = 5.0
 _TAPS = 512
-_LEAD = 96  # samples before the wave passes the middle of the head
+_LEAD = 96  # samples before the wave passes the centre of the head
 
 # Brown & Duda (1998), table I: reflection, A [samples at 44.1 kHz], B likewise, D of the delay
 # A cos(azimuth / 2) sin(D (90 deg - elevation)) + B.
@@ -36,11 +36,11 @@ _ECHOES = (
     (0.25, 5.0, 13.0, 0.5),
 )
 _ECHO_RATE = 44_100.0
-_ECHO_STRENGTH = 0.5  # of theirs: the whole of it is more coloured than measured ears are
+_ECHO_STRENGTH = 0.5  # relative to theirs, which colours more than measured ears do
 
 
 def compute_head(width: float, rate: int = 48_000) -> HeadResponses:
-    """Responses of a head of this width [m], every 5 degrees or nearer."""
+    """Compute the responses of a head of this width [m] on a grid of 5 degrees."""
     azimuth, elevation = _grid()
     directions = directions_from_angles(azimuth, elevation)
     frequency = np.asarray(np.fft.rfftfreq(_TAPS, 1.0 / rate), np.float64)
@@ -58,12 +58,12 @@ def compute_head(width: float, rate: int = 48_000) -> HeadResponses:
 
 
 def sphere_response(frequency: F8, incidence: F8, radius: float) -> NDArray[np.complex128]:
-    """Pressure at a point of a rigid sphere over that of a free plane wave at its middle, delays as exp(-i w t).
+    """Return the pressure on a rigid sphere over that of the free plane wave at its centre, delays as exp(-i w t).
 
     Args:
-        frequency: [Hz], shape [bins].
-        incidence: Angle between the point and the source [rad], shape [n].
-        radius: Of the sphere [m].
+        frequency: Frequencies [Hz], shape [bins].
+        incidence: Angle between surface point and source [rad], shape [n].
+        radius: Radius of the sphere [m].
 
     Returns:
         Shape [n, bins].
@@ -80,14 +80,14 @@ def sphere_response(frequency: F8, incidence: F8, radius: float) -> NDArray[np.c
         total = total + (-1j) ** m * (2 * m + 1) * legendre[:, None] / slope
         before, present = present, (2 * m + 1) / size * present - before
         legendre_before, legendre = legendre, ((2 * m + 1) * cosine * legendre - m * legendre_before) / (m + 1)
-        if not np.isfinite(present).all():  # of low frequencies: nothing more is added there
+        if not np.isfinite(present).all():  # overflow at low frequencies, where the series has converged
             present = np.where(np.isfinite(present), present, 1e250)
             before = np.where(np.isfinite(before), before, 1e250)
     return np.conj(1j / size**2 * total)
 
 
 def _grid() -> tuple[F8, F8]:
-    """Azimuth and elevation [rad] of points over the whole ball, 5 degrees apart or less."""
+    """Return azimuth and elevation [rad] of points on the whole sphere, at most 5 degrees apart."""
     rings = []
     for elevation in np.arange(-90.0, 90.1, _STEP_DEG):
         count = max(1, int(np.ceil(360.0 / _STEP_DEG * np.cos(np.radians(elevation)) - 1e-9)))
@@ -105,7 +105,7 @@ def _interpolated(around: NDArray[np.complex128], incidence: F8, angle: F8) -> N
 
 
 def _pinna(frequency: F8, azimuth: F8, elevation: F8) -> NDArray[np.complex128]:
-    """Direct sound and its echoes in the outer ear, shape [n, bins]; azimuth towards the ear's own side."""
+    """Return direct sound and pinna echoes, shape [n, bins]; azimuth positive towards the ear's side."""
     total = np.ones((len(azimuth), len(frequency)), np.complex128)
     towards = np.abs((azimuth - np.pi / 2.0 + np.pi) % (2.0 * np.pi) - np.pi)  # away from the ear's axis
     for strength, reach, least, bend in _ECHOES:

@@ -1,8 +1,8 @@
-"""Spectrum of a real block of 512 samples, and back: half as many complex numbers as a square of 16 by 16.
+"""FFT of a real block of 512 samples and its inverse, as a complex transform of 16 x 16 numbers.
 
-Even samples are real parts and odd ones imaginary parts. Columns of the square are transformed side by side, turned,
-the square is transposed, and its columns are transformed again (Bailey 1990): every step takes whole rows of 16
-numbers. The highest bin, at half the rate, is left out: nothing here lets it through.
+Even samples are real parts, odd ones imaginary parts. The columns of the 16 x 16 matrix are transformed side by side
+and multiplied by twiddle factors; the matrix is transposed and its columns are transformed again (Bailey 1990), so that
+every step works on rows of 16 numbers. The Nyquist bin is left out: all filters are zero there.
 """
 
 from __future__ import annotations
@@ -28,20 +28,20 @@ from mimics_app.rendering.audio.spectral.lanes import (
 __all__ = ["BINS", "SIZE", "WORK", "address_of", "real_block", "real_spectrum", "turns_of"]
 
 SIZE = 512
-"""Samples of a block."""
+"""Samples per block."""
 
 BINS = SIZE // 2
-"""Of its spectrum."""
+"""Bins per spectrum."""
 
-_PADDED = BINS + WIDTH  # numbers of a row of parts, the first ones once more behind the last
+_PADDED = BINS + WIDTH  # length of a row of real or imaginary parts, whose first numbers are repeated at the end
 
 WORK = 2 * _PADDED
-"""Numbers of scratch that a transform needs."""
+"""Length of the scratch array of a transform."""
 
 
 @intrinsic
 def address_of(typingctx, array):
-    """Where an array begins; unlike its `ctypes` this counts no reference."""
+    """Return the address of an array's data; unlike `array.ctypes` this touches no reference count."""
 
     def codegen(context, builder, signature, args):
         data = context.make_array(signature.args[0])(context, builder, args[0]).data
@@ -51,7 +51,7 @@ def address_of(typingctx, array):
 
 
 def turns_of() -> F4:
-    """What a transform turns by, [4 * BINS]: cos and -sin between the columns, cos and -sin of the unfolding."""
+    """Return the twiddle factors, [4 * BINS]: cos and -sin between columns, cos and -sin of the unfolding."""
     row, column = np.divmod(np.arange(BINS), WIDTH)
     between, unfold = 2.0 * np.pi * row * column / BINS, 2.0 * np.pi * np.arange(BINS) / SIZE
     turns = np.stack((np.cos(between), -np.sin(between), np.cos(unfold), -np.sin(unfold)))
@@ -59,13 +59,13 @@ def turns_of() -> F4:
 
 
 def real_spectrum(samples: F4, at: int, turns: F4, spectrum: F4) -> None:
-    """Spectrum of a block.
+    """Compute the spectrum of a block. All arrays are contiguous.
 
     Args:
-        samples: Shape [n], one after the other in memory, as all of these.
-        at: The block's first, of SIZE.
-        turns: Of `turns_of`.
-        spectrum: Set to real parts and imaginary parts, shape [2 * BINS].
+        samples: Shape [n].
+        at: Index of the block's first sample; the block has SIZE samples.
+        turns: Twiddle factors, from `turns_of`.
+        spectrum: Set to real parts, then imaginary parts, shape [2 * BINS].
     """
     bins = np.fft.rfft(samples[at : at + SIZE])[:BINS]
     spectrum[:BINS], spectrum[BINS:] = bins.real, bins.imag
@@ -80,11 +80,11 @@ def _overload_real_spectrum(samples, at, turns, spectrum):
 
 
 def real_block(spectrum: F4, turns: F4, work: F4, block: F4) -> None:
-    """The block of a spectrum.
+    """Compute the block of a spectrum.
 
     Args:
-        spectrum: Real parts and imaginary parts, shape [2 * BINS], whose bin 0 is real.
-        turns: Of `turns_of`.
+        spectrum: Real parts, then imaginary parts, shape [2 * BINS]; bin 0 is real.
+        turns: Twiddle factors, from `turns_of`.
         work: Overwritten, shape [WORK].
         block: Set, shape [SIZE].
     """
@@ -94,7 +94,7 @@ def real_block(spectrum: F4, turns: F4, work: F4, block: F4) -> None:
 @overload(real_block)
 def _overload_real_block(spectrum, turns, work, block):
     def machine(spectrum, turns, work, block):
-        """Folded, exchanged, transformed and exchanged again: transforming i times a conjugate goes backwards."""
+        """Fold, swap parts, transform, swap parts: swapping real and imaginary parts inverts a transform."""
         for part in range(2):
             for k in range(BINS):
                 work[part * _PADDED + k] = spectrum[part * BINS + k]
@@ -116,7 +116,7 @@ def _overload_real_block(spectrum, turns, work, block):
 
 @intrinsic
 def _transform(typingctx, block, turns, work):
-    """The complex transform of a block's pairs, into `_PADDED` real and imaginary parts."""
+    """Transform a block as complex pairs, into `_PADDED` real and imaginary parts."""
 
     def codegen(context, builder, signature, args):
         data, turn, scratch = args
@@ -131,7 +131,7 @@ def _transform(typingctx, block, turns, work):
 
 @intrinsic
 def _real_transform(typingctx, block, turns, spectrum):
-    """A real block's spectrum: each bin of its pairs' transform is unfolded with the one as far from the end."""
+    """Compute the spectrum of a real block: bin k of the transform of pairs is unfolded with bin N - k."""
 
     def codegen(context, builder, signature, args):
         data, turn, out = args
@@ -152,7 +152,7 @@ def _real_transform(typingctx, block, turns, spectrum):
 
 
 def _square(write: Writer, data: Value, turn: Value) -> list[Complex]:
-    """The complex transform of 512 numbers that are pairs, row by row."""
+    """Transform 512 numbers as 256 complex pairs; return rows."""
     columns = _sixteen([_pairs(write, data, 2 * WIDTH * row) for row in range(WIDTH)])
     for row in range(1, WIDTH):
         columns[row] = columns[row] * write.rows(turn, WIDTH * row, BINS + WIDTH * row)
@@ -161,19 +161,19 @@ def _square(write: Writer, data: Value, turn: Value) -> list[Complex]:
 
 
 def _pairs(write: Writer, data: Value, place: int) -> Complex:
-    """32 samples as 16 complex numbers."""
+    """Load 32 samples as 16 complex numbers."""
     low, high = write.row(data, place), write.row(data, place + WIDTH)
     return Complex(low.taking(high, range(0, 2 * WIDTH, 2)), low.taking(high, range(1, 2 * WIDTH, 2)))
 
 
 def _four(a: Complex, b: Complex, c: Complex, d: Complex) -> tuple[Complex, Complex, Complex, Complex]:
-    """Transform of four."""
+    """Transform of length 4."""
     even, odd, gap, turned = a + c, b + d, a - c, (b - d).turned_back()
     return even + odd, gap + turned, even - odd, gap - turned
 
 
 def _sixteen(x: Sequence[Complex]) -> list[Complex]:
-    """Transform of sixteen rows, column by column: four by four."""
+    """Transform of length 16 along the columns of 16 rows, as 4 x 4."""
     inner = [_four(x[n], x[n + 4], x[n + 8], x[n + 12]) for n in range(4)]
     out: list[Complex] = [x[0]] * 16
     for k in range(4):
@@ -182,7 +182,7 @@ def _sixteen(x: Sequence[Complex]) -> list[Complex]:
 
 
 def _turned(x: Complex, steps: int) -> Complex:
-    """Times exp(-2 pi i steps / 16)."""
+    """Multiply by exp(-2 pi i steps / 16)."""
     if steps == 0:
         return x
     if steps == 4:

@@ -1,4 +1,4 @@
-"""Responses of a head's ears by direction, wherever they come from.
+"""Head-related impulse responses by direction, measured or computed.
 
 Directions are in the frame of the head: x to the right, y up, -z ahead; unit vectors.
 """
@@ -15,18 +15,18 @@ __all__ = ["HeadResponses", "delays_between_ears", "directions_from_angles"]
 
 
 LOW_PASS = 1500.0
-"""Above it the ear does not use the delay of the waves themselves [Hz]."""
+"""Frequency above which hearing does not use interaural phase delay [Hz]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeadResponses:
-    """Impulse responses.
+    """Head-related impulse responses.
 
     Attributes:
-        directions: To the source, shape [n, 3].
+        directions: Directions of the source, shape [n, 3].
         responses: Left and right ear, shape [n, 2, taps].
         rate: Samples per second.
-        name: For people.
+        name: Name shown to users.
     """
 
     directions: F8
@@ -36,15 +36,15 @@ class HeadResponses:
 
 
 def directions_from_angles(azimuth: F8, elevation: F8) -> F8:
-    """Unit vectors, shape [n, 3], from azimuth to the right and elevation upwards [rad], shape [n]."""
+    """Return unit vectors, shape [n, 3], from azimuth (clockwise) and elevation (upwards) [rad], shape [n]."""
     level = np.cos(elevation)
     return np.stack((level * np.sin(azimuth), np.sin(elevation), -level * np.cos(azimuth)), axis=-1)
 
 
 def delays_between_ears(responses: F8, rate: float) -> F8:
-    """How much later the left ear hears [s], by correlation below 1.5 kHz, shape [n] of responses [n, 2, taps].
+    """Return the delay of the left ear behind the right [s], shape [n], of responses, shape [n, 2, taps].
 
-    The peak is sought at an eighth of a sample and set by the parabola through its neighbours: to 0.1 us.
+    By cross-correlation below 1.5 kHz, oversampled eight times, with parabolic interpolation of the peak: to 0.1 us.
     """
     count = 1 << int(np.ceil(np.log2(2 * responses.shape[-1])))
     fine = 8

@@ -1,9 +1,9 @@
-"""From measured or computed responses to what the mixer looks up: spectra by direction, and delays between the ears.
+"""Look-up tables of the spectral mixer: head spectra by direction, and interaural delays.
 
-Each response is split into a minimum-phase part, which can be blended between neighbouring directions without a comb,
-and a pure delay between the ears. The delay is fitted so that the pair has the original's below 1.5 kHz, where the ear
-uses it; that one is blended as a number, so it is exact to a fraction of a sample and free of jumps. Directions lie on
-a grid of one degree that is filled where sounds come from.
+Each response is split into a minimum-phase part, which can be interpolated between directions without comb filtering,
+and a pure interaural delay. The delay is fitted so that the pair has the original's below 1.5 kHz, where hearing uses
+it, and is interpolated as a number: exact to a fraction of a sample and continuous. Directions lie on a grid of one
+degree, whose cells are computed on first use.
 """
 
 from __future__ import annotations
@@ -25,36 +25,36 @@ __all__ = ["BASE_DELAY", "DELAYS_PER_SAMPLE", "DRY", "FIRST_CELL", "HeadTable", 
 
 
 BASE_DELAY = 40
-"""Samples by which the middle of the head hears later than the sound starts: the nearer ear is before that by half of
-the delay between them, at most 0.5 ms, and a delay of parts of a sample rings a little ahead."""
+"""Delay of the centre of the head [samples]: the nearer ear precedes it by half of the interaural delay, at most
+0.5 ms, and a fractional delay has some pre-ringing."""
 
 DELAYS_PER_SAMPLE = 32
-"""Rows of the table of delays per sample of half the delay: 1.3 us between the ears."""
+"""Rows of the table of delays per sample of half the delay: steps of 1.3 us between the ears."""
 
 TAPS = 200
-"""Of the minimum-phase part. With the delays and the shapes of the path it must fit into what a block leaves, 273."""
+"""Length of the minimum-phase part; with delays and shelves it must fit into SIZE - BLOCK + 1 = 273 samples."""
 
 DRY, FIRST_CELL = 0, 3
-"""Cells 0 to 2: as it is in both ears, left ear alone, right ear alone; then the directions."""
+"""Cells 0 to 2: unfiltered in both ears, in the left, in the right ear; then the directions."""
 
-_DELAY_STEPS = 91  # rows of the grid of delays, every 2 degrees of elevation, and twice as many columns
-_EDGE = 0.75  # of the highest frequency: 18 kHz at 48 kHz
-_FADE = 40  # samples over which the end of a response fades, at most
-_QUIETEST = 1e-4  # of the loudest bin: -80 dB, below which a spectrum is not followed
-_LEVEL_BAND = (300.0, 6000.0)  # Hz over which the level of all directions together is set to 1
-_LOWER_EDGE, _UPPER_EDGE = 500.0, 4000.0  # Hz of the shelves between the three bands
+_DELAY_STEPS = 91  # rows of the delay grid, every 2 degrees of elevation; columns every 2 degrees of azimuth
+_EDGE = 0.75  # of the Nyquist frequency: 18 kHz at 48 kHz
+_FADE = 40  # longest fade-out of a response [samples]
+_QUIETEST = 1e-4  # floor of a magnitude spectrum relative to its maximum: -80 dB
+_LEVEL_BAND = (300.0, 6000.0)  # band in which the mean level over directions is normalised [Hz]
+_LOWER_EDGE, _UPPER_EDGE = 500.0, 4000.0  # corner frequencies of the shelves between the three bands [Hz]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeadTable:
-    """What the mixer needs of a head.
+    """Tables of a head.
 
     Attributes:
-        tables: For the mixing kernels.
-        cells: Its responses, which are filled as they are needed.
+        tables: Tables of the mixing kernels.
+        cells: Responses by direction, computed on first use.
         delays: Half the delay of the left ear behind the right on a grid over elevation and azimuth [samples],
             shape [91, 181]: every 2 degrees, azimuth from -180 to 180.
-        name: Of the head.
+        name: Name of the head.
     """
 
     tables: Tables
@@ -67,9 +67,9 @@ def build_head_table(head: HeadResponses, rate: int, taps: int = TAPS) -> HeadTa
     """Compute the tables.
 
     Args:
-        head: At any rate.
-        rate: Of the mix.
-        taps: Length of the minimum-phase part, at most TAPS; shorter ones are cheaper to store, not to mix.
+        head: Responses at any rate.
+        rate: Samples per second of the mix.
+        taps: Length of the minimum-phase part, at most TAPS; the cost of mixing does not depend on it.
     """
     pulses = _minimum_phase(head, rate, taps)
     delays = delays_between_ears(head.responses, head.rate)
@@ -96,24 +96,24 @@ def build_head_table(head: HeadResponses, rate: int, taps: int = TAPS) -> HeadTa
 
 
 def _edge() -> F8:
-    """Fades the last quarter of the spectrum: a delay of parts of a sample would ring on at the highest tone."""
+    """Return a fade over the last quarter of the spectrum: a fractional delay would ring at the Nyquist frequency."""
     share = np.clip((np.arange(BINS) / BINS - _EDGE) / (1.0 - _EDGE), 0.0, 1.0)
     return np.asarray(0.5 + 0.5 * np.cos(np.pi * share))
 
 
 def _columns(degree: int) -> int:
-    """Cells of a row of the grid: a degree apart or less."""
+    """Return the number of cells in a row of the grid, at most one degree apart."""
     return max(1, int(np.ceil(360.0 * np.cos(np.radians(degree - 90.0)) - 1e-9)))
 
 
 def _flat(pair: NDArray[np.complex128]) -> NDArray[np.float32]:
-    """A cell, shape [4 * BINS], of the spectra of left and right, shape [2, BINS]: row of bins by row."""
+    """Return a cell, shape [4 * BINS], of the spectra of both ears, shape [2, BINS], interleaved by rows of bins."""
     parts = np.stack((pair.real, pair.imag), axis=1).reshape(4, ROWS, WIDTH)
     return parts.transpose(1, 0, 2).astype(np.float32).reshape(-1)
 
 
 def _minimum_phase(head: HeadResponses, rate: int, taps: int) -> F8:
-    """Responses of the same magnitude that answer as early as can be, at `rate`, shape [n, 2, taps], level set to 1."""
+    """Return the minimum-phase responses at `rate`, shape [n, 2, taps], normalised to a level of 1."""
     size = 2048
     own = np.fft.rfftfreq(2 * size, 1.0 / head.rate)
     frequency = np.fft.rfftfreq(size, 1.0 / rate)
@@ -135,7 +135,7 @@ def _minimum_phase(head: HeadResponses, rate: int, taps: int) -> F8:
 
 
 def _delay_rows(rate: int) -> NDArray[np.float32]:
-    """Every half delay as `bins.DELAY_ROW` has it, [rows * DELAY_ROW]."""
+    """Return all half delays in the layout of `bins.DELAY_ROW`, [rows * DELAY_ROW]."""
     most = half_delay_rows(rate)
     samples = np.arange(-most, most + 1) / DELAYS_PER_SAMPLE
     first, rows = np.arange(WIDTH), WIDTH * np.arange(ROWS)
@@ -144,21 +144,21 @@ def _delay_rows(rate: int) -> NDArray[np.float32]:
 
 
 def half_delay_rows(rate: int) -> int:
-    """Rows of the table of delays on each side of none: up to 0.5 ms, and what the base delay leaves."""
+    """Return the rows of the table of delays on each side of zero: up to 0.5 ms, limited by the base delay."""
     return int(min(0.5e-3 * rate, BASE_DELAY - 16) * DELAYS_PER_SAMPLE)
 
 
 def _shelf_rows(rate: int) -> NDArray[np.float32]:
-    """What s adds in 1 + s i u / (1 + i u), u = f / edge, a first-order shelf that lifts by the share s, [4 * BINS]."""
+    """Return the factor of s in the first-order shelf 1 + s i u / (1 + i u), u = f / edge, [4 * BINS]."""
     u = np.arange(BINS) * rate / SIZE / np.array([[_LOWER_EDGE], [_UPPER_EDGE]])
     return aligned(np.stack((u * u / (1.0 + u * u), u / (1.0 + u * u)), axis=1))
 
 
 def _delay_grid(directions: F8, delays: F8) -> F8:
-    """A smooth field through the delays of some directions, on the grid of `HeadTable.delays`.
+    """Interpolate the delays of some directions smoothly to the grid of `HeadTable.delays`.
 
-    Polynomials over the ball (as many as an eighth of the directions carry, to the eighth degree) take what is smooth;
-    what they leave is blended from the nearest directions, so that at each of them the field is exact.
+    Polynomials on the sphere (at most one coefficient per eight directions, up to degree 8) fit the smooth part; the
+    residual is interpolated from the nearest directions, so that the result is exact at each of them.
     """
     degree = int(np.clip(np.sqrt(len(directions) / 8.0) - 1.0, 1.0, 8.0))
     basis = _polynomials(directions, degree)
@@ -175,7 +175,7 @@ def _delay_grid(directions: F8, delays: F8) -> F8:
 
 
 def _polynomials(points: F8, degree: int) -> F8:
-    """All products x^i y^j z^k with i + j + k up to a degree and k at most 1: a basis of the functions on a ball."""
+    """Return all x^i y^j z^k with i + j + k up to a degree and k at most 1: a basis of polynomials on the sphere."""
     x, y, z = points.T
     return np.stack(
         [x**i * y**j * z**k for k in (0, 1) for i in range(degree + 1 - k) for j in range(degree + 1 - k - i)],

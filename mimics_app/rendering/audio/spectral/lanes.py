@@ -1,7 +1,7 @@
-"""Sixteen numbers side by side: what kernels of sound are written in where the compiler's own loops do not become wide.
+"""SIMD rows of 16 floats, for sound kernels whose loops the compiler does not vectorise.
 
-An intrinsic of numba writes machine instructions when its caller is compiled; with these types it does so in the terms
-of the formula. 16 floats are one register of AVX-512, two of AVX and four of NEON or SSE: the same results on all.
+A numba intrinsic emits LLVM IR when its caller is compiled; these types let it do so in the notation of the formula.
+16 floats are one register of AVX-512, two of AVX and four of NEON or SSE, with the same results on all.
 """
 
 from __future__ import annotations
@@ -29,29 +29,29 @@ __all__ = [
 ]
 
 ADDRESS = types.uintp
-"""Of an array's first number, see `fourier.address_of`."""
+"""Type of the address of an array's data, see `fourier.address_of`."""
 
 WIDTH = 16
-"""Numbers of a row."""
+"""Numbers per row."""
 
 BYTES = 4
-"""Of a number."""
+"""Bytes per number."""
 
 BYTE_POINTER = ir.IntType(8).as_pointer()
-"""To memory of any kind."""
+"""LLVM type of an untyped pointer."""
 
 _ROW = ir.VectorType(ir.FloatType(), WIDTH)
 _ROW_POINTER = _ROW.as_pointer()
 _OFFSET = ir.IntType(64)
 _FUSED = ir.FunctionType(_ROW, (_ROW, _ROW, _ROW))
 Value: TypeAlias = ir.Value
-"""A value of the machine code that is being written."""
+"""A value of the emitted IR."""
 
-_LINE = 64  # bytes of a cache's line
+_LINE = 64  # bytes per cache line
 
 
 class Lanes:
-    """A row while a kernel is made."""
+    """A row of 16 numbers in the emitted IR."""
 
     def __init__(self, builder: ir.IRBuilder, value: Value) -> None:
         self.builder = builder
@@ -70,13 +70,13 @@ class Lanes:
         return Lanes(self.builder, self.builder.fneg(self.value))
 
     def times_plus(self, factor: Lanes, addend: Lanes) -> Lanes:
-        """This row times a factor plus a row, rounded once on every processor."""
+        """Fused multiply-add: this row times a factor plus a row, rounded once."""
         module, name = self.builder.module, f"llvm.fma.v{WIDTH}f32"
         fused = module.globals.get(name) or ir.Function(module, _FUSED, name)
         return Lanes(self.builder, self.builder.call(fused, (self.value, factor.value, addend.value)))
 
     def taking(self, other: Lanes, order: Sequence[int]) -> Lanes:
-        """Numbers of this row (0 to 15) and of another one (16 to 31) in an order."""
+        """Shuffle: select numbers of this row (0 to 15) and of another one (16 to 31)."""
         mask = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), list(order))
         return Lanes(self.builder, self.builder.shuffle_vector(self.value, other.value, mask))
 
@@ -98,48 +98,48 @@ class Complex:
         return Complex(re, self.re.times_plus(other.im, self.im * other.re))
 
     def times_plus(self, factor: Complex, addend: Complex) -> Complex:
-        """This row times a factor plus a row."""
+        """Multiply-add: this row times a factor plus a row."""
         re = self.re.times_plus(factor.re, (-self.im).times_plus(factor.im, addend.re))
         return Complex(re, self.re.times_plus(factor.im, self.im.times_plus(factor.re, addend.im)))
 
     def scaled(self, factor: Lanes) -> Complex:
-        """Times real numbers."""
+        """Multiply by real numbers."""
         return Complex(self.re * factor, self.im * factor)
 
     def turned_back(self) -> Complex:
-        """Times -i."""
+        """Multiply by -i."""
         return Complex(self.im, -self.re)
 
 
 class Writer:
-    """Rows from memory and back. An address is that of an array, a place counts numbers from there.
+    """Emits loads and stores of rows; `place` counts numbers from the address of an array.
 
     Args:
-        builder: Of the intrinsic.
+        builder: IR builder of the intrinsic.
     """
 
     def __init__(self, builder: ir.IRBuilder) -> None:
         self._builder = builder
 
     def row(self, address: Value, place: int = 0) -> Lanes:
-        """16 numbers from a place on."""
+        """Load 16 numbers from a place on."""
         return Lanes(self._builder, self._builder.load(self._pointer(address, place), align=BYTES))
 
     def rows(self, address: Value, re: int, im: int) -> Complex:
-        """Real and imaginary parts from two places."""
+        """Load real and imaginary parts from two places."""
         return Complex(self.row(address, re), self.row(address, im))
 
     def keep(self, row: Lanes, address: Value, place: int = 0) -> None:
-        """Write a row."""
+        """Store a row."""
         self._builder.store(row.value, self._pointer(address, place), align=BYTES)
 
     def same(self, address: Value, place: int = 0) -> Lanes:
-        """The number at a place 16 times."""
+        """Broadcast the number at a place."""
         pointer = self._builder.bitcast(self._pointer(address, place), ir.FloatType().as_pointer())
         return self.filled(self._builder.load(pointer, align=BYTES))
 
     def filled(self, number: Value | float) -> Lanes:
-        """One number 16 times."""
+        """Broadcast a number."""
         number = ir.Constant(ir.FloatType(), number) if isinstance(number, float) else number
         first = self._builder.insert_element(ir.Constant(_ROW, ir.Undefined), number, ir.Constant(ir.IntType(32), 0))
         same = Lanes(self._builder, first)
@@ -151,7 +151,7 @@ class Writer:
 
 
 def transposed(rows: Sequence[Lanes]) -> list[Lanes]:
-    """A square of 16 rows, its columns as rows: halves, quarters, eighths and neighbours change places."""
+    """Transpose a matrix of 16 rows by exchanging halves, quarters, eighths and neighbours."""
     square = list(rows)
     for step in (8, 4, 2, 1):
         low = [lane if not lane & step else WIDTH + lane - step for lane in range(WIDTH)]
@@ -164,7 +164,7 @@ def transposed(rows: Sequence[Lanes]) -> list[Lanes]:
 
 
 def aligned_zeros(*shape: int) -> NDArray[np.float32]:
-    """Zeros that begin where a line of the processor's cache does, so that no row lies across two."""
+    """Return zeros aligned to a cache line, so that no row crosses two lines."""
     count = int(np.prod(shape))
     raw = np.zeros(count + _LINE // BYTES, np.float32)
     first = -raw.ctypes.data % _LINE // BYTES
@@ -172,7 +172,7 @@ def aligned_zeros(*shape: int) -> NDArray[np.float32]:
 
 
 def aligned(numbers: ArrayLike) -> NDArray[np.float32]:
-    """Numbers as such an array, one row."""
+    """Return numbers as a flat array aligned to a cache line."""
     values = np.asarray(numbers, np.float32).reshape(-1)
     kept = aligned_zeros(len(values))
     kept[:] = values

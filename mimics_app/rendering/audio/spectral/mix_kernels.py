@@ -1,7 +1,7 @@
-"""One block of all voices: samples read, transformed, filtered for each ear, and summed in spectra.
+"""Mixing of one block of all voices: read, transform, filter for each ear, and sum in the frequency domain.
 
-No voice keeps its response: what it was set to now and in the block before makes both anew, which costs less than
-to read and write 4 KB. Rows of 16 bins at a time go through shape, delay, direction and sum without leaving registers.
+No voice stores its response: it is computed from the settings of this block and the one before, which is cheaper than
+reading and writing 4 KB. Rows of 16 bins pass through shelves, delay, direction and sum in registers.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from mimics_app.rendering.audio.spectral.fourier import BINS, SIZE, WORK, real_b
 __all__ = ["BLOCK", "SCRATCH", "Bank", "State", "Tables", "Voices", "add_blocks", "mix_for_ears", "mix_for_speakers"]
 
 BLOCK = 240
-"""Most new samples at once, 5 ms at 48 kHz; responses may be SIZE - BLOCK + 1 long."""
+"""Maximum frames per block, 5 ms at 48 kHz; responses have at most SIZE - BLOCK + 1 samples."""
 
 
 SCRATCH = 4 * BINS
-"""Numbers that mixing works in."""
+"""Length of the scratch array."""
 
 
 class State(IntEnum):
-    """Of a voice."""
+    """State of a voice."""
 
     FREE = 0
     SCHEDULED = 1
@@ -37,13 +37,13 @@ class State(IntEnum):
 
 
 class Bank(NamedTuple):
-    """All sounds, one behind the other.
+    """Samples of all sounds, concatenated.
 
     Attributes:
-        samples: Shape [all].
-        begin: Of each sound, shape [sounds].
-        length: Likewise.
-        loops: 1 where it starts again.
+        samples: Shape [total].
+        begin: First sample of each sound, shape [sounds].
+        length: Number of samples of each sound, shape [sounds].
+        loops: 1 for a loop, shape [sounds].
     """
 
     samples: F4
@@ -58,13 +58,13 @@ class Voices(NamedTuple):
     Attributes:
         sound: Row of the bank.
         wait: Samples until it starts.
-        cursor: Next sample to read, parts of one included.
+        cursor: Fractional index of the next sample to read.
         pitch: Samples read per sample mixed, at the end of the last block and of this one, [.., 2].
         cell: Row of the table of directions, in the last block and in this one, [.., 2].
-        half: Row of the table of delays, likewise.
-        bands: Linear gain of the low band, by what share the middle one is louder than it, and the high one than the
-            middle; likewise, [.., 2, 3].
-        changed: 0: sounds as in the last block; 1: crossfade from there; 2: begins, no crossfade.
+        half: Row of the table of delays, in the last block and in this one, [.., 2].
+        bands: Linear gain of the low band, relative gain of the middle band over it, and of the high band over the
+            middle one, in the last block and in this one, [.., 2, 3].
+        changed: 0: unchanged since the last block; 1: crossfade; 2: starts, no crossfade.
         history: Last SIZE samples, [voices * SIZE].
         pan: Gain for each channel before and after the block, [.., 2, channels]; empty for headphones.
     """
@@ -82,14 +82,14 @@ class Voices(NamedTuple):
 
 
 class Tables(NamedTuple):
-    """What does not change.
+    """Constant tables.
 
     Attributes:
-        cells: Responses by direction without the delay between the ears, row of bins by row: left and right, real
-            and imaginary, [cells * 4 * BINS].
+        cells: Responses by direction without interaural delay, interleaved by rows of bins: left and right, real and
+            imaginary, [cells * 4 * BINS].
         delays: Delays of the left ear, see `bins.DELAY_ROW`, [rows * DELAY_ROW]; the right ear has the opposite.
-        shelves: What a share louder adds, real and imaginary, of the lower and of the upper shelf, [4 * BINS].
-        turns: Of `fourier.turns_of`.
+        shelves: Real and imaginary part of the lower and the upper shelf per relative gain, [4 * BINS].
+        turns: Twiddle factors, from `fourier.turns_of`.
     """
 
     cells: F4
@@ -100,7 +100,7 @@ class Tables(NamedTuple):
 
 @kernel
 def _take(voices: Voices, v: int, bank: Bank, frames: int) -> None:
-    """Let a voice's history end with its next samples."""
+    """Shift a voice's history and append its next samples."""
     history, end = voices.history, SIZE * (v + 1)
     move(history, SIZE * v, history, SIZE * v + frames, SIZE - frames)
     sound, cursor = voices.sound[v], voices.cursor[v]
@@ -122,7 +122,7 @@ def _take(voices: Voices, v: int, bank: Bank, frames: int) -> None:
 
 @kernel
 def _read(samples: F4, begin: int, length: int, loops: int, cursor: int, history: F4, place: int, end: int) -> int:
-    """Fill a history from `place` to `end` with samples of a sound from `cursor` on; where it goes on."""
+    """Fill a history from `place` to `end` with samples of a sound from `cursor` on; return the next cursor."""
     while place < end:
         if loops == 1:
             cursor %= length
@@ -148,7 +148,7 @@ def _read_bent(
     place: int,
     end: int,
 ) -> float:
-    """The same at another pitch, which changes by `turn` with each sample: cubics through four (Catmull-Rom)."""
+    """Like `_read` at a pitch that changes by `turn` per sample, by Catmull-Rom interpolation."""
     for i in range(place, end):
         if loops == 1 and cursor >= length:
             cursor -= length
@@ -174,14 +174,14 @@ def _read_bent(
 
 @kernel
 def _between(a: float, b: float, c: float, d: float, share: float) -> float:
-    """Value a share of the way from b to c by the cubic through four."""
+    """Return the Catmull-Rom interpolation between b and c at `share`."""
     bend = 2.0 * a - 5.0 * b + 4.0 * c - d
     return b + 0.5 * share * (c - a + share * (bend + share * (3.0 * (b - c) + d - a)))
 
 
 @kernel
 def _sample(samples: F4, begin: int, length: int, loops: int, k: int) -> float:
-    """Sample k of a sound; beyond its ends silence, or what a loop has there."""
+    """Return sample k of a sound; beyond its ends zero, or the wrapped sample of a loop."""
     if loops == 1:
         return samples[begin + k % length]
     return samples[begin + k] if 0 <= k < length else 0.0
@@ -189,16 +189,17 @@ def _sample(samples: F4, begin: int, length: int, loops: int, k: int) -> float:
 
 @kernel
 def mix_for_ears(voices: Voices, order: Words, bank: Bank, tables: Tables, frames: int, scratch: F4, sums: F4) -> None:
-    """A block of all sounding voices for two ears.
+    """Mix a block of all sounding voices for two ears.
 
     Args:
         voices: State; advanced by the block.
-        order: Rows of the voices that sound, shape [n].
+        order: Rows of the sounding voices, shape [n].
         bank: Sounds.
-        tables: Constants.
-        frames: Of the block, at most BLOCK.
+        tables: Constant tables.
+        frames: Frames of the block, at most BLOCK.
         scratch: Overwritten, shape [SCRATCH].
-        sums: Set: steady, fading out, fading in; each left and right, real and imaginary, [3, 4 * BINS].
+        sums: Set to the spectra: steady, fading out, fading in; each left and right, real and imaginary,
+            [3, 4 * BINS].
     """
     sums[:] = 0.0
     voices, bank, tables = borrowed(voices), borrowed(bank), borrowed(tables)
@@ -224,7 +225,7 @@ def mix_for_ears(voices: Voices, order: Words, bank: Bank, tables: Tables, frame
 
 @kernel
 def _settle(voices: Voices, v: int) -> None:
-    """What a voice is set to now is what it was set to last."""
+    """Make the present settings of a voice its last ones."""
     if voices.changed[v] != 0:
         voices.cell[v, 0], voices.half[v, 0] = voices.cell[v, 1], voices.half[v, 1]
         for band in range(3):
@@ -236,16 +237,16 @@ def _settle(voices: Voices, v: int) -> None:
 def mix_for_speakers(
     voices: Voices, order: Words, bank: Bank, tables: Tables, frames: int, scratch: F4, sums: F4
 ) -> None:
-    """A block of all sounding voices for loudspeakers or spherical harmonics: one filter each, a gain per channel.
+    """Mix a block of all sounding voices for loudspeakers or spherical harmonics: one filter each, a gain per channel.
 
     Args:
         voices: State; advanced by the block.
-        order: Rows of the voices that sound, shape [n].
+        order: Rows of the sounding voices, shape [n].
         bank: Sounds.
-        tables: Constants; cells and delays are not used.
-        frames: Of the block, at most BLOCK.
+        tables: Constant tables; cells and delays are not used.
+        frames: Frames of the block, at most BLOCK.
         scratch: Overwritten, shape [SCRATCH].
-        sums: Set: fading out, fading in, by channel, real and imaginary, [2, channels * 2 * BINS].
+        sums: Set to the spectra: fading out, fading in, by channel, real and imaginary, [2, channels * 2 * BINS].
     """
     sums[:] = 0.0
     voices, bank, tables = borrowed(voices), borrowed(bank), borrowed(tables)
@@ -275,13 +276,13 @@ def _add_scaled(spectrum: F4, gain: float, sums: F4, at: int) -> None:
 
 @kernel
 def add_blocks(sums: F4, turns: F4, rise: F4, out: F4) -> None:
-    """Add the blocks of sums to a mix.
+    """Transform sums to blocks and add them to a mix.
 
     Args:
-        sums: As `mix_for_ears` or `mix_for_speakers` sets them.
-        turns: Of `Tables`.
-        rise: Of what fades in, shape [frames].
-        out: Added to, shape [frames, channels].
+        sums: Spectra from `mix_for_ears` or `mix_for_speakers`.
+        turns: Twiddle factors, from `Tables`.
+        rise: Crossfade curve, shape [frames].
+        out: Mix to add to, shape [frames, channels].
     """
     frames, last = out.shape[0], sums.shape[0] - 1
     work, block = np.zeros(WORK, np.float32), np.zeros(SIZE, np.float32)

@@ -1,7 +1,7 @@
-"""The mixer in spectra: named sounds in, each at its exact frame, with a whole response per voice and ear.
+"""The spectral mixer: named sounds in, spatial sound out, with a full head response per voice and ear.
 
 A block is at most 5 ms. Each voice is transformed once; direction, distance, air, obstacles and gain are one product
-per bin and ear; what changed is crossfaded over the block, so nothing clicks. The same calls give the same bytes.
+per bin and ear. Changes are crossfaded over the block, so that nothing clicks. The same calls give the same bytes.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ __all__ = ["SpectralMixer"]
 
 
 _SPARE = 16
-"""Rows beyond the voices requested, where stolen ones fade out."""
+"""Rows beyond the requested voices, in which stolen voices fade out."""
 
-# Azimuth to the right [degrees] of each channel in the order of wave files; None: bass, which gets nothing on its own.
+# Clockwise azimuth [degrees] of each channel in the order of wave files; None: LFE, which gets no voices.
 # ITU-R BS.775 for 5.1, and 90 and 150 degrees for the sides and the back of 7.1.
 _ARRANGEMENTS: Mapping[Speakers, tuple[float | None, ...]] = {
     "stereo": (-30.0, 30.0),
@@ -61,10 +61,10 @@ class SpectralMixer:
     """See contracts.audio_port.Mixer.
 
     Args:
-        bank: The sounds.
+        bank: Sound bank.
         settings: Voices, head or loudspeakers, buses.
-        timing: Its `pipeline` is set to this mixer's own.
-        table: Of the head; None: of the one that the settings name.
+        timing: Relation of session time and frames; its `pipeline` is replaced by this mixer's.
+        table: Head table; None: that of the head in the settings.
     """
 
     def __init__(
@@ -90,7 +90,7 @@ class SpectralMixer:
         self._sums, self._scratch = aligned_zeros(*sums), aligned_zeros(SCRATCH)
 
     def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
-        """Start a sound; its handle is 0 when no voice was free for it. KeyError: no such sound."""
+        """Start a sound; its handle is 0 when no voice was free. KeyError: no such sound."""
         content, row = self._sounds[sound], self._rows[sound]
         wanted = frame_at(t_ns, self.timing.origin_ns, self.rate) + self.timing.latency
         frame = max(wanted, self.position)
@@ -109,13 +109,13 @@ class SpectralMixer:
         return Start(handle, frame, late=frame > wanted)
 
     def first_sample(self, start: Start, submitted_ns: int) -> tuple[int, int]:
-        """Frame at which the middle of the head hears a sound first, and the session time of it."""
-        del submitted_ns  # known without it
+        """Return the frame, and its session time [ns], at which a sound reaches the centre of the head."""
+        del submitted_ns  # not needed here
         frame = start.frame + self.timing.pipeline
         return frame, self.timing.origin_ns + frame * 1_000_000_000 // self.rate
 
     def hear(self, heard: Heard) -> None:
-        """Place the head and move the sounds, from the next block on."""
+        """Set the poses of listener and sounds from the next block on."""
         head, places = self._head, self._store.places
         if np.isfinite(heard.head_position).all() and np.isfinite(heard.head_velocity).all():
             head.position[:], head.moving[:] = heard.head_position, heard.head_velocity
@@ -132,7 +132,7 @@ class SpectralMixer:
         places.forward[rows] = heard.forward[heard_of]
 
     def stop(self, handle: int) -> None:
-        """Fade a sound out over the next block; one that has not begun does not begin."""
+        """Fade a sound out over the next block; one that has not started is cancelled."""
         voice = self._store.row_of(handle)
         if voice is not None:
             self._fade(voice)
@@ -143,11 +143,11 @@ class SpectralMixer:
 
     @property
     def lead(self) -> int | None:
-        """Frames before what is filled: none, as a sound begins a constant time after its event."""
+        """Lead-in of force-driven sounds [frames]: none, as a sound starts a constant time after its event."""
         return 0
 
     def fill(self, handle: int, begin: int, samples: F4) -> None:
-        """Set samples of a sound that plays, from its sample `begin` on; what is beyond its end is left out."""
+        """Write samples of a playing sound from its sample `begin` on; those beyond its end are ignored."""
         voice = self._store.row_of(handle)
         if voice is not None:
             sound = self._store.voices.sound[voice]
@@ -164,11 +164,11 @@ class SpectralMixer:
         return out
 
     def connected(self) -> bool:
-        """There is no device that could go."""
+        """True: no device is involved."""
         return True
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing: nothing is open."""
 
     def _start_other(self, name: str, frame: int, gain: float) -> None:
         voice = self._store.free_row()
@@ -179,7 +179,7 @@ class SpectralMixer:
         self._store.gain[voice], self._store.bus[voice] = gain, self._buses.row_of(sound.spec.bus)
 
     def _room_for(self, level: float) -> int | None:
-        """A free row; when the limit is reached, the sound that is heard least gives way, if it is quieter."""
+        """Return a free row; at the voice limit the quietest voice is stolen if it is quieter than the new one."""
         busy = self._store.busy()
         if len(busy) >= self._limit:
             store = self._store
@@ -199,7 +199,7 @@ class SpectralMixer:
             self._store.state[voice] = State.FADING
 
     def _mix(self, out: F4) -> None:
-        """One block, at most BLOCK frames."""
+        """Mix one block of at most BLOCK frames."""
         frames, store = len(out), self._store
         rows = store.begin_block(self.position, frames)
         if len(rows):
@@ -217,13 +217,13 @@ class SpectralMixer:
             self._speakers.pan(rows, store.places, store.voices)
 
     def _add_filtered(self, rows: NDArray[np.int64], out: F4) -> None:
-        """Add the block of all voices."""
+        """Add a block of all voices."""
         mix, tables = mix_for_speakers if self._speakers is not None else mix_for_ears, self._table.tables
         mix(self._store.voices, rows, self._bank, tables, len(out), self._scratch, self._sums)
         add_blocks(self._sums, tables.turns, _rise(len(out)), out)
 
     def _for_room(self, rows: NDArray[np.int64], frames: int) -> F4 | None:
-        """What is sent into the room, one channel; None where there is none to answer."""
+        """Return the input of the reverb, one channel; None where there is no reverb."""
         if not self._room.sounds or len(rows) == 0:
             return None
         store = self._store
@@ -243,17 +243,17 @@ _RISES: dict[int, F4] = {}
 
 
 def _rise(frames: int) -> F4:
-    """From 0 to 1 without a corner, shape [frames]."""
+    """Return a smooth crossfade curve from 0 to 1, shape [frames]."""
     if frames not in _RISES:
         _RISES[frames] = (0.5 - 0.5 * np.cos(np.pi * (np.arange(frames) + 0.5) / frames)).astype(np.float32)
     return _RISES[frames]
 
 
 def _head_table(settings: AudioSettings) -> HeadTable:
-    """The tables of the head that the settings name; those of one head are made once in a process.
+    """Return the tables of the head in the settings, cached per process.
 
     Raises:
-        SceneError: The SOFA file cannot be used; the reason is said.
+        SceneError: The SOFA file cannot be used.
     """
     return _table_of_head(settings.sofa, settings.head_width, settings.rate)
 
@@ -265,7 +265,7 @@ def _table_of_head(sofa: Path | None, width: float, rate: int) -> HeadTable:
 
 
 class _Loudspeakers:
-    """Spreads voices over the channels of an arrangement."""
+    """Pans voices to the channels of a loudspeaker layout."""
 
     def __init__(self, speakers: Speakers) -> None:
         places = _ARRANGEMENTS.get(speakers)
@@ -275,7 +275,7 @@ class _Loudspeakers:
         self._channels = np.array([channel for _, channel in known], np.int64)
 
     def pan(self, rows: NDArray[np.int64], places: Places, voices: Voices) -> None:
-        """Set the gains of some voices for the next block."""
+        """Set the channel gains of some voices for the next block."""
         if self._harmonics:
             pan_harmonics(rows, places, voices)
         else:

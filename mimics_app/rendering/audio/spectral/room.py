@@ -1,4 +1,4 @@
-"""The answer of a room: eight delays that feed each other through an orthogonal matrix (Jot & Chaigne 1991)."""
+"""Reverb: a feedback delay network of eight lines with an orthogonal matrix (Jot & Chaigne 1991)."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ __all__ = ["Room"]
 
 
 _LINES_MS = (23.3, 27.1, 31.7, 35.9, 39.1, 43.7, 47.3, 53.9)
-"""Delays [ms], without a common divisor in samples: echoes of a room of 8 to 18 m."""
+"""Delays of the lines [ms], mutually prime in samples: echoes of a room of 8 to 18 m."""
 
 _DAMPING = 0.35
-"""Share of the last sample in what a line hands on: high tones fall about three times as fast as low ones."""
+"""Coefficient of the low-pass in each line: high frequencies decay about three times as fast as low ones."""
 
 
 class Room:
-    """Reverberation of everything that is sent into it.
+    """Reverberation of an input channel.
 
     Args:
         rate: Samples per second.
-        channels: Each gets lines of its own, so that nothing stands between two loudspeakers.
+        channels: Number of output channels, which are decorrelated.
     """
 
     def __init__(self, rate: int, channels: int) -> None:
@@ -38,20 +38,20 @@ class Room:
 
     @property
     def sounds(self) -> bool:
-        """Whether anything is heard of it."""
+        """Whether the reverb is audible."""
         return max(self._level, self._level_now) > 0.0
 
     def set(self, level: float, seconds: float) -> None:
-        """Linear level of the answer, and the time in which it falls by 60 dB [s]."""
+        """Set the linear level of the reverb and its T60 [s]."""
         self._level = float(level)
         self._feedback[:] = 10.0 ** (-3.0 * self._lengths / (self._rate * max(seconds, 0.05)))
 
     def add(self, sent: F4 | None, out: F4) -> None:
-        """Add the answer to a block to the mix.
+        """Add the reverb of a block to the mix.
 
         Args:
-            sent: The block, one channel; None for silence.
-            out: Shape [frames, channels].
+            sent: Input block, one channel; None for silence.
+            out: Mix to add to, shape [frames, channels].
         """
         if not self.sounds:
             return
@@ -62,7 +62,7 @@ class Room:
 
 
 def _signs(channels: int) -> F4:
-    """Rows of a Hadamard matrix: channels that share every line and have nothing in common, shape [channels, lines]."""
+    """Return rows of a Hadamard matrix, shape [channels, lines]: uncorrelated channels that all use every line."""
     lines = len(_LINES_MS)
     signs = [[(-1.0) ** (line & channel).bit_count() for line in range(lines)] for channel in range(channels)]
     return (np.array(signs) / np.sqrt(lines)).astype(np.float32)
@@ -80,7 +80,7 @@ def _answer(
     gains: F4,
     out: F4,
 ) -> None:
-    """A block of the feedback delay network; the matrix is 1 - 2/n of all ones (Householder)."""
+    """Process a block of the feedback delay network with the Householder matrix I - 2/n."""
     count, frames = lines.shape[0], sent.shape[0]
     heard = np.zeros(count, np.float32)
     damping, share = np.float32(_DAMPING), np.float32(2.0 / count)

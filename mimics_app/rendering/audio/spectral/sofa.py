@@ -1,4 +1,4 @@
-"""Measured heads from SOFA files (AES69, convention SimpleFreeFieldHRIR), refused with the reason where unusable."""
+"""Reader of measured heads in SOFA files (AES69, convention SimpleFreeFieldHRIR)."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ __all__ = ["read_sofa"]
 _RATES = (8_000.0, 384_000.0)
 _TAPS = (16, 16_384)
 _FEWEST = 12
-"""Directions below which a head says too little of what is between them."""
+"""Minimum number of directions."""
 
 _MOST = 100_000
 _LARGEST_BYTES = 1 << 30
 _WIDEST_GAP = np.radians(45.0)
-"""From a direction in the plane of the ears to the nearest measured one."""
+"""Largest angle from a horizontal direction to the nearest measured one [rad]."""
 
 
 def read_sofa(path: Path) -> HeadResponses:
-    """The responses of a SOFA file.
+    """Read the responses of a SOFA file.
 
     Raises:
-        SceneError: Missing, damaged, of another convention, or values that no head has; the reason and what to do.
+        SceneError: The file is missing, damaged, of another convention, or has implausible values.
     """
     import h5py
 
@@ -77,10 +77,10 @@ def _check_convention(path: Path, file: h5py.File) -> None:
 
 
 def _array(path: Path, file: h5py.File, name: str) -> F8:
-    """A variable as numbers.
+    """Return a variable as numbers.
 
     Raises:
-        SceneError: It is missing or no numbers.
+        SceneError: It is missing or not numeric.
     """
     if name not in file:
         raise _refused(path, f"has no {name}", "export it again")
@@ -91,7 +91,7 @@ def _array(path: Path, file: h5py.File, name: str) -> F8:
 
 
 def _angles(path: Path, variable: h5py.Dataset, position: F8) -> F8:
-    """Azimuth to the right and elevation [rad], shape [n, 2], of spherical (degrees, leftwards) or cartesian places."""
+    """Return clockwise azimuth and elevation [rad], shape [n, 2], of spherical or cartesian positions."""
     if position.ndim != 2 or position.shape[1] != 3 or not np.isfinite(position).all():
         raise _refused(path, "SourcePosition is not three finite numbers for each direction", "export it again")
     if _text(variable.attrs.get("Type", "spherical")) == "cartesian":  # x ahead, y left, z up
@@ -118,7 +118,7 @@ def _check_responses(path: Path, responses: F8, directions: int, rate: float) ->
 
 
 def _check_coverage(path: Path, directions: F8) -> None:
-    """Directions all around, or a sound would come from where nobody put it."""
+    """Check that directions cover the horizontal plane; a gap would shift sounds to other directions."""
     azimuth = np.radians(np.arange(0.0, 360.0, 15.0))
     ring = directions_from_angles(azimuth, np.zeros_like(azimuth))
     gap = np.arccos(np.clip((ring @ directions.T).max(axis=1), -1.0, 1.0))

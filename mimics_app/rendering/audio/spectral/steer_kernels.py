@@ -1,7 +1,7 @@
-"""Where every voice is heard from, how loud, how bright and how high: geometry of one block.
+"""Direction, gain, spectrum and pitch of every voice from the geometry of one block.
 
-World frame [m]; the head's axes are right, up and back. What a voice was set to last is compared with what it would be
-set to now: one that has not moved so that anybody could hear it keeps its response.
+World frame [m]; the head's axes are right, up and back. The new settings of a voice are compared with its last ones; a
+voice whose change would be inaudible keeps them.
 """
 
 from __future__ import annotations
@@ -20,47 +20,47 @@ __all__ = ["CONE", "EXPONENTIAL", "INVERSE", "LINEAR", "Head", "Places", "pan_ha
 
 
 INVERSE, LINEAR, EXPONENTIAL = 0, 1, 2
-"""How level falls with distance."""
+"""Laws of distance attenuation."""
 
 CONE = 3
-"""Columns of a cone: half its inner angle, half its outer angle [rad], gain beyond."""
+"""Columns of a cone: half its inner angle, half its outer angle [rad], outer gain."""
 
 SOUND_SPEED = 343.0
-"""[m/s] at 20 degrees C."""
+"""Speed of sound in air at 20 degrees C [m/s]."""
 
-_NEAREST = 1e-3  # m: a sound nearer to the middle of the head than this is heard ahead
-_FASTEST = 0.5  # of the speed of sound: motion beyond it changes the pitch no further
-_STEP = 0.004  # relative change of a gain that is not followed: 0.03 dB
-_SILENT = 1e-6  # gain below which nothing is followed: -120 dB
+_NEAREST = 1e-3  # m: distance from the centre of the head within which a sound is heard ahead
+_FASTEST = 0.5  # limit of velocities in the Doppler shift, relative to the speed of sound
+_STEP = 0.004  # relative change of gain that is ignored: 0.03 dB
+_SILENT = 1e-6  # gain that counts as silence: -120 dB
 
 _FADING = int(State.FADING)
 
-_NEPER = np.log(10.0) / 20.0  # of a decibel
+_NEPER = np.log(10.0) / 20.0  # nepers per decibel
 
-# Loss in air per metre by band, as exp(-x d): 1.3, 5 and 60 dB/km at 250 Hz, 1.4 and 6 kHz, 20 degrees C and 50 %
-# humidity (ISO 9613-1).
+# Attenuation in air per metre and band, as exp(-x d): 1.3, 5 and 60 dB/km at 250 Hz, 1.4 and 6 kHz, 20 degrees C and
+# 50 % humidity (ISO 9613-1).
 _AIR_LOW, _AIR_MIDDLE, _AIR_HIGH = 1.3e-3 * _NEPER, 5e-3 * _NEPER, 60e-3 * _NEPER
 
 _LOWEST, _LEFTMOST = 90.0, 180.0
-"""Degrees below the horizon and to the left at which the grid of delays begins."""
+"""Depression and anticlockwise azimuth of the first row and column of the delay grid [degrees]."""
 
 _ROOT_3 = np.sqrt(3.0)
 _ROOT_15 = np.sqrt(15.0)
 _ROOT_3_8 = np.sqrt(3.0 / 8.0)
 _ROOT_5_8 = np.sqrt(5.0 / 8.0)
-"""Of the spherical harmonics' scale SN3D."""
+"""Factors of the SN3D normalisation of spherical harmonics."""
 
 
 class Head(NamedTuple):
     """The listener.
 
     Attributes:
-        position: [m], shape [3].
-        moving: Its velocity [m/s], shape [1, 3].
+        position: Position [m], shape [3].
+        moving: Velocity [m/s], shape [1, 3].
         axes: Right, up and back, unit vectors, shape [3, 3].
-        delays: Of `HeadTable`.
-        cells: Likewise; filled where sounds come from.
-        steps: Rows of the table of delays per sample, and on each side of none, shape [2].
+        delays: Delay grid, see `HeadTable`.
+        cells: Responses by direction, see `HeadTable`; computed on first use.
+        steps: Rows of the table of delays per sample, and on each side of zero, shape [2].
     """
 
     position: F8
@@ -72,22 +72,22 @@ class Head(NamedTuple):
 
 
 class Places(NamedTuple):
-    """What the scene sets of voices, shape [voices, ..].
+    """Scene data of the voices, shape [voices, ..].
 
     Attributes:
-        relative: -1: in the world; else the cell of a sound that plays as it is.
-        position: [m], [.., 3].
-        velocity: [m/s], [.., 3].
+        relative: -1: placed in the world; else the cell of an unspatialised sound.
+        position: Position [m], [.., 3].
+        velocity: Velocity [m/s], [.., 3].
         forward: Axis of the cone, [.., 3].
-        state: Of `State`.
-        authored: Linear gain of the sound itself.
-        level_set: Linear gain it was set to.
-        bus: Row of its group.
-        passes: Share that obstacles let through, by band, [.., 3].
+        state: State of the voice, see `State`.
+        authored: Authored linear gain of the sound.
+        level_set: Linear gain set at run time.
+        bus: Row of its bus.
+        passes: Linear gain past obstacles per band, [.., 3].
         model: INVERSE, LINEAR or EXPONENTIAL.
         fall: Reference distance, largest distance [m], rolloff, [.., 3].
-        cone: [.., CONE].
-        doppler: Factor on the change of pitch.
+        cone: Cone, [.., CONE].
+        doppler: Factor on the Doppler shift.
         heard: Set to the linear gain at the listener, middle band.
         direction: Set to the unit vector to the voice in the head's axes, [.., 3].
     """
@@ -111,14 +111,14 @@ class Places(NamedTuple):
 
 @kernel
 def steer(order: Words, places: Places, buses: F8, voices: Voices, head: Head) -> None:
-    """Set cell, delay, bands and pitch of some voices for the next block, and whether they changed.
+    """Set cell, delay, bands, pitch and change flag of some voices for the next block.
 
     Args:
         order: Rows of the voices, shape [n].
         places: Read; `heard` and `direction` are set.
-        buses: Linear gain of each group.
+        buses: Linear gain of each bus.
         voices: Set.
-        head: The listener.
+        head: Listener.
     """
     places, voices, head = borrowed(places), borrowed(voices), borrowed(head)
     for n in range(order.shape[0]):
@@ -146,7 +146,7 @@ def steer(order: Words, places: Places, buses: F8, voices: Voices, head: Head) -
 
 @kernel
 def _offset(position: F8, v: int, head: F8) -> tuple[float, float, float, float]:
-    """From the head to a voice, and how far."""
+    """Return the offset from the head to a voice, and the distance [m]."""
     x, y, z = position[v, 0] - head[0], position[v, 1] - head[1], position[v, 2] - head[2]
     return x, y, z, np.sqrt(x * x + y * y + z * z)
 
@@ -158,13 +158,13 @@ def _along(vectors: F8, v: int, x: float, y: float, z: float) -> float:
 
 @kernel
 def _louder(band: float, below: float) -> float:
-    """Ratio of the gains of two bands."""
+    """Return the ratio of the gains of two bands."""
     return band / below if below > 0.0 else 1.0
 
 
 @kernel
 def _fall(distance: float, model: int, reference: float, most: float, rolloff: float) -> float:
-    """Gain by distance: the clamped laws of OpenAL 1.1, which are those of most engines."""
+    """Return the distance attenuation by the clamped laws of OpenAL 1.1."""
     most = max(most, reference)
     d = min(max(distance, reference), most)
     if model == INVERSE:
@@ -176,7 +176,7 @@ def _fall(distance: float, model: int, reference: float, most: float, rolloff: f
 
 @kernel
 def _cone(cosine: float, inner: float, outer: float, least: float) -> float:
-    """Gain by the angle between a voice's axis and the direction to the listener, blended between the two angles."""
+    """Return the cone gain by the angle between a voice's axis and the listener, linear between the two angles."""
     angle = np.arccos(min(1.0, max(-1.0, cosine)))
     if angle <= inner:
         return 1.0
@@ -185,7 +185,7 @@ def _cone(cosine: float, inner: float, outer: float, least: float) -> float:
 
 @kernel
 def _pitch(towards: float, away: float, doppler: float) -> float:
-    """Ratio of pitches by motion along the way, of source and of listener [m/s] (Doppler)."""
+    """Return the Doppler pitch ratio by the radial velocities of source and listener [m/s]."""
     most = _FASTEST * SOUND_SPEED
     towards, away = min(most, max(-most, doppler * towards)), min(most, max(-most, doppler * away))
     return (SOUND_SPEED - away) / (SOUND_SPEED - towards)
@@ -193,7 +193,7 @@ def _pitch(towards: float, away: float, doppler: float) -> float:
 
 @kernel
 def _find(x: float, y: float, z: float, distance: float, head: Head, direction: F8, v: int) -> tuple[int, int]:
-    """Direction of an offset in the head's axes, ahead for what is inside the head: its cell and its row of delays."""
+    """Set the direction of an offset in the head's axes, ahead if inside the head; return cell and row of delays."""
     axes = head.axes
     if distance < _NEAREST:
         direction[v, 0], direction[v, 1], direction[v, 2] = 0.0, 0.0, -1.0
@@ -212,7 +212,7 @@ def _find(x: float, y: float, z: float, distance: float, head: Head, direction: 
 
 @kernel
 def _half_delay(azimuth: float, elevation: float, grid: F8) -> float:
-    """The grid of delays, blended between its four nearest points."""
+    """Return the delay grid, interpolated bilinearly."""
     y = (np.degrees(elevation) + _LOWEST) / 2.0
     x = (np.degrees(azimuth) + _LEFTMOST) / 2.0
     i, j = min(int(y), grid.shape[0] - 2), min(int(x), grid.shape[1] - 2)
@@ -223,7 +223,7 @@ def _half_delay(azimuth: float, elevation: float, grid: F8) -> float:
 
 @kernel
 def _set(voices: Voices, v: int, cell: int, half: int, level: float, lower: float, upper: float) -> None:
-    """Hand a voice what it is to be, where that is not what it is; a shape that is as good as its own stays."""
+    """Set a voice where it changes audibly; inaudible changes of its bands are ignored."""
     bands = voices.bands
     if voices.changed[v] == 2:
         voices.pitch[v, 0] = voices.pitch[v, 1]
@@ -240,21 +240,21 @@ def _set(voices: Voices, v: int, cell: int, half: int, level: float, lower: floa
 
 @kernel
 def _kept(own: float, share: float, level: float) -> float:
-    """The share by which a band is louder: a voice's own where nobody would hear the difference."""
+    """Return the relative gain of a band: the present one where the difference is inaudible."""
     return own if level == 0.0 or abs(own - share) <= _STEP * (1.0 + share) else share
 
 
 @kernel
 def pan_pair(order: Words, places: Places, voices: Voices, angles: F8, channels: Words, folded: bool) -> None:
-    """Gains of loudspeakers: the two beside the direction share the power (Pulkki 1997).
+    """Set loudspeaker gains by vector-base amplitude panning between the two adjacent loudspeakers (Pulkki 1997).
 
     Args:
         order: Rows of the voices, shape [n].
-        places: Their directions.
-        voices: `pan` is set, and `changed` where it moved.
-        angles: Azimuths of the loudspeakers to the right [rad], ascending, shape [m].
-        channels: Channel of each.
-        folded: True where there are none behind: what is there is heard as if mirrored to the front.
+        places: Directions of the voices.
+        voices: `pan` is set, and `changed` where it differs.
+        angles: Clockwise azimuths of the loudspeakers [rad], ascending, shape [m].
+        channels: Channel of each loudspeaker, shape [m].
+        folded: True without rear loudspeakers: directions behind are mirrored to the front.
     """
     count = angles.shape[0]
     for n in range(order.shape[0]):
@@ -281,7 +281,7 @@ def pan_pair(order: Words, places: Places, voices: Voices, angles: F8, channels:
 
 @kernel
 def pan_harmonics(order: Words, places: Places, voices: Voices) -> None:
-    """Spherical harmonics of third order, channels as in ACN, scaled as in SN3D (AmbiX): x ahead, y left, z up."""
+    """Set third-order ambisonic gains: ACN channels, SN3D normalisation (AmbiX); x ahead, y left, z up."""
     for n in range(order.shape[0]):
         v = order[n]
         pan = voices.pan[v, 1]
@@ -303,7 +303,7 @@ def pan_harmonics(order: Words, places: Places, voices: Voices) -> None:
 
 @kernel
 def _note_pan(voices: Voices, v: int) -> None:
-    """Mark a voice whose gains have moved."""
+    """Flag a voice whose channel gains have changed."""
     for channel in range(voices.pan.shape[2]):
         if abs(voices.pan[v, 1, channel] - voices.pan[v, 0, channel]) > _STEP and voices.changed[v] == 0:
             voices.changed[v] = 1

@@ -1,4 +1,4 @@
-"""Which voices sound in a block, and which have ended in it."""
+"""Scheduling of voices: which start and sound in a block, and which end in it."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ _SCHEDULED, _PLAYING, _FADING = int(State.SCHEDULED), int(State.PLAYING), int(St
 
 @kernel
 def begin_voices(state: Words, begin: Words, wait: Words, position: int, frames: int, order: Words) -> int:
-    """Let what starts in a block wait for its frame, and list the rows of all that sound in it.
+    """Schedule the voices that start in a block, and list the rows of all that sound in it.
 
     Args:
-        state: Of each voice, shape [n].
-        begin: Frame of its start, likewise.
-        wait: Set to the frames of the block before it, likewise.
+        state: State of each voice, shape [n].
+        begin: Start frame of each voice, shape [n].
+        wait: Set to the frames of the block before the start, shape [n].
         position: First frame of the block.
-        frames: Of the block.
-        order: Set, shape [n].
+        frames: Number of frames of the block.
+        order: Set to the rows, shape [n].
 
     Returns:
-        How many rows `order` has.
+        Number of rows in `order`.
     """
     count = 0
     for v in range(state.shape[0]):
@@ -40,7 +40,7 @@ def begin_voices(state: Words, begin: Words, wait: Words, position: int, frames:
 
 @kernel
 def end_voices(state: Words, order: Words, voices: Voices, bank: Bank, over: Words) -> int:
-    """List the rows among `order` that have faded out, or ended and rung out; return how many `over` has."""
+    """List in `over` the rows among `order` that have ended or faded out; return their number."""
     count = 0
     for n in range(order.shape[0]):
         v = order[n]

@@ -1,4 +1,4 @@
-"""The voices of the spectral mixer: which are free, which sound, and what each was started with."""
+"""Voice store of the spectral mixer: state and settings of every voice."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MODELS = {"inverse": INVERSE, "linear": LINEAR, "exponential": EXPONENTIAL}
 
 
 def pack_bank(bank: SoundBank) -> tuple[Bank, dict[str, int]]:
-    """All sounds as one array, and the row of each by name."""
+    """Return the samples of all sounds in one array, and the row of each sound by name."""
     names = [*bank.sounds, *bank.live]
     sounds = [bank[name] for name in names]
     length = np.array([len(sound.samples) for sound in sounds], np.int64)
@@ -35,21 +35,21 @@ class VoiceStore:
     """Rows of voices.
 
     Args:
-        count: How many rows.
-        channels: Of loudspeakers or harmonics; 0 for headphones.
+        count: Number of rows.
+        channels: Number of loudspeakers or ambisonic channels; 0 for headphones.
 
     Attributes:
-        state: Of each, shape [count].
-        begin: Frame at which it starts.
-        handle: By which it is addressed.
-        authored: Gain of the sound itself.
-        gain: Gain it was set to.
-        bus: Row of its group.
-        priority: Factor on its level when voices are short.
-        reverb: Share that the room answers.
-        history: Last samples of each, shape [count, SIZE].
-        voices: As the mixing kernels take them.
-        places: As the steering kernel takes them.
+        state: State of each voice, shape [count], as all of these.
+        begin: Start frame.
+        handle: Handle of the sound.
+        authored: Authored linear gain.
+        gain: Linear gain set at run time.
+        bus: Row of the bus.
+        priority: Factor on the level when voices are stolen.
+        reverb: Linear send level to the reverb.
+        history: Last samples, shape [count, SIZE].
+        voices: The same data in the layout of the mixing kernels.
+        places: The same data in the layout of the steering kernel.
     """
 
     def __init__(self, count: int, channels: int) -> None:
@@ -94,25 +94,25 @@ class VoiceStore:
         )
 
     def row_of(self, handle: int) -> int | None:
-        """Row of a voice that has not ended."""
+        """Return the row of a voice, None if it has ended."""
         return self._row_of.get(handle)
 
     def rows_of(self, handles: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Rows of voices, -1 for one that has ended, shape [n]."""
+        """Return the rows of voices, -1 for one that has ended, shape [n]."""
         find = self._row_of.get
         return np.array([find(handle, -1) for handle in handles.tolist()], np.int64)
 
     def free_row(self) -> int | None:
-        """A row that is free, None where there is none."""
+        """Return a free row, None where there is none."""
         rows = np.flatnonzero(self.state == State.FREE)
         return int(rows[0]) if len(rows) else None
 
     def busy(self) -> NDArray[np.int64]:
-        """Rows that sound or will, but for those that are fading out."""
+        """Return the rows that sound or are scheduled, without those that fade out."""
         return np.flatnonzero((self.state == State.SCHEDULED) | (self.state == State.PLAYING))
 
     def take(self, row: int, sound: int, spec: SoundSpec, relative: int, frame: int) -> int:
-        """Give a row to a sound that starts at a frame; return its handle."""
+        """Assign a row to a sound that starts at a frame; return its handle."""
         self._handles += 1
         self._row_of[self._handles] = row
         self.state[row], self.begin[row], self.handle[row] = State.SCHEDULED, frame, self._handles
@@ -129,18 +129,18 @@ class VoiceStore:
         return self._handles
 
     def free(self, rows: NDArray[np.int64]) -> None:
-        """Give rows back."""
+        """Release rows."""
         for row in rows:
             self._row_of.pop(int(self.handle[row]), None)
         self.state[rows] = State.FREE
 
     def begin_block(self, position: int, frames: int) -> NDArray[np.int64]:
-        """Rows that sound in the block of `frames` from `position` on; those that start in it are set to wait."""
+        """Return the rows that sound in the block of `frames` from `position` on; starts within it are scheduled."""
         wait = self.voices.wait
         return self._order[: begin_voices(self.state, self.begin, wait, position, frames, self._order)]
 
     def end_block(self, rows: NDArray[np.int64], bank: Bank) -> None:
-        """Free what has faded out, and what has ended and rung out."""
+        """Release the rows that have faded out or ended."""
         count = end_voices(self.state, rows, self.voices, bank, self._over)
         if count:
             self.free(self._over[:count])
