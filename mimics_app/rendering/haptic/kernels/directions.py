@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from mimics_app.contracts.record_types import SpanRecord, TouchedRecord
 
 __all__ = [
-    "MOST_TOUCHED",
+    "MAX_TOUCHED",
     "SPAN",
     "TOUCHED",
     "add_contact",
@@ -40,7 +40,7 @@ __all__ = [
 ]
 
 
-MOST_TOUCHED = 32
+MAX_TOUCHED = 32
 """Capacity of the list of contacts of a tick; the stiffness of further contacts counts as isotropic."""
 
 TOUCHED = np.dtype(

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 
-from mimics_app.contracts.arrays import F8, Vec
+from mimics_app.contracts.arrays import F8, Vec, Vec3
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import QUATERNION
 
@@ -41,7 +41,6 @@ __all__ = [
 ]
 
 Four = tuple[float, float, float, float]
-Three = tuple[float, float, float]
 
 _SERIES_ANGLE = 1e-4
 """Half angle [rad] below which sin(a)/a and cos(a) are their series: the next term, a^4/24, is under 5e-18."""
@@ -59,7 +58,7 @@ def product(a: Four, b: Four) -> Four:
 
 
 @kernel
-def turned(q: Four, v: Three) -> Three:
+def turned(q: Four, v: Vec3) -> Vec3:
     """R(q) v, scaled by |q|^2 where q is not of unit length."""
     x, y, z, w = q
     tx = y * v[2] - z * v[1]
@@ -74,14 +73,14 @@ def turned(q: Four, v: Three) -> Three:
 
 
 @kernel
-def _rate(q: Four, momentum: Vec, inverse_inertia: Vec) -> Three:
+def _rate(q: Four, momentum: Vec, inverse_inertia: Vec) -> Vec3:
     """Angular velocity R I^-1 R^T L [rad/s], world frame."""
     lx, ly, lz = turned((-q[0], -q[1], -q[2], q[3]), (momentum[0], momentum[1], momentum[2]))
     return turned(q, (inverse_inertia[0] * lx, inverse_inertia[1] * ly, inverse_inertia[2] * lz))
 
 
 @kernel
-def _exponential(omega: Three, dt: float) -> Four:
+def _exponential(omega: Vec3, dt: float) -> Four:
     """Quaternion of the rotation by |omega| dt about omega; by its series near zero."""
     x, y, z = 0.5 * dt * omega[0], 0.5 * dt * omega[1], 0.5 * dt * omega[2]
     square = x * x + y * y + z * z

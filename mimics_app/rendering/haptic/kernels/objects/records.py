@@ -10,10 +10,10 @@ from mimics_app.rendering.haptic.kernels.contact_records import CONTACT, FRICTIO
 __all__ = [
     "DYNAMICS",
     "GRIP",
+    "MAX_CONTACT_POINTS",
+    "MAX_WALLS",
     "MEMORY",
     "MESH",
-    "MOST_POINTS",
-    "MOST_WALLS",
     "PAIR",
     "RIDGES",
     "SCRATCH",
@@ -94,7 +94,7 @@ MEMORY = np.dtype(
 )
 """Memory of one (point, shape); zeros are a fresh one."""
 
-MOST_WALLS = 8
+MAX_WALLS = 8
 """Walls that one point may touch at once and still have their corner solved; forces of more are added."""
 
 WALL_TOUCH = np.dtype(
@@ -124,14 +124,14 @@ SOLID = np.dtype(
         ("position", "f8", (3,)),  # of its origin, world [m]
         ("low", "f8", (3,)),  # bounds along the world's axes [m]
         ("high", "f8", (3,)),
-        ("room_low", "f8", (3,)),  # bounds within which it may move until pairs are looked for again
-        ("room_high", "f8", (3,)),
+        ("fat_low", "f8", (3,)),  # bounds within which it may move until pairs are looked for again
+        ("fat_high", "f8", (3,)),
     ],
     align=True,
 )
 """One shape as the collisions see it: all that a test of two needs, in one place of memory."""
 
-MOST_POINTS = 24
+MAX_CONTACT_POINTS = 24
 """Rows of a table of contact points: two octagons overlap in 16 corners at most."""
 
 PAIR = np.dtype(
@@ -172,10 +172,10 @@ SCRATCH = np.dtype(
         ("feature_a", "f8", (8, 3)),  # world [m]
         ("feature_b", "f8", (8, 3)),
         ("polygon", "f8", (3, 24, 2)),  # of both in the plane, and the third to clip into
-        ("points", "f8", (MOST_POINTS, 5)),  # of contact
+        ("points", "f8", (MAX_CONTACT_POINTS, 5)),  # of contact
         ("simplex", "f8", (4, 3)),
         ("cosines", "f8", (3, 3)),
-        ("normals", "f8", (MOST_POINTS, 3)),
+        ("normals", "f8", (MAX_CONTACT_POINTS, 3)),
         ("mesh_point", "f8", (3,)),
         ("mesh_closest", "f8", (3,)),
         ("mesh_normal", "f8", (3,)),
