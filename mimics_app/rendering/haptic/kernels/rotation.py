@@ -33,11 +33,11 @@ __all__ = [
     "rotate_printed",
     "rotate_rk4",
     "rotate_start",
+    "rotated",
     "turn_axes",
     "turn_body",
     "turn_exponential",
     "turn_printed",
-    "turned",
 ]
 
 Four = tuple[float, float, float, float]
@@ -58,7 +58,7 @@ def product(a: Four, b: Four) -> Four:
 
 
 @kernel
-def turned(q: Four, v: Vec3) -> Vec3:
+def rotated(q: Four, v: Vec3) -> Vec3:
     """R(q) v, scaled by |q|^2 where q is not of unit length."""
     x, y, z, w = q
     tx = y * v[2] - z * v[1]
@@ -75,8 +75,8 @@ def turned(q: Four, v: Vec3) -> Vec3:
 @kernel
 def _rate(q: Four, momentum: Vec, inverse_inertia: Vec) -> Vec3:
     """Angular velocity R I^-1 R^T L [rad/s], world frame."""
-    lx, ly, lz = turned((-q[0], -q[1], -q[2], q[3]), (momentum[0], momentum[1], momentum[2]))
-    return turned(q, (inverse_inertia[0] * lx, inverse_inertia[1] * ly, inverse_inertia[2] * lz))
+    lx, ly, lz = rotated((-q[0], -q[1], -q[2], q[3]), (momentum[0], momentum[1], momentum[2]))
+    return rotated(q, (inverse_inertia[0] * lx, inverse_inertia[1] * ly, inverse_inertia[2] * lz))
 
 
 @kernel

@@ -27,7 +27,7 @@ from mimics_app.rendering.haptic.kernels.integrators import (
     step_semi_implicit,
 )
 from mimics_app.rendering.haptic.kernels.objects.inertia import find_principal_axes
-from mimics_app.rendering.haptic.kernels.rotation import product, turn_body, turned
+from mimics_app.rendering.haptic.kernels.rotation import product, rotated, turn_body
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill
 
 if TYPE_CHECKING:
@@ -112,12 +112,12 @@ def _spin_up(motion: MotionRecord, dynamics: DynamicsRecord) -> None:
     q, axes = motion.orientation, dynamics.axes
     principal = product((q[0], q[1], q[2], q[3]), (axes[0], axes[1], axes[2], axes[3]))
     back = (-principal[0], -principal[1], -principal[2], principal[3])
-    x, y, z = turned(back, (motion.omega[0], motion.omega[1], motion.omega[2]))
+    x, y, z = rotated(back, (motion.omega[0], motion.omega[1], motion.omega[2]))
     inverse = dynamics.inverse
     x = x / inverse[0] if inverse[0] > 0.0 else 0.0
     y = y / inverse[1] if inverse[1] > 0.0 else 0.0
     z = z / inverse[2] if inverse[2] > 0.0 else 0.0
-    motion.momentum[0], motion.momentum[1], motion.momentum[2] = turned(principal, (x, y, z))
+    motion.momentum[0], motion.momentum[1], motion.momentum[2] = rotated(principal, (x, y, z))
 
 
 @kernel
@@ -207,13 +207,13 @@ def _apply_torque(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsReco
     q, axes, inverse = motion.orientation, dynamics.axes, dynamics.inverse
     principal = product((q[0], q[1], q[2], q[3]), (axes[0], axes[1], axes[2], axes[3]))
     back = (-principal[0], -principal[1], -principal[2], principal[3])
-    lx, ly, lz = turned(back, (motion.momentum[0], motion.momentum[1], motion.momentum[2]))
-    tx, ty, tz = turned(back, (motion.torque[0], motion.torque[1], motion.torque[2]))
+    lx, ly, lz = rotated(back, (motion.momentum[0], motion.momentum[1], motion.momentum[2]))
+    tx, ty, tz = rotated(back, (motion.torque[0], motion.torque[1], motion.torque[2]))
     how = body.integrator
     lx = _slowed(how, lx * inverse[0], tx, 1.0 / inverse[0], b, dt) / inverse[0] if inverse[0] > 0.0 else 0.0
     ly = _slowed(how, ly * inverse[1], ty, 1.0 / inverse[1], b, dt) / inverse[1] if inverse[1] > 0.0 else 0.0
     lz = _slowed(how, lz * inverse[2], tz, 1.0 / inverse[2], b, dt) / inverse[2] if inverse[2] > 0.0 else 0.0
-    motion.momentum[0], motion.momentum[1], motion.momentum[2] = turned(principal, (lx, ly, lz))
+    motion.momentum[0], motion.momentum[1], motion.momentum[2] = rotated(principal, (lx, ly, lz))
 
 
 @kernel

@@ -275,6 +275,16 @@ def _sag(radius: float, aside: float) -> float:
 
 
 @kernel
+def _intersect(polygons: F8, count_a: int, count_b: int) -> tuple[int, int]:
+    """(row of `polygons` that receives the intersection of rows 0 and 1, number of its corners)."""
+    if count_a == 2 and count_b == 2:
+        return 2, _cross_lines(polygons[0], polygons[1], polygons[2])
+    if count_a == 2:
+        return 0, _clip(polygons[0], count_a, polygons[1], count_b, polygons[2])
+    return 1, _clip(polygons[1], count_b, polygons[0], count_a, polygons[2])
+
+
+@kernel
 def lay_over(
     corners_a: Floats,
     count_a: int,
@@ -316,13 +326,8 @@ def lay_over(
     plane_a = _plane_of(corners_a, count_a, normal_a, origin, u, v, n)
     plane_b = _plane_of(corners_b, count_b, normal_b, origin, u, v, n)
     lines = count_a == 2 and count_b == 2
-    if lines:
-        kept, found = 2, _cross_lines(polygons[0], polygons[1], polygons[2])
-    elif count_b > 2 and count_a == 2:
-        kept, found = 0, _clip(polygons[0], count_a, polygons[1], count_b, polygons[2])
-    else:
-        kept, found = 1, _clip(polygons[1], count_b, polygons[0], count_a, polygons[2])
-    polygon = polygons[kept]
+    row, found = _intersect(polygons, count_a, count_b)
+    polygon = polygons[row]
     outline = _outline(polygon, found)
     count, side_by_side = 0, 0.0
     for k in range(found):

@@ -111,7 +111,6 @@ def _publish(solids: Table[SolidRecord], rotations: Floats, positions: Floats, b
 
 
 @kernel
-@kernel
 def pose_shapes(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord) -> None:
     """Set rotation, position and bounding sphere of every shape; the static scene only when its rows changed.
 
