@@ -150,7 +150,7 @@ def _touch_mesh(
     elif ridges.rows[b.mesh].ridges > 0 and a.kind != ShapeKind.SPHERE:  # a sphere is exact by its centre
         count, n = touch_ridged_mesh(a, b, last if pair.touching else ANY_DIRECTION, table, ridges, scratch)
     else:
-        count, n = touch_mesh(a, b, last, table.rows, table.vertices, table.corners, table.boxes, scratch)
+        count, n = touch_mesh(a, b, last, table, scratch)
     pair.normal[0], pair.normal[1], pair.normal[2] = n
     return count
 

@@ -93,9 +93,7 @@ def depth_of(
         n = axis(other, 2)
         return dot(minus(position_of(other), p), n), n
     if other.kind == ShapeKind.MESH:
-        return depth_in_mesh(
-            other, p, 0.0, reach, toward, table.rows, table.vertices, table.corners, table.boxes, scratch
-        )  # fmt: skip
+        return depth_in_mesh(other, p, 0.0, reach, toward, table, scratch)
     if not _is_within(p, other):
         return 0.0, toward
     if toward == ANY_DIRECTION:
@@ -236,7 +234,7 @@ def _gather(a: SolidRecord, b: SolidRecord, n: Vec3, table: MeshTable, scratch: 
         count = _corners_in(a, b, out, 1.0, table, scratch, 0)
         count = _edges_in(a, b, out, 1.0, table, scratch, count)
     else:
-        count, _ = points_in_mesh(a, b, out, table.rows, table.vertices, table.corners, table.boxes, scratch)
+        count, _ = points_in_mesh(a, b, out, table, scratch)
     if b.kind == ShapeKind.MESH and a.kind != ShapeKind.SPHERE:  # a sphere is exact by its centre
         count = _corners_in(b, a, n, -1.0, table, scratch, count)
         count = _edges_in(b, a, n, -1.0, table, scratch, count)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.arrays import F8, I4, Vec3
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.manifold import CORNER_SHARE, RIM_POINTS, add_point
@@ -34,7 +34,7 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
 )
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import MeshRecord, ScratchRecord, SolidRecord, Table
+    from mimics_app.contracts.record_types import MeshTable, ScratchRecord, SolidRecord
 
 __all__ = ["depth_in_mesh", "points_in_mesh", "project_depths", "touch_mesh"]
 
@@ -87,10 +87,7 @@ def depth_in_mesh(
     radius: float,
     reach: float,
     toward: Vec3,
-    meshes: Table[MeshRecord],
-    vertices: F8,
-    corners: I4,
-    boxes: F8,
+    table: MeshTable,
     scratch: ScratchRecord,
 ) -> tuple[float, Vec3]:
     """Depth of a ball in a mesh [m], 0 where it does not touch, and the outward normal there, world.
@@ -101,16 +98,14 @@ def depth_in_mesh(
         radius: Of the ball [m].
         reach: Largest distance of its centre from the surface [m].
         toward: Only faces of the mesh that face this direction count, or all with ANY_DIRECTION.
-        meshes: MeshTable.rows.
-        vertices: MeshTable.vertices.
-        corners: MeshTable.corners.
-        boxes: MeshTable.boxes.
+        table: MeshTable.
         scratch: SCRATCH.
     """
+    mesh, vertices, corners = table.rows[b.mesh], table.vertices, table.corners
     q, closest, n = scratch.mesh_point, scratch.mesh_closest, scratch.mesh_normal
     local = to_local(b, minus(p, position_of(b)))
     q[0], q[1], q[2] = local
-    t = closest_triangle(meshes[b.mesh], vertices, corners, boxes, q, reach, to_local(b, toward), closest)
+    t = closest_triangle(mesh, vertices, corners, table.boxes, q, reach, to_local(b, toward), closest)
     if t < 0:
         return 0.0, local
     closest_on_triangle(vertices, corners, t, q, closest)
@@ -140,10 +135,7 @@ def points_in_mesh(
     a: SolidRecord,
     b: SolidRecord,
     toward: Vec3,
-    meshes: Table[MeshRecord],
-    vertices: F8,
-    corners: I4,
-    boxes: F8,
+    table: MeshTable,
     scratch: ScratchRecord,
 ) -> tuple[int, Vec3]:
     """Find the samples of shape a in a mesh; arguments as `touch_mesh` and `depth_in_mesh`, but balls meet all faces.
@@ -156,7 +148,7 @@ def points_in_mesh(
     normals, offset = scratch.normals, toward if radius == 0.0 else ANY_DIRECTION
     for k in range(samples):
         p = _sample(a, k)
-        depth, n = depth_in_mesh(b, p, radius, reach, offset, meshes, vertices, corners, boxes, scratch)
+        depth, n = depth_in_mesh(b, p, radius, reach, offset, table, scratch)
         if depth > 0.0:
             normals[count, 0], normals[count, 1], normals[count, 2] = n
             mean = along(mean, depth, n)
@@ -169,10 +161,7 @@ def touch_mesh(
     a: SolidRecord,
     b: SolidRecord,
     last: Vec3,
-    meshes: Table[MeshRecord],
-    vertices: F8,
-    corners: I4,
-    boxes: F8,
+    table: MeshTable,
     scratch: ScratchRecord,
 ) -> tuple[int, Vec3]:
     """Contact points of shape a at a mesh of the static scene.
@@ -181,16 +170,13 @@ def touch_mesh(
         a: SOLID of a sphere, box, cylinder or capsule.
         b: SOLID of the mesh.
         last: Normal of the last tick from a to b; returned where nothing touches.
-        meshes: MeshTable.rows.
-        vertices: MeshTable.vertices.
-        corners: MeshTable.corners.
-        boxes: MeshTable.boxes.
+        table: MeshTable.
         scratch: SCRATCH; `points` receives the points.
 
     Returns:
         (points, unit normal from a to b).
     """
-    count, mean = points_in_mesh(a, b, ANY_DIRECTION, meshes, vertices, corners, boxes, scratch)
+    count, mean = points_in_mesh(a, b, ANY_DIRECTION, table, scratch)
     if count == 0:
         return 0, last
     up = unit(mean, (0.0, 1.0, 0.0))

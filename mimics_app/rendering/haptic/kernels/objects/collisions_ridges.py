@@ -148,7 +148,7 @@ def touch_ridged_mesh(
     Returns:
         (points, unit normal from a to b).
     """
-    own, mean = points_in_mesh(a, b, ANY_DIRECTION, table.rows, table.vertices, table.corners, table.boxes, scratch)
+    own, mean = points_in_mesh(a, b, ANY_DIRECTION, table, scratch)
     count, normals = _ridges_in(a, b, last, table, ridges, scratch, own), scratch.normals
     if count == 0:
         return 0, last
