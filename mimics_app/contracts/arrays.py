@@ -31,4 +31,4 @@ Records = NDArray[Any]
 """Rows of a record dtype, which stands where the array is made."""
 
 Vec3 = tuple[float, float, float]
-"""x, y and z [m]."""
+"""x, y and z of a point [m] or a direction [-]."""

@@ -491,8 +491,8 @@ class SolidRecord:
     position: Floats
     low: Floats
     high: Floats
-    room_low: Floats
-    room_high: Floats
+    fat_low: Floats
+    fat_high: Floats
 
 class PairRecord:
     """`mimics_app.rendering.haptic.kernels.objects.records.PAIR`."""
@@ -823,7 +823,6 @@ class StateRecord:
     others_margin: Floats
     others_share: Floats
     others_energy: Floats
-    contact: int
     tick: int
     safety: int
     resets: int

@@ -1,4 +1,4 @@
-"""Cubic B-splines: the basis functions of D2.1 figure 45, curves made of them, their arc length and curvature.
+"""Cubic B-splines: the basis functions of D2.1 figure 45, curves, their arc length and curvature.
 
 A curve of N control points has N - 3 cubic pieces of one unit of parameter each; s in [0, N - 3] is "piece + u". Pieces
 are polynomials a0 + a1 u + a2 u^2 + a3 u^3, an array of shape [pieces, dimensions, 4]. Knots are uniform inside, so a
@@ -60,8 +60,8 @@ def basis_pieces(count: int, ends: Ends = "clamped") -> F8:
         ends: "clamped": the curve passes through its end points; "uniform": all functions are shifts of one.
 
     Returns:
-        Shape [N - 3, 4, 4]: piece, the four functions alive there (piece .. piece + 3), coefficients of u^0..u^3;
-        shared, hence not writeable.
+        Shape [N - 3, 4, 4]: piece, its four non-zero functions (piece .. piece + 3), coefficients of u^0..u^3;
+        cached, hence read-only.
     """
     t = knots(count, ends)
     table = np.zeros((count - _DEGREE, 4, 4))
@@ -92,7 +92,7 @@ def _raise_degree(alive: dict[int, F8], t: F8, piece: int, degree: int) -> dict[
 
 
 def local_basis(count: int, s: ArrayLike, ends: Ends = "clamped") -> tuple[NDArray[np.int64], F8]:
-    """(piece of each s, shape [m]; values of the four basis functions alive there, shape [m, 4])."""
+    """(piece of each s, shape [m]; values of its four non-zero basis functions, shape [m, 4])."""
     piece, u = _split(count - _DEGREE, s)
     values: F8 = np.einsum("mkc,mc->mk", basis_pieces(count, ends)[piece], u[:, None] ** np.arange(4))
     return piece, values
@@ -127,7 +127,7 @@ def pieces_of(control_points: ArrayLike, ends: Ends = "clamped") -> F8:
 
 
 def raise_to_cubic(control_points: ArrayLike) -> F8:
-    """Four control points of the same curve where only two (a line) or three (a parabola) are given; else unchanged."""
+    """Four control points of the same curve given by two (a line) or three (a parabola); others are unchanged."""
     points = np.asarray(control_points, np.float64)
     if len(points) == 2:
         line: F8 = points[0] + np.linspace(0.0, 1.0, 4)[:, None] * (points[1] - points[0])
@@ -139,7 +139,7 @@ def raise_to_cubic(control_points: ArrayLike) -> F8:
 
 
 def subdivide(pieces: F8, factor: int) -> F8:
-    """The same curve in `factor` times as many pieces; s grows by the factor, continuity is kept."""
+    """The same curve in `factor` times as many pieces; s scales by the factor, continuity is kept."""
     start = np.arange(factor) / factor
     scale = (1.0 / factor) ** np.arange(4)
     shift = np.zeros((factor, 4, 4))
@@ -186,7 +186,7 @@ def arc_lengths(pieces: F8) -> F8:
 def _lengths_between(pieces: F8, low: F8, high: F8) -> F8:
     """Arc length from low to high, elementwise; each pair lies in one piece."""
     half = 0.5 * (high - low)
-    # Kept strictly inside the piece, so that the end of one is not taken for the start of the next.
+    # The nodes lie strictly inside the piece, so that its end is not taken for the start of the next.
     s = 0.5 * (low + high)[:, None] + half[:, None] * _GAUSS_X
     speed = np.linalg.norm(evaluate(pieces, s.ravel(), 1), axis=1).reshape(s.shape)
     lengths: F8 = half * (speed @ _GAUSS_W)
@@ -204,7 +204,7 @@ def arc_length_at(pieces: F8, table: F8, s: ArrayLike) -> F8:
 def parameter_at(pieces: F8, table: F8, length: ArrayLike) -> F8:
     """Inverse of `arc_length_at`: s where the arc length from the start is `length` (clipped), shape [m].
 
-    Newton kept inside a shrinking bracket, so that it converges where the speed is small as well.
+    Newton's method inside a shrinking bracket, so that it converges where the speed is small too.
     """
     target = np.clip(np.atleast_1d(np.asarray(length, np.float64)), 0.0, table[-1])
     piece = np.clip(np.searchsorted(table, target, side="right") - 1, 0, len(pieces) - 1)
@@ -239,10 +239,10 @@ def curvature(pieces: F8, s: ArrayLike) -> F8:
 
 
 def interpolate_values(values: ArrayLike, share: ArrayLike) -> tuple[F8, F8]:
-    """Smooth function through values at equal distances over share 0..1, and its derivative by share.
+    """Smooth function through equally spaced values over share 0..1, and its derivative with respect to share.
 
-    Monotone piecewise cubic (Fritsch & Butland 1984): between two values it never leaves their interval, so a positive
-    list gives a positive function.
+    Monotone piecewise cubic (Fritsch & Butland 1984): between two values it stays in their interval, so positive values
+    give a positive function.
 
     Args:
         values: Shape [k], k >= 1.

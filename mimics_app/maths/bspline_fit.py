@@ -1,4 +1,4 @@
-"""Fit of a cubic B-spline with N basis functions to a recorded path (D2.1 4.2.10: the parameters of a trajectory)."""
+"""Least-squares fit of a cubic B-spline to a recorded path (D2.1 4.2.10: the parameters of a trajectory)."""
 
 from __future__ import annotations
 
@@ -14,20 +14,27 @@ __all__ = ["SplineFit", "fit_spline"]
 
 
 _ROUNDS = 40
+"""Largest number of rounds."""
+
 _PLAIN_ROUNDS = 3
+"""First rounds, which count the tangential residual in full."""
+
 _NEWTON_STEPS = 4
+"""Newton steps of the sample parameters per round."""
+
 _RIDGE = 1e-13
+"""Regularisation of the normal equations, relative to their mean diagonal [-]."""
 
 
 @dataclass(frozen=True, slots=True)
 class SplineFit:
-    """A fitted curve and how well it keeps to the path.
+    """A fitted curve and its residuals.
 
     Attributes:
         control_points: Shape [N, dimensions].
         parameters: s of the curve point nearest to each sample, shape [m].
         residual_rms: Root of the mean square distance of the samples from the curve [unit of the path].
-        residual_max: Greatest distance of a sample from the curve.
+        residual_max: Largest distance of a sample from the curve [unit of the path].
     """
 
     control_points: F8
@@ -39,13 +46,13 @@ class SplineFit:
 def fit_spline(path: ArrayLike, count: int) -> SplineFit:
     """Least-squares fit of a clamped cubic B-spline to samples in travelling order.
 
-    Starts from chord length. Then each round moves every sample to the nearest point of the curve and solves
-    for the control points with the tangential part of the residual left out, because the sample may slide along the
-    curve (tangent distance minimisation, Wang, Pottmann & Liu 2006); a weight on that part, raised while a round makes
-    things worse, keeps it stable. A path that is such a spline is found again to rounding.
+    Starts from chord length. Then each round projects every sample to the nearest point of the curve and solves for the
+    control points without the tangential part of the residual, because a sample may slide along the curve (tangent
+    distance minimisation, Wang, Pottmann & Liu 2006). A weight on that part, raised while a round increases the
+    residual, keeps it stable. A path that is such a spline is reproduced to rounding.
 
     Args:
-        path: Shape [m, dimensions], finite; samples equal to the one before them are skipped.
+        path: Shape [m, dimensions], finite; repeated samples are skipped.
         count: Number N of basis functions, 4 <= N <= different samples.
 
     Raises:
@@ -77,6 +84,7 @@ def fit_spline(path: ArrayLike, count: int) -> SplineFit:
 
 
 def _without_repeats(path: ArrayLike) -> F8:
+    """Samples of a path without those equal to their predecessor."""
     samples = np.asarray(path, np.float64)
     if samples.ndim != 2 or not np.isfinite(samples).all():
         raise ValueError("a path is a finite array of points, shape [m, dimensions]")
@@ -85,10 +93,10 @@ def _without_repeats(path: ArrayLike) -> F8:
 
 
 def _chord_parameters(samples: F8, pieces: int) -> F8:
-    """First guess of s: chord length along the path, read off a straight spline of evenly spaced control points.
+    """First guess of s: relative chord length along the path, mapped by a straight spline of even control points.
 
-    Such a spline is slower between its clamped ends than at them; plain chord length would put the samples of the ends
-    on the wrong basis functions and the rounds that follow into a local minimum.
+    Such a spline is slower between its clamped ends than at them; plain chord length would assign the samples at the
+    ends to the wrong basis functions and lead the iteration into a local minimum.
     """
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(samples, axis=0), axis=1))])
     s = np.linspace(0.0, pieces, 64 * pieces + 1)
@@ -98,9 +106,9 @@ def _chord_parameters(samples: F8, pieces: int) -> F8:
 
 
 def _slide(samples: F8, pieces: F8, s: F8) -> F8:
-    """A few Newton steps of every sample towards its nearest curve point, a quarter of a piece at most each.
+    """Move every sample's s towards its nearest curve point by Newton steps of at most a quarter of a piece.
 
-    The first and the last sample stay at the ends of the curve, which else would grow beyond the path.
+    The first and the last sample stay at the ends of the curve, which otherwise would extend beyond the path.
     """
     for _ in range(_NEWTON_STEPS):
         away = bspline.evaluate(pieces, s) - samples
@@ -116,20 +124,21 @@ def _slide(samples: F8, pieces: F8, s: F8) -> F8:
 
 
 def _measured(samples: F8, points: F8, s: F8) -> SplineFit:
+    """Fit with its residuals."""
     distance = np.linalg.norm(bspline.evaluate(bspline.pieces_of(points), s) - samples, axis=1)
     return SplineFit(points, s, float(np.sqrt(np.mean(distance**2))), float(distance.max()))
 
 
 def _improve(samples: F8, fit: SplineFit, slip: float) -> SplineFit:
-    """One round: a least-squares step of the control points, then samples to their nearest curve points.
+    """One round: a least-squares step of the control points, then the samples' nearest curve points.
 
-    `slip` weighs the squared tangential residual: 1 counts it whole (plain least squares), 0 not at all.
+    `slip` weights the squared tangential residual: 1 in full (plain least squares), 0 not at all.
     """
     pieces = bspline.pieces_of(fit.control_points)
     first = bspline.evaluate(pieces, fit.parameters, 1)
     size = np.linalg.norm(first, axis=1, keepdims=True)
     tangent = np.divide(first, size, out=np.zeros_like(first), where=size > 0.0)
-    # A sample at an end of the curve cannot slide off it.
+    # A sample at an end of the curve cannot slide beyond it.
     tangent[(fit.parameters <= 0.0) | (fit.parameters >= len(pieces))] = 0.0
     weight = np.eye(samples.shape[1]) - (1.0 - slip) * tangent[:, :, None] * tangent[:, None, :]
     residual = np.einsum("mab,mb->ma", weight, samples - bspline.evaluate(pieces, fit.parameters))
@@ -138,7 +147,7 @@ def _improve(samples: F8, fit: SplineFit, slip: float) -> SplineFit:
 
 
 def _solve(s: F8, weight: F8, residual: F8, shape: tuple[int, ...]) -> F8:
-    """Change of the control points that minimises the weighted residuals; normal equations, piece by piece."""
+    """Change of the control points that minimises the weighted residuals, by normal equations assembled per piece."""
     count, dimensions = shape
     piece, basis = bspline.local_basis(count, s)
     blocks = np.zeros((count - 3, 4, dimensions, 4, dimensions))
@@ -149,7 +158,7 @@ def _solve(s: F8, weight: F8, residual: F8, shape: tuple[int, ...]) -> F8:
         normal[i : i + 4, :, i : i + 4, :] += block
     np.add.at(right, piece[:, None] + np.arange(4), basis[:, :, None] * residual[:, None, :])
     square = normal.reshape(count * dimensions, -1)
-    # A basis function that meets no sample keeps its control point.
+    # A basis function without samples keeps its control point.
     square[np.diag_indices(len(square))] += _RIDGE * np.trace(square) / len(square)
     step: F8 = np.linalg.solve(square, right.ravel()).astype(np.float64).reshape(shape)
     return step

@@ -1,8 +1,8 @@
-"""A hanging cord in closed form: the catenary by arc length, its frame, and ripples on its surface. float64.
+"""Hanging cord in closed form: the catenary by arc length, its frame, and ripples on its surface. float64.
 
-The catenary through two points is planar, so that its binormal is constant and a frame along it has no twist at all.
-Swinging turns its plane about the line through both ends: shape and length stay. What shaders/cord/cord.vert evaluates
-is this, with the numbers of `Catenary.figures`.
+The catenary through two points is planar, so that its binormal is constant and a frame along it has no twist. A swing
+rotates its plane about the line through both ends without a change of shape and length. shaders/cord/cord.vert
+evaluates the same equations.
 """
 
 from __future__ import annotations
@@ -20,12 +20,16 @@ __all__ = ["Catenary", "Ripple", "Ripples", "hang"]
 
 
 _TAUT = 1e-9
-"""Share by which a cord must be longer than its chord to hang at all."""
+"""Excess of a cord's length over its chord below which it is straight [-]."""
+
 _PLUMB = 1e-3
-"""Share of the length that the ends are apart sideways at least: exactly above each other a cord is a fold."""
+"""Smallest horizontal distance of the ends, relative to the length [-]: with ends above each other a cord is a fold."""
+
 _NEWTON = 60
+"""Largest number of Newton steps."""
+
 _STRAIGHT_A = 1e7
-"""Parameter a [m] of a cord that is straight for all purposes."""
+"""Parameter a of a straight cord [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,12 +37,12 @@ class Catenary:
     """A cord between two points.
 
     Attributes:
-        start: Where it begins [m], float64 [3].
-        along: Horizontal axis of its plane, unit, turned with the swing; float64 [3].
-        up: The axis it sags against, unit, likewise; float64 [3].
-        a: Parameter [m]: the radius of curvature at the lowest point.
-        q: sinh of u at the start, u the slope's parameter: tan of the slope there.
-        length: [m].
+        start: First end [m], float64 [3].
+        along: Horizontal axis of its plane, unit, rotated by the swing; float64 [3].
+        up: Vertical axis of its plane, unit, rotated by the swing; float64 [3].
+        a: Parameter of the catenary [m]: the radius of curvature at the lowest point.
+        q: Slope at the start, sinh of the parameter u there [-].
+        length: Arc length [m].
     """
 
     start: F8
@@ -50,22 +54,22 @@ class Catenary:
 
     @property
     def binormal(self) -> F8:
-        """Across its plane, the same everywhere; float64 [3]."""
+        """Unit normal of its plane, the same everywhere; float64 [3]."""
         return np.cross(self.along, self.up)
 
     @property
     def bend(self) -> float:
-        """Its greatest curvature [1/m]."""
+        """Largest curvature [1/m]."""
         p = self.q + self.length / self.a
         steepest = 0.0 if self.q * p <= 0.0 else min(abs(self.q), abs(p))
         return 1.0 / (self.a * (1.0 + steepest**2))
 
     def point(self, s: ArrayLike) -> F8:
-        """Places at arc lengths from the start [m], shape [n, 3]; differences never cancel, however taut it is."""
+        """Points at arc lengths from the start [m], shape [n, 3], without cancellation in a taut cord."""
         w = np.atleast_1d(np.asarray(s, np.float64)) / self.a
         p, q = self.q + w, self.q
         root_p, root_q = np.sqrt(1.0 + p * p), math.sqrt(1.0 + q * q)
-        # asinh p - asinh q = asinh(p root_q - q root_p): of one sign, that difference is taken as a fraction.
+        # asinh p - asinh q = asinh(p root_q - q root_p); for p and q of one sign that difference as a fraction.
         with np.errstate(invalid="ignore", divide="ignore"):
             same = w * (p + q) / (p * root_q + q * root_p)
         apart = np.where(p * q > 0.0, same, p * root_q - q * root_p)
@@ -80,27 +84,27 @@ class Catenary:
         return np.asarray((self.along + p[:, None] * self.up) / root)
 
     def normal(self, s: ArrayLike) -> F8:
-        """Unit normals in its plane, to the inside of its bend, shape [n, 3]."""
+        """Unit normals in its plane towards the centre of curvature, shape [n, 3]."""
         p = self.q + np.atleast_1d(np.asarray(s, np.float64)) / self.a
         root = np.sqrt(1.0 + p * p)[:, None]
         return np.asarray((self.up - p[:, None] * self.along) / root)
 
     def curvature(self, s: ArrayLike) -> F8:
-        """[1/m], shape [n]."""
+        """Curvature [1/m], shape [n]."""
         p = self.q + np.atleast_1d(np.asarray(s, np.float64)) / self.a
         return np.asarray(1.0 / (self.a * (1.0 + p * p)))
 
 
 def hang(start: ArrayLike, end: ArrayLike, length: float, swing: float = 0.0) -> Catenary:
-    """The cord of a length between two points.
+    """Cord of a given length between two points.
 
-    Shorter than the distance between them it is stretched straight, and its length is that way.
+    A cord shorter than the distance of the points is stretched to a straight line of that length.
 
     Args:
-        start: [m], shape [3].
-        end: [m], shape [3].
-        length: [m], > 0.
-        swing: How far its plane is turned about the line through both ends [rad]; 0: it hangs down.
+        start: First end [m], shape [3].
+        end: Second end [m], shape [3].
+        length: Arc length [m], > 0.
+        swing: Rotation of its plane about the line through both ends [rad]; 0: it hangs down.
     """
     first, last = np.asarray(start, np.float64), np.asarray(end, np.float64)
     chord = last - first
@@ -113,7 +117,7 @@ def hang(start: ArrayLike, end: ArrayLike, length: float, swing: float = 0.0) ->
     across = max(across, _PLUMB * length)
     x = _sag(math.sqrt(length * length - rise * rise) / across)
     a = across / (2.0 * x)
-    # The middle of u is where the rise over the length says; sinh of its lower end is what the shader begins with.
+    # The mean of u over the cord follows from rise / length; the shader starts from sinh of its lower end.
     middle = math.atanh(min(max(rise / length, -1.0 + 1e-15), 1.0 - 1e-15))
     up = np.array([0.0, 1.0, 0.0])
     if swing and whole > 0.0:
@@ -123,6 +127,7 @@ def hang(start: ArrayLike, end: ArrayLike, length: float, swing: float = 0.0) ->
 
 
 def _straight(first: F8, chord: F8, whole: float) -> Catenary:
+    """Straight cord along the chord, of its length `whole` [m]."""
     along = chord / whole if whole > 0.0 else np.array([1.0, 0.0, 0.0])
     side = np.array([0.0, 1.0, 0.0]) if abs(along[1]) < 0.9 else np.array([1.0, 0.0, 0.0])
     up = side - along * float(side @ along)
@@ -130,7 +135,7 @@ def _straight(first: F8, chord: F8, whole: float) -> Catenary:
 
 
 def _sag(ratio: float) -> float:
-    """The x > 0 with sinh(x) / x = ratio, by Newton from above."""
+    """Root x > 0 of sinh(x) / x = ratio, by Newton's method from above."""
     x = math.sqrt(6.0 * (ratio - 1.0)) if ratio < 3.0 else math.log(2.0 * ratio) + math.log(math.log(2.0 * ratio))
     if x < 1e-3:  # the series x^2 / 6 + x^4 / 120: sinh(x) / x - 1 would cancel
         excess = ratio - 1.0
@@ -145,13 +150,13 @@ def _sag(ratio: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Ripple:
-    """What one tap sets off.
+    """Ripple of one tap.
 
     Attributes:
-        s: Where it was, along the cord [m].
-        theta: And around it [rad].
-        age: Since then [s].
-        height: Of its first crest [m].
+        s: Position of the tap along the cord [m].
+        theta: Angle of the tap around the cord [rad].
+        age: Time since the tap [s].
+        height: Height of the first crest [m].
     """
 
     s: float
@@ -162,14 +167,14 @@ class Ripple:
 
 @dataclass(frozen=True, slots=True)
 class Ripples:
-    """How ripples run: h = A exp(-alpha d - beta t) cos(k x) exp(-(x / w)^2), x = d - c t, over the distance d.
+    """Wave law of ripples: h = A exp(-alpha d - beta t) cos(k x) exp(-(x / w)^2), x = d - c t, over the distance d.
 
     Attributes:
-        speed: Of the crest, c [m/s].
-        wavelength: [m].
-        width: Of the group, w [m].
-        along: Damping by distance, alpha [1/m].
-        over_time: Damping by time, beta [1/s].
+        speed: Speed c of the crest [m/s].
+        wavelength: Wavelength 2 pi / k [m].
+        width: Width w of the wave group [m].
+        along: Damping alpha by distance [1/m].
+        over_time: Damping beta by time [1/s].
     """
 
     speed: float = 0.5
@@ -181,16 +186,16 @@ class Ripples:
     def height(self, ripple: Ripple, radius: float, s: ArrayLike, theta: ArrayLike) -> tuple[F8, F8, F8]:
         """Height of the surface, and its slopes.
 
-        The distance is the geodesic one of a straight cord: along it, and around it at its radius, the shorter way.
+        The distance is the geodesic one on a straight cord.
 
         Args:
-            ripple: Which.
-            radius: Of the cord [m].
-            s: Along [m].
-            theta: Around [rad].
+            ripple: The ripple.
+            radius: Radius of the cord [m].
+            s: Positions along the cord [m].
+            theta: Angles around the cord [rad].
 
         Returns:
-            h [m], dh/ds [-], dh/dtheta [m/rad], each of the shape of s and theta together.
+            h [m], dh/ds [-], dh/dtheta [m/rad], each of the broadcast shape of s and theta.
         """
         ds = np.asarray(s, np.float64) - ripple.s
         dt = np.remainder(np.asarray(theta, np.float64) - ripple.theta + np.pi, 2.0 * np.pi) - np.pi
@@ -203,7 +208,7 @@ class Ripples:
         return h, slope * ds / safe, slope * radius * radius * dt / safe
 
     def surface(self, cord: Catenary, radius: float, ripples: list[Ripple], s: F8, theta: F8) -> tuple[F8, F8]:
-        """Places of the rippled surface [m] and its unit normals, shape [n, 3] each."""
+        """Points of the rippled surface [m] and its unit normals, shape [n, 3] each."""
         parts = [self.height(each, radius, s, theta) for each in ripples]
         h, hs, ht = (sum((part[i] for part in parts), np.zeros_like(s)) for i in range(3))
         tangent, normal, binormal = cord.tangent(s), cord.normal(s), cord.binormal

@@ -1,4 +1,4 @@
-"""An affine matrix taken apart into translation, rotation and scale: numpy alone, so that file readers start fast."""
+"""Decomposition of an affine matrix into translation, rotation and scale, by numpy alone: file readers start fast."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ def decompose_trs(matrix: F8) -> tuple[F8, F8, F8, float]:
     """Translation [m], unit quaternion (w >= 0), scale and shear of an affine matrix.
 
     A mirrored matrix gets a negative x scale. Exact when matrix = T R S; otherwise the rotation is the nearest one
-    (polar decomposition) and the shear is what T R S leaves over.
+    (polar decomposition) and the shear measures the remainder.
 
     Returns:
-        (translation [3], rotation [4], scale [3], shear): shear is the largest absolute error of T R S against the
-        matrix, relative to the largest scale; 0 for a matrix of zeros.
+        (translation [3], rotation [4], scale [3], shear): shear is the largest absolute difference of T R S and the
+        matrix, relative to the largest scale; 0 for a zero matrix.
     """
     linear = np.asarray(matrix, np.float64)[:3, :3]
     columns = np.linalg.norm(linear, axis=0)
     scale = columns * np.array([-1.0 if np.linalg.det(linear) < 0.0 else 1.0, 1.0, 1.0])
     u, _, vt = np.linalg.svd(linear / np.where(scale == 0.0, 1.0, scale))
-    if np.linalg.det(u @ vt) < 0.0:  # a flat axis leaves the side open: choose the one that is no mirror
+    if np.linalg.det(u @ vt) < 0.0:  # a zero scale leaves the sign of an axis open: choose the proper rotation
         u[:, 2] *= -1.0
     rebuilt = (u @ vt) * scale
     largest = float(columns.max())

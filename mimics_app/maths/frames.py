@@ -1,8 +1,8 @@
-"""Frames t, n, b along a curve: rotation-minimising by double reflection, and two rivals that fail where it does not.
+"""Frames t, n, b along a curve: rotation-minimising by double reflection, and two rivals with singularities.
 
-The frame of Frenet turns by 180 degrees at an inflection and is undefined on a straight line; the frame that keeps one
-axis towards a fixed "up" is undefined where the curve is parallel to it. The rotation-minimising frame has neither
-fault: it follows the tangent by the smallest possible turn.
+The Frenet frame flips by 180 degrees at an inflection and is undefined on a straight line; the frame by a fixed "up"
+direction is undefined where the curve is parallel to it. The rotation-minimising frame has neither fault: it follows
+the tangent by the smallest possible rotation.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
+from mimics_app.maths.vec import dot
 
 __all__ = [
     "carry_normals",
@@ -21,12 +22,6 @@ __all__ = [
     "rotation_minimising_normals",
     "start_normal",
 ]
-
-
-@kernel
-def _dot(a: F8, b: F8) -> float:
-    total: float = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-    return total
 
 
 @kernel
@@ -45,30 +40,30 @@ def rotation_minimising_normals(points: F8, tangents: F8, first_normal: F8) -> F
     normals[0] = first_normal
     for i in range(len(points) - 1):
         chord = points[i + 1] - points[i]
-        square = _dot(chord, chord)
+        square = dot(chord, chord)
         normal = normals[i].copy()
         tangent = tangents[i].copy()
         if square > 0.0:
-            normal -= 2.0 * _dot(chord, normal) / square * chord
-            tangent -= 2.0 * _dot(chord, tangent) / square * chord
+            normal -= 2.0 * dot(chord, normal) / square * chord
+            tangent -= 2.0 * dot(chord, tangent) / square * chord
         mirror = tangents[i + 1] - tangent
-        square = _dot(mirror, mirror)
+        square = dot(mirror, mirror)
         if square > 0.0:
-            normal -= 2.0 * _dot(mirror, normal) / square * mirror
-        # Reflections keep length and angle; this only takes off what rounding adds over many points.
-        normal -= _dot(normal, tangents[i + 1]) * tangents[i + 1]
-        normals[i + 1] = normal / np.sqrt(_dot(normal, normal))
+            normal -= 2.0 * dot(mirror, normal) / square * mirror
+        # Reflections keep length and angle; this only removes rounding errors accumulated over many points.
+        normal -= dot(normal, tangents[i + 1]) * tangents[i + 1]
+        normals[i + 1] = normal / np.sqrt(dot(normal, normal))
     return normals
 
 
 def carry_normals(from_points: F8, from_tangents: F8, normals: F8, points: F8, tangents: F8) -> F8:
-    """One double reflection for many pairs of points at once.
+    """Transport normals by one double reflection, for many pairs of points at once.
 
     Args:
-        from_points: Where the normals are known [m], shape [m, 3].
+        from_points: Points with known normals [m], shape [m, 3].
         from_tangents: Unit tangents there, shape [m, 3].
         normals: Unit normals there, shape [m, 3].
-        points: Where they are wanted [m], shape [m, 3].
+        points: Points with unknown normals [m], shape [m, 3].
         tangents: Unit tangents there, shape [m, 3].
 
     Returns:
@@ -83,7 +78,7 @@ def carry_normals(from_points: F8, from_tangents: F8, normals: F8, points: F8, t
 
 
 def _reflect(vectors: F8, mirror: F8) -> F8:
-    """Reflect each vector in the plane square to its mirror; unchanged where the mirror is zero."""
+    """Reflect each vector in the plane with the normal `mirror`; unchanged where that is zero."""
     square = np.sum(mirror * mirror, axis=1, keepdims=True)
     along = 2.0 * np.sum(vectors * mirror, axis=1, keepdims=True)
     reflected: F8 = vectors - mirror * np.divide(along, square, out=np.zeros_like(square), where=square > 0.0)
@@ -105,7 +100,7 @@ def frenet_normals(first: ArrayLike, second: ArrayLike) -> F8:
 
 
 def projected_up_normals(tangents: ArrayLike, up: ArrayLike) -> F8:
-    """The direction `up` made square to each unit tangent, shape [m, 3]; NaN where the curve is parallel to it."""
+    """Unit projection of `up` to the plane normal to each unit tangent, shape [m, 3]; NaN where parallel to it."""
     t = np.asarray(tangents, np.float64)
     across = np.asarray(up, np.float64) - t * (t @ np.asarray(up, np.float64))[:, None]
     size = np.linalg.norm(across, axis=1, keepdims=True)
@@ -114,9 +109,10 @@ def projected_up_normals(tangents: ArrayLike, up: ArrayLike) -> F8:
 
 
 def plane_normal(points: ArrayLike) -> F8:
-    """Unit normal of the plane that fits the points best; its largest component is positive, shape [3].
+    """Unit normal of the plane of best fit, with its largest component positive, shape [3].
 
-    For points on one line it is the world axis most square to the line, made square to it (z before y before x).
+    For collinear points it is the projection of the world axis nearest to perpendicular to the line (z before y before
+    x).
     """
     centred = np.asarray(points, np.float64)
     centred = centred - centred.mean(axis=0)
@@ -132,14 +128,14 @@ def plane_normal(points: ArrayLike) -> F8:
 
 
 def start_normal(points: ArrayLike, tangent: ArrayLike) -> F8:
-    """Normal that starts the frame of a tunnel: in the plane of the curve, so that b is the normal of that plane.
+    """First normal of the frame of a tunnel: in the plane of the curve, so that b is the normal of that plane.
 
     Args:
         points: Points of the whole curve [m], shape [m, 3].
         tangent: Unit tangent at its start, shape [3].
 
     Returns:
-        n = b x t, unit, shape [3]; where the best plane is square to the tangent, any normal.
+        n = b x t, unit, shape [3]; where the plane is normal to the tangent, any normal.
     """
     t = np.asarray(tangent, np.float64)
     b = plane_normal(points)

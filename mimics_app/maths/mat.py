@@ -1,6 +1,6 @@
 """4x4 transforms on column vectors, float64: `T_a_from_b @ p_b`, translation in the last column.
 
-Kernels write to `out` and allocate nothing; `out` must not be one of the matrix arguments. The functions at the end
+Kernels write to `out` without allocation; `out` must not be one of the matrix arguments. The functions at the end
 return new arrays, for code outside the loop.
 """
 
@@ -25,13 +25,10 @@ __all__ = [
 Mat4 = NDArray[np.float64]
 """float64, shape [4, 4]."""
 
-_COLUMNS = 4
-"""Of a matrix."""
-
 
 @kernel
 def compose_trs(translation: Vec, rotation: Quat, scale: Vec, out: Mat4) -> None:
-    """Set out = T R S: scale first, then turn (unit quaternion xyzw), then shift [m]."""
+    """Set out = T R S: scale, then rotate (unit quaternion xyzw), then translate [m]."""
     quat.to_matrix(rotation, out)
     for row in range(3):
         for column in range(3):
@@ -43,7 +40,7 @@ def compose_trs(translation: Vec, rotation: Quat, scale: Vec, out: Mat4) -> None
 
 @kernel
 def affine_inverse(m: Mat4, out: Mat4) -> float:
-    """Set out = the inverse of a matrix whose last row is 0 0 0 1; returns the determinant (0: out is not finite)."""
+    """Set out = the inverse of a matrix with the last row 0 0 0 1; return its determinant (0: out is not finite)."""
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         for row in range(3):
@@ -60,10 +57,10 @@ def affine_inverse(m: Mat4, out: Mat4) -> float:
 
 
 def compose(translation: object, rotation: object = quat.IDENTITY, scale: object = (1.0, 1.0, 1.0)) -> Mat4:
-    """A new matrix T R S from anything array-like; the quaternion xyzw is normalised.
+    """A new matrix T R S from array-likes; the quaternion xyzw is normalised.
 
     Raises:
-        ValueError: a shape does not fit, or the quaternion is no rotation.
+        ValueError: a shape does not fit, or the quaternion is zero or not finite.
     """
     out = np.empty((4, 4))
     turn = quat.normalise_rows(_floats(rotation, 4))
@@ -72,14 +69,14 @@ def compose(translation: object, rotation: object = quat.IDENTITY, scale: object
 
 
 def look_at(eye: object, target: object, up: object = (0.0, 1.0, 0.0)) -> Mat4:
-    """T_world_from_eye of an eye that looks along its own -z at the target, its own +y leaning towards `up`.
+    """T_world_from_camera of a camera whose -z points at the target and whose +y leans towards `up`.
 
-    Looking straight along `up`, the roll is taken from the world axis least aligned with the view.
+    For a view direction parallel to `up`, the roll follows from the world axis least aligned with it.
 
     Args:
-        eye: Where the eye is [m].
-        target: What it looks at [m].
-        up: Any length.
+        eye: Position of the camera [m].
+        target: Point at the centre of the view [m].
+        up: Vector of any length.
 
     Raises:
         ValueError: eye and target are the same point, or up is zero.

@@ -1,4 +1,4 @@
-"""Rigid poses as float64 [4, 4]: from position and quaternion, between two, and on beyond them."""
+"""Rigid poses as float64 [4, 4]: from position and quaternion, interpolated and extrapolated."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from mimics_app.contracts.arrays import F8
 
 __all__ = [
     "interpolate_pose",
-    "invert_pose",
     "pose_from_parts",
     "quaternion_of",
     "rotation_from_vector",
@@ -21,11 +20,11 @@ __all__ = [
 
 
 _SMALL = 1e-8
-"""Angles [rad] below which sin x / x is 1 in a double."""
+"""Angle below which sin x / x rounds to 1 [rad]."""
 
 
 def pose_from_parts(position: Sequence[float] | F8, rotation: Sequence[float] | F8) -> F8:
-    """A pose of position [m] and quaternion x y z w, which is scaled to length 1; float64 [4, 4]."""
+    """Pose from position [m] and quaternion xyzw, which is normalised; float64 [4, 4]."""
     q = np.asarray(rotation, np.float64)
     x, y, z, w = q / float(np.linalg.norm(q))
     matrix = np.eye(4)
@@ -39,10 +38,10 @@ def pose_from_parts(position: Sequence[float] | F8, rotation: Sequence[float] | 
 
 
 def quaternion_of(rotation: F8) -> F8:
-    """Quaternion x y z w of a rotation, w >= 0 (Shepperd 1978); float64 [4].
+    """Quaternion xyzw of a rotation, w >= 0 (Shepperd 1978); float64 [4].
 
     Args:
-        rotation: float64 [3, 3].
+        rotation: Rotation matrix, float64 [3, 3].
     """
     m = rotation
     trace = float(np.trace(m))
@@ -77,12 +76,12 @@ def rotation_from_vector(vector: F8) -> F8:
 
 
 def interpolate_pose(first: F8, second: F8, share: float) -> F8:
-    """A pose on the way between two: straight, turning evenly about one axis; beyond 0 to 1 it goes on so.
+    """Pose between two: linear in position, at constant angular velocity about one axis; extrapolated beyond 0 to 1.
 
     Args:
-        first: float64 [4, 4].
-        second: float64 [4, 4].
-        share: 0: the first, 1: the second.
+        first: Pose at share 0, float64 [4, 4].
+        second: Pose at share 1, float64 [4, 4].
+        share: Parameter [-].
     """
     pose = np.eye(4)
     turn = rotation_vector(first[:3, :3].T @ second[:3, :3])
@@ -91,20 +90,12 @@ def interpolate_pose(first: F8, second: F8, share: float) -> F8:
     return pose
 
 
-def invert_pose(pose: F8) -> F8:
-    """The inverse of a rigid pose; float64 [4, 4]."""
-    inverse = np.eye(4)
-    inverse[:3, :3] = pose[:3, :3].T
-    inverse[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-    return inverse
-
-
 def turned_back(rotation: F8) -> F8:
-    """The opposite of a unit quaternion, xyzw."""
+    """Inverse rotation of a unit quaternion, xyzw."""
     return rotation * (-1.0, -1.0, -1.0, 1.0)
 
 
 def turn_vector(rotation: F8, vector: F8) -> F8:
-    """A vector, shape [3], turned by a unit quaternion, xyzw."""
+    """Rotate a vector, shape [3], by a unit quaternion, xyzw."""
     turn = 2.0 * np.cross(rotation[:3], vector)
     return np.asarray(vector + rotation[3] * turn + np.cross(rotation[:3], turn))

@@ -1,6 +1,6 @@
-"""Unit quaternions xyzw. `out` may be one of the arguments; stored ones have w >= 0 (`normalise` sees to it).
+"""Unit quaternions xyzw. `out` may be one of the arguments; stored quaternions have w >= 0 (see `normalise`).
 
-`multiply(a, b)` turns by b first, then by a, as `R_a @ R_b` does on column vectors.
+`multiply(a, b)` is the rotation b followed by a, like `R_a @ R_b` on column vectors.
 """
 
 from __future__ import annotations
@@ -39,18 +39,15 @@ QUATERNION = 4
 """Numbers of a quaternion."""
 
 _SERIES_ANGLE = 1e-4
-"""Below this angle [rad] sin(a)/a by its series: the next term, a^4/120, is under 1e-18."""
+"""Angle below which sin(a)/a is computed by its series [rad]: the next term, a^4/120, is under 1e-18."""
 
 _STRAIGHT = 1e-6
-"""Angle [rad] between quaternions below which slerp is a straight line (error of order angle^2, 1e-12)."""
-
-_ROUND = 1e-9
-"""Sine of half an angle below which the direction of a turn is lost in rounding: its rotation vector is 2 xyz."""
+"""Angle between quaternions below which slerp is linear [rad] (error of order angle^2, 1e-12)."""
 
 
 @kernel
 def normalise(q: Quat, out: Quat) -> float:
-    """Set out = q / |q| with w >= 0; returns |q|. A zero or not finite q gives the identity and returns 0."""
+    """Set out = q / |q| with w >= 0; return |q|. A zero or not finite q gives the identity and returns 0."""
     largest = max(abs(q[0]), abs(q[1]), abs(q[2]), abs(q[3]))
     x, y, z, w = q[0] / largest, q[1] / largest, q[2] / largest, q[3] / largest
     length = math.sqrt(x * x + y * y + z * z + w * w)
@@ -82,7 +79,7 @@ def conjugate(q: Quat, out: Quat) -> None:
 
 @kernel
 def rotate(q: Quat, v: Vec, out: Vec) -> None:
-    """Set out = R(q) v for a unit quaternion; 2 cross products instead of a matrix."""
+    """Set out = R(q) v for a unit quaternion, by two cross products."""
     tx = 2.0 * (q[1] * v[2] - q[2] * v[1])
     ty = 2.0 * (q[2] * v[0] - q[0] * v[2])
     tz = 2.0 * (q[0] * v[1] - q[1] * v[0])
@@ -106,7 +103,7 @@ def rotate_back(q: Quat, v: Vec, out: Vec) -> None:
 
 @kernel
 def exp_map(rotation: Vec, out: Quat) -> None:
-    """Set out = the turn by |rotation| [rad] about its direction; exact for any angle, smooth at 0. w may be < 0."""
+    """Set out = the rotation by |rotation| [rad] about its direction, exact and smooth for any angle; w may be < 0."""
     angle = math.sqrt(rotation[0] ** 2 + rotation[1] ** 2 + rotation[2] ** 2)
     scale = 0.5 - angle * angle / 48.0 if angle < _SERIES_ANGLE else math.sin(0.5 * angle) / angle
     x, y, z = scale * rotation[0], scale * rotation[1], scale * rotation[2]
@@ -115,10 +112,10 @@ def exp_map(rotation: Vec, out: Quat) -> None:
 
 @kernel
 def slerp(a: Quat, b: Quat, t: float, out: Quat) -> None:
-    """Set out = the rotation a share t of the shorter way from a to b at constant speed; unit, w >= 0."""
+    """Set out = the rotation at share t of the shorter arc from a to b, at constant speed; unit, w >= 0."""
     cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
     sign = 1.0 if cosine >= 0.0 else -1.0
-    # |a - b| and |a + b| give the angle to full precision where the cosine alone loses half the digits.
+    # |a - b| and |a + b| give the angle to full precision; the cosine alone would lose half the digits.
     difference = 0.0
     total = 0.0
     for i in range(QUATERNION):
@@ -137,7 +134,7 @@ def slerp(a: Quat, b: Quat, t: float, out: Quat) -> None:
 
 @kernel
 def to_matrix(q: Quat, out: NDArray[np.float64]) -> None:
-    """out[:3, :3] = R(q) of a unit quaternion; the rest of out is not touched. out must not be q."""
+    """Set out[:3, :3] = R(q) of a unit quaternion; the rest of out is not changed. out must not be q."""
     x, y, z, w = q[0], q[1], q[2], q[3]
     out[0, 0] = 1.0 - 2.0 * (y * y + z * z)
     out[0, 1] = 2.0 * (x * y - z * w)
@@ -175,7 +172,7 @@ def from_matrix(m: NDArray[np.float64], out: Quat) -> None:
 
 
 def about_axis(axis: object, angle: float) -> Quat:
-    """A new quaternion, w >= 0: the turn by `angle` [rad] about `axis` (any length, right-hand rule).
+    """A new quaternion, w >= 0: the rotation by `angle` [rad] about `axis` (any length, right-hand rule).
 
     Raises:
         ValueError: the axis has no direction.

@@ -1,4 +1,4 @@
-"""3-vectors for compiled code: nothing is allocated, results go to `out`, and `out` may be one of the arguments."""
+"""3-vectors for compiled code, without allocation: results go to `out`, which may be one of the arguments."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ def cross(a: Vec, b: Vec, out: Vec) -> None:
 
 @kernel
 def normalise(a: Vec, out: Vec) -> float:
-    """Set out = a / |a|; returns |a|. A zero or not finite vector gives out = 0 and returns 0.
+    """Set out = a / |a|; return |a|. A zero or not finite vector gives out = 0 and returns 0.
 
-    The vector is scaled by its largest component first, so that 1e-200 and 1e200 have a direction too.
+    The vector is scaled by its largest component first, so that 1e-200 and 1e200 are normalised too.
     """
     largest = max(abs(a[0]), abs(a[1]), abs(a[2]))
     x, y, z = a[0] / largest, a[1] / largest, a[2] / largest
@@ -63,7 +63,7 @@ def normalise(a: Vec, out: Vec) -> float:
 
 @kernel
 def perpendicular(a: Vec, out: Vec) -> None:
-    """A unit vector at right angles to the unit vector a, continuous except at one direction (Duff et al. 2017)."""
+    """Set out to a unit vector perpendicular to the unit vector a, continuous except at one (Duff et al. 2017)."""
     sign = math.copysign(1.0, a[2])
     f = -1.0 / (sign + a[2])
     x = 1.0 + sign * a[0] * a[0] * f
@@ -73,13 +73,13 @@ def perpendicular(a: Vec, out: Vec) -> None:
 
 
 def unit(values: object) -> Vec:
-    """The direction of a vector as a new array, for code outside the loop.
+    """Unit vector in the direction of a vector as a new array, for code outside the loop.
 
     Args:
         values: Three numbers of any unit.
 
     Raises:
-        ValueError: the vector is zero or not finite and has no direction.
+        ValueError: the vector is zero or not finite.
     """
     vector = np.array(values, np.float64)
     if vector.shape != (3,):

@@ -151,7 +151,6 @@ def _walk(
         age = k % LIFE
         if age == 0:  # switched on anew; the second state is as it was made
             states[0] = states[1]
-            state.contact = 0
             scene.sequence = 0
             scene.late_latches = 1 if _chance(noise, 0.8) else 0
             q[:] = 0.0

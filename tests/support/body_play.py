@@ -22,7 +22,7 @@ def _fly(rows: Any, work: Any, counts: Any, dt: float, ticks: int) -> None:
         clear_totals(work.totals[0])
         place_bodies(rows, work, counts)
         pose_shapes(rows, work, counts)
-        load_bodies(rows.bodies, work.motions, work.dynamics, work.aux_forces, work.aux_torques, counts.bodies)
+        load_bodies(rows, work, counts)
         step_bodies(rows, work, counts, dt)
 
 

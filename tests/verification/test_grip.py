@@ -104,6 +104,17 @@ def test_weight_is_felt_at_rest_and_sinks_the_springs_by_its_share():
     assert hold.held[-1] == 0
 
 
+def test_fingers_at_two_points_of_contact_take_what_is_between_them_as_those_at_two_offsets_do():
+    for offset in (0.04, 0.0):  # 0: each finger is a point of contact of its own, as of a device with two
+        hold = Hold()
+        hold.rows.shapes[0]["size"] = (0.01, 0.0, 0.0)
+        hold.rows.points["offset"][:2, 0] = -offset, offset
+        hold.work.point_positions[:2, 0] = -0.04, 0.04
+        hold.work.shape_positions[0, 0] = hold.work.motions[0]["centre"][0] = 0.02
+        grip_bodies(hold.rows, hold.work, hold.counts[0], 3.0, DT)
+        assert hold.work.grip[0]["body"] == 0
+
+
 @pytest.mark.parametrize(("share", "kept"), [(0.99, False), (1.01, True), (0.5, False), (2.0, True)])
 def test_grip_below_weight_over_two_mu_drops_and_above_it_holds(share, kept):
     """The soft start of the load would swing past the threshold, so the grasp falls to it from twice as much."""

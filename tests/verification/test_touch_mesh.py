@@ -7,7 +7,7 @@ import pytest
 
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
-    ANYWHERE,
+    ANY_DIRECTION,
     closest_on_triangle,
     closest_triangle,
     first_crossing,
@@ -58,7 +58,7 @@ def test_closest_triangle_is_that_of_all_of_them():
     out = np.zeros(3)
     own = range(int(mesh["first_triangle"]), int(mesh["first_triangle"] + mesh["triangles"]))
     for p in points:
-        found = closest_triangle(mesh, table.vertices, table.corners, table.boxes, p, 1.0, ANYWHERE, out)
+        found = closest_triangle(mesh, table.vertices, table.corners, table.boxes, p, 1.0, ANY_DIRECTION, out)
         assert found in own
         distances = []
         for t in (found, *own):
@@ -66,7 +66,7 @@ def test_closest_triangle_is_that_of_all_of_them():
             distances.append(np.linalg.norm(p - out))
         assert distances[0] <= min(distances) * (1.0 + 1e-8)
         near = 0.999 * distances[0]
-        assert closest_triangle(mesh, table.vertices, table.corners, table.boxes, p, near, ANYWHERE, out) == -1
+        assert closest_triangle(mesh, table.vertices, table.corners, table.boxes, p, near, ANY_DIRECTION, out) == -1
 
 
 def test_closest_point_of_a_triangle_is_that_of_a_fine_grid():

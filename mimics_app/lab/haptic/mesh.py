@@ -19,7 +19,7 @@ from mimics_app.lab.haptic.touch_probe import RADIUS, STIFFNESS, ball_mesh, slid
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.haptic.kernels.objects.contact_scratch import CONTACT_SCRATCH
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
-    ANYWHERE,
+    ANY_DIRECTION,
     closest_on_triangle,
     closest_triangle,
     triangle_normal,
@@ -50,7 +50,7 @@ def _hold_nearest(meshes: MeshTable, mesh: MeshRecord, p: F8, brute: bool, out: 
             if square < best:
                 t, best = k, square
     else:
-        t = closest_triangle(mesh, meshes.vertices, meshes.corners, meshes.boxes, p, np.inf, ANYWHERE, out)
+        t = closest_triangle(mesh, meshes.vertices, meshes.corners, meshes.boxes, p, np.inf, ANY_DIRECTION, out)
     closest_on_triangle(meshes.vertices, meshes.corners, t, p, out)
     size = triangle_normal(meshes.vertices, meshes.corners, t, n)
     behind = 0.0

@@ -87,8 +87,8 @@ def _arm_memory(hand: Arm) -> Vec:
     memory[arm.INTENT] = 1.0
     memory[arm.PEAK_SPEED] = 1.0
     memory[arm.REACH] = 1.0
-    memory[arm.WAY_POINTS] = 2.0
-    memory[arm.WAY_STEP] = 1.0
+    memory[arm.VIA_POINTS] = 2.0
+    memory[arm.VIA_STEP] = 1.0
     memory[arm.GENERATOR] = 1.0
     return memory
 

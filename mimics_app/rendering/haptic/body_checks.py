@@ -20,7 +20,7 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import STATIC, BodyFlag, ObjectIntegrator, ShapeKind
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.maths import quat
-from mimics_app.rendering.haptic.kernels.objects.collisions_carried_mesh import CORNER_SHARE
+from mimics_app.rendering.haptic.kernels.objects.manifold import CORNER_SHARE
 from mimics_app.rendering.haptic.kernels.objects.pairs import join_surfaces
 from mimics_app.rendering.haptic.kernels.objects.records import PAIR
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table

@@ -20,14 +20,14 @@ from mimics_app.contracts.haptic_objects import MAX_POINTS, MOTION, OBJECT_COUNT
 from mimics_app.contracts.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.loop_ports import FIELD_PARAMETERS, FIELDS
 from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
-from mimics_app.rendering.haptic.kernels.directions import MOST_TOUCHED, TOUCHED
+from mimics_app.rendering.haptic.kernels.directions import MAX_TOUCHED, TOUCHED
 from mimics_app.rendering.haptic.kernels.objects.contact_scratch import BEFORE, BIRTH, CONTACT_SCRATCH
 from mimics_app.rendering.haptic.kernels.objects.effect_memory import EFFECT_MEMORY
 from mimics_app.rendering.haptic.kernels.objects.hand import HAND_LENGTH
 from mimics_app.rendering.haptic.kernels.objects.records import (
     DYNAMICS,
+    MAX_WALLS,
     MEMORY,
-    MOST_WALLS,
     PAIR,
     SCRATCH,
     SOLID,
@@ -79,8 +79,8 @@ class ObjectWork(NamedTuple):
         births: BIRTH, shape [shapes].
         befores: BEFORE, shape [bodies].
         near: Rows of the shapes near the present point, shape [shapes].
-        walls: WALL_TOUCH, shape [MOST_WALLS]: walls that the present point touches.
-        touched: TOUCHED, shape [MAX_CONTACTS, MOST_TOUCHED]: what each point of contact touches, TOTALS.listed of them.
+        walls: WALL_TOUCH, shape [MAX_WALLS]: walls that the present point touches.
+        touched: TOUCHED, shape [MAX_CONTACTS, MAX_TOUCHED]: what each point of contact touches, TOTALS.listed of them.
         margins: Least stability margin of each shape while it was felt, inf: never, shape [shapes].
         order: Shapes in the order of the sweep, walls from the back, shape [shapes].
         next_moving: For each place in the order, the next of a shape that can move.
@@ -171,8 +171,8 @@ def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = Non
         births=np.zeros(shapes, BIRTH),
         befores=np.zeros(bodies, BEFORE),
         near=np.zeros(shapes, np.int64),
-        walls=np.zeros(MOST_WALLS, WALL_TOUCH),
-        touched=np.zeros((MAX_CONTACTS, MOST_TOUCHED), TOUCHED),
+        walls=np.zeros(MAX_WALLS, WALL_TOUCH),
+        touched=np.zeros((MAX_CONTACTS, MAX_TOUCHED), TOUCHED),
         margins=np.full(shapes, np.inf),
         order=np.zeros(shapes, np.int64),
         next_moving=np.zeros(shapes, np.int64),

@@ -117,12 +117,12 @@ def write_arm(memory: NDArray[np.float64], person: Impairment, via_points: NDArr
         arm.GRASP_MEAN: person.grasp,
         arm.GRASP_VARIATION: person.grasp_variation,
         arm.CORNER_CUTTING: person.corner_cutting,
-        arm.CONTENT: max(_FINEST_AIM, _CONTENT_SHARE * person.aim_error),
+        arm.TOLERANCE: max(_FINEST_AIM, _CONTENT_SHARE * person.aim_error),
         arm.INTENT: float(intent),
     }
     for place, value in values.items():
         memory[place] = value
     laid, step = lay_path(via_points)
-    memory[arm.WAY_POINTS] = laid.shape[0]
-    memory[arm.WAY_STEP] = step
+    memory[arm.VIA_POINTS] = laid.shape[0]
+    memory[arm.VIA_STEP] = step
     memory[arm.PATH : arm.PATH + laid.size] = laid.ravel()

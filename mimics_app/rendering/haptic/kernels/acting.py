@@ -1,10 +1,10 @@
-"""What acts on the user: virtual forces after stiffness cap, passivity controller, energy tank and limiter.
+"""Force on the user: virtual forces after stiffness cap, passivity controller, energy tank and limiter.
 
-    contacts   tunnel wall and shapes that cannot move: no stiffer than stable, and never giving more than they took
-    active     assistance, effects, what is held, shapes that can move: paid from the energy tank
-    the rest   drag: takes energy only
+    contacts   tunnel wall and static shapes: no stiffer than stable, and never giving more energy than they took
+    active     assistance, effects, held bodies, movable shapes: paid from the energy tank
+    the rest   drag: only dissipates
 
-`account` comes before the safety states, `act` after them.
+`account` runs before the safety state machine, `act` after it.
 """
 
 from __future__ import annotations
@@ -31,39 +31,39 @@ __all__ = ["ACTING", "FREE_TIME", "account", "act", "acting_contact", "device_de
 
 
 _LINE = 32
-"""Ticks of delay that can be counted; what is longer is counted as this."""
+"""Length of the delay line of sent forces [ticks]; longer device delays are clamped to it."""
 
 ACTING = np.dtype(
     [
-        ("known", "i8"),  # 1 once `position` means something
+        ("known", "i8"),  # 1 once `position` is valid
         ("position", "f8", (3,)),  # of the last tick, world [m]
-        ("v", "f8", (3,)),  # of what the forces act on, world [m/s]: virtual mass or device
-        ("displacement", "f8", (3,)),  # what it has gone since the last tick [m]
-        ("contact", "f8", (3,)),  # share of the contacts in the force on the user, held since then, world [N]
-        ("active", "f8", (3,)),  # share of the active forces in it [N]
-        ("contacts", "f8", (_LINE, 3)),  # `contact` of the last ticks, by tick
-        ("actives", "f8", (_LINE, 3)),  # `active` likewise
-        ("credit", "f8"),  # what contacts may still give [J]; below 0 they owe
+        ("v", "f8", (3,)),  # of virtual mass or device, whichever the forces act on, world [m/s]
+        ("displacement", "f8", (3,)),  # of the same since the last tick [m]
+        ("contact", "f8", (3,)),  # contacts' share of the force on the user, held since the last tick, world [N]
+        ("active", "f8", (3,)),  # active forces' share of it [N]
+        ("contacts", "f8", (_LINE, 3)),  # delay line of `contact`, by tick
+        ("actives", "f8", (_LINE, 3)),  # delay line of `active`
+        ("credit", "f8"),  # energy contacts may still give [J]; below 0: debt
         ("free_ticks", "i8"),  # in a row without a contact
-        ("tank", "f8"),  # [J]
+        ("tank", "f8"),  # level [J]
         ("filled", "i8"),  # 1 once the tank was filled
         ("inflow", "f8"),  # into the tank [W]
-        ("wall_share", "f8"),  # of the tunnel wall's stiffness that is rendered
-        ("shape_share", "f8"),  # of the forces of touched shapes that is rendered
-        ("both_share", "f8"),  # of wall and shapes alike while both are touched, as of the last tick; else 1
-        ("touching", "i8"),  # 1 while a shape was touched in the last tick
-        ("tank_share", "f8"),  # of the active forces that is paid
-        ("passivity", "f8"),  # force that the passivity controller took away [N]
-        ("least_share", "f8"),  # least stiffness share that was felt in a contact; 0: none yet
-        ("least_tank", "f8"),  # least level of the tank [J]
+        ("wall_share", "f8"),  # rendered share of the tunnel wall's stiffness
+        ("shape_share", "f8"),  # rendered share of the forces of touched shapes
+        ("both_share", "f8"),  # common share of wall and shapes in the last tick while both were touched, else 1
+        ("touching", "i8"),  # 1: a shape was touched in the last tick
+        ("tank_share", "f8"),  # share of the active forces that the tank pays
+        ("passivity", "f8"),  # magnitude removed by the passivity controller [N]
+        ("least_share", "f8"),  # smallest stiffness share felt in a contact; 0: none yet
+        ("least_tank", "f8"),  # lowest level of the tank [J]
         ("passivity_ticks", "i8"),  # ticks in which the passivity controller acted
     ],
     align=True,
 )
-"""Memory of what acts on one haptic point; zeros are a fresh one."""
+"""Energy accounts and rendered shares of one point of contact; zeros are the initial state."""
 
 FREE_TIME = 0.02
-"""So long without a contact, its debts are forgiven [s]."""
+"""Time without contact after which credit and debt are cleared [s]."""
 
 _ACTIVE = int(SafetyState.ACTIVE)
 _DEGRADED = int(SafetyState.DEGRADED)
@@ -71,27 +71,27 @@ _SAFE_STOP = int(SafetyState.SAFE_STOP)
 _NOT_FINITE = int(TripCause.NOT_FINITE)
 
 _STABLE_DAMPER = 0.5
-"""A damper of this many masses a tick stops a mass in two ticks; from 2 on it would swing up."""
+"""Largest damper of the passivity controller [virtual masses per tick]; from 2 on it would oscillate."""
 
 
 @kernel
 def device_delay(scene: SceneRecord, state: StateRecord) -> float:
-    """From a command to its motion [s]: what the device states or what it measures, whichever is longer."""
+    """Delay from a command to its motion [s]: the stated or the measured one, whichever is longer."""
     return max(scene.device_delay, state.delay)
 
 
 @kernel
 def own_damping(scene: SceneRecord) -> float:
-    """Damping that every contact can count on: virtual, the device's own, and the arm's [N s/m]."""
+    """Damping available to every contact: virtual, of the device, and of the arm [N s/m]."""
     return scene.virtual_damping + scene.device_damping + scene.arm_damping
 
 
 @kernel
 def _find_displacement(scene: SceneRecord, state: StateRecord, dt: float) -> None:
-    """How far what the forces act on has gone since the last tick, exactly for a force held meanwhile.
+    """Set displacement and velocity of virtual mass or device since the last tick, exact for a held force.
 
-    The virtual mass goes (v_{k-1} + v_k) T / 2 under a constant force, the device from one position to the next. A
-    position that jumped is no displacement: it stops the loop on its own.
+    The virtual mass moves by (v_{k-1} + v_k) T / 2 under a constant force, the device from one position to the next. A
+    jump of the position is no displacement: it stops the loop by itself.
     """
     acting = state.acting
     admittance = scene.controller == Controller.ADMITTANCE
@@ -102,23 +102,23 @@ def _find_displacement(scene: SceneRecord, state: StateRecord, dt: float) -> Non
             acting.displacement[i] = 0.5 * (acting.v[i] + state.work_a[i]) * dt
             acting.v[i] = state.work_a[i]
         else:
-            gone = state.hip_world[i] - acting.position[i]
-            acting.displacement[i] = gone if acting.known + state.jumped == 1 else 0.0
+            moved = state.hip_world[i] - acting.position[i]
+            acting.displacement[i] = moved if acting.known == 1 and state.jumped == 0 else 0.0
             acting.v[i] = state.v_world[i]
         acting.position[i] = state.hip_world[i]
 
 
 @kernel
-def delay_ticks(scene: SceneRecord, state: StateRecord, dt: float) -> int:
-    """Ticks from a force to where it acts: the virtual mass takes it at once, a device after its delay."""
+def _delay_ticks(scene: SceneRecord, state: StateRecord, dt: float) -> int:
+    """Ticks until a force acts: none on the virtual mass, the device's delay on a force-driven device."""
     if scene.force_driven == 0:
         return 0
     return min(_LINE - 2, int(device_delay(scene, state) / dt + 0.5))
 
 
 @kernel
-def _lay_down(state: StateRecord) -> None:
-    """Remember this tick's shares of the force on the user for when they act."""
+def _store_shares(state: StateRecord) -> None:
+    """Write this tick's shares of the force on the user to the delay line."""
     acting = state.acting
     slot = state.tick % _LINE
     for i in range(3):
@@ -128,19 +128,19 @@ def _lay_down(state: StateRecord) -> None:
 
 @kernel
 def acting_contact(scene: SceneRecord, state: StateRecord, dt: float, f: Vec) -> None:
-    """Share of the contacts f [N] in what acts from this tick on, world frame; after `act`."""
-    late = delay_ticks(scene, state, dt)
+    """Write to f the contacts' share of the force that acts from this tick on, world [N]; call after `act`."""
+    late = _delay_ticks(scene, state, dt)
     slot = (state.tick - late) % _LINE
     for i in range(3):
         f[i] = state.acting.contacts[slot, i] if state.tick >= late else 0.0
 
 
 @kernel
-def _under_way(scene: SceneRecord, state: StateRecord, dt: float) -> float:
-    """Energy [J] that contact forces which were sent but do not act yet will give at the present velocity."""
+def _energy_in_flight(scene: SceneRecord, state: StateRecord, dt: float) -> float:
+    """Energy [J] that contact forces sent but still in the delay line will give at the present velocity."""
     acting = state.acting
     energy = 0.0
-    for late in range(1, min(delay_ticks(scene, state, dt), state.tick) + 1):
+    for late in range(1, min(_delay_ticks(scene, state, dt), state.tick) + 1):
         slot = (state.tick - late) % _LINE
         for i in range(3):
             energy += acting.contacts[slot, i] * acting.v[i] * dt
@@ -149,7 +149,7 @@ def _under_way(scene: SceneRecord, state: StateRecord, dt: float) -> float:
 
 @kernel
 def account(scene: SceneRecord, state: StateRecord, dt: float) -> None:
-    """Count the exact work of the forces held since the last tick: credit of the contacts, and energy tank."""
+    """Book the exact work of the forces held since the last tick to the contacts' credit and the energy tank."""
     acting = state.acting
     if acting.filled == 0 and scene.sequence > 0:
         acting.filled = 1
@@ -162,7 +162,7 @@ def account(scene: SceneRecord, state: StateRecord, dt: float) -> None:
     _find_displacement(scene, state, dt)
     acting.known = 1
     active = 0.0
-    acted = state.tick - 1 - delay_ticks(scene, state, dt)
+    acted = state.tick - 1 - _delay_ticks(scene, state, dt)
     if acted >= 0:
         slot = acted % _LINE
         for i in range(3):
@@ -178,7 +178,7 @@ def account(scene: SceneRecord, state: StateRecord, dt: float) -> None:
 def _cap_shapes(
     scene: SceneRecord, state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord], period: float
 ) -> None:
-    """Choose how much of the touched shapes is rendered; it may not rise while any is touched."""
+    """Set the rendered share of the touched shapes; it does not rise while any is touched."""
     acting = state.acting
     share, is_touching = 1.0, totals.touching > 0
     if scene.cap == 1 and is_touching:
@@ -190,8 +190,8 @@ def _cap_shapes(
 
 
 @kernel
-def _sort(scene: SceneRecord, state: StateRecord, totals: TotalsRecord) -> None:
-    """Raw contact and active forces into state.f_contact and state.f_active [N], shapes capped."""
+def _split_forces(state: StateRecord, totals: TotalsRecord) -> None:
+    """Set state.f_contact and state.f_active [N], shapes at their capped share."""
     acting = state.acting
     movable = totals.touching > totals.static_touching
     for i in range(3):
@@ -205,8 +205,8 @@ def _sort(scene: SceneRecord, state: StateRecord, totals: TotalsRecord) -> None:
 
 
 @kernel
-def _follow_credit(scene: SceneRecord, state: StateRecord, totals: TotalsRecord, dt: float) -> None:
-    """No more credit than the springs can hold, and none and no debt after a while of free motion."""
+def _limit_credit(state: StateRecord, totals: TotalsRecord, dt: float) -> None:
+    """Limit the credit to the energy of the springs; clear credit and debt after FREE_TIME of free motion."""
     acting = state.acting
     touching = norm(state.f_contact) > 0.0
     acting.free_ticks = 0 if touching else acting.free_ticks + 1
@@ -220,8 +220,8 @@ def _follow_credit(scene: SceneRecord, state: StateRecord, totals: TotalsRecord,
 
 
 @kernel
-def _take_back(scene: SceneRecord, state: StateRecord, dt: float) -> float:
-    """Passivity controller: the factor >= 0 on the contacts' force; it never makes them pull."""
+def _passivity_factor(scene: SceneRecord, state: StateRecord, dt: float) -> float:
+    """Factor >= 0 of the passivity controller on the contacts' force; contacts never pull."""
     acting = state.acting
     acting.passivity = 0.0
     felt = state.safety == _ACTIVE or state.safety == _DEGRADED
@@ -234,7 +234,7 @@ def _take_back(scene: SceneRecord, state: StateRecord, dt: float) -> float:
         for i in range(3):
             state.work_a[i] = state.f_contact[i] + state.f_active[i]
         middle_velocity(acting.v, state.work_a, state.f_meas_world, scene.virtual_mass, dt, v)
-    credit = acting.credit - _under_way(scene, state, dt)
+    credit = acting.credit - _energy_in_flight(scene, state, dt)
     factor = contact_scale(credit, state.f_contact, v, dt, most)
     acting.passivity = abs(1.0 - factor) * norm(state.f_contact)
     acting.passivity_ticks += 1 if acting.passivity > 0.0 else 0
@@ -242,8 +242,8 @@ def _take_back(scene: SceneRecord, state: StateRecord, dt: float) -> float:
 
 
 @kernel
-def _pay(state: StateRecord) -> float:
-    """Share of the active forces that the tank can pay at the present speed."""
+def _tank_share(state: StateRecord) -> float:
+    """Share of the active forces that the tank can pay at the present velocity."""
     power = 0.0
     for i in range(3):
         power += state.f_active[i] * state.acting.v[i]
@@ -259,18 +259,18 @@ def _compose(
     period: float,
     dt: float,
 ) -> None:
-    """state.f_wanted: the virtual force less what cap, passivity controller and tank take away; its two shares."""
+    """Set state.f_wanted, the virtual force less the parts removed by cap, passivity controller and tank."""
     acting = state.acting
     _cap_shapes(scene, state, totals, touched, period)
-    _sort(scene, state, totals)
-    _follow_credit(scene, state, totals, dt)
-    factor = _take_back(scene, state, dt)
-    acting.tank_share = _pay(state)
+    _split_forces(state, totals)
+    _limit_credit(state, totals, dt)
+    factor = _passivity_factor(scene, state, dt)
+    acting.tank_share = _tank_share(state)
     viscosity = scene.virtual_damping if scene.controller == Controller.IMPEDANCE else 0.0
     for i in range(3):
-        less = (1.0 - acting.shape_share) * totals.shape_force[i]
-        less += (1.0 - factor) * state.f_contact[i] + (1.0 - acting.tank_share) * state.f_active[i]
-        state.f_wanted[i] = state.f_virt_world[i] - less - viscosity * state.v_world[i]
+        removed = (1.0 - acting.shape_share) * totals.shape_force[i]
+        removed += (1.0 - factor) * state.f_contact[i] + (1.0 - acting.tank_share) * state.f_active[i]
+        state.f_wanted[i] = state.f_virt_world[i] - removed - viscosity * state.v_world[i]
         acting.contact[i] = factor * state.f_contact[i]
         acting.active[i] = acting.tank_share * state.f_active[i]
 
@@ -285,12 +285,12 @@ def act(
     period: float,
     dt: float,
 ) -> None:
-    """Force the user feels: held in a late tick, zero in a stop state, else composed, limited and ramped.
+    """Set the force on the user: held in a late tick, zero in a stop state, else composed, limited and ramped.
 
     Args:
         scene: SCENE record.
         state: STATE record; f_user_world and f_user are set.
-        totals: TOTALS record: what the objects do to the user.
+        totals: TOTALS record of this point of contact.
         touched: TOUCHED records of its contacts.
         held: Late-tick class.
         period: Measured period [s].
@@ -315,5 +315,5 @@ def act(
         scale(acting.active, felt)
     if is_stopped(state):
         acting.credit = 0.0
-    _lay_down(state)
+    _store_shares(state)
     rotate_back(scene.R_world_from_robot, f, state.f_user)

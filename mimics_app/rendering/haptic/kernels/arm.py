@@ -1,16 +1,16 @@
-"""A human arm on the handle: mass, damping and stiffness around an intended movement.
+"""Simulated human arm on the handle: mass, damping and stiffness around an intended movement.
 
 The hand is a mass held to the handle by a stiff grip. Muscles pull it towards the intended position with the arm's
-stiffness and damping. The intention is a chain of minimum-jerk movements (Flash and Hogan 1985) along the way: each
-starts where the last one meant to end, aims at the point of the way that lies one reach ahead of where the hand is
-now, and misses it by a random error that shrinks with the length of the movement (Fitts 1954, Schmidt et al. 1979).
+stiffness and damping. The intention is a chain of minimum-jerk movements (Flash and Hogan 1985) along a path: each
+starts at the intended end of the last one, aims at the point of the path one reach ahead of the present position of the
+hand, and misses it by a random error that shrinks with the length of the movement (Fitts 1954, Schmidt et al. 1979).
 Between its ends a movement follows the path, but cuts its corners by a share of what the straight line would.
 
-Without a way the person goes after a target that is given (where the scene's task asks the hand to be), as far as it is
-seen: a movement towards it no longer than a reach, a pause, a look at what is still missing, the next movement. What
-the weight of a held thing pulls the hand down by is thus corrected as it is seen. The hand closes when asked to.
+Without a path the arm pursues a given target by visual feedback: a movement of at most one reach, a pause, the next
+movement by the remaining error. The sag of the hand under the weight of a held object is thus corrected. The hand
+closes on request.
 
-Tremor is a force. Nothing here touches the robot: the only result is the force of the grip on the handle.
+Tremor is a force. The only output to the robot is the force of the grip on the handle.
 """
 
 from __future__ import annotations
@@ -28,7 +28,6 @@ __all__ = [
     "ARM_LENGTH",
     "ARM_MASS",
     "ARM_STIFFNESS",
-    "CONTENT",
     "CORNER_CUTTING",
     "GENERATOR",
     "GRASP_MEAN",
@@ -40,90 +39,106 @@ __all__ = [
     "PEAK_SPEED",
     "REACH",
     "REACTION",
+    "TOLERANCE",
     "TREMOR",
     "TREMOR_HZ",
     "TREMOR_PHASE",
-    "WAY_POINTS",
-    "WAY_STEP",
+    "VIA_POINTS",
+    "VIA_STEP",
     "min_jerk",
     "step_arm",
 ]
 
 
-PATH_POINTS = 400
+PATH_POINTS = 400  # capacity of the path
 
 HAND = 0  # position 0:3 [m] and velocity 3:6 [m/s], robot frame
 PLACED = 6  # 1 once the hand has taken the handle
 GRIP_FORCE = 7  # on the handle 7:10 [N], robot frame
-WISH = 10  # intended position 10:13 [m] and velocity 13:16 [m/s]
-FROM = 16  # start 16:19 of the present movement
-TO = 19  # end 19:22
-ELAPSED = 22  # [s] in the movement and the pause after it
-DURATION = 23  # [s] of the movement
+INTENDED = 10  # intended position 10:13 [m] and velocity 13:16 [m/s], robot frame
+FROM = 16  # start 16:19 of the present movement [m]
+TO = 19  # end 19:22 of the present movement [m]
+ELAPSED = 22  # time in the movement and the pause after it [s]
+DURATION = 23  # of the movement [s]
 ACTING = 24  # 1 while the person acts
-TRIAL = 25
-INDEX = 26  # nearest via points at the start of the movement
-TIME = 27  # [s] acting, for tremor
-GRASP_DRIFT = 28  # slow noise of the grasp force, deviation 1
-ARM_MASS = 29
-ARM_DAMPING = 30
-ARM_STIFFNESS = 31
-PEAK_SPEED = 32
-REACH = 33
-AIM_ERROR = 34
-REACTION = 35
-TREMOR = 36
-TREMOR_HZ = 37
-TREMOR_PHASE = 38  # per axis
-GRASP_MEAN = 41
-GRASP_VARIATION = 42
+TRIAL = 25  # number of the present trial
+INDEX = 26  # of the via point nearest to the hand at the start of the movement
+TIME = 27  # since the person began to act, phase of the tremor [s]
+GRASP_DRIFT = 28  # slow noise of the grasp force, standard deviation 1
+ARM_MASS = 29  # [kg]
+ARM_DAMPING = 30  # [N s/m]
+ARM_STIFFNESS = 31  # [N/m]
+PEAK_SPEED = 32  # of a movement [m/s]
+REACH = 33  # mean length of a movement [m]
+AIM_ERROR = 34  # standard deviation of the end of a movement of one reach, per axis [m]
+REACTION = 35  # pause after a movement [s]
+TREMOR = 36  # amplitude [N]
+TREMOR_HZ = 37  # [Hz]
+TREMOR_PHASE = 38  # per axis 38:41 [rad]
+GRASP_MEAN = 41  # [N]
+GRASP_VARIATION = 42  # standard deviation of the grasp force [N]
 INTENT = 43  # 0: never acts
-GENERATOR = 44
-WAY_POINTS = 45  # number in use
-WAY_STEP = 46  # arc length between via points [m]
-FROM_INDEX = 47  # via points at the start of the movement
-TO_INDEX = 48  # and at its end
+GENERATOR = 44  # state of the random generator
+VIA_POINTS = 45  # number in use
+VIA_STEP = 46  # arc length between via points [m]
+FROM_INDEX = 47  # of the via point at the start of the movement
+TO_INDEX = 48  # of the via point at its end
 CORNER_CUTTING = 49  # 0: follows the path, 1: straight lines
-SPEED = 50  # velocity 50:53 of the wish when the present movement to a target began [m/s]
-CLOSED = 53  # how far the hand is closed, 0-1, as a share of the closing time
-CONTENT = 54  # a target nearer than this is reached [m]
-SETTLED = 55  # 1 once the target was reached and as long as it stays about there
-PATH = 56
+START_VELOCITY = 50  # intended velocity 50:53 at the start of a movement to a target [m/s]
+CLOSED = 53  # share of the closing time, 0 open, 1 closed
+TOLERANCE = 54  # distance within which a target is reached [m]
+SETTLED = 55  # 1 from reaching the target until it moves away
+PATH = 56  # via points, three numbers each [m]
 ARM_LENGTH = PATH + 3 * PATH_POINTS
 
 _GRIP_STIFFNESS = 4000.0
-_GRIP_DAMPING = 50.0
-_RELAXED_DAMPING = 5.0
-_SHORTEST_MOVEMENT = 0.25
-_GRASP_TIME = 0.5
-_GRASP_DRIFT_TIME = 0.4
-_LOOK_BEHIND = 20
-_LOOK_AHEAD = 40
-_PEAK_OF_MIN_JERK = 1.875
-_WHOLE_AIM = 0.1
-"""Length of a movement to a target that is missed by the whole aim error, where a reach is shorter [m]."""
-_LEAVES_REST = 2.5
-"""A settled hand moves again when the target is farther than this many times the distance that contents it."""
+"""Stiffness of the grip on the handle [N/m]."""
 
+_GRIP_DAMPING = 50.0
+"""Damping of the grip on the handle [N s/m]."""
+
+_RELAXED_DAMPING = 5.0
+"""Damping of a relaxed arm [N s/m]."""
+
+_SHORTEST_MOVEMENT = 0.25
+"""Smallest duration of a movement [s]."""
+
+_GRASP_TIME = 0.5
+"""Time in which the hand closes or opens [s]."""
+
+_GRASP_DRIFT_TIME = 0.4
+"""Time constant of the noise of the grasp force [s]."""
+
+_SEARCH_BACK, _SEARCH_AHEAD = 20, 40
+"""Range of the search for the nearest via point, before and after the last one [via points]."""
+
+_PEAK_OF_MIN_JERK = 1.875
+"""Peak over mean speed of a minimum-jerk movement [-]."""
+
+_FULL_ERROR_LENGTH = 0.1
+"""Smallest length of a movement to a target at which its end has the full aim error [m]."""
+
+_RESTART_RATIO = 2.5
+"""Distance of the target at which a settled hand moves again [tolerances]."""
 
 _SHORTEST_REACH, _REACH_SPREAD = 0.8, 0.4
-"""A movement reaches this share of the person's reach, and up to so much more by chance [-]."""
+"""Smallest length of a movement, and the range of its random addition [reaches]."""
 
 
 @kernel
 def min_jerk(share: float) -> float:
-    """Minimum-jerk profile: share of the path done at a share 0-1 of the duration; at rest at both ends."""
+    """Minimum-jerk profile: covered share of the path at a share 0-1 of the duration; at rest at both ends."""
     u = min(1.0, max(0.0, share))
     return u * u * u * (10.0 + u * (-15.0 + 6.0 * u))
 
 
 @kernel
-def _nearest_way_point(arm: Vec) -> int:
-    """Index of the via point nearest to the hand, looked for around the last one: folds of the way do not confuse."""
+def _nearest_via_point(arm: Vec) -> int:
+    """Index of the via point nearest to the hand, searched around the last one: it keeps its branch of the path."""
     last = int(arm[INDEX])
     best = last
     best_square = math.inf
-    for k in range(max(0, last - _LOOK_BEHIND), min(int(arm[WAY_POINTS]), last + _LOOK_AHEAD)):
+    for k in range(max(0, last - _SEARCH_BACK), min(int(arm[VIA_POINTS]), last + _SEARCH_AHEAD)):
         square = 0.0
         for i in range(3):
             gap = arm[PATH + 3 * k + i] - arm[HAND + i]
@@ -136,17 +151,17 @@ def _nearest_way_point(arm: Vec) -> int:
 
 @kernel
 def _plan_movement(arm: Vec) -> None:
-    """Choose the next movement's end and duration."""
-    here = _nearest_way_point(arm)
+    """Choose end and duration of the next movement along the path."""
+    here = _nearest_via_point(arm)
     arm[INDEX] = here
     arm[FROM_INDEX] = here
     reach = arm[REACH] * (_SHORTEST_REACH + _REACH_SPREAD * uniform(arm, GENERATOR))
-    there = min(int(arm[WAY_POINTS]) - 1, here + max(1, int(reach / arm[WAY_STEP])))
+    there = min(int(arm[VIA_POINTS]) - 1, here + max(1, int(reach / arm[VIA_STEP])))
     arm[TO_INDEX] = there
-    error = arm[AIM_ERROR] * min(1.0, (there - here) * arm[WAY_STEP] / arm[REACH])
+    error = arm[AIM_ERROR] * min(1.0, (there - here) * arm[VIA_STEP] / arm[REACH])
     length = 0.0
     for i in range(3):
-        arm[FROM + i] = arm[WISH + i]
+        arm[FROM + i] = arm[INTENDED + i]
         arm[TO + i] = arm[PATH + 3 * there + i] + error * gauss(arm, GENERATOR)
         length += (arm[TO + i] - arm[FROM + i]) ** 2
     arm[DURATION] = max(_SHORTEST_MOVEMENT, _PEAK_OF_MIN_JERK * math.sqrt(length) / arm[PEAK_SPEED])
@@ -155,22 +170,22 @@ def _plan_movement(arm: Vec) -> None:
 
 @kernel
 def _begin(arm: Vec, target: Vec) -> None:
-    """Start acting: from where the hand is, at the beginning of the path, or towards the target, the hand open."""
-    copy(arm[HAND : HAND + 3], arm[WISH : WISH + 3])
+    """Start to act from the present position: at the beginning of the path, or towards the target with an open hand."""
+    copy(arm[HAND : HAND + 3], arm[INTENDED : INTENDED + 3])
     arm[INDEX] = 0.0
     arm[TIME] = 0.0
-    if arm[WAY_POINTS] > 1.0:
+    if arm[VIA_POINTS] > 1.0:
         _plan_movement(arm)
         return
-    fill(arm[WISH + 3 : WISH + 6], 0.0)
+    fill(arm[INTENDED + 3 : INTENDED + 6], 0.0)
     arm[CLOSED] = 0.0
     arm[SETTLED] = 0.0
     _aim(arm, target)
 
 
 @kernel
-def _wish(arm: Vec, dt: float) -> None:
-    """Advance the intended movement."""
+def _follow_path(arm: Vec, dt: float) -> None:
+    """Advance the intended movement along the path."""
     arm[ELAPSED] += dt
     if arm[ELAPSED] >= arm[DURATION] + arm[REACTION]:
         _plan_movement(arm)
@@ -178,7 +193,7 @@ def _wish(arm: Vec, dt: float) -> None:
     first = int(arm[FROM_INDEX])
     last = int(arm[TO_INDEX])
     place = first + progress * (last - first)
-    below = min(int(place), int(arm[WAY_POINTS]) - 2)
+    below = min(int(place), int(arm[VIA_POINTS]) - 2)
     cut = arm[CORNER_CUTTING]
     for i in range(3):
         low = arm[PATH + 3 * below + i]
@@ -187,56 +202,56 @@ def _wish(arm: Vec, dt: float) -> None:
         error_to = arm[TO + i] - arm[PATH + 3 * last + i]
         curved = along + (1.0 - progress) * error_from + progress * error_to
         straight = arm[FROM + i] + progress * (arm[TO + i] - arm[FROM + i])
-        wish = cut * straight + (1.0 - cut) * curved
-        arm[WISH + 3 + i] = (wish - arm[WISH + i]) / dt
-        arm[WISH + i] = wish
+        intended = cut * straight + (1.0 - cut) * curved
+        arm[INTENDED + 3 + i] = (intended - arm[INTENDED + i]) / dt
+        arm[INTENDED + i] = intended
 
 
 @kernel
 def _aim(arm: Vec, target: Vec) -> None:
-    """Choose the next movement to a target: as far as a reach goes, missed by an error that shrinks with the length."""
+    """Choose the next movement to a target: at most about one reach long, its error in proportion to its length."""
     missing = 0.0
     for i in range(3):
         missing += (target[i] - arm[HAND + i]) ** 2
     missing = math.sqrt(missing)
-    content = arm[CONTENT] * (_LEAVES_REST if arm[SETTLED] != 0.0 else 1.0)
-    arm[SETTLED] = 1.0 if missing <= content else 0.0
+    tolerance = arm[TOLERANCE] * (_RESTART_RATIO if arm[SETTLED] != 0.0 else 1.0)
+    arm[SETTLED] = 1.0 if missing <= tolerance else 0.0
     arm[ELAPSED] = 0.0
     share = 0.0
     error = 0.0
     if arm[SETTLED] == 0.0:
         reach = arm[REACH] * (_SHORTEST_REACH + _REACH_SPREAD * uniform(arm, GENERATOR))
         share = min(1.0, reach / missing)
-        error = arm[AIM_ERROR] * min(1.0, share * missing / max(arm[REACH], _WHOLE_AIM))
+        error = arm[AIM_ERROR] * min(1.0, share * missing / max(arm[REACH], _FULL_ERROR_LENGTH))
     length = 0.0
     for i in range(3):
-        arm[FROM + i] = arm[WISH + i]
-        arm[SPEED + i] = arm[WISH + 3 + i]
+        arm[FROM + i] = arm[INTENDED + i]
+        arm[START_VELOCITY + i] = arm[INTENDED + 3 + i]
         step = share * (target[i] - arm[HAND + i]) + error * gauss(arm, GENERATOR)
-        arm[TO + i] = arm[WISH + i] + step
+        arm[TO + i] = arm[INTENDED + i] + step
         length += step * step
     arm[DURATION] = max(_SHORTEST_MOVEMENT, _PEAK_OF_MIN_JERK * math.sqrt(length) / arm[PEAK_SPEED])
 
 
 @kernel
-def _go_after(arm: Vec, target: Vec, dt: float) -> None:
-    """Advance the intended movement to a target: minimum jerk from where and how fast the last one left the wish."""
+def _pursue(arm: Vec, target: Vec, dt: float) -> None:
+    """Advance the intended movement to a target: minimum jerk from intended position and velocity at its start."""
     arm[ELAPSED] += dt
     if arm[ELAPSED] >= arm[DURATION] + arm[REACTION]:
         _aim(arm, target)
     u = min(1.0, arm[ELAPSED] / arm[DURATION])
     for i in range(3):
         span = arm[TO + i] - arm[FROM + i]
-        begun = arm[SPEED + i] * arm[DURATION]
+        begun = arm[START_VELOCITY + i] * arm[DURATION]
         curve = 10.0 * span - 6.0 * begun + u * (-15.0 * span + 8.0 * begun + u * (6.0 * span - 3.0 * begun))
-        wish = arm[FROM + i] + u * (begun + u * u * curve)
-        arm[WISH + 3 + i] = (wish - arm[WISH + i]) / dt
-        arm[WISH + i] = wish
+        intended = arm[FROM + i] + u * (begun + u * u * curve)
+        arm[INTENDED + 3 + i] = (intended - arm[INTENDED + i]) / dt
+        arm[INTENDED + i] = intended
 
 
 @kernel
 def _grasp(arm: Vec, closed: float, dt: float) -> float:
-    """Grasp force [N] of a hand closed by a share 0-1 of the closing time: wavering slowly around its mean."""
+    """Grasp force [N] of a hand closed by a share 0-1 of the closing time: its mean with slow noise."""
     share = dt / _GRASP_DRIFT_TIME
     arm[GRASP_DRIFT] += -share * arm[GRASP_DRIFT] + math.sqrt(2.0 * share) * gauss(arm, GENERATOR)
     return max(0.0, min_jerk(closed) * (arm[GRASP_MEAN] + arm[GRASP_VARIATION] * arm[GRASP_DRIFT]))
@@ -244,12 +259,12 @@ def _grasp(arm: Vec, closed: float, dt: float) -> float:
 
 @kernel
 def _act(arm: Vec, target: Vec, close: float, dt: float) -> float:
-    """One tick of intent: along the way, or after the target. The grasp force [N]."""
+    """Advance the intention by a tick, along the path or to the target; return the grasp force [N]."""
     arm[TIME] += dt
-    if arm[WAY_POINTS] > 1.0:
-        _wish(arm, dt)
+    if arm[VIA_POINTS] > 1.0:
+        _follow_path(arm, dt)
         return _grasp(arm, arm[TIME] / _GRASP_TIME, dt)
-    _go_after(arm, target, dt)
+    _pursue(arm, target, dt)
     change = dt / _GRASP_TIME
     arm[CLOSED] = min(1.0, max(0.0, arm[CLOSED] + (change if close > 0.0 else -change)))
     return _grasp(arm, arm[CLOSED], dt)
@@ -257,15 +272,15 @@ def _act(arm: Vec, target: Vec, close: float, dt: float) -> float:
 
 @kernel
 def step_arm(arm: Vec, handle: Vec, active: bool, trial: float, target: Vec, close: float, dt: float) -> float:
-    """Advance the person by one tick.
+    """Advance the arm by one tick.
 
     Args:
-        arm: Arm memory, shape [ARM_LENGTH]; the force on the handle is left in arm[GRIP_FORCE:GRIP_FORCE + 3].
+        arm: Arm memory, shape [ARM_LENGTH]; the force on the handle is written to arm[GRIP_FORCE:GRIP_FORCE + 3].
         handle: Position [m] and velocity [m/s] of the handle, robot frame, shape [6].
-        active: Whether the person may act; otherwise the arm hangs on the handle and follows.
-        trial: Counts trials; a change starts the way over.
-        target: Where a person without a path is to bring the hand, robot frame [m].
-        close: Above 0: that person is to close the hand.
+        active: Whether the person may act; otherwise the relaxed arm follows the handle.
+        trial: Number of the trial; a change restarts the path.
+        target: Target of the hand for an arm without a path, robot frame [m].
+        close: Above 0: the hand of such an arm closes.
         dt: Tick [s].
 
     Returns:
@@ -288,7 +303,7 @@ def step_arm(arm: Vec, handle: Vec, active: bool, trial: float, target: Vec, clo
         pull = _GRIP_STIFFNESS * (x - handle[i]) + _GRIP_DAMPING * (v - handle[3 + i])
         muscle = -_RELAXED_DAMPING * v
         if acting:
-            muscle = arm[ARM_STIFFNESS] * (arm[WISH + i] - x) + arm[ARM_DAMPING] * (arm[WISH + 3 + i] - v)
+            muscle = arm[ARM_STIFFNESS] * (arm[INTENDED + i] - x) + arm[ARM_DAMPING] * (arm[INTENDED + 3 + i] - v)
             muscle += arm[TREMOR] * math.sin(2.0 * math.pi * arm[TREMOR_HZ] * arm[TIME] + arm[TREMOR_PHASE + i])
         v += dt * (muscle - pull) / arm[ARM_MASS]
         arm[HAND + 3 + i] = v

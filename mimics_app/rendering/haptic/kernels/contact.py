@@ -1,15 +1,15 @@
-"""Shape tests of one point (HIP) in the frame of one object (D2.1 equations 8, 13, 14, 16), with their memory.
+"""Contact tests of one point (HIP) with one shape, in its frame (D2.1 equations 8, 13, 14, 16).
 
-Each test fills a `CONTACT` record: depth d > 0 inside, unit outward normal, the feature that was entered. The record is
-the memory of one (HIP, object) pair; `forget` it on teleport, disabling, or a changed shape. Degenerate normals are the
-last good ones, never NaN.
+Each test fills a `CONTACT` record: depth d > 0 inside, unit outward normal, the feature of entry. The record is the
+memory of one (HIP, object) pair; `forget` it on teleport, disabling, or a changed shape. Where a normal is undefined
+the last valid one is kept, never NaN.
 
-What is printed and why it is changed:
+The printed equations and their corrections:
 
-- (8) gives the position only; the rate of depth needs the velocity too, including the object's turning.
+- (8) gives the position only; the rate of depth needs the velocity too, including the object's rotation.
 - (13) `|HIP'| - r` and (16) `HIP'(z)` are negative inside: their springs would pull in.
-- (14) `min(HIP' - dim/2)` has no absolute value, the wrong sign and the wrong end: inside all differences are negative
-  and the least one belongs to the FARTHEST face. Nor does it remember the face of entry that Figure 27 requires.
+- (14) `min(HIP' - dim/2)` has no absolute value, the wrong sign and the wrong extremum: inside all differences are
+  negative and the smallest belongs to the FARTHEST face. Nor does it hold the face of entry as Figure 27 requires.
 - The rule of Figure 27, "force cannot change direction", holds for flat faces; on a sphere the feature is held and its
   normal follows the HIP.
 """
@@ -39,12 +39,12 @@ __all__ = [
 
 
 _CENTRE = 1e-12
-"""Distance [m] from a sphere's centre below which the direction to it means nothing."""
+"""Distance from a sphere's centre below which its normal is undefined [m]."""
 
 
 @kernel
 def forget(contact: ContactRecord) -> None:
-    """Drop the memory of a contact: the next call starts as if the point had never been seen."""
+    """Clear the memory of a contact: the next test takes the point as a new one."""
     contact.depth = 0.0
     contact.feature = 0
     contact.inside = 0
@@ -53,6 +53,7 @@ def forget(contact: ContactRecord) -> None:
 
 @kernel
 def _leave(p: Vec, contact: ContactRecord) -> None:
+    """Note that the point p is outside."""
     contact.depth = 0.0
     contact.feature = 0
     contact.inside = 0
@@ -61,6 +62,7 @@ def _leave(p: Vec, contact: ContactRecord) -> None:
 
 @kernel
 def _remember(p: Vec, contact: ContactRecord) -> None:
+    """Keep p as the previous point of the next tick."""
     for i in range(3):
         contact.previous[i] = p[i]
     contact.known = 1
@@ -68,17 +70,17 @@ def _remember(p: Vec, contact: ContactRecord) -> None:
 
 @kernel
 def to_object(R: Mat, centre: Vec, v_object: Vec, omega: Vec, hip: Vec, v_hip: Vec, p: Vec, v: Vec) -> None:
-    """Position and velocity of the HIP in the object's frame, (8): HIP' = R^T (HIP - centre).
+    """Set p and v to position and velocity of the HIP in the object's frame, (8): HIP' = R^T (HIP - centre).
 
     Args:
         R: World from object, shape [3, 3], orthogonal.
-        centre: Object's position [m], world.
+        centre: Origin of the object [m], world.
         v_object: Object's velocity [m/s], world.
         omega: Object's angular velocity [rad/s], world.
         hip: HIP [m], world.
         v_hip: Velocity of the HIP [m/s], world.
         p: Receives HIP' [m].
-        v: Receives R^T (v_hip - v_object - omega x (HIP - centre)) [m/s]: 0 when the HIP is carried along.
+        v: Receives R^T (v_hip - v_object - omega x (HIP - centre)) [m/s]: 0 when the HIP moves with the object.
     """
     x, y, z = hip[0] - centre[0], hip[1] - centre[1], hip[2] - centre[2]
     vx = v_hip[0] - v_object[0] - (omega[1] * z - omega[2] * y)
@@ -97,7 +99,7 @@ def rate_of_depth(v: Vec, contact: ContactRecord) -> float:
 
 @kernel
 def wall(p: Vec, contact: ContactRecord) -> None:
-    """Half-space z < 0 with its free side at +z, (16): d = -HIP'(z), n = +e_z. Any depth is inside."""
+    """Test a half-space z < 0 with its free side at +z, (16): d = -HIP'(z), n = +e_z. Any depth is inside."""
     if p[2] >= 0.0:
         _leave(p, contact)
         return
@@ -109,6 +111,7 @@ def wall(p: Vec, contact: ContactRecord) -> None:
 
 @kernel
 def _flat(axis: int, sign: float, contact: ContactRecord) -> None:
+    """Set the normal of a face, sign e_axis."""
     for i in range(3):
         contact.normal[i] = 0.0
     contact.normal[axis] = sign
@@ -117,16 +120,16 @@ def _flat(axis: int, sign: float, contact: ContactRecord) -> None:
 
 @kernel
 def sphere(p: Vec, v: Vec, radius: float, contact: ContactRecord) -> None:
-    """Sphere, (13): d = r - |HIP'|, n = HIP' / |HIP'|, with a memory at the centre.
+    """Test a sphere, (13): d = r - |HIP'|, n = HIP' / |HIP'|, with a memory at the centre.
 
-    A point that crosses the centre within one tick keeps its last normal, and d = r - HIP'.n goes on growing: without
-    that a mass faster than r sqrt(k/m) would be pushed out behind (1.29 m/s at 50 mm, 2 kN/m, 3 kg); with it on the way
-    through the centre it takes twice that speed. A path that rounds the centre is followed by the normal, as it should.
+    A point that crosses the centre within one tick keeps its last normal, and d = r - HIP'.n continues to grow: without
+    that a mass faster than r sqrt(k/m) would be pushed out behind (1.29 m/s at 50 mm, 2 kN/m, 3 kg); with it twice that
+    speed is needed. On a path around the centre the normal follows the point.
 
     Args:
         p: HIP' [m].
         v: Velocity of the HIP [m/s] in the object's frame, which gives a first normal at the centre.
-        radius: r [m] (plus the radius of the HIP when it is a ball).
+        radius: r [m], plus the radius of the HIP's ball.
         contact: Record of `CONTACT`, updated.
     """
     distance = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
@@ -151,7 +154,7 @@ def sphere(p: Vec, v: Vec, radius: float, contact: ContactRecord) -> None:
 
 @kernel
 def _against(v: Vec, n: Vec) -> None:
-    """Set n = -v / |v|, or +z when nothing moves."""
+    """Set n = -v / |v|, or +z for v = 0."""
     speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
     for i in range(3):
         n[i] = -v[i] / speed if speed > 0.0 else 0.0
@@ -161,7 +164,7 @@ def _against(v: Vec, n: Vec) -> None:
 
 @kernel
 def sphere_nearest(p: Vec, radius: float, contact: ContactRecord) -> None:
-    """Sphere, (13) with the right sign but no memory: rival of `sphere` that lets fast points through its centre."""
+    """Test a sphere, (13) with the right sign but no memory: rival of `sphere` that lets fast points through."""
     distance = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
     if distance >= radius:
         _leave(p, contact)
@@ -177,16 +180,17 @@ def sphere_nearest(p: Vec, radius: float, contact: ContactRecord) -> None:
 
 @kernel
 def cube(p: Vec, v: Vec, dimensions: Vec, contact: ContactRecord) -> None:
-    """Box, (14) with the face of entry held while the HIP is inside (Figure 27): d = dim_i/2 - s HIP'_i, n = s e_i.
+    """Test a box, (14) with the face of entry held while the HIP is inside (Figure 27).
 
-    The face is the last of the slab planes that the segment from the last HIP' to this one crosses; on an edge or
-    corner the axis with the larger inward speed; when the first point seen is inside, the nearest face.
+    d = dim_i/2 - s HIP'_i and n = s e_i for the face on side s of axis i.
+    The face is the last of the slab planes crossed by the segment from the last HIP' to this one; on an edge or corner
+    the one with the larger inward speed; for a new point that is inside, the nearest face.
 
     Args:
         p: HIP' [m].
         v: Velocity of the HIP [m/s] in the object's frame; decides ties.
         dimensions: Edge lengths [m], shape [3], > 0.
-        contact: Record of `CONTACT`, updated. Depth may pass half the edge.
+        contact: Record of `CONTACT`, updated. Depth may exceed half the edge.
     """
     if not _in_box(p, dimensions):
         _leave(p, contact)
@@ -200,9 +204,9 @@ def cube(p: Vec, v: Vec, dimensions: Vec, contact: ContactRecord) -> None:
 
 @kernel
 def cube_nearest_face(p: Vec, dimensions: Vec, contact: ContactRecord) -> None:
-    """Box with the nearest face of every tick: rival of `cube` whose force flips where two faces are equally near.
+    """Test a box by the nearest face of every tick: rival of `cube` whose force flips where two faces are equally near.
 
-    At 3 mm on 2 kN/m the force turns by sqrt(2) k d = 8.485 N within one tick.
+    At 3 mm on 2 kN/m the force changes by sqrt(2) k d = 8.485 N within one tick.
     """
     if not _in_box(p, dimensions):
         _leave(p, contact)
@@ -213,7 +217,7 @@ def cube_nearest_face(p: Vec, dimensions: Vec, contact: ContactRecord) -> None:
 
 @kernel
 def cube_printed(p: Vec, dimensions: Vec, contact: ContactRecord) -> None:
-    """Box with the face that (14) names: least of |HIP'_i| - dim_i/2, which inside is the farthest. Demonstration."""
+    """Test a box by the face of (14) as printed, the smallest |HIP'_i| - dim_i/2: the farthest one. Demonstration."""
     if not _in_box(p, dimensions):
         _leave(p, contact)
         return
@@ -235,7 +239,7 @@ def _in_box(p: Vec, dimensions: Vec) -> bool:
 
 @kernel
 def _hold(p: Vec, dimensions: Vec, contact: ContactRecord) -> None:
-    """Depth and normal of the contact's face."""
+    """Set depth and normal of the held face."""
     face = contact.feature
     axis = abs(face) - 1
     sign = 1.0 if face > 0 else -1.0
@@ -255,7 +259,7 @@ def _nearest_face(p: Vec, dimensions: Vec) -> int:
 
 @kernel
 def _entered_face(p: Vec, v: Vec, dimensions: Vec, previous: Vec) -> int:
-    """Face whose plane the segment previous -> p crosses last; 0 when it starts inside all slabs."""
+    """Face whose plane is crossed last by the segment previous -> p; 0 when it starts inside all slabs."""
     face = 0
     latest = -1.0
     speed = 0.0

@@ -1,13 +1,13 @@
-"""Laws of a compliant contact: from depth and rate of depth to one normal force (D2.1 equations 9, 17 and 4.3.2).
+"""Laws of a compliant contact: normal force from depth and its rate (D2.1 equations 9, 17 and 4.3.2).
 
-One sign and one clamp for all of them: depth d > 0 inside, rate d' > 0 going in, the force f pushes along the outward
-normal n of the touched object: F_user = f n, F_object = -f n.
+All share one sign convention and one clamp: depth d > 0 inside, rate d' > 0 going in, the force f pushes along the
+outward normal n of the touched object: F_user = f n, F_object = -f n.
 
-What is printed and why it is changed:
+The printed equations and their corrections:
 
 - (9) `F' = (k d + b (v_O - v_HIP).n) n` is called the force on the object. With n outward and d > 0 it is the force on
-  the user; taken for the force on the object its damper feeds pi b w A^2 into every cycle instead of taking it. It also
-  has no clamp, so it holds the user back on the way out.
+  the user; as the force on the object its damper would generate pi b w A^2 per cycle instead of dissipating it. It also
+  has no clamp, so that it pulls on the way out.
 - (13, 15, 16) print depths that are negative inside: see `contact`.
 - (17) `F1' = -(k_s d - b_s v_d.n) n` has the same fault: whichever way n points, its damper adds b_s (v_d.n)^2.
 - (17) puts stiffnesses in series but adds dampings: two equal bodies would be damped four times too much.
@@ -47,9 +47,9 @@ def spring_damper(depth: float, rate: float, k: float, b: float) -> float:
 
 @kernel
 def spring_damper_printed(depth: float, rate: float, k: float, b: float) -> float:
-    """Normal force [N] of (9) as printed, read as the force on the user: without clamp it pulls on the way out.
+    """Normal force [N] of (9) as printed, taken as the force on the user: without clamp it pulls on the way out.
 
-    For demonstration. A free mass returns with exp(-pi zeta / sqrt(1 - zeta^2)) of its speed instead of
+    For demonstration. A free mass rebounds with exp(-pi zeta / sqrt(1 - zeta^2)) of its speed instead of
     exp(-2 zeta arccos(zeta) / sqrt(1 - zeta^2)).
     """
     if depth <= 0.0:
@@ -59,16 +59,16 @@ def spring_damper_printed(depth: float, rate: float, k: float, b: float) -> floa
 
 @kernel
 def hunt_crossley(depth: float, rate: float, k: float, lam: float, exponent: float) -> float:
-    """Normal force [N] max(0, k d^n + lam d^n d') of Hunt & Crossley (1975), what 4.3.2 means with n = 1, lam = c b.
+    """Normal force [N] max(0, k d^n + lam d^n d') of Hunt & Crossley (1975); 4.3.2 is the case n = 1, lam = c b.
 
-    Zero at the surface both ways: no step at first touch, and no pull in a free bounce.
+    Continuous at the surface: no step at first touch, and no pull in a free rebound.
 
     Args:
         depth: Penetration d [m], positive inside.
         rate: d' [m/s], positive going in.
         k: Stiffness [N/m^n].
         lam: Damping [N s/m^(n+1)].
-        exponent: n, 1 for a flat punch, 1.5 for Hertz's sphere.
+        exponent: n, 1 for a flat punch, 1.5 for a Hertzian sphere.
     """
     if depth <= 0.0:
         return 0.0
@@ -77,7 +77,7 @@ def hunt_crossley(depth: float, rate: float, k: float, lam: float, exponent: flo
 
 @kernel
 def pair_stiffness(k1: float, k2: float) -> float:
-    """Stiffness [N/m] of two springs in series, (17): (1/k1 + 1/k2)^-1; a rigid partner (inf) leaves the other."""
+    """Stiffness [N/m] of two springs in series, (17): (1/k1 + 1/k2)^-1; with a rigid one (inf) that of the other."""
     return 1.0 / (1.0 / k1 + 1.0 / k2)
 
 
@@ -86,7 +86,7 @@ def pair_damping(k1: float, b1: float, k2: float, b2: float) -> float:
     """Damping [N s/m] of two spring-dampers in series at low frequency: k_s^2 (b1/k1^2 + b2/k2^2).
 
     Exact, and equal to (1/b1 + 1/b2)^-1, where b1/k1 = b2/k2; otherwise the series is frequency dependent (3000 N/m
-    with 12 N s/m on 1500 N/m with 1 N s/m: 1.78 N s/m falling to 0.92). A rigid partner leaves the other's damping.
+    with 12 N s/m on 1500 N/m with 1 N s/m: 1.78 N s/m falling to 0.92). With a rigid partner it is that of the other.
     (17) prints b1 + b2.
     """
     k = 1.0 / (1.0 / k1 + 1.0 / k2)
@@ -97,7 +97,7 @@ def pair_damping(k1: float, b1: float, k2: float, b2: float) -> float:
 
 @kernel
 def pair_damping_printed(b1: float, b2: float) -> float:
-    """Damping [N s/m] as printed in (17): b1 + b2, four times too much for equal bodies. For demonstration."""
+    """Damping [N s/m] as printed in (17): b1 + b2, four times too large for equal bodies. For demonstration."""
     return b1 + b2
 
 
@@ -109,7 +109,7 @@ def pair_force(depth: float, approach: float, k: float, b: float) -> float:
 
     Args:
         depth: d = r1 + r2 - distance [m].
-        approach: v_d.n = (v1 - v2).n [m/s] at the contact point, positive when they close.
+        approach: v_d.n = (v1 - v2).n [m/s] at the contact point, positive while approaching.
         k: `pair_stiffness` [N/m].
         b: `pair_damping` [N s/m].
     """
@@ -120,7 +120,7 @@ def pair_force(depth: float, approach: float, k: float, b: float) -> float:
 def pair_force_printed(depth: float, approach: float, k: float, b: float) -> float:
     """Normal force [N] of (17) as printed, n from body 1 to body 2: k_s d - b_s v_d.n. For demonstration.
 
-    Bodies leave one another exp(+pi zeta / sqrt(1 - zeta^2)) times faster than they met.
+    Bodies separate exp(+pi zeta / sqrt(1 - zeta^2)) times faster than they approached.
     """
     if depth <= 0.0:
         return 0.0

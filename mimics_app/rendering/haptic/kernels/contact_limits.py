@@ -1,7 +1,7 @@
-"""Share and margin of everything the hand touches in a tick, from the list of its contacts.
+"""Stiffness share and stability margin of all contacts of a tick, from their list.
 
-One contact has a closed form (`stability`); several, or a shape and the tunnel's wall at once, are judged by direction
-(`directions`). Friction that holds is stiff along the surface too. Effects and what is held count in all directions.
+One contact has a closed form (`stability`); several, or a shape and the tunnel's wall at once, are limited direction by
+direction (`directions`). Sticking friction is stiff along the surface too. Effects and held bodies are isotropic.
 """
 
 from __future__ import annotations
@@ -37,14 +37,9 @@ def _is_alone(state: StateRecord, totals: TotalsRecord) -> bool:
 
 @kernel
 def _gather(
-    scene: SceneRecord,
-    state: StateRecord,
-    totals: TotalsRecord,
-    touched: Table[TouchedRecord],
-    share: float,
-    wall_share: float,
+    state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord], share: float, wall_share: float
 ) -> None:
-    """state.span from all contacts of the tick, those with shapes and the spring of the wall at their shares."""
+    """Sum all contacts of the tick into state.span: shapes scaled by `share`, the wall's spring by `wall_share`."""
     span = state.span
     begin_span(span, totals.even_stiffness, totals.even_damping)
     for i in range(totals.listed):
@@ -60,18 +55,18 @@ def _gather(
 def common_share(
     scene: SceneRecord, state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord], own: float, lag: float
 ) -> float:
-    """Share 0-1 of all that is touched, springs and dampers alike, that keeps SCENE.cap_margin in every direction.
+    """Share 0-1 of all contacts, springs and dampers alike, that keeps SCENE.cap_margin in every direction.
 
     Args:
         scene: SCENE record.
         state: STATE record.
         totals: TOTALS record with a contact.
         touched: TOUCHED records.
-        own: Damping that every contact can count on [N s/m].
+        own: Damping available to every contact [N s/m].
         lag: T / 2 + delay [s].
     """
     if not _is_alone(state, totals):
-        _gather(scene, state, totals, touched, 1.0, 1.0)
+        _gather(state, totals, touched, 1.0, 1.0)
         return share_of_need(needed_damping(state.span, lag * (1.0 + scene.cap_margin)), own)
     c, k, b = touched[0], totals.even_stiffness, totals.even_damping
     share = contact_share(c.stiffness + k, c.damping + b, own, lag, scene.cap_margin)
@@ -82,7 +77,7 @@ def common_share(
 
 @kernel
 def _margin_alone(state: StateRecord, totals: TotalsRecord, contact: TouchedRecord, own: float, lag: float) -> None:
-    """state.span.limit and margin of the only contact."""
+    """Set state.span.limit and margin of a single contact."""
     span, share = state.span, state.acting.shape_share
     span.limit = (own + share * contact.damping + totals.even_damping) / lag
     span.margin = margin_of(span.limit, share * contact.stiffness + totals.even_stiffness)
@@ -97,17 +92,17 @@ def _margin_alone(state: StateRecord, totals: TotalsRecord, contact: TouchedReco
 
 @kernel
 def touched_margin(
-    scene: SceneRecord, state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord], own: float, lag: float
+    state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord], own: float, lag: float
 ) -> None:
-    """Limit and margin, as rendered, of the worst direction into state.span; `margin` of each contact along its normal.
+    """Set limit and margin of the worst direction, as rendered, in state.span, and the margin of each contact's normal.
 
-    No contact has less than the worst direction. Arguments as of `common_share`.
+    The margin of the worst direction is the smallest of all. Arguments as of `common_share`.
     """
     if _is_alone(state, totals):
         _margin_alone(state, totals, touched[0], own, lag)
         return
     span = state.span
-    _gather(scene, state, totals, touched, state.acting.shape_share, state.acting.wall_share)
+    _gather(state, totals, touched, state.acting.shape_share, state.acting.wall_share)
     for i in range(totals.listed):
         n = touched[i].normal
         touched[i].margin = margin_of((own + along(span.damping, n)) / lag, along(span.stiffness, n))

@@ -1,4 +1,4 @@
-"""What a contact remembers from tick to tick: records only, so that a scene without objects needs no code for them."""
+"""Records of a contact: its geometry and its friction, kept from tick to tick."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CONTACT = np.dtype(
     ],
     align=True,
 )
-"""What one shape test says, and what it remembers until the next tick."""
+"""Result of one contact test, and its memory until the next tick."""
 
 FRICTION = np.dtype(
     [
@@ -28,4 +28,4 @@ FRICTION = np.dtype(
     ],
     align=True,
 )
-"""Memory of one contact's friction; zeros are a fresh one."""
+"""Friction state of one contact; zeros are the initial state."""

@@ -1,13 +1,14 @@
-"""Several points of contact of one device: what they have in common, and what leaves the loop of those behind it.
+"""Points of contact of one device: the state they share, their events, and their output.
 
-Each point has a STATE record of its own: motion, forces, what acts, its stability. What there is once for the device,
-its joints, its safety state and its command, stands in the first one.
+Each point has its own STATE record with motion, forces and stability. Joints, safety state and command exist once per
+device, in the first record.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import SafetyState, TripCause
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.safety import latch
@@ -15,7 +16,7 @@ from mimics_app.rendering.haptic.kernels.safety import latch
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table, TotalsRecord
 
-__all__ = ["collect", "pass_on", "publish_others", "virtual_forces"]
+__all__ = ["collect_events", "publish_others", "set_virtual_forces", "share_device_state"]
 
 
 _SAFE_STOP = int(SafetyState.SAFE_STOP)
@@ -23,8 +24,8 @@ _NOT_FINITE = int(TripCause.NOT_FINITE)
 
 
 @kernel
-def pass_on(scene: SceneRecord, states: Table[StateRecord]) -> None:
-    """What the first state knows of the device and its safety, into those of the other points."""
+def share_device_state(scene: SceneRecord, states: Table[StateRecord]) -> None:
+    """Copy the state of device and safety from the first record to those of the other points."""
     state = states[0]
     for c in range(1, scene.contacts):
         other = states[c]
@@ -38,16 +39,29 @@ def pass_on(scene: SceneRecord, states: Table[StateRecord]) -> None:
 
 
 @kernel
-def virtual_forces(scene: SceneRecord, states: Table[StateRecord], totals: Table[TotalsRecord]) -> None:
-    """Virtual force on each point behind the first: of the shapes it touches, world [N]."""
+def set_virtual_forces(
+    scene: SceneRecord, states: Table[StateRecord], totals: Table[TotalsRecord], objects_force: Vec
+) -> None:
+    """Set the virtual force on each point: tunnel and all objects on the first, the touched shapes on the others.
+
+    Args:
+        scene: SCENE record.
+        states: STATE records; f_virt_world [N] is set.
+        totals: TOTALS records.
+        objects_force: Force of all objects on the first point, world [N].
+    """
+    state = states[0]
+    for i in range(3):
+        state.f_virt_world[i] = state.tunnel.force_world[i]
+        state.f_virt_world[i] += objects_force[i]
     for c in range(1, scene.contacts):
         for i in range(3):
             states[c].f_virt_world[i] = totals[c].shape_force[i]
 
 
 @kernel
-def collect(scene: SceneRecord, states: Table[StateRecord]) -> None:
-    """What happened at other points that concerns all: a stop, a margin below 0, a cap that began."""
+def collect_events(scene: SceneRecord, states: Table[StateRecord]) -> None:
+    """Take over the events of the other points: a stop, a margin below 0, a cap that began."""
     state = states[0]
     state.reported_margin = state.margin
     state.reported_share = state.stiffness_share
@@ -65,7 +79,7 @@ def collect(scene: SceneRecord, states: Table[StateRecord]) -> None:
 
 @kernel
 def publish_others(scene: SceneRecord, states: Table[StateRecord], totals: Table[TotalsRecord]) -> None:
-    """The numbers of the points behind the first, into the first state, from where they leave the loop."""
+    """Copy the outputs of the other points to the first record, from which samples are written."""
     state = states[0]
     for c in range(1, scene.contacts):
         other, k = states[c], c - 1

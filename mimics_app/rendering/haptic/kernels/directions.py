@@ -1,14 +1,14 @@
-"""Stability limit of several contacts at once: each direction against the damping of that very direction.
+"""Stability limit of several simultaneous contacts, for each direction by the damping in that direction.
 
-The hand feels F = -K x - B v of all contacts, symmetric 3 x 3 sums of k n n^T + k_t (1 - n n^T) and likewise of the
-dampings, a lag L = T / 2 + delay late; device and arm damp by b alike in all directions. To first order in L a late
-spring is a spring and a negative damper, M x'' + (b + B - L K) x' + K x = 0, which is stable where
+All contacts together render F = -K x - B v, K the sum of k n n^T + k_t (1 - n n^T) and B that of the dampings, with a
+lag L = T / 2 + delay; device and arm have the isotropic damping b. To first order in L a delayed spring is a spring and
+a negative damper, M x'' + (b + B - L K) x' + K x = 0, which is stable where
 
     b + B - L K > 0    as a matrix: in every direction u,  u.K u  <  (b + u.B u) / L
 
-One contact: K < (b + B) / L, the limit of `stability`. Contacts at right angles: each its own limit. Between them the
-worst direction decides; it is the largest eigenvalue of L (b + B)^-1/2 K (b + B)^-1/2, and what a contact across damps
-lends nothing. The condition is sufficient, not necessary: contacts that couple are stable a little beyond it.
+One contact: K < (b + B) / L, the limit of `stability`. Contacts at right angles: each its own limit. In general the
+worst direction decides, by the largest eigenvalue of L (b + B)^-1/2 K (b + B)^-1/2; damping perpendicular to it does
+not help. The condition is sufficient, not necessary: coupled contacts are stable slightly beyond it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from mimics_app.contracts.record_types import SpanRecord, TouchedRecord
 
 __all__ = [
-    "MOST_TOUCHED",
+    "MAX_TOUCHED",
     "SPAN",
     "TOUCHED",
     "add_contact",
@@ -40,43 +40,42 @@ __all__ = [
 ]
 
 
-MOST_TOUCHED = 32
-"""Contacts whose directions are known in one tick; what is touched beyond counts as stiff in all directions."""
+MAX_TOUCHED = 32
+"""Capacity of the list of contacts of a tick; the stiffness of further contacts counts as isotropic."""
 
 TOUCHED = np.dtype(
     [
         ("shape", "i8"),  # row of SHAPE
-        ("normal", "f8", (3,)),  # direction it pushes in, world, unit
-        ("stiffness", "f8"),  # along it [N/m]
-        ("damping", "f8"),  # [N s/m]
-        ("hold_stiffness", "f8"),  # across it while friction holds, else 0 [N/m]
-        ("hold_damping", "f8"),  # likewise [N s/m]
-        ("margin", "f8"),  # along its normal, with all others [-]
+        ("normal", "f8", (3,)),  # direction of its push, world, unit
+        ("stiffness", "f8"),  # along the normal [N/m]
+        ("damping", "f8"),  # along the normal [N s/m]
+        ("hold_stiffness", "f8"),  # tangential stiffness of sticking friction, else 0 [N/m]
+        ("hold_damping", "f8"),  # tangential damping of sticking friction, else 0 [N s/m]
+        ("margin", "f8"),  # along its normal, of all contacts together [-]
     ],
     align=True,
 )
-"""One contact of this tick, as authored."""
+"""One contact of this tick, at full stiffness."""
 
 SPAN = np.dtype(
     [
         ("stiffness", "f8", (3, 3)),  # K, world [N/m]
         ("damping", "f8", (3, 3)),  # B [N s/m]
-        ("tensor", "f8", (3, 3)),  # room
-        ("vectors", "f8", (3, 3)),
-        ("direction", "f8", (3,)),  # the worst one, world
-        ("limit", "f8"),  # largest stable stiffness in it [N/m]
+        ("tensor", "f8", (3, 3)),  # scratch
+        ("vectors", "f8", (3, 3)),  # scratch: eigenvectors
+        ("direction", "f8", (3,)),  # the worst one, world, unit
+        ("limit", "f8"),  # largest stable stiffness in that direction [N/m]
         ("margin", "f8"),  # to that limit [-]
     ],
     align=True,
 )
-"""All contacts of this tick as one."""
+"""Sum of all contacts of this tick, and its worst direction."""
 
 _ROUNDING = 1e-9
-"""Share of the damping that stands for none, so that a direction without any has a limit of next to nothing."""
+"""Smallest damping of a direction as a share of the total: undamped directions get a limit close to 0 [-]."""
 
-
-_NEXT_TO_NOTHING = 1e-300
-"""Damping that is added where there is none, so that nothing is divided by 0 [N s/m]."""
+_SMALLEST_DAMPING = 1e-300
+"""Addition that avoids a division by 0 without any damping [N s/m]."""
 
 
 @kernel
@@ -89,9 +88,9 @@ def note_contact(
         touched: Record.
         shape: Row of SHAPE.
         normal: World, unit, shape [3].
-        stiffness: Along it [N/m].
-        damping: Along it, and across it while friction holds [N s/m].
-        hold: Stiffness of the friction that holds [N/m]; 0: none does.
+        stiffness: Along the normal [N/m].
+        damping: Along the normal, and tangential while friction sticks [N s/m].
+        hold: Tangential stiffness of sticking friction [N/m]; 0: none.
     """
     touched.shape = shape
     copy(normal, touched.normal)
@@ -104,7 +103,7 @@ def note_contact(
 
 @kernel
 def begin_span(span: SpanRecord, stiffness: float, damping: float) -> None:
-    """Begin with what is alike in all directions [N/m], [N s/m]."""
+    """Begin the sum with isotropic stiffness [N/m] and damping [N s/m]."""
     for i in range(3):
         for j in range(3):
             span.stiffness[i, j] = stiffness if i == j else 0.0
@@ -115,7 +114,7 @@ def begin_span(span: SpanRecord, stiffness: float, damping: float) -> None:
 def add_contact(
     span: SpanRecord, normal: Vec, stiffness: float, damping: float, hold_stiffness: float, hold_damping: float
 ) -> None:
-    """Add a contact: along its normal, shape [3], and across it."""
+    """Add a contact by its stiffness and damping along its normal, shape [3], and tangential to it."""
     for i in range(3):
         for j in range(3):
             n = normal[i] * normal[j]
@@ -127,7 +126,7 @@ def add_contact(
 
 @kernel
 def along(matrix: Mat, u: Vec) -> float:
-    """u.M u of a symmetric matrix."""
+    """Quadratic form u.M u."""
     total = 0.0
     for i in range(3):
         for j in range(3):
@@ -148,10 +147,10 @@ def needed_damping(span: SpanRecord, lag: float) -> float:
 
 @kernel
 def _factor(span: SpanRecord, own: float) -> None:
-    """span.tensor: lower triangle C of own + B = C C^T (Cholesky); where there is no damping, next to nothing."""
+    """Set span.tensor to the lower triangle C of own + B = C C^T (Cholesky), with a floor for undamped directions."""
     C = span.tensor
     trace = span.damping[0, 0] + span.damping[1, 1] + span.damping[2, 2]
-    least = _ROUNDING * (own + trace) + _NEXT_TO_NOTHING
+    least = _ROUNDING * (own + trace) + _SMALLEST_DAMPING
     for i in range(3):
         for j in range(i + 1):
             total = span.damping[i, j] + (own if i == j else 0.0)
@@ -162,7 +161,7 @@ def _factor(span: SpanRecord, own: float) -> None:
 
 @kernel
 def _divide(C: Mat, M: Mat) -> None:
-    """M becomes C^-1 M for a lower triangle C."""
+    """Set M = C^-1 M for a lower triangle C."""
     for j in range(3):
         for i in range(3):
             for k in range(i):
@@ -179,11 +178,11 @@ def _transpose(M: Mat) -> None:
 
 @kernel
 def worst_direction(span: SpanRecord, own: float, lag: float) -> None:
-    """Set direction, limit and margin of the direction that is nearest to its limit; `stiffness` is used up.
+    """Set direction, limit and margin of the direction nearest to its limit; `span.stiffness` is overwritten.
 
     Args:
         span: SPAN record with all contacts.
-        own: Damping of device and arm b [N s/m].
+        own: Damping b of device and arm [N s/m].
         lag: T / 2 + delay [s].
     """
     C, scaled = span.tensor, span.stiffness

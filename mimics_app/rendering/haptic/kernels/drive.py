@@ -1,7 +1,7 @@
-"""From forces to commands: the controller of a tick, and what it sends while it may not act.
+"""From forces to commands: the controllers, and the commands while none of them may act.
 
-Of a polar device (SCENE.polar, the HapticMaster's kind) the velocity of its one point is led and joints follow; of any
-other the joints are led and their points follow.
+Controllers of a polar device (SCENE.polar, as the HapticMaster) command the velocity of its one point and derive that
+of the joints; those of any other device command the joints.
 """
 
 from __future__ import annotations
@@ -36,13 +36,17 @@ __all__ = ["control", "note_arrival"]
 
 
 _EXTRA_DAMPING = 30.0
-"""Added to the virtual damping while the virtual force is off or ramping down [N s/m]."""
+"""Addition to the virtual damping while the virtual force is off or ramping down [N s/m]."""
 
 _DRIVE_SPEED = 0.3
 """Largest speed of a PD controller [m/s]."""
 
 _ARRIVED_DISTANCE = 1e-3
+"""Largest distance from the target of a point that has arrived [m]."""
+
 _ARRIVED_SPEED = 5e-3
+"""Largest speed of a point that has arrived [m/s]."""
+
 _READY = int(SafetyState.READY)
 _HOMED = int(SafetyState.HOMED)
 _ACTIVE = int(SafetyState.ACTIVE)
@@ -52,7 +56,7 @@ _NOT_FINITE = int(TripCause.NOT_FINITE)
 
 @kernel
 def _find_velocities(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dq: Vec) -> None:
-    """v_virtual of every point while the joints move with dq."""
+    """Set v_virtual of every point from the joint velocities dq."""
     work = states[0].joint_work
     velocities_of(kin, scene, states[0].q, dq, work, work.velocities)
     for c in range(scene.contacts):
@@ -60,19 +64,19 @@ def _find_velocities(kin: Kin, scene: SceneRecord, states: Table[StateRecord], d
 
 
 @kernel
-def _share_below(scene: SceneRecord, velocities: Vec, most: float) -> float:
-    """Largest share of velocities of the points that leaves each within `most` [m/s], 0-1."""
+def _share_below(scene: SceneRecord, velocities: Vec, limit: float) -> float:
+    """Largest common factor 0-1 that brings the speed of every point within `limit` [m/s]."""
     share = 1.0
     for c in range(scene.contacts):
         speed = norm(velocities[3 * c : 3 * c + 3])
-        if speed > most:
-            share = min(share, most / speed)
+        if speed > limit:
+            share = min(share, limit / speed)
     return share
 
 
 @kernel
 def _wish(kin: Kin, scene: SceneRecord, state: StateRecord) -> None:
-    """joint_work.wish: joint velocities that the PD controller requests."""
+    """Set joint_work.wish to the joint velocities requested by the PD controller."""
     work = state.joint_work
     if scene.controller == Controller.JOINT_PD:
         joint_pd(state.q, state.dq, scene.target, scene.kp, scene.kd, work.wish)
@@ -84,7 +88,7 @@ def _wish(kin: Kin, scene: SceneRecord, state: StateRecord) -> None:
 
 @kernel
 def _approach(kin: Kin, scene: SceneRecord, state: StateRecord, acceleration: float, speed: float, dt: float) -> None:
-    """dq_virtual towards the wish, no point faster than `speed` nor harder than `acceleration`; all scaled alike."""
+    """Move dq_virtual towards joint_work.wish within `speed` and `acceleration` of every point, scaled as a whole."""
     work = state.joint_work
     velocities_of(kin, scene, state.q, work.wish, work, work.velocities)
     share = _share_below(scene, work.velocities, speed)
@@ -100,7 +104,7 @@ def _approach(kin: Kin, scene: SceneRecord, state: StateRecord, acceleration: fl
 def _drive_to_target(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
     """PD controller towards SCENE.target, limited in acceleration and speed as a whole vector.
 
-    A person's hand is on the handle: the drive is slow, and starts no harder than twice what it brakes with.
+    A person may hold the handle: the motion is slow, and its acceleration is limited to twice the deceleration.
     """
     state, work = states[0], states[0].joint_work
     _wish(kin, scene, state)
@@ -119,7 +123,7 @@ def _drive_to_target(kin: Kin, scene: SceneRecord, states: Table[StateRecord], d
 
 @kernel
 def note_arrival(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
-    """state.arrived: a PD controller's target is within 1 mm and the robot at rest within 5 mm/s, at every point."""
+    """Set state.arrived: every point is within 1 mm of a PD controller's target and slower than 5 mm/s."""
     state, work = states[0], states[0].joint_work
     state.arrived = 0
     if scene.controller == Controller.JOINT_PD:
@@ -139,7 +143,7 @@ def note_arrival(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> No
 
 @kernel
 def _follow_hand(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
-    """Admittance: measured and virtual force move the virtual mass, or the masses at all points."""
+    """Admittance controller: measured and virtual force accelerate the virtual mass, or the masses at all points."""
     state = states[0]
     damping = scene.virtual_damping
     if state.safety != _ACTIVE:
@@ -172,8 +176,8 @@ def _follow_hand(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: f
 
 
 @kernel
-def _hold(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
-    """The last command again, within the limits of where the robot is by now; so the force, as the user feels it."""
+def _hold_command(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
+    """Repeat the last command within the limits at the present pose, and the force on the user as limited by `act`."""
     state, work = states[0], states[0].joint_work
     if lets_feel(scene.controller):
         for c in range(scene.contacts):
@@ -186,8 +190,8 @@ def _hold(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
 
 
 @kernel
-def _give_up(scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
-    """What would be sent is not finite: a latched stop, and nothing."""
+def _stop_not_finite(scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
+    """Latch SAFE_STOP for a command that is not finite; no force, and the last command decays."""
     state = states[0]
     latch(state, _SAFE_STOP, _NOT_FINITE)
     state.state_changed = 1
@@ -210,7 +214,7 @@ def _velocities_finite(scene: SceneRecord, states: Table[StateRecord]) -> bool:
 
 @kernel
 def _control_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
-    """Joint velocities for a device that follows them."""
+    """Set the joint velocities for a velocity-driven device."""
     state, work = states[0], states[0].joint_work
     if scene.controller == Controller.ADMITTANCE and state.safety >= _READY:
         _follow_hand(kin, scene, states, dt)
@@ -229,12 +233,12 @@ def _control_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt
     if all_finite(state.dq_virtual) and _velocities_finite(scene, states):
         copy(state.dq_virtual, state.command)
     else:
-        _give_up(scene, states, dt)
+        _stop_not_finite(scene, states, dt)
 
 
 @kernel
 def _control_force(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
-    """Forces for a device that renders them: what the user is to feel, or what draws the device to a target."""
+    """Set the forces for a force-driven device: the force on the user, or one that draws the device to a target."""
     state = states[0]
     drives = scene.controller == Controller.JOINT_PD or scene.controller == Controller.WORLD_PD
     if drives:
@@ -265,12 +269,12 @@ def _control_force(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dt:
         fill(state.dq_virtual, 0.0)
     fill(state.command, 0.0)
     if not finite:
-        _give_up(scene, states, dt)
+        _stop_not_finite(scene, states, dt)
 
 
 @kernel
 def _draw_joints(kin: Kin, scene: SceneRecord, state: StateRecord, dt: float) -> None:
-    """torque_command that draws the joints along with dq_virtual."""
+    """Set the torque_command that draws the joints along with dq_virtual."""
     work = state.joint_work
     find_jacobian(kin, scene, state.q, work)
     gains, joints = work.side, scene.joints
@@ -282,7 +286,7 @@ def _draw_joints(kin: Kin, scene: SceneRecord, state: StateRecord, dt: float) ->
 
 @kernel
 def _find_torques(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
-    """torque_command = J^T of the forces sent, for a device that takes torques; what is not finite is nothing."""
+    """Set torque_command = J^T f of the commanded forces; torques that are not finite become 0."""
     state, work = states[0], states[0].joint_work
     for c in range(scene.contacts):
         copy(states[c].f_command, work.forces[3 * c : 3 * c + 3])
@@ -293,7 +297,7 @@ def _find_torques(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> N
 
 @kernel
 def _command_torques(kin: Kin, scene: SceneRecord, states: Table[StateRecord], held: int, dt: float) -> None:
-    """Torques of a device that takes them: of the forces felt, or what draws its joints; when late the last ones."""
+    """Set the torques of a torque-driven device: of the commanded forces, or of a PD controller, held when late."""
     state = states[0]
     drives = scene.controller == Controller.JOINT_PD or scene.controller == Controller.WORLD_PD
     if not drives or scene.force_driven == 0 or is_stopped(state) or state.safety < _HOMED:
@@ -304,7 +308,7 @@ def _command_torques(kin: Kin, scene: SceneRecord, states: Table[StateRecord], h
 
 @kernel
 def control(kin: Kin, scene: SceneRecord, states: Table[StateRecord], held: int, dt: float) -> None:
-    """What to send, velocities or forces: from the controller, held, or dying away."""
+    """Set this tick's command, velocities, forces or torques: of the controller, held in a late tick, or decaying."""
     state = states[0]
     if is_stopped(state) or state.safety < _HOMED:
         copy(state.q, state.joint_reference)
@@ -316,7 +320,7 @@ def control(kin: Kin, scene: SceneRecord, states: Table[StateRecord], held: int,
             fill(states[c].f_command, 0.0)
             copy(states[c].hip, states[c].reference)
     elif held == HOLD:
-        _hold(kin, scene, states)
+        _hold_command(kin, scene, states)
     elif scene.force_driven == 1:
         _control_force(kin, scene, states, dt)
     else:

@@ -1,4 +1,4 @@
-"""Eigenvalues of symmetric 3 x 3 matrices in place, by Jacobi's rotations (1846)."""
+"""Eigenvalues and eigenvectors of symmetric 3 x 3 matrices in place, by Jacobi rotations (1846)."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ __all__ = ["diagonalise", "largest"]
 
 
 _SWEEPS = 12
-"""Rounds of rotations at most: they converge quadratically, five reach the last digit of any 3 x 3 matrix."""
+"""Largest number of sweeps; convergence is quadratic, five sweeps reach the last digit of any 3 x 3 matrix."""
 
 
 @kernel
-def _turn_away(tensor: Mat, vectors: Mat, p: int, q: int) -> None:
-    """One rotation: makes tensor[p, q] zero."""
+def _eliminate(tensor: Mat, vectors: Mat, p: int, q: int) -> None:
+    """Make tensor[p, q] zero by one rotation."""
     if tensor[p, q] == 0.0:
         return
     ratio = 0.5 * (tensor[q, q] - tensor[p, p]) / tensor[p, q]
@@ -37,19 +37,19 @@ def _turn_away(tensor: Mat, vectors: Mat, p: int, q: int) -> None:
 
 @kernel
 def diagonalise(tensor: Mat, vectors: Mat) -> None:
-    """Turn a symmetric matrix until it is diagonal; one that is so already keeps its axes to the last bit.
+    """Diagonalise a symmetric matrix; a diagonal one keeps its axes to the last bit.
 
     Args:
-        tensor: Shape [3, 3]; on return the eigenvalues stand on its diagonal.
+        tensor: Shape [3, 3]; receives the eigenvalues on its diagonal.
         vectors: Receives the eigenvectors as columns, shape [3, 3].
     """
     for i in range(3):
         for j in range(3):
             vectors[i, j] = 1.0 if i == j else 0.0
     for _ in range(_SWEEPS):
-        _turn_away(tensor, vectors, 0, 1)
-        _turn_away(tensor, vectors, 0, 2)
-        _turn_away(tensor, vectors, 1, 2)
+        _eliminate(tensor, vectors, 0, 1)
+        _eliminate(tensor, vectors, 0, 2)
+        _eliminate(tensor, vectors, 1, 2)
         if tensor[0, 1] == 0.0 and tensor[0, 2] == 0.0 and tensor[1, 2] == 0.0:
             return
 

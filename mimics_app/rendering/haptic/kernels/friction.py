@@ -1,12 +1,12 @@
-"""Tangential friction of one contact in its tangent plane (or along one axis): five laws that are rivals.
+"""Tangential friction of one contact in its tangent plane (or along one axis): five rival laws.
 
 All take the clamped normal force F_N >= 0 and write the force ON the moving body [N] into `out`, shape [1] or [2]; all
 vectors have out's shape and the same frame.
 
-4.3.2 prints F_fric = +mu F_penal v_y/|v_y|: without the minus sign it drives the foot. It also names one tangential
-axis only, and is 0/0 for a threshold of 0 at rest; here the threshold is > 0 (the caller refuses others). Regularised
-friction cannot hold: a load F < mu F_N creeps at threshold F/(mu F_N), while the text promises stiction. The default is
-therefore the anchor of Hayward and Armstrong.
+4.3.2 prints F_fric = +mu F_penal v_y/|v_y|: without the minus sign it drives the foot. It also has one tangential axis
+only, and is 0/0 for a threshold of 0 at rest; here the threshold is > 0 (the caller rejects others). Regularised
+friction does not stick: a load F < mu F_N creeps at threshold F/(mu F_N), while the text requires stiction. The default
+is therefore the anchor of Hayward and Armstrong.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ __all__ = [
 
 @kernel
 def forget_friction(state: FrictionRecord) -> None:
-    """Drop the memory: the contact ended, was teleported or disabled."""
+    """Clear the state of a contact that ended, was teleported or disabled."""
     for i in range(2):
         state.anchor[i] = 0.0
         state.bristle[i] = 0.0
@@ -43,6 +43,7 @@ def forget_friction(state: FrictionRecord) -> None:
 
 @kernel
 def _length(a: Vec) -> float:
+    """Euclidean length of a vector of one or two components."""
     total = 0.0
     for i in range(a.shape[0]):
         total += a[i] * a[i]
@@ -51,7 +52,7 @@ def _length(a: Vec) -> float:
 
 @kernel
 def regularised(v: Vec, normal_force: float, mu: float, threshold: float, out: Vec) -> None:
-    """Coulomb friction with a linear middle, 4.3.2 with the right sign: F = -mu F_N v / max(|v|, v_th).
+    """Coulomb friction, linear below a threshold, 4.3.2 with the right sign: F = -mu F_N v / max(|v|, v_th).
 
     Below the threshold it is a damper of mu F_N / v_th, stable in a tick h on a mass m while h mu F_N < 2 m v_th (and
     without chatter while < 1).
@@ -89,8 +90,8 @@ def karnopp(
 ) -> None:
     """Karnopp (1985): within +-threshold the body counts as at rest and the load is cancelled up to mu_static F_N.
 
-    While `state.sticking` is set the caller takes the velocity as 0, as the model does; it needs the load, which a
-    device without a force sensor does not know.
+    While `state.sticking` is set the caller sets the velocity to 0, as the model does. It needs the load, hence a
+    device with a force sensor.
 
     Args:
         v: Sliding velocity [m/s].
@@ -98,7 +99,7 @@ def karnopp(
         normal_force: F_N [N] >= 0.
         mu: Coefficient while sliding.
         mu_static: Coefficient while at rest, >= mu.
-        threshold: Half width of the band of rest [m/s].
+        threshold: Half width of the stiction band [m/s].
         state: Record of `FRICTION`.
         out: Receives the force on the body [N].
     """
@@ -122,8 +123,8 @@ def hayward_armstrong(
 ) -> None:
     """Friction by position alone (Hayward & Armstrong 2000): a spring to an anchor that is dragged at the cone.
 
-    F = -k_t (x - w), and w follows at distance mu F_N / k_t: no velocity, no drift, never outside the cone, and no rate
-    at which it goes unstable beyond that of the spring k_t.
+    F = -k_t (x - w), and w follows at distance mu F_N / k_t: no velocity enters, no drift, never outside the cone, and
+    no stability limit beyond that of the spring k_t.
 
     Args:
         x: Position in the tangent plane [m].
@@ -234,6 +235,7 @@ def lugre_implicit(
 
 @kernel
 def _no_bristles(state: FrictionRecord, out: Vec) -> None:
+    """Relax the bristles, without force."""
     for i in range(out.shape[0]):
         state.bristle[i] = 0.0
         out[i] = 0.0

@@ -1,8 +1,8 @@
 """Virtual hand of a pointing device: makes 60 Hz steps of a cursor into a smooth, limited force on the handle.
 
-The hand follows the cursor as a critically damped mass, and pulls the handle behind it by a spring and damper whose
-force is limited as a whole vector. So the harder a person pulls the cursor into a wall, the harder the robot presses,
-up to that limit and no further.
+The virtual hand follows the cursor as a critically damped mass and pulls the handle by a spring and damper, whose force
+vector is limited in magnitude. So the farther a person pulls the cursor into a wall, the harder the robot presses, up
+to that limit.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ __all__ = [
 
 
 HAND_POSITION = 0  # position 0:3 [m] and velocity 3:6 [m/s], robot frame
-HELD = 6  # 1 while the pointer was active in the last tick
+HELD = 6  # 1: the pointer was active in the last tick
 HAND_FORCE = 7  # on the handle 7:10 [N], robot frame
 FOLLOW_RATE = 10  # natural frequency of the following [rad/s]
 HAND_STIFFNESS = 11  # [N/m]
@@ -34,13 +34,13 @@ HAND_LENGTH = 14
 
 @kernel
 def step_hand(hand: Vec, handle: Vec, target: Vec, active: bool, dt: float) -> None:
-    """Advance the virtual hand by one tick; its force on the handle is left in hand[HAND_FORCE:HAND_FORCE + 3].
+    """Advance the virtual hand by one tick and write its force to hand[HAND_FORCE:HAND_FORCE + 3].
 
     Args:
         hand: Hand memory, shape [HAND_LENGTH].
         handle: Position [m] and velocity [m/s] of the handle, robot frame, shape [6].
-        target: Where the cursor points, robot frame [m].
-        active: False: nobody holds the pointer; no force.
+        target: Position of the cursor, robot frame [m].
+        active: False while the pointer is released: no force.
         dt: Tick [s].
     """
     force = hand[HAND_FORCE : HAND_FORCE + 3]

@@ -1,11 +1,11 @@
 """One step of m x'' + b x' + k x = f under a held force f: six rivals with one signature.
 
-Each takes (x, v, f, m, b, k, dt) and returns (x, v) one step later. They differ in what they keep: with w = sqrt(k/m)
-and h the step, the amplification |lambda| of a free oscillation (b = 0) is
+Each takes (x, v, f, m, b, k, dt) and returns (x, v) one step later. They differ in the amplification |lambda| of a free
+oscillation (b = 0); with w = sqrt(k/m) and h the step it is
 
     explicit         sqrt(1 + (h w)^2)      always grows; with damping stable for h < b/k
     semi_implicit    1 for h w < 2          stable for h^2 k/m + 2 h b/m < 4
-    implicit         1/sqrt(1 + (h w)^2)    never grows, damps what has no damper
+    implicit         1/sqrt(1 + (h w)^2)    never grows; numerical damping
     midpoint         1                      any step; the phase lags
     rk4              1 - (h w)^6/144        stable for h w < 2.828
     exact            1                      the matrix exponential: any step, no error while f, m, b, k are constant
@@ -31,15 +31,15 @@ __all__ = [
 ]
 
 _NEARLY_CRITICAL = 0.1
-"""Square of the hyperbolic angle per step above which two decays are far enough apart to be distinguished."""
+"""Square of the hyperbolic angle per step above which the two decay rates are computed separately [-]."""
 
 _TERMS = 22
-"""Terms of the Taylor series of a step: the last one is below rounding for arguments below 1."""
+"""End of the Taylor series of a step: the last term is below rounding for arguments below 1."""
 
 
 @kernel
 def step_explicit(x: float, v: float, f: float, m: float, b: float, k: float, dt: float) -> tuple[float, float]:
-    """Explicit Euler: both from the old state.
+    """Explicit Euler: position and velocity from the old state.
 
     Args:
         x: Position [m].
@@ -62,7 +62,7 @@ def step_semi_implicit(x: float, v: float, f: float, m: float, b: float, k: floa
 
 @kernel
 def step_implicit(x: float, v: float, f: float, m: float, b: float, k: float, dt: float) -> tuple[float, float]:
-    """Implicit Euler: both from the new state, solved in closed form. As `step_explicit`."""
+    """Implicit Euler: position and velocity from the new state, in closed form. As `step_explicit`."""
     v = (m * v + dt * (f - k * x)) / (m + dt * b + dt * dt * k)
     return x + dt * v, v
 
@@ -77,7 +77,7 @@ def step_midpoint(x: float, v: float, f: float, m: float, b: float, k: float, dt
 
 @kernel
 def step_rk4(x: float, v: float, f: float, m: float, b: float, k: float, dt: float) -> tuple[float, float]:
-    """Runge and Kutta's method of order 4. As `step_explicit`."""
+    """Classical Runge-Kutta method of order 4. As `step_explicit`."""
     half = 0.5 * dt
     a1 = (f - b * v - k * x) / m
     v2 = v + half * a1
@@ -93,8 +93,8 @@ def step_rk4(x: float, v: float, f: float, m: float, b: float, k: float, dt: flo
 def step_exact(x: float, v: float, f: float, m: float, b: float, k: float, dt: float) -> tuple[float, float]:
     """Exact step under a held force (zero-order hold): the matrix exponential in closed form. As `step_explicit`.
 
-    With S the response to an impulse and P its integral, x = x0 + v0 S + (f - k x0)/m P, v = v0 S' + (f - k x0)/m S:
-    nothing is divided by k, so that a missing spring or damper is no special case.
+    With S the impulse response and P its integral, x = x0 + v0 S + (f - k x0)/m P, v = v0 S' + (f - k x0)/m S: without
+    a division by k, a missing spring or damper is no special case.
     """
     p, s, s_rate = _responses(b / m * dt, k / m * dt * dt)
     pull = (f - k * x) / m
@@ -110,7 +110,7 @@ def _responses(damping: float, stiffness: float) -> tuple[float, float, float]:
         return _responses_by_series(damping, stiffness)
     if square < -_NEARLY_CRITICAL:
         fast = a + math.sqrt(-square)
-        slow = stiffness / fast  # not a - sqrt(...): that difference vanishes for a weak spring
+        slow = stiffness / fast  # not a - sqrt(...): that difference cancels for a weak spring
         gap = fast - slow
         lag = -math.expm1(-slow) / slow if slow != 0.0 else 1.0
         p = (lag + math.expm1(-fast) / fast) / gap
@@ -130,7 +130,7 @@ def _responses(damping: float, stiffness: float) -> tuple[float, float, float]:
 
 @kernel
 def _responses_by_series(damping: float, stiffness: float) -> tuple[float, float, float]:
-    """`_responses` by their Taylor series: both arguments below 1, the terms left out are below rounding."""
+    """`_responses` by their Taylor series, for arguments below 1; the omitted terms are below rounding."""
     before, now = 0.0, 1.0
     p = s = s_rate = 0.0
     weight = 1.0  # 1 / (n - 2)!
@@ -159,9 +159,9 @@ def free_responses(m: float, b: float, dt: float) -> tuple[float, float, float]:
 
 @kernel
 def step_free(x: float, v: float, f: float, m: float, b: float, dt: float) -> tuple[float, float]:
-    """Exact step of (11), m x'' = f - b x', under a held force; m = inf is a body that is not free to move.
+    """Exact step of (11), m x'' = f - b x', under a held force; m = inf is a fixed body.
 
-    The velocity goes to f/b as exp(-b t/m), and to a straight line in time for b = 0. Where (11) says F_virt, it is the
-    force on the OBJECT: minus the one the user feels.
+    The velocity approaches f/b as exp(-b t/m), and is linear in time for b = 0. F_virt of (11) is the force on the
+    OBJECT: minus the force on the user.
     """
     return step_exact(x, v, f, m, b, 0.0, dt)

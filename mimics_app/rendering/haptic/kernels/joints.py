@@ -1,7 +1,7 @@
-"""What a device's kinematics functions say, by their closed form where there is one, else from the Jacobian.
+"""Kinematics of any device: the closed form of its own functions where it has one, else from its Jacobian.
 
 `kin` is the tuple of the device's functions in the order of contracts.device_descriptor, `scene` the SCENE record with
-its joints, contacts and geometry. Points come one behind the other, three numbers each.
+its joints, contacts and geometry. Points are concatenated, three numbers each.
 """
 
 from __future__ import annotations
@@ -48,20 +48,20 @@ _ROWS = 3 * MAX_CONTACTS
 
 JOINT_WORK = np.dtype(
     [
-        ("points", "f8", (_ROWS,)),  # where the points are, or should be, robot frame [m]
-        ("velocities", "f8", (_ROWS,)),  # their velocities [m/s]
+        ("points", "f8", (_ROWS,)),  # positions or targets of the points, robot frame [m]
+        ("velocities", "f8", (_ROWS,)),  # of the points, robot frame [m/s]
         ("jacobian", "f8", (_ROWS * MAX_JOINTS,)),  # row by row
-        ("matrix", "f8", (_ROWS * _ROWS,)),  # of the equations to solve
-        ("side", "f8", (_ROWS,)),  # their right side, then their solution
-        ("place", "f8", (_ROWS,)),  # where a step of an inverse leads
-        ("step", "f8", (MAX_JOINTS,)),
-        ("wish", "f8", (MAX_JOINTS,)),
-        ("reached", "f8", (MAX_JOINTS,)),  # joints of a place
+        ("matrix", "f8", (_ROWS * _ROWS,)),  # of the linear equations
+        ("side", "f8", (_ROWS,)),  # right-hand side of the equations, then their solution
+        ("place", "f8", (_ROWS,)),  # positions of the points, or their errors in an iteration of the inverse [m]
+        ("step", "f8", (MAX_JOINTS,)),  # of the joints in an iteration of the inverse [m, rad]
+        ("wish", "f8", (MAX_JOINTS,)),  # desired joint velocities [m/s, rad/s]
+        ("reached", "f8", (MAX_JOINTS,)),  # joints of a position [m, rad]
         ("forces", "f8", (_ROWS,)),  # on the points, robot frame [N]
     ],
     align=True,
 )
-"""Scratch of the kinematics of one device."""
+"""Working memory of the kinematics of one device."""
 
 _NOT_GIVEN = int(KinematicsStatus.NOT_GIVEN)
 _DONE = int(KinematicsStatus.DONE)
@@ -69,34 +69,36 @@ _SINGULAR = int(KinematicsStatus.SINGULAR)
 _UNREACHABLE = int(KinematicsStatus.UNREACHABLE)
 
 _DAMPING = 2e-3
-"""Of the damped least squares: a direction in which all joints together move a point less than this [m/rad] is lost."""
+"""Damping of the least squares [m/rad]: directions in which the joints move the points less than this are lost."""
 
 _SINGULAR_RATIO = 1e-4
-"""Smallest over largest pivot of J J^T (or J^T J) below which a pose counts as singular: 1 % of the largest lever."""
+"""Smallest pivot over largest diagonal entry of J J^T (or J^T J) at a singular pose: 1 % of the largest lever arm."""
 
 _STEPS = 60
+"""Largest number of iterations of the inverse."""
+
 _REACHED = 1e-9
-"""A place is reached within this [m]."""
+"""Tolerance of a reached position [m]."""
 
 _LONGEST_STEP = 0.5
-"""Of one step of an inverse, largest joint [m, rad]."""
+"""Largest change of a joint in one iteration of the inverse [m, rad]."""
 
 
 @kernel
 def points_of(kin: Kin, scene: SceneRecord, q: Vec, x: Vec) -> None:
-    """Points x [m], shape [3 contacts or more], of the joints q."""
+    """Set x [m], shape [3 contacts or more], to the points at the joints q."""
     kin[FORWARD](scene.geometry[:], q[:], q[:], x[:])
 
 
 @kernel
 def find_jacobian(kin: Kin, scene: SceneRecord, q: Vec, work: JointWorkRecord) -> None:
-    """work.jacobian at the joints q."""
+    """Set work.jacobian at the joints q."""
     kin[JACOBIAN](scene.geometry[:], q[:], q[:], work.jacobian[:])
 
 
 @kernel
 def velocities_of(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work: JointWorkRecord, v: Vec) -> None:
-    """V = J dq [m/s] of all points; v is not dq."""
+    """Set v = J dq [m/s] of all points; v must not be dq."""
     if kin[VELOCITY](scene.geometry[:], q[:], dq[:], v[:]) != _NOT_GIVEN:
         return
     find_jacobian(kin, scene, q, work)
@@ -110,7 +112,7 @@ def velocities_of(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work: JointWork
 
 @kernel
 def torques_of(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, work: JointWorkRecord, tau: Vec) -> None:
-    """Tau = J^T f [N, N m] of forces f on all points, robot frame [N]; tau is not f."""
+    """Set tau = J^T f [N, N m] of forces f on all points, robot frame [N]; tau must not be f."""
     if kin[TORQUE](scene.geometry[:], q[:], f[:], tau[:]) != _NOT_GIVEN:
         return
     find_jacobian(kin, scene, q, work)
@@ -124,7 +126,7 @@ def torques_of(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, work: JointWorkReco
 
 @kernel
 def _product(work: JointWorkRecord, rows: int, joints: int, a: int, b: int, of_rows: bool) -> float:
-    """Entry a, b of J J^T where `of_rows`, else of J^T J."""
+    """Entry (a, b) of J J^T if `of_rows`, else of J^T J."""
     total = 0.0
     if of_rows:
         for j in range(joints):
@@ -137,7 +139,7 @@ def _product(work: JointWorkRecord, rows: int, joints: int, a: int, b: int, of_r
 
 @kernel
 def _least_squares(scene: SceneRecord, work: JointWorkRecord, v: Vec, dq: Vec) -> int:
-    """Dq that comes nearest to J dq = v, damped; of many the smallest. SINGULAR where a direction is lost."""
+    """Set dq to the damped least-squares solution of least norm of J dq = v; SINGULAR where a direction is lost."""
     rows, joints = 3 * scene.contacts, scene.joints
     wide = rows < joints
     size = rows if wide else joints
@@ -163,7 +165,7 @@ def _least_squares(scene: SceneRecord, work: JointWorkRecord, v: Vec, dq: Vec) -
 
 @kernel
 def rates_of(kin: Kin, scene: SceneRecord, q: Vec, v: Vec, work: JointWorkRecord, dq: Vec) -> int:
-    """Dq = J^-1 v for velocities v of all points [m/s], or what comes nearest; SINGULAR where a direction is lost."""
+    """Set dq = J^-1 v for velocities v of all points [m/s], or the nearest; SINGULAR where a direction is lost."""
     status = kin[RATES](scene.geometry[:], q[:], v[:], dq[:])
     if status != _NOT_GIVEN:
         return status
@@ -172,53 +174,53 @@ def rates_of(kin: Kin, scene: SceneRecord, q: Vec, v: Vec, work: JointWorkRecord
 
 
 @kernel
-def _missing(kin: Kin, scene: SceneRecord, x: Vec, q: Vec, work: JointWorkRecord) -> float:
-    """work.place = x less where q leads; its largest component [m]."""
+def _position_error(kin: Kin, scene: SceneRecord, x: Vec, q: Vec, work: JointWorkRecord) -> float:
+    """Set work.place to x minus the points at q; return its largest component [m]."""
     points_of(kin, scene, q, work.place)
-    most = 0.0
+    largest = 0.0
     for row in range(3 * scene.contacts):
         work.place[row] = x[row] - work.place[row]
-        most = max(most, abs(work.place[row]))
-    return most
+        largest = max(largest, abs(work.place[row]))
+    return largest
 
 
 @kernel
 def joints_of(kin: Kin, scene: SceneRecord, x: Vec, work: JointWorkRecord, q: Vec) -> int:
-    """Joints q that bring the points to x [m], from the joints q on entry; UNREACHABLE: the nearest that was found.
+    """Set q to joints that bring the points to x [m], starting from q; UNREACHABLE: to the nearest found.
 
-    Joint limits are not asked: what is beyond them the caller clamps and reports.
+    Joint limits are ignored: the caller clamps to them.
     """
     status = kin[INVERSE](scene.geometry[:], q[:], x[:], q[:])
     if status != _NOT_GIVEN:
         return status
     last = math.inf
     for _ in range(_STEPS):
-        if not _missing(kin, scene, x, q, work) > _REACHED:
+        if not _position_error(kin, scene, x, q, work) > _REACHED:
             return _DONE
-        off = 0.0
+        square = 0.0
         for row in range(3 * scene.contacts):
-            off += work.place[row] * work.place[row]
-        if off > last:  # the step led too far: half of it back
+            square += work.place[row] * work.place[row]
+        if square > last:  # overshoot: take back half of the step
             for j in range(scene.joints):
                 work.step[j] *= 0.5
                 q[j] -= work.step[j]
             continue
-        last = off
+        last = square
         find_jacobian(kin, scene, q, work)
         _least_squares(scene, work, work.place, work.step)
-        most = 0.0
+        largest = 0.0
         for j in range(scene.joints):
-            most = max(most, abs(work.step[j]))
-        share = min(1.0, _LONGEST_STEP / most) if most > 0.0 else 0.0
+            largest = max(largest, abs(work.step[j]))
+        share = min(1.0, _LONGEST_STEP / largest) if largest > 0.0 else 0.0
         for j in range(scene.joints):
             work.step[j] *= share
             q[j] += work.step[j]
-    return _DONE if _missing(kin, scene, x, q, work) <= math.sqrt(_REACHED) else _UNREACHABLE
+    return _DONE if _position_error(kin, scene, x, q, work) <= math.sqrt(_REACHED) else _UNREACHABLE
 
 
 @kernel
 def to_robot(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, out: Vec) -> None:
-    """Forces on the points from the frames of their sensors to the robot frame; out is not f."""
+    """Set out to the forces f on the points, from their sensor frames to the robot frame; out must not be f."""
     if kin[TO_ROBOT](scene.geometry[:], q[:], f[:], out[:]) == _NOT_GIVEN:
         for row in range(3 * scene.contacts):
             out[row] = f[row]
@@ -226,7 +228,7 @@ def to_robot(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, out: Vec) -> None:
 
 @kernel
 def to_tool(kin: Kin, scene: SceneRecord, q: Vec, f: Vec, out: Vec) -> None:
-    """Forces on the points from the robot frame to the frames of their sensors; out is not f."""
+    """Set out to the forces f on the points, from the robot frame to their sensor frames; out must not be f."""
     if kin[TO_TOOL](scene.geometry[:], q[:], f[:], out[:]) == _NOT_GIVEN:
         for row in range(3 * scene.contacts):
             out[row] = f[row]

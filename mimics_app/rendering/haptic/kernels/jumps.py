@@ -1,13 +1,10 @@
-"""Positions that no hand can have moved to: a device that lost count, was restarted, or was pulled out and put back."""
+"""Jumps of the measured position: an encoder lost counts, or the device was restarted or reconnected."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.haptic import (
-    NANOSECOND,
-    DeviceStatus,
-)
+from mimics_app.contracts.haptic import NANOSECOND, DeviceStatus
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.vectors import copy
 
@@ -19,14 +16,14 @@ __all__ = ["note_jump"]
 
 @kernel
 def note_jump(scene: SceneRecord, state: StateRecord, status: int, last_age: float, dt: float) -> None:
-    """state.jumped: the position moved further than `velocity_limit` allows, whatever the reported velocity says.
+    """Set state.jumped where the position moved farther than `velocity_limit` allows, whatever the reported velocity.
 
-    |x_k - x_j| > velocity_limit (t_k - t_j + late_hold) + position_jump, where x_j is the position before, as old as
-    its age said; a tick may come late by `late_hold` before anything else notices.
+    |x_k - x_j| > velocity_limit (t_k - t_j + late_hold) + position_jump, where t_j is the time of the last position x_j
+    by its stated age; a tick may be late by `late_hold` before another monitor trips.
 
     Args:
         scene: SCENE record.
-        state: STATE record; hip as just found.
+        state: STATE record with the present hip.
         status: DeviceStatus of this tick's read.
         last_age: Age of the data before this tick's [s].
         dt: Tick [s].

@@ -1,8 +1,8 @@
 """Kinematics of the HapticMaster (D2.1 equations 1-4).
 
 Joints q = (q1 [m] radial, q2 [rad] about the vertical axis, q3 [m] vertical), shape [3]. The robot frame (WCS) lies in
-the middle of the workspace: x radial at q2 = 0, y lateral, z up. r = q1 + d1 is the distance from the rotation axis,
-d1 = stroke / 2 + offset (0.46 m for 0.36 m of stroke and 0.28 m of offset). The tool frame (TCS) turns with q2: its
+the centre of the workspace: x radial at q2 = 0, y lateral, z up. r = q1 + d1 is the distance from the rotation axis,
+d1 = stroke / 2 + offset (0.46 m for 0.36 m of stroke and 0.28 m of offset). The tool frame (TCS) rotates with q2: its
 axes are radial, tangential, vertical.
 """
 
@@ -29,11 +29,12 @@ __all__ = [
 
 
 _SMALLEST_RADIUS = 1e-9
+"""Distance from the rotation axis below which q2 is undefined [m]."""
 
 
 @kernel
 def forward(q: Vec, d1: float, x: Vec) -> None:
-    """Position x [m] in the robot frame (equation 1): x = r cos q2 - d1, y = r sin q2, z = q3."""
+    """Set x [m] to the position in the robot frame (equation 1): x = r cos q2 - d1, y = r sin q2, z = q3."""
     r = q[0] + d1
     x[0] = r * math.cos(q[1]) - d1
     x[1] = r * math.sin(q[1])
@@ -42,11 +43,11 @@ def forward(q: Vec, d1: float, x: Vec) -> None:
 
 @kernel
 def inverse(x: Vec, d1: float, q: Vec) -> None:
-    """Joints q that reach x [m] (equation 2). On entry q holds the last joints.
+    """Set q to the joints that reach x [m] (equation 2). On entry q holds the last joints.
 
-    Printed is q2 = arctg(y / (x + d1)). That loses the quadrant behind the axis (x + d1 = -0.1, y = 0.05 gives
-    -0.46 rad instead of 2.68) and divides by zero on it; atan2 has neither fault. On the axis itself q2 is undefined
-    and the last one is kept.
+    The printed q2 = arctg(y / (x + d1)) loses the quadrant behind the axis (x + d1 = -0.1, y = 0.05 gives -0.46 rad
+    instead of 2.68) and divides by zero on it; atan2 has neither fault. On the axis itself q2 is undefined and the last
+    one is kept.
     """
     radial = x[0] + d1
     r = math.sqrt(radial * radial + x[1] * x[1])
@@ -58,9 +59,9 @@ def inverse(x: Vec, d1: float, q: Vec) -> None:
 
 @kernel
 def jacobian(q: Vec, d1: float, J: Mat) -> None:
-    """J = dp/dq, shape [3, 3] (equations 3, 4; partial derivatives, printed as total). det J = r, never singular.
+    """Set J = dp/dq, shape [3, 3] (equations 3, 4; partial derivatives, printed as total). det J = r, never singular.
 
-    The middle column is in m/rad, the others are pure numbers: entries of J must not be compared with each other.
+    The middle column is in m/rad, the others are pure numbers: entries of J are not comparable.
     """
     c = math.cos(q[1])
     s = math.sin(q[1])
@@ -75,7 +76,7 @@ def jacobian(q: Vec, d1: float, J: Mat) -> None:
 
 @kernel
 def inverse_jacobian(q: Vec, d1: float, J_inverse: Mat) -> None:
-    """J^-1, shape [3, 3], in closed form; r > 0 by the joint limits."""
+    """Set J_inverse = J^-1, shape [3, 3], in closed form; r > 0 by the joint limits."""
     c = math.cos(q[1])
     s = math.sin(q[1])
     r = q[0] + d1
@@ -89,7 +90,7 @@ def inverse_jacobian(q: Vec, d1: float, J_inverse: Mat) -> None:
 
 @kernel
 def jacobian_rate(q: Vec, dq: Vec, d1: float, J_rate: Mat) -> None:
-    """dJ/dt, shape [3, 3], while the joints move with dq."""
+    """Set J_rate = dJ/dt, shape [3, 3], for joint velocities dq."""
     c = math.cos(q[1])
     s = math.sin(q[1])
     r = q[0] + d1
@@ -105,7 +106,7 @@ def jacobian_rate(q: Vec, dq: Vec, d1: float, J_rate: Mat) -> None:
 
 @kernel
 def apply_jacobian(q: Vec, d1: float, dq: Vec, v: Vec) -> None:
-    """V = J dq: joint velocities to the velocity of the handle, robot frame [m/s]; v is not dq."""
+    """Set v = J dq: joint velocities to the velocity of the handle, robot frame [m/s]; v must not be dq."""
     c = math.cos(q[1])
     s = math.sin(q[1])
     tangential = (q[0] + d1) * dq[1]
@@ -116,7 +117,7 @@ def apply_jacobian(q: Vec, d1: float, dq: Vec, v: Vec) -> None:
 
 @kernel
 def apply_inverse_jacobian(q: Vec, d1: float, v: Vec, dq: Vec) -> None:
-    """Dq = J^-1 v; dq is not v."""
+    """Set dq = J^-1 v; dq must not be v."""
     c = math.cos(q[1])
     s = math.sin(q[1])
     dq[0] = c * v[0] + s * v[1]
@@ -126,7 +127,7 @@ def apply_inverse_jacobian(q: Vec, d1: float, v: Vec, dq: Vec) -> None:
 
 @kernel
 def apply_jacobian_rate(q: Vec, dq: Vec, d1: float, a: Vec) -> None:
-    """A = (dJ/dt) dq: the polar coupling acceleration [m/s^2], robot frame: centripetal and Coriolis."""
+    """Set a = (dJ/dt) dq, the centripetal and Coriolis acceleration [m/s^2], robot frame."""
     c = math.cos(q[1])
     s = math.sin(q[1])
     radial = -(q[0] + d1) * dq[1] * dq[1]
@@ -138,14 +139,14 @@ def apply_jacobian_rate(q: Vec, dq: Vec, d1: float, a: Vec) -> None:
 
 @kernel
 def apply_jacobian_transposed(q: Vec, d1: float, f: Vec, torque: Vec) -> None:
-    """Torque = J^T f = (F_r [N], r F_t [N m], F_z [N]) for a force f in the robot frame; torque is not f."""
+    """Set torque = J^T f = (F_r [N], r F_t [N m], F_z [N]) for a force f in the robot frame; torque must not be f."""
     robot_to_tool(q, f, torque)
     torque[1] *= q[0] + d1
 
 
 @kernel
 def tool_to_robot(q: Vec, a: Vec, out: Vec) -> None:
-    """Components r, t, z in the tool frame to x, y, z in the robot frame; out is not a."""
+    """Set out to the vector a from the tool frame (r, t, z) in the robot frame; out must not be a."""
     c = math.cos(q[1])
     s = math.sin(q[1])
     out[0] = c * a[0] - s * a[1]
@@ -155,7 +156,7 @@ def tool_to_robot(q: Vec, a: Vec, out: Vec) -> None:
 
 @kernel
 def robot_to_tool(q: Vec, a: Vec, out: Vec) -> None:
-    """Components x, y, z in the robot frame to r, t, z in the tool frame; out is not a."""
+    """Set out to the vector a from the robot frame in the tool frame (r, t, z); out must not be a."""
     c = math.cos(q[1])
     s = math.sin(q[1])
     out[0] = c * a[0] + s * a[1]

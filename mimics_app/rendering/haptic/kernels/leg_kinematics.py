@@ -1,13 +1,13 @@
-"""Kinematics of planar legs: hip and knee each, one leg behind the other, touching with the foot.
+"""Kinematics of planar legs with hip and knee joint; their points of contact are the feet.
 
 Hip flexion t1 and knee flexion t2 are positive, 0 in standing. The frame has its origin between the hips, x forward, y
 to the left, z up; a leg stays in its plane. With psi = t1 - t2 the foot is at
 
     x = l1 sin t1 + l2 sin psi + f cos psi        z = -l1 cos t1 - l2 cos psi + f sin psi
 
-l1 the thigh, l2 shank and height of the ankle, f how far the point of contact lies before the ankle. From the knee to
-the foot it is l = hypot(l2, f), and det J = l1 l sin(t2 - delta) with delta = atan2(f, l2): where the knee is bent by
-delta the leg is stretched as far as the foot is concerned, and cannot move it along.
+l1 is the thigh, l2 shank and height of the ankle, f the distance of the point of contact before the ankle. The distance
+from knee to foot is l = hypot(l2, f), and det J = l1 l sin(t2 - delta) with delta = atan2(f, l2): at a knee flexion of
+delta the leg is stretched from hip to foot and cannot move the foot along that line.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from mimics_app.contracts.kernel import kernel
 __all__ = ["GEOMETRY", "LEGS", "foot_torques", "foot_velocity", "leg_jacobian", "leg_joints", "place_foot"]
 
 
-LEGS = 0  # how many
+LEGS = 0  # number of legs
 THIGH = 1  # l1 [m]
 SHANK = 2  # l2 [m]
 FOOT = 3  # f [m]
@@ -28,21 +28,21 @@ HIP_WIDTH = 4  # between the planes of two legs [m]
 GEOMETRY = 5  # numbers in use
 
 _OFF_PLANE = 1e-6
-"""A place this far beside the plane of a leg [m] is not reached."""
+"""Largest distance of a reachable position from the plane of a leg [m]."""
 
 _BEYOND = 1e-12
-"""Of the cosine of the knee: round-off at full reach is no lack of it."""
+"""Tolerance of the knee's cosine beyond 1 [-]: round-off at full reach."""
 
 
 @kernel
 def _side(geometry: Vec, leg: int) -> float:
-    """Where the plane of a leg lies [m]: one leg in the middle, of two the first to the left."""
+    """Lateral position y of the plane of a leg [m]: 0 for a single leg, of two the first on the left."""
     return 0.0 if geometry[LEGS] < 2.0 else geometry[HIP_WIDTH] * (0.5 - leg)
 
 
 @kernel
 def place_foot(geometry: Vec, leg: int, q: Vec, x: Vec) -> None:
-    """Foot x [m], shape [3], of the joints q of one leg [rad], shape [2]."""
+    """Set x [m], shape [3], to the foot at the joints q of one leg [rad], shape [2]."""
     psi = q[0] - q[1]
     x[0] = geometry[THIGH] * math.sin(q[0]) + geometry[SHANK] * math.sin(psi) + geometry[FOOT] * math.cos(psi)
     x[1] = _side(geometry, leg)
@@ -51,7 +51,7 @@ def place_foot(geometry: Vec, leg: int, q: Vec, x: Vec) -> None:
 
 @kernel
 def leg_jacobian(geometry: Vec, q: Vec) -> tuple[float, float, float, float]:
-    """dx/dt1, dx/dt2, dz/dt1, dz/dt2 [m/rad] of one foot."""
+    """Derivatives dx/dt1, dx/dt2, dz/dt1, dz/dt2 [m/rad] of one foot."""
     psi = q[0] - q[1]
     across = geometry[SHANK] * math.cos(psi) - geometry[FOOT] * math.sin(psi)
     along = geometry[SHANK] * math.sin(psi) + geometry[FOOT] * math.cos(psi)
@@ -60,7 +60,7 @@ def leg_jacobian(geometry: Vec, q: Vec) -> tuple[float, float, float, float]:
 
 @kernel
 def foot_velocity(geometry: Vec, q: Vec, dq: Vec, v: Vec) -> None:
-    """V = J dq [m/s], shape [3], of one foot."""
+    """Set v = J dq [m/s], shape [3], of one foot."""
     x1, x2, z1, z2 = leg_jacobian(geometry, q)
     v[0] = x1 * dq[0] + x2 * dq[1]
     v[1] = 0.0
@@ -69,7 +69,7 @@ def foot_velocity(geometry: Vec, q: Vec, dq: Vec, v: Vec) -> None:
 
 @kernel
 def foot_torques(geometry: Vec, q: Vec, f: Vec, tau: Vec) -> None:
-    """Tau = J^T f [N m], shape [2], of a force f on one foot [N]; what is across the plane the leg's hinges take."""
+    """Set tau = J^T f [N m], shape [2], of a force f on one foot [N]; the hinges bear its lateral component."""
     x1, x2, z1, z2 = leg_jacobian(geometry, q)
     tau[0] = x1 * f[0] + z1 * f[2]
     tau[1] = x2 * f[0] + z2 * f[2]
@@ -77,9 +77,10 @@ def foot_torques(geometry: Vec, q: Vec, f: Vec, tau: Vec) -> None:
 
 @kernel
 def leg_joints(geometry: Vec, leg: int, x: Vec, q: Vec) -> bool:
-    """Joints q of one leg that bring its foot to x [m]; False where none do, then to the nearest place along the path.
+    """Set q to joints of one leg that bring its foot to x [m]; False where none do, then to the nearest position.
 
-    On entry q holds the last joints: the knee stays on its side of the stretched pose.
+    The nearest position lies on the line from the hip to x. On entry q holds the last joints: the knee stays on its
+    side of the stretched pose.
     """
     thigh, shank = geometry[THIGH], math.hypot(geometry[SHANK], geometry[FOOT])
     stretched = math.atan2(geometry[FOOT], geometry[SHANK])

@@ -1,11 +1,11 @@
-"""One leg of a person on the drives of a gait orthosis: two links that swing, drives with limits, sensors with noise.
+"""Simulated leg on the drives of a gait orthosis: a double pendulum, drives with limits, sensors with noise.
 
     M(q) q'' + c(q, q') + g(q) = tau_drive + tau_person - b q'
 
 Hip and knee angles as in `leg_kinematics`; M and c follow from the two links' absolute angles t1 and psi = t1 - t2. The
-drives hold a share of the weight themselves. Given torques, they add them; given velocities, they add what a servo of
-finite bandwidth needs, both within the drives' strength and after a delay. The torque sensors show what the person does
-at the joints: the machine takes weight and inertia of leg and drives off what it measures.
+drives support a share of the weight themselves. They add the commanded torques, or those of a velocity servo of finite
+bandwidth, both within their torque limit and after a delay. The torque sensors show the torque of the person alone: the
+machine subtracts weight and inertia of leg and drives.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import math
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.noise import gauss
+from mimics_app.rendering.haptic.kernels.noise import gauss, quantised
 from mimics_app.rendering.haptic.kernels.vectors import copy, fill
 
 __all__ = [
@@ -59,61 +59,62 @@ MAX_DELAY = 50
 
 Q = 0  # true angles hip, knee [rad]
 DQ = 2  # their velocities [rad/s]
-MEASURED = 4  # angles as the encoders last gave them
-SPEED = 6  # velocities from the encoders, filtered
+MEASURED = 4  # angles as last read by the encoders [rad]
+SPEED = 6  # velocities from the encoders, filtered [rad/s]
 PERSON = 8  # torque of the person at the joints [N m]
 THIGH_LENGTH = 10  # [m]
 THIGH_MASS = 11  # with its part of the orthosis [kg]
 THIGH_COM = 12  # centre of mass below the hip [m]
-THIGH_INERTIA = 13  # about it [kg m^2]
+THIGH_INERTIA = 13  # about its centre of mass [kg m^2]
 SHANK_MASS = 14  # shank and foot [kg]
 SHANK_COM = 15  # below the knee [m]
-SHANK_INERTIA = 16
+SHANK_INERTIA = 16  # about its centre of mass [kg m^2]
 DRIVE_INERTIA = 17  # of hip and knee drive at the joint [kg m^2]
-DRIVE_DAMPING = 19  # of both [N m s/rad]
+DRIVE_DAMPING = 19  # of either drive [N m s/rad]
 TORQUE_MAX = 20  # of hip and knee drive [N m]
 SERVO = 22  # bandwidth of the velocity servo [rad/s]
-SUPPORT = 23  # share of the weight that the drives hold on their own, 0-1
+SUPPORT = 23  # share of the weight supported by the drives, 0-1
 JOINT_MIN = 24  # [rad]
 JOINT_MAX = 26
 ENCODER = 28  # quantum [rad]
 SENSOR_NOISE = 29  # standard deviation of a torque sensor [N m]
 SENSOR_QUANTUM = 30  # [N m]
 SENSOR_RANGE = 31  # [N m]
-NOISE = 32  # generator
+NOISE = 32  # state of the random generator
 TICK = 33  # [s]
 DELAY = 34  # of a command [ticks]
 MOTION = 35  # 1: commands are joint velocities, 0: torques
 WRITTEN = 36  # commands written so far
 DRIVE = 37  # torque of the drives in the last tick [N m]
 WORK = 39  # 16 numbers
-LINE = 55  # ring of the last MAX_DELAY + 1 commands: two numbers and whether they are to be followed
-COMMAND = 3
+LINE = 55  # ring of the last MAX_DELAY + 1 commands
+COMMAND = 3  # numbers of a command: hip, knee, and 1 while the drives are enabled
 LENGTH = LINE + COMMAND * (MAX_DELAY + 1)
-ENABLED = 2
+ENABLED = 2  # place of the enabling number in a command
 
 _GRAVITY = 9.81  # [m/s^2]
 _STOP_GAP = 0.02
-"""Mechanical end stops lie this far outside the joint limits [rad]."""
+"""Distance of the mechanical end stops beyond the joint limits [rad]."""
 
 _SPEED_FILTER_HZ = 60.0
+"""Corner frequency of the encoder velocity filter [Hz]."""
 
 _BRAKE = 40.0
-"""Damping of drives that are not enabled [N m s/rad]: short-circuited motors behind their gears."""
+"""Damping of disabled drives [N m s/rad]: short-circuited motors behind their gears."""
 
 _STATE = 4
-"""Numbers of a leg's motion: two angles, two velocities."""
+"""State variables of a leg: two angles, two velocities."""
 
 _STAGES = 4
-"""Of the classical Runge-Kutta method."""
+"""Stages of the classical Runge-Kutta method."""
 
 _WEIGHTS = 6.0
-"""Sum of their weights 1, 2, 2, 1."""
+"""Sum of the weights 1, 2, 2, 1 of those stages."""
 
 
 @kernel
 def order_leg(leg: Vec, command: Vec, enabled: bool) -> None:
-    """Put two joint velocities or torques into the delay line; not enabled, the drives will brake."""
+    """Put two joint velocities or torques into the delay line; while not `enabled` the drives brake."""
     slot = LINE + COMMAND * (int(leg[WRITTEN]) % (MAX_DELAY + 1))
     for i in range(2):
         leg[slot + i] = command[i] if enabled else 0.0
@@ -123,7 +124,7 @@ def order_leg(leg: Vec, command: Vec, enabled: bool) -> None:
 
 @kernel
 def _weight(leg: Vec, t1: float, t2: float) -> tuple[float, float]:
-    """Torques g(q) that hold the leg against gravity [N m]."""
+    """Gravity torques g(q) [N m] of hip and knee."""
     thigh = _GRAVITY * (leg[THIGH_MASS] * leg[THIGH_COM] + leg[SHANK_MASS] * leg[THIGH_LENGTH]) * math.sin(t1)
     shank = _GRAVITY * leg[SHANK_MASS] * leg[SHANK_COM] * math.sin(t1 - t2)
     return thigh + shank, -shank
@@ -131,7 +132,7 @@ def _weight(leg: Vec, t1: float, t2: float) -> tuple[float, float]:
 
 @kernel
 def _inertia(leg: Vec, t2: float) -> tuple[float, float, float]:
-    """Entries m11, m12, m22 of M in the joint angles; only the knee changes them."""
+    """Entries m11, m12, m22 of the mass matrix M; they depend on the knee angle alone."""
     coupling = leg[SHANK_MASS] * leg[THIGH_LENGTH] * leg[SHANK_COM] * math.cos(t2)
     thigh = leg[THIGH_INERTIA] + leg[THIGH_MASS] * leg[THIGH_COM] ** 2 + leg[SHANK_MASS] * leg[THIGH_LENGTH] ** 2
     shank = leg[SHANK_INERTIA] + leg[SHANK_MASS] * leg[SHANK_COM] ** 2
@@ -144,14 +145,14 @@ def _inertia(leg: Vec, t2: float) -> tuple[float, float, float]:
 
 @kernel
 def _centrifugal(leg: Vec, t2: float, d1: float, d2: float) -> tuple[float, float]:
-    """Torques c(q, q') [N m]."""
+    """Centrifugal and Coriolis torques c(q, q') [N m]."""
     h = leg[SHANK_MASS] * leg[THIGH_LENGTH] * leg[SHANK_COM] * math.sin(t2)
     return -h * d2 * (2.0 * d1 - d2), h * d1 * d1
 
 
 @kernel
 def energy_of(leg: Vec) -> float:
-    """Kinetic and potential energy of leg and drives [J]; 0 at rest in standing."""
+    """Kinetic and potential energy of leg and drives [J]; 0 in the standing pose at rest."""
     t1, t2, d1, d2 = leg[Q], leg[Q + 1], leg[DQ], leg[DQ + 1]
     m11, m12, m22 = _inertia(leg, t2)
     thigh = (leg[THIGH_MASS] * leg[THIGH_COM] + leg[SHANK_MASS] * leg[THIGH_LENGTH]) * (1.0 - math.cos(t1))
@@ -161,7 +162,7 @@ def energy_of(leg: Vec) -> float:
 
 @kernel
 def _rate(leg: Vec, state: Vec, tau: Vec, out: Vec) -> None:
-    """Rate of (t1, t2, t1', t2') under torques tau of drives and person."""
+    """Time derivative of (t1, t2, t1', t2') under torques tau of drives and person."""
     t1, t2, d1, d2 = state[0], state[1], state[2], state[3]
     m11, m12, m22 = _inertia(leg, t2)
     g1, g2 = _weight(leg, t1, t2)
@@ -177,7 +178,7 @@ def _rate(leg: Vec, state: Vec, tau: Vec, out: Vec) -> None:
 
 @kernel
 def _servo_torques(leg: Vec, wish: Vec, tau: Vec) -> None:
-    """Torques that bring the joint velocities to `wish` with the servo's lag, whatever person and weight do."""
+    """Servo torques that lead the joint velocities to `wish` with first-order lag, person and weight compensated."""
     m11, m12, m22 = _inertia(leg, leg[Q + 1])
     g1, g2 = _weight(leg, leg[Q], leg[Q + 1])
     c1, c2 = _centrifugal(leg, leg[Q + 1], leg[DQ], leg[DQ + 1])
@@ -189,7 +190,7 @@ def _servo_torques(leg: Vec, wish: Vec, tau: Vec) -> None:
 
 @kernel
 def _drive(leg: Vec) -> None:
-    """Torques of the drives for this tick, from the command that leaves the delay line."""
+    """Set the torques of the drives for this tick from the command that leaves the delay line."""
     due = int(leg[WRITTEN]) - 1 - int(leg[DELAY])
     slot = LINE + COMMAND * (due % (MAX_DELAY + 1))
     enabled = due >= 0 and leg[slot + ENABLED] != 0.0
@@ -210,6 +211,7 @@ def _drive(leg: Vec) -> None:
 
 @kernel
 def _stop_at_ends(leg: Vec) -> None:
+    """Hold the joints within the mechanical end stops."""
     for i in range(2):
         low, high = leg[JOINT_MIN + i] - _STOP_GAP, leg[JOINT_MAX + i] + _STOP_GAP
         if leg[Q + i] < low:
@@ -244,20 +246,15 @@ def step_leg(leg: Vec) -> None:
 
 
 @kernel
-def _round_to(value: float, quantum: float) -> float:
-    return math.floor(value / quantum + 0.5) * quantum if quantum > 0.0 else value
-
-
-@kernel
 def sense_leg(leg: Vec, q: Vec, dq: Vec, torque: Vec) -> None:
-    """What the sensors of one leg show: angles, their filtered difference, torque of the person; shape [2] each."""
+    """Read the sensors of one leg: angles, filtered velocities and torques of the person, shape [2] each."""
     blend = 1.0 - math.exp(-2.0 * math.pi * _SPEED_FILTER_HZ * leg[TICK])
     for i in range(2):
-        shown = _round_to(leg[Q + i], leg[ENCODER])
+        shown = quantised(leg[Q + i], leg[ENCODER])
         leg[SPEED + i] += blend * ((shown - leg[MEASURED + i]) / leg[TICK] - leg[SPEED + i])
         leg[MEASURED + i] = shown
         q[i] = shown
         dq[i] = leg[SPEED + i]
         pull = leg[PERSON + i] + leg[SENSOR_NOISE] * gauss(leg, NOISE)
         pull = min(leg[SENSOR_RANGE], max(-leg[SENSOR_RANGE], pull))
-        torque[i] = _round_to(pull, leg[SENSOR_QUANTUM])
+        torque[i] = quantised(pull, leg[SENSOR_QUANTUM])

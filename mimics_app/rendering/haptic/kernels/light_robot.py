@@ -1,7 +1,6 @@
-"""A light robot that takes forces: one mass at the handle, friction, encoders, a delay line; no force sensor.
+"""Simulated light impedance robot: one mass at the handle, friction, encoders and a delay line; no force sensor.
 
-It can be pushed about by a hand and is felt only as its own small mass. As on real ones of its kind the motors are
-weak, and what they cannot do is cut off.
+A hand back-drives it against its own small mass and friction. Its motors are weak; forces beyond theirs are clipped.
 """
 
 from __future__ import annotations
@@ -12,6 +11,7 @@ from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import DATA_AGE, DATA_DELAY, DATA_DQ, DATA_FORCE, DATA_Q
 from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobian, forward, inverse
+from mimics_app.rendering.haptic.kernels.noise import quantised
 from mimics_app.rendering.haptic.kernels.vectors import clamp_joints, clamp_norm, copy, fill
 
 __all__ = [
@@ -37,7 +37,7 @@ __all__ = [
 MAX_DELAY = 50
 
 HANDLE = 0  # position 0:3 [m] and velocity 3:6 [m/s], robot frame
-SEEN = 6  # position as the encoders last gave it [m]
+SEEN = 6  # position as last read by the encoders [m]
 SPEED = 9  # velocity from the encoders, filtered [m/s]
 MASS = 12  # [kg]
 DAMPING = 13  # own friction [N s/m]
@@ -50,18 +50,20 @@ JOINT_MAX = 21
 DELAY = 24  # of the command [ticks]
 WRITTEN = 25  # commands written so far
 WORK = 26  # joints, and scratch
-BRAKING = 32  # 1 while no command may be followed: the motors brake
+BRAKING = 32  # 1 while the motors are disabled and brake
 LINE = 33  # ring of the last MAX_DELAY + 1 forces
 LENGTH = LINE + 3 * (MAX_DELAY + 1)
 
 _SPEED_FILTER_HZ = 150.0
+"""Corner frequency of the encoder velocity filter [Hz]."""
+
 _BRAKE = 60.0
 """Damping of short-circuited motors [N s/m]."""
 
 
 @kernel
 def command_force(robot: Vec, f: Vec, enabled: bool) -> None:
-    """Put a force on the user [N], robot frame, into the delay line; not enabled: none, and the motors brake."""
+    """Put a force on the user [N], robot frame, into the delay line; while not `enabled` zero, and the motors brake."""
     slot = LINE + 3 * (int(robot[WRITTEN]) % (MAX_DELAY + 1))
     for i in range(3):
         robot[slot + i] = f[i] if enabled else 0.0
@@ -71,7 +73,7 @@ def command_force(robot: Vec, f: Vec, enabled: bool) -> None:
 
 @kernel
 def _stop_at_limits(robot: Vec) -> None:
-    """End stops: no further, and at rest there."""
+    """Hold the handle within the end stops, at rest there."""
     q = robot[WORK : WORK + 3]
     inverse(robot[HANDLE : HANDLE + 3], robot[AXIS_OFFSET], q)
     if clamp_joints(q, robot[JOINT_MIN : JOINT_MIN + 3], robot[JOINT_MAX : JOINT_MAX + 3]) != 0:
@@ -81,7 +83,7 @@ def _stop_at_limits(robot: Vec) -> None:
 
 @kernel
 def step_light_robot(robot: Vec, hand: Vec) -> None:
-    """One tick: exact for motor and hand forces that are constant meanwhile.
+    """Advance the robot by one tick, exactly for motor and hand forces held over it.
 
     Args:
         robot: Robot memory, shape [LENGTH].
@@ -109,10 +111,10 @@ def step_light_robot(robot: Vec, hand: Vec) -> None:
 
 @kernel
 def sense_position(robot: Vec, data: Vec) -> None:
-    """Fill the data vector from the encoders; there is no force sensor, grasp and buttons are left to the caller."""
+    """Fill the data vector from the encoders; forces are 0, grasp and buttons are set by the caller."""
     blend = 1.0 - math.exp(-2.0 * math.pi * _SPEED_FILTER_HZ * robot[TICK])
     for i in range(3):
-        shown = math.floor(robot[HANDLE + i] / robot[ENCODER] + 0.5) * robot[ENCODER]
+        shown = quantised(robot[HANDLE + i], robot[ENCODER])
         difference = (shown - robot[SEEN + i]) / robot[TICK]
         robot[SPEED + i] += blend * (difference - robot[SPEED + i])
         robot[SEEN + i] = shown

@@ -1,4 +1,4 @@
-"""The last door before the user: whatever comes in, a finite force inside every limit goes out."""
+"""Limits of forces and joint velocities, last stage before the device: outputs are finite for every input."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ _BRAKE_TIME = 0.05
 """Time constant with which a joint may approach its limit [s]: speed <= room / time."""
 
 _SETTLE_TIME = 0.02
-"""Time constant with which a command dies away in a stop state [s]."""
+"""Time constant of the decay of a command in a stop state [s]."""
 
-_NOTHING = 1e-290
-"""A smaller force is zero [N]: it could not keep its direction to the last digit."""
+_SMALLEST_FORCE = 1e-290
+"""Magnitude below which a force becomes zero [N]: denormal components would change its direction."""
 
 _STANDSTILL = 1e-6
-"""Below this a dying command is zero [m/s, rad/s]."""
+"""Velocity below which a decaying command becomes zero [m/s, rad/s]."""
 
 _ROUNDING = 1e-12
-"""A change by a smaller share than this is rounding and no limit [-]."""
+"""Relative change up to which a limited command counts as unchanged [-]."""
 
 
 @kernel
 def _usable(limit: float) -> bool:
-    """False for a limit that is NaN, infinite or negative: then nothing may pass."""
+    """Whether a limit is finite and not negative."""
     return math.isfinite(limit) and limit >= 0.0
 
 
@@ -41,15 +41,15 @@ def _usable(limit: float) -> bool:
 def limit_force(
     wanted: Vec, ramp: float, force_limit: float, rise_limit: float, v: Vec, power_limit: float, f: Vec
 ) -> bool:
-    """Bring the wanted virtual force inside its limits; directions are kept, whole vectors are scaled.
+    """Limit the magnitude of the wanted virtual force; its direction is kept.
 
     Args:
-        wanted: Force the virtual environment requests [N], shape [3], any frame.
+        wanted: Force requested by the virtual environment [N], shape [3], any frame.
         ramp: Soft-start factor, clipped to [0, 1].
         force_limit: Largest magnitude [N].
         rise_limit: Largest rise of the magnitude in this tick [N]; falling is free.
         v: Velocity of the user [m/s], shape [3], same frame.
-        power_limit: Largest |f.v|, given or taken [W].
+        power_limit: Largest |f.v|, generated or absorbed [W].
         f: On entry the force of the last tick, on exit that of this one [N].
 
     Returns:
@@ -80,7 +80,7 @@ def limit_force(
     along = abs(f[0] * v[0] + f[1] * v[1] + f[2] * v[2])
     if magnitude * along > power_limit:
         magnitude = power_limit / along
-    if magnitude < _NOTHING:
+    if magnitude < _SMALLEST_FORCE:
         magnitude = 0.0
     for i in range(3):
         f[i] *= magnitude
@@ -89,7 +89,7 @@ def limit_force(
 
 @kernel
 def limit_held(v: Vec, power_limit: float, f: Vec) -> float:
-    """Keep a force that is held from an earlier tick [N] within |f.v| <= power_limit [W]; the factor used, 0-1."""
+    """Scale a force held from an earlier tick [N] to |f.v| <= power_limit [W]; return the factor used, 0-1."""
     power = abs(f[0] * v[0] + f[1] * v[1] + f[2] * v[2])
     if power <= power_limit:
         return 1.0
@@ -101,7 +101,7 @@ def limit_held(v: Vec, power_limit: float, f: Vec) -> float:
 
 @kernel
 def brake_at_limits(q: Vec, lowest: Vec, highest: Vec, dq: Vec) -> bool:
-    """Slow a joint velocity that leads towards a joint limit, to zero at the limit; True when anything was slowed."""
+    """Slow joint velocities towards a joint limit, to zero at the limit; return whether any was slowed."""
     braked = False
     for i in range(dq.shape[0]):
         room_up = max(0.0, highest[i] - q[i]) / _BRAKE_TIME
@@ -116,11 +116,11 @@ def brake_at_limits(q: Vec, lowest: Vec, highest: Vec, dq: Vec) -> bool:
 
 
 @kernel
-def _joint_share(change: Vec, most: Limits, factor: float) -> float:
-    """Largest share of a change of the joints that no joint's limit, times `factor`, forbids; 1: all of it."""
+def _joint_share(change: Vec, limits: Limits, factor: float) -> float:
+    """Largest share 0-1 of a change of the joints within every joint's limit times `factor`."""
     share = 1.0
     for i in range(change.shape[0]):
-        limit = most[i] * factor
+        limit = limits[i] * factor
         if abs(change[i]) > limit:
             share = min(share, limit / abs(change[i]))
     return share
@@ -128,17 +128,17 @@ def _joint_share(change: Vec, most: Limits, factor: float) -> float:
 
 @kernel
 def limit_joints(last: Vec, velocity: Limits, acceleration: Limits, each: bool, dt: float, step: Vec, dq: Vec) -> bool:
-    """Bring joint velocities within the limits of every joint, on its velocity and on its change since the last tick.
+    """Limit joint velocities, and their change since the last tick, to the limits of every joint.
 
     Args:
-        last: Joint velocities sent in the last tick.
+        last: Joint velocities commanded in the last tick.
         velocity: Largest velocity per joint [m/s, rad/s].
         acceleration: Largest acceleration per joint [m/s^2, rad/s^2].
-        each: True: every joint is clamped on its own, as the mask of D2.1 4.2.7 has it, which turns the motion; False:
-            all are scaled alike, so that it keeps its direction.
+        each: True: every joint is clamped separately, as by the mask of D2.1 4.2.7, which changes the direction; False:
+            all are scaled by one factor, which keeps it.
         dt: Tick [s].
         step: Scratch, as long as dq.
-        dq: Joint velocities; changed.
+        dq: Joint velocities, updated.
 
     Returns:
         Whether anything was limited.
@@ -155,8 +155,8 @@ def limit_joints(last: Vec, velocity: Limits, acceleration: Limits, each: bool, 
         step[i] = wish - last[i]
     near = _joint_share(step, acceleration, dt)
     for i in range(size):
-        most = acceleration[i] * dt
-        change = min(most, max(-most, step[i])) if each else near * step[i]
+        limit = acceleration[i] * dt
+        change = min(limit, max(-limit, step[i])) if each else near * step[i]
         limited = last[i] + change
         after += abs(limited - dq[i])
         step[i] = limited
@@ -169,7 +169,7 @@ def limit_joints(last: Vec, velocity: Limits, acceleration: Limits, each: bool, 
 
 @kernel
 def settle(command: Vec, dt: float) -> None:
-    """One tick of a damped ramp of the command to exactly zero: how the robot comes to rest in every stop state."""
+    """Let the command decay for one tick, in the end to exactly zero: the motion of every stop state."""
     for i in range(command.shape[0]):
         command[i] /= 1.0 + dt / _SETTLE_TIME
         if not abs(command[i]) > _STANDSTILL:

@@ -1,8 +1,7 @@
 """Passivity observer: the energy a rendered object has taken from the user (Hannaford & Ryu 2002).
 
 The device holds each force for a whole tick, so the work of a tick is exactly F_{k-1}.(x_k - x_{k-1}), whatever the
-hand did in between; T F v would err by what the velocity changed. Nothing here acts: what to do about an energy below
-zero is the passivity controller's.
+motion in between; T F v would err by the change of velocity. It only observes: `passivity_control` acts.
 """
 
 from __future__ import annotations
@@ -22,20 +21,20 @@ __all__ = ["OBSERVER", "observe", "reset_observer"]
 
 OBSERVER = np.dtype(
     [
-        ("energy", np.float64),  # taken from the user since the reset [J]; below 0: the object has given energy away
-        ("lowest", np.float64),  # least energy so far [J]
+        ("energy", np.float64),  # taken from the user since the reset [J]; below 0: the object is active
+        ("lowest", np.float64),  # lowest energy so far [J]
         ("position", np.float64, 3),  # of the last tick [m]
         ("force", np.float64, 3),  # on the user, held since the last tick [N]
-        ("known", np.uint8),
+        ("known", np.uint8),  # 1: position and force are valid
     ],
     align=True,
 )
-"""State of one observer; zeros are a fresh one."""
+"""State of one observer; zeros are the initial state."""
 
 
 @kernel
 def reset_observer(observer: ObserverRecord) -> None:
-    """Start again at 0 J, as in free motion."""
+    """Restart the observer at 0 J, as in free motion."""
     observer.energy = 0.0
     observer.lowest = 0.0
     observer.known = 0
@@ -47,8 +46,8 @@ def observe(observer: ObserverRecord, position: Vec, force_on_user: Vec) -> floa
 
     Args:
         observer: Record of `OBSERVER`, updated.
-        position: Where the device is at this tick [m], shape [3].
-        force_on_user: What it shows from this tick to the next [N], shape [3], same frame.
+        position: Position of the device in this tick [m], shape [3].
+        force_on_user: Force held from this tick to the next [N], shape [3], same frame.
     """
     if observer.known:
         work = 0.0

@@ -1,8 +1,8 @@
-"""Simulated HapticMaster: three driven masses, their sensors, and nothing else.
+"""Simulated HapticMaster: three driven masses and their sensors.
 
-The robot moves only as it is commanded: each axis is a mass with a velocity servo of finite bandwidth and drive force.
-A hand cannot push it; it can only pull at the force sensor, and it is the admittance controller that makes the robot
-give way. That is how the real machine works and why its inertia is felt as the virtual mass.
+Each axis is a mass with a velocity servo of finite bandwidth and drive force. A hand does not move the robot directly:
+it loads the force sensor, and the admittance controller commands the motion, as on the real machine. Its inertia is
+therefore felt as the virtual mass.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import DATA_AGE, DATA_DQ, DATA_FORCE, DATA_Q
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian, forward, robot_to_tool
 from mimics_app.rendering.haptic.kernels.limiter import settle
-from mimics_app.rendering.haptic.kernels.noise import gauss
+from mimics_app.rendering.haptic.kernels.noise import gauss, quantised
 
 __all__ = [
     "AXIS_OFFSET",
@@ -49,8 +49,8 @@ MAX_DELAY = 50
 
 Q = 0  # true joints [m, rad, m]
 DQ = 3  # true joint velocities
-MEASURED = 6  # joints as the encoders last gave them
-SPEED = 9  # joint velocities from the encoders, filtered
+MEASURED = 6  # joints as last read by the encoders [m, rad, m]
+SPEED = 9  # joint velocities from the encoders, filtered [m/s, rad/s, m/s]
 HANDLE = 12  # position 12:15 [m] and velocity 15:18 [m/s] of the handle, robot frame
 AXIS_OFFSET = 18  # d1 [m]
 JOINT_MIN = 19
@@ -62,8 +62,8 @@ VELOCITY_LIMIT = 30  # [m/s, rad/s, m/s]
 ENCODER = 33  # quantum per joint [m, rad, m]
 SENSOR_NOISE = 36  # standard deviation [N]
 SENSOR_QUANTUM = 37  # [N]
-SENSOR_GAIN = 38  # 1; 0 cuts the sensor off
-NOISE = 39  # generator
+SENSOR_GAIN = 38  # 1; 0 disconnects the sensor
+NOISE = 39  # state of the random generator
 TICK = 40  # [s]
 DELAY = 41  # delay of the command [ticks]
 WRITTEN = 42  # commands written so far
@@ -71,9 +71,10 @@ LINE = 43  # ring of the last MAX_DELAY + 1 commands
 ROBOT_LENGTH = LINE + 3 * (MAX_DELAY + 1)
 
 _STOP_GAP = 0.005
-"""Mechanical end stops lie this far outside the joint limits [m, rad]."""
+"""Distance of the mechanical end stops beyond the joint limits [m, rad]."""
 
 _SPEED_FILTER_HZ = 150.0
+"""Corner frequency of the encoder velocity filter [Hz]."""
 
 
 @kernel
@@ -87,7 +88,7 @@ def command_robot(robot: Vec, dq: Vec) -> None:
 
 @kernel
 def coast_robot(robot: Vec) -> None:
-    """A tick without a command it may follow: the last one dies away, as the loop's own does in a stop."""
+    """Put a decayed copy of the last command into the delay line, for a tick in which the drives are disabled."""
     written = int(robot[WRITTEN])
     last = LINE + 3 * ((written + MAX_DELAY) % (MAX_DELAY + 1))
     slot = LINE + 3 * (written % (MAX_DELAY + 1))
@@ -99,7 +100,7 @@ def coast_robot(robot: Vec) -> None:
 
 @kernel
 def _drive(robot: Vec, axis: int, wish: float) -> None:
-    """One axis for one tick: exact step of the servo's first-order lag, limited by the drive's force and speed."""
+    """Advance one axis by a tick: exact step of the servo's first-order lag within the drive's force and speed."""
     dt = robot[TICK]
     limit = robot[VELOCITY_LIMIT + axis]
     wish = min(limit, max(-limit, wish))
@@ -135,16 +136,10 @@ def step_robot(robot: Vec) -> None:
 
 @kernel
 def place_handle(robot: Vec) -> None:
-    """Position and velocity of the handle from the true joints."""
+    """Set position and velocity of the handle from the true joints."""
     q = robot[Q : Q + 3]
     forward(q, robot[AXIS_OFFSET], robot[HANDLE : HANDLE + 3])
     apply_jacobian(q, robot[AXIS_OFFSET], robot[DQ : DQ + 3], robot[HANDLE + 3 : HANDLE + 6])
-
-
-@kernel
-def _round_to(value: float, quantum: float) -> float:
-    """Value as a sensor of finite resolution shows it."""
-    return math.floor(value / quantum + 0.5) * quantum if quantum > 0.0 else value
 
 
 @kernel
@@ -154,11 +149,11 @@ def sense(robot: Vec, f: Vec, data: Vec) -> None:
     Args:
         robot: Robot memory.
         f: Force of the hand on the handle, robot frame [N].
-        data: Shape [DATA_LENGTH]; grasp and buttons are left to the caller.
+        data: Shape [DATA_LENGTH]; grasp and buttons are set by the caller.
     """
     blend = 1.0 - math.exp(-2.0 * math.pi * _SPEED_FILTER_HZ * robot[TICK])
     for i in range(3):
-        shown = _round_to(robot[Q + i], robot[ENCODER + i])
+        shown = quantised(robot[Q + i], robot[ENCODER + i])
         difference = (shown - robot[MEASURED + i]) / robot[TICK]
         robot[SPEED + i] += blend * (difference - robot[SPEED + i])
         robot[MEASURED + i] = shown
@@ -168,5 +163,5 @@ def sense(robot: Vec, f: Vec, data: Vec) -> None:
     for i in range(3):
         pull = data[DATA_FORCE + i] * robot[SENSOR_GAIN] + robot[SENSOR_NOISE] * gauss(robot, NOISE)
         pull = min(robot[DRIVE_FORCE], max(-robot[DRIVE_FORCE], pull))
-        data[DATA_FORCE + i] = _round_to(pull, robot[SENSOR_QUANTUM])
+        data[DATA_FORCE + i] = quantised(pull, robot[SENSOR_QUANTUM])
     data[DATA_AGE] = 0.0

@@ -1,4 +1,4 @@
-"""The vectors and records a tick leaves: command to the device, sample row of the recording, snapshot for all."""
+"""Outputs of a tick: command vector for the device, sample row of the recording, and snapshot."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ _copy_outputs = field_copier(moves_of(LOOP_FIELDS, recorded=True))
 _copy_published = field_copier(moves_of(LOOP_FIELDS, recorded=False))
 
 _OTHERS = 3 * (MAX_CONTACTS - 1)
-"""Components of a vector of every point of contact behind the first."""
+"""Components of a vector of all points of contact but the first."""
 
 
 @kernel
 def write_command(scene: SceneRecord, states: Table[StateRecord], command: Vec) -> None:
-    """Command vector for the device."""
+    """Fill the command vector for the device."""
     state = states[0]
     for i in range(MAX_JOINTS):
         command[COMMAND_DQ + i] = state.command[i]
@@ -67,7 +67,7 @@ def write_command(scene: SceneRecord, states: Table[StateRecord], command: Vec) 
 def write_inputs(
     data: Vec, status: int, stop_word: int, held: int, period: float, state: StateRecord, dt: float, row: SampleRecord
 ) -> None:
-    """The part of the sample row that a replay needs, exactly as the device gave it."""
+    """Write the inputs of a replay to the sample row, exactly as read from the device."""
     row.t = state.tick * dt
     row.tick = float(state.tick)
     for i in range(MAX_JOINTS):
@@ -91,7 +91,7 @@ def write_inputs(
 
 @kernel
 def read_inputs(row: SampleRecord, data: Vec) -> None:
-    """The data vector of the device back from a sample row."""
+    """Restore the data vector of the device from a sample row."""
     for i in range(MAX_JOINTS):
         data[DATA_Q + i] = row.q[i]
         data[DATA_DQ + i] = row.dq[i]
@@ -108,13 +108,13 @@ def read_inputs(row: SampleRecord, data: Vec) -> None:
 
 @kernel
 def write_outputs(state: StateRecord, totals: TotalsRecord, row: SampleRecord) -> None:
-    """The part of the sample row that a replay compares."""
+    """Write the outputs of the tick to the sample row; a replay compares them."""
     _copy_outputs(state, totals, row)
 
 
 @kernel
 def write_snapshot(state: StateRecord, totals: TotalsRecord, t_ns: int, out: SnapshotRecord) -> None:
-    """The newest state of a tick that was released at `t_ns`, for all who read it while the loop goes on."""
+    """Write the state after a tick that was released at `t_ns` [ns] to the snapshot."""
     out.tick = state.tick - 1
     out.t_ns = t_ns
     _copy_published(state, totals, out)

@@ -1,18 +1,18 @@
-"""State machine of the haptic loop. Every threshold stands in the SCENE record.
+"""Safety state machine of the haptic loop; its thresholds are in the SCENE record.
 
     OFF -> INIT -> HOMED -> READY -> ACTIVE <-> DEGRADED          any -> SAFE_STOP, E_STOP (latched)
 
     OFF       no parameters yet; no motion
     INIT      waiting for the device's first finite data; no motion
-    HOMED     device answers; a PD controller drives to its target
-    READY     target reached, or admittance or impedance chosen: the hand leads, the virtual force is still off
-    ACTIVE    the virtual force has been below `ramp_force` for 100 ms; it ramps from 0 to 1
-    DEGRADED  a tick came too late: the virtual force ramps down, motion is damped; back by the same soft start.
-              Of a simulated device (`late_latches` 0) no tick is late enough for more
-    SAFE_STOP, E_STOP   no force, motion dies away, until SCENE.resets changes; then INIT again, never straight ACTIVE
+    HOMED     the device responds; a PD controller drives to its target
+    READY     target reached, or admittance or impedance control: the hand leads, the virtual force is still off
+    ACTIVE    entered once the virtual force was below `ramp_force` for 100 ms; its factor ramps from 0 to 1
+    DEGRADED  a tick was too late: the virtual force ramps down, motion is damped; back by the same soft start.
+              For a simulated device (`late_latches` 0) late ticks latch no stop
+    SAFE_STOP, E_STOP   no force, motion decays, until SCENE.resets changes; then INIT, never ACTIVE directly
 
-The stop key or a device button latches E_STOP, everything else that trips latches SAFE_STOP; E_STOP may follow
-SAFE_STOP, never the other way.
+Stop key and device button latch E_STOP, every other cause latches SAFE_STOP; E_STOP may follow SAFE_STOP, never the
+reverse.
 """
 
 from __future__ import annotations
@@ -50,7 +50,10 @@ IN_TIME, HOLD, LATE_DAMP, LATE_STOP, MISSED_STOP = 0, 1, 2, 3, 4
 """Late-tick classes, SAMPLE.held."""
 
 _QUIET_TIME = 0.1
+"""Time of virtual force below ramp_force before the soft start [s]."""
+
 _RAMP_DOWN_TIME = 0.05
+"""Time in which the virtual force ramps from full to 0 in DEGRADED [s]."""
 
 _OFF = int(SafetyState.OFF)
 _INIT = int(SafetyState.INIT)
@@ -85,7 +88,7 @@ def is_stopped(state: StateRecord) -> bool:
 
 @kernel
 def lets_feel(controller: int) -> bool:
-    """True for the controllers under which the person leads and feels the virtual force."""
+    """True for the controllers that render the virtual force: admittance and impedance."""
     return controller == Controller.ADMITTANCE or controller == Controller.IMPEDANCE
 
 
@@ -102,8 +105,8 @@ def latch(state: StateRecord, stop: int, cause: int) -> None:
 
 
 @kernel
-def _reset_when_asked(scene: SceneRecord, state: StateRecord, stop_word: int) -> bool:
-    """A changed count of resets leaves a latched stop, once stop key and button are released; True when it did."""
+def _reset_stop(scene: SceneRecord, state: StateRecord, stop_word: int) -> bool:
+    """Leave a latched stop on a new SCENE.resets, once stop key and button are released; return whether it was left."""
     if scene.resets == state.resets:
         return False
     if state.safety < _SAFE_STOP:
@@ -120,7 +123,7 @@ def _reset_when_asked(scene: SceneRecord, state: StateRecord, stop_word: int) ->
 
 @kernel
 def _outside_workspace(scene: SceneRecord, state: StateRecord) -> bool:
-    """True beyond the joint limits by more than the margin; written so that NaN limits count as outside."""
+    """Whether a joint is beyond its limits by more than the margin; NaN counts as outside."""
     for i in range(scene.joints):
         if not (
             scene.joint_min[i] - scene.workspace_margin <= state.q[i] <= scene.joint_max[i] + scene.workspace_margin
@@ -131,7 +134,7 @@ def _outside_workspace(scene: SceneRecord, state: StateRecord) -> bool:
 
 @kernel
 def _gave_too_much(scene: SceneRecord, state: StateRecord) -> bool:
-    """True when one contact gave more than `energy_limit` to the handle, or, where controlled, to what it acts on."""
+    """Whether the contacts gave more than `energy_limit` to the handle or, under passivity control, by their credit."""
     lowest = state.observer.energy
     if scene.passivity == 1:
         lowest = min(lowest, state.acting.credit)
@@ -140,7 +143,7 @@ def _gave_too_much(scene: SceneRecord, state: StateRecord) -> bool:
 
 @kernel
 def _point_trips(scene: SceneRecord, states: Table[StateRecord], cause: int) -> bool:
-    """Whether any point of contact is too fast, jumped, or gave too much, as `cause` asks."""
+    """Whether `cause` (VELOCITY, JUMP or ENERGY) holds at any point of contact."""
     for c in range(scene.contacts):
         state = states[c]
         if cause == _VELOCITY and not norm(state.v) <= scene.velocity_limit:
@@ -154,7 +157,7 @@ def _point_trips(scene: SceneRecord, states: Table[StateRecord], cause: int) -> 
 
 @kernel
 def _largest_force(scene: SceneRecord, states: Table[StateRecord]) -> float:
-    """Of the virtual forces on the points of contact [N]."""
+    """Largest virtual force on a point of contact [N]."""
     largest = norm(states[0].f_virt_world)
     for c in range(1, scene.contacts):
         largest = max(largest, norm(states[c].f_virt_world))
@@ -163,13 +166,13 @@ def _largest_force(scene: SceneRecord, states: Table[StateRecord]) -> float:
 
 @kernel
 def _late_cause(held: int) -> int:
-    """Cause that a late-tick class beyond HOLD stands for."""
+    """TripCause of a late-tick class beyond HOLD."""
     return _MISSED_IN_ROW if held == MISSED_STOP else _LATE_TICK
 
 
 @kernel
 def _find_trip(scene: SceneRecord, states: Table[StateRecord], status: int, held: int) -> int:
-    """Cause that latches SAFE_STOP in this tick, or NONE."""
+    """TripCause that latches SAFE_STOP in this tick, or NONE."""
     cause, state = _NONE, states[0]
     if state.readable == 0 or state.tunnel.status == TunnelStatus.NOT_FINITE or state.objects_failed == 1:
         cause = _NOT_FINITE
@@ -192,7 +195,7 @@ def _find_trip(scene: SceneRecord, states: Table[StateRecord], status: int, held
 
 @kernel
 def _come_up(scene: SceneRecord, state: StateRecord, quiet: bool) -> None:
-    """OFF to ACTIVE, at most one step a tick; READY falls back to HOMED when a PD target moves away."""
+    """Advance from OFF to ACTIVE, at most one state per tick; READY returns to HOMED when a PD target moves away."""
     safety = state.safety
     haptic = lets_feel(scene.controller)
     if safety == _OFF:
@@ -210,7 +213,7 @@ def _come_up(scene: SceneRecord, state: StateRecord, quiet: bool) -> None:
 
 @kernel
 def _stay_active(scene: SceneRecord, state: StateRecord, quiet: bool, held: int) -> None:
-    """ACTIVE and DEGRADED: leave for HOMED with another controller, degrade when late, return when quiet."""
+    """Step ACTIVE and DEGRADED: HOMED under another controller, DEGRADED when late, ACTIVE again when quiet."""
     if not lets_feel(scene.controller):
         state.safety = _HOMED
     elif state.safety == _ACTIVE and held >= LATE_DAMP:
@@ -224,7 +227,7 @@ def _stay_active(scene: SceneRecord, state: StateRecord, quiet: bool, held: int)
 
 @kernel
 def _move_ramp(scene: SceneRecord, state: StateRecord, dt: float) -> None:
-    """Soft start: up in ACTIVE over ramp_time, down in DEGRADED, zero elsewhere."""
+    """Move the soft-start factor: up in ACTIVE over ramp_time, down in DEGRADED, zero elsewhere."""
     if state.safety == _ACTIVE:
         state.ramp = min(1.0, state.ramp + dt / scene.ramp_time) if scene.ramp_time > dt else 1.0
     elif state.safety == _DEGRADED:
@@ -237,7 +240,7 @@ def _move_ramp(scene: SceneRecord, state: StateRecord, dt: float) -> None:
 def step_safety(
     scene: SceneRecord, states: Table[StateRecord], status: int, stop_word: int, held: int, dt: float
 ) -> None:
-    """Decide this tick's state and soft-start factor, after motion and virtual force are known.
+    """Step the state machine and the soft-start factor, after motion and virtual forces of the tick are known.
 
     Args:
         scene: SCENE record.
@@ -249,7 +252,7 @@ def step_safety(
     """
     state = states[0]
     before = state.safety
-    was_reset = _reset_when_asked(scene, state, stop_word)
+    was_reset = _reset_stop(scene, state, stop_word)
     if stop_word != 0:
         latch(state, _E_STOP, _STOP_KEY)
     elif state.buttons & _STOP_BUTTON != 0:

@@ -1,4 +1,4 @@
-"""What the device says, as motion, force and ball: the first part of a tick."""
+"""Device data into motion, forces and ball size: the first part of a tick."""
 
 from __future__ import annotations
 
@@ -6,10 +6,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import Kin
-from mimics_app.contracts.haptic import (
-    SECOND_NS,
-    DeviceStatus,
-)
+from mimics_app.contracts.haptic import SECOND_NS, DeviceStatus
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_fields import MAX_JOINTS
 from mimics_app.contracts.loop_ports import (
@@ -35,12 +32,12 @@ _BALL_TIME = 0.05
 """Time constant with which the ball follows the grasp force [s]."""
 
 _ABSURD = 1e6
-"""Beyond this a number from a device counts as not finite."""
+"""Magnitude from which a number of the device counts as not finite [its own unit]."""
 
 
 @kernel
 def _is_plausible(data: Vec) -> bool:
-    """False for NaN, infinities and absurd sizes; written so that NaN fails the comparison."""
+    """Whether all numbers are finite and below `_ABSURD`; the comparison is false for NaN."""
     for i in range(data.shape[0]):
         if not abs(data[i]) < _ABSURD:
             return False
@@ -49,14 +46,14 @@ def _is_plausible(data: Vec) -> bool:
 
 @kernel
 def _take_forces(states: Table[StateRecord], contacts: int, data: Vec) -> None:
-    """Measured force of every point of contact."""
+    """Set the measured force of every point of contact."""
     for c in range(contacts):
         copy(data[DATA_FORCE + 3 * c : DATA_FORCE + 3 * c + 3], states[c].f_meas)
 
 
 @kernel
 def take_data(scene: SceneRecord, states: Table[StateRecord], data: Vec, status: int, dt: float) -> None:
-    """Device data into the states; data that is not finite, or not fresh, leaves the last good motion standing."""
+    """Take fresh, finite device data into the states; other data leaves the last valid positions unchanged."""
     state = states[0]
     state.readable = 1
     if status != DeviceStatus.FRESH:
@@ -84,7 +81,7 @@ def take_data(scene: SceneRecord, states: Table[StateRecord], data: Vec, status:
 
 @kernel
 def _place(scene: SceneRecord, state: StateRecord, x: Vec, v: Vec, f: Vec) -> None:
-    """Position, velocity and measured force of one point, robot frame, into its state, and into the world."""
+    """Set position and velocity of one point in robot and world frame, and its measured force in the world."""
     copy(x, state.hip)
     copy(v, state.v)
     rotate(scene.R_world_from_robot, state.hip, state.hip_world)
@@ -96,7 +93,7 @@ def _place(scene: SceneRecord, state: StateRecord, x: Vec, v: Vec, f: Vec) -> No
 
 @kernel
 def find_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
-    """Position, velocity and measured force of every point of contact in robot and world frame."""
+    """Set position, velocity and measured force of every point of contact."""
     state, work = states[0], states[0].joint_work
     points_of(kin, scene, state.q, work.points)
     velocities_of(kin, scene, state.q, state.dq, work, work.velocities)
@@ -110,7 +107,7 @@ def find_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> Non
 
 @kernel
 def size_ball(scene: SceneRecord, state: StateRecord, dt: float) -> None:
-    """Ball radius from grasp force: largest open-handed, smallest at grasp_force_full, smoothed."""
+    """Set the ball radius from the grasp force: largest without grasp, smallest at grasp_force_full, smoothed."""
     share = state.grasp / scene.grasp_force_full if scene.grasp_force_full > 0.0 else 0.0
     share = min(1.0, max(0.0, share))
     target = scene.ball_radius_max - share * (scene.ball_radius_max - scene.ball_radius_min)

@@ -1,4 +1,4 @@
-"""A few linear equations with a symmetric positive definite matrix, in place."""
+"""Solver of small linear systems with a symmetric positive definite matrix, in place."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def solve_positive(a: Vec, b: Vec, size: int) -> float:
         size: Number of equations.
 
     Returns:
-        The smallest pivot: the square of the shortest lever that is left.
+        The smallest pivot; of J J^T the square of the shortest lever arm.
     """
     smallest = a[0]
     for j in range(size):

@@ -1,14 +1,14 @@
-"""How stiff a wall may be for the period and delay the loop really has: the live stability limit.
+"""Live stability limit: the largest stiffness of a wall for the measured period and delay of the loop.
 
 A wall of stiffness K and damping B, touched through a device with damping b of its own, is stable while (linear
 condition of Gil et al. 2004, Hulin et al. 2014)
 
     K < (b + B) / (T / 2 + delay)
 
-of several contacts at once in each direction (`directions`). T / 2 is the mean age of a force that is held for a
-period T. Where periods differ, a force held for T_i is T_i / 2 old on average and is felt for the share T_i / sum(T) of
-the time, so that T is the mean weighted by length, sum(T_i^2) / sum(T_i): a stall counts although the ticks that catch
-up after it bring the plain mean back to nominal.
+and several contacts at once where this holds in each direction (`directions`). T / 2 is the mean age of a force that is
+held for a period T. Where periods differ, a force held for T_i is T_i / 2 old on average and acts for the fraction
+T_i / sum(T) of the time, so that T is the mean weighted by length, sum(T_i^2) / sum(T_i): a stall counts although the
+ticks that catch up after it bring the plain mean back to nominal.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ __all__ = [
 ]
 
 LARGEST_MARGIN = 99.0
-"""A margin beyond this says no more; it also stands where there is nothing stiff."""
+"""Upper bound of a margin [-], and the margin without any stiffness."""
 
 _MEMORY = 0.25
-"""Time over which the measured period forgets [s]."""
+"""Time constant of the measured period [s]."""
 
 
 @kernel
@@ -54,7 +54,7 @@ def stiffness_limit(damping: float, period: float, delay: float) -> float:
 
 @kernel
 def margin_of(limit: float, stiffness: float) -> float:
-    """Stability margin limit / stiffness - 1 [-], at most LARGEST_MARGIN; below 0 the contact may swing up."""
+    """Stability margin limit / stiffness - 1 [-], at most LARGEST_MARGIN; below 0 the contact may be unstable."""
     if stiffness * (1.0 + LARGEST_MARGIN) <= limit or stiffness <= 0.0:
         return LARGEST_MARGIN
     return limit / stiffness - 1.0
@@ -62,7 +62,7 @@ def margin_of(limit: float, stiffness: float) -> float:
 
 @kernel
 def spring_share(stiffness: float, limit: float, margin: float) -> float:
-    """Share 0-1 of a spring [N/m] that keeps a margin [-] to a limit [N/m]; the damper beside it stays whole."""
+    """Share 0-1 of a spring [N/m] that keeps a margin [-] to a limit [N/m]; its damper is not scaled."""
     allowed = max(0.0, limit) / (1.0 + margin)
     return allowed / stiffness if stiffness > allowed else 1.0
 
@@ -78,12 +78,12 @@ def contact_share(stiffness: float, damping: float, own_damping: float, lag: flo
         damping: B of the contact [N s/m].
         own_damping: b of device and arm [N s/m].
         lag: T / 2 + delay [s].
-        margin: To keep [-].
+        margin: Stability margin to keep [-].
     """
     return share_of_need(stiffness * lag * (1.0 + margin) - damping, own_damping)
 
 
 @kernel
 def share_of_need(needed: float, own_damping: float) -> float:
-    """Share 0-1 of contacts that as authored need `needed` [N s/m] of damping where there is so much [N s/m]."""
+    """Share 0-1 of contacts that at full stiffness need the damping `needed` [N s/m], for that available [N s/m]."""
     return own_damping / needed if needed > own_damping else 1.0

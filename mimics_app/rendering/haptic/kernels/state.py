@@ -1,4 +1,4 @@
-"""What one point of contact remembers from tick to tick, and the codes the compiled functions share."""
+"""State of one point of contact from tick to tick, and the codes of its contact changes."""
 
 from __future__ import annotations
 
@@ -19,8 +19,7 @@ CONTACT_ENDED = 2
 
 STATE = np.dtype(
     [
-        *state_fields(LOOP_FIELDS),  # what also leaves the loop: motion, forces, command, margins
-        ("contact", "i8"),  # number of the point of contact, 0: the first, which also keeps what all have in common
+        *state_fields(LOOP_FIELDS),  # outputs of the loop: motion, forces, command, margins
         # safety
         ("tick", "i8"),  # ticks done
         ("safety", "i8"),  # SafetyState
@@ -37,48 +36,48 @@ STATE = np.dtype(
         # what changed in this tick
         ("state_changed", "i8"),
         ("tripped", "i8"),
-        ("jumped", "i8"),  # 1: the position moved further than any hand can
-        ("cap_began", "i8"),  # 1: from now on a contact is rendered softer than authored
+        ("jumped", "i8"),  # 1: the position moved farther than a hand can
+        ("cap_began", "i8"),  # 1: the stiffness cap began to act
         ("stale_began", "i8"),  # 1: the data became older than stale_warn
         ("parameters_taken", "i8"),
         ("contact_change", "i8"),  # CONTACT_... with the tunnel
         ("margin_lost", "i8"),  # 1: a margin fell below 0
         ("reported_margin", "f8"),  # that margin
-        ("reported_share", "f8"),  # share of the stiffness that is left where cap_began
+        ("reported_share", "f8"),  # rendered share of the stiffness where cap_began
         # motion, last good data
         ("dq", "f8", (MAX_JOINTS,)),
         ("f_meas", "f8", (3,)),  # frame of the sensor [N]
         ("buttons", "i8"),
         ("hip", "f8", (3,)),  # robot frame [m]
         ("v", "f8", (3,)),  # robot frame [m/s]
-        ("placed", "i8"),  # 1 once last_hip means something
-        ("last_hip", "f8", (3,)),  # where the device last said it was, robot frame [m]
+        ("placed", "i8"),  # 1 once last_hip is valid
+        ("last_hip", "f8", (3,)),  # last reported position, robot frame [m]
         # forces
-        ("f_contact", "f8", (3,)),  # what of it comes from contacts, world [N]
-        ("f_active", "f8", (3,)),  # what of it the energy tank has to pay [N]
-        ("f_wanted", "f8", (3,)),  # what is left of it for the limiter [N]
+        ("f_contact", "f8", (3,)),  # contacts' part of the virtual force, world [N]
+        ("f_active", "f8", (3,)),  # its part paid from the energy tank, world [N]
+        ("f_wanted", "f8", (3,)),  # input of the limiter, world [N]
         ("f_user", "f8", (3,)),  # robot frame [N]
         # contact
         ("in_contact", "i8"),
         ("clear_ticks", "i8"),  # ticks in a row without touching
         # stability
         ("period", "f8"),  # measured [s]
-        ("in_touch", "i8"),  # 1 from a contact's begin until 20 ms without one
+        ("in_touch", "i8"),  # 1 from the begin of a contact until acting.FREE_TIME without one
         ("capped", "i8"),  # 1 while a contact is rendered softer than authored
         ("observer", OBSERVER),  # of the contacts, since they began
-        ("warned", "i8"),  # 1 until the margin is well above 0 again
-        ("touched", "i8"),  # 1 once there was a contact: the next three hold
-        ("least_margin", "f8"),  # of all contacts, in their worst direction
-        ("least_limit", "f8"),
-        ("wall_margin", "f8"),  # of the wall of the tunnel that holds the ball, along its normal
-        ("wall_touched", "i8"),  # 1 once it pushed: the next holds
-        ("least_wall_margin", "f8"),
-        ("span", SPAN),  # all contacts of this tick as one
-        ("least_energy", "f8"),
+        ("warned", "i8"),  # 1 from a lost margin until it is well above 0 again
+        ("touched", "i8"),  # 1 once there was a contact: least_margin and least_limit are valid
+        ("least_margin", "f8"),  # smallest so far, in the worst direction of all contacts [-]
+        ("least_limit", "f8"),  # smallest stable stiffness so far [N/m]
+        ("wall_margin", "f8"),  # of the wall of the tunnel that holds the ball, along its normal [-]
+        ("wall_touched", "i8"),  # 1 once the wall pushed: least_wall_margin is valid
+        ("least_wall_margin", "f8"),  # smallest so far [-]
+        ("span", SPAN),  # sum of all contacts of this tick
+        ("least_energy", "f8"),  # lowest observed energy so far [J]
         # controller
         ("dq_virtual", "f8", (MAX_JOINTS,)),
-        ("reference", "f8", (3,)),  # what a force driven device is drawn to, robot frame [m]
-        ("joint_reference", "f8", (MAX_JOINTS,)),  # likewise the joints of one that takes torques
+        ("reference", "f8", (3,)),  # virtual target that draws a force-driven device, robot frame [m]
+        ("joint_reference", "f8", (MAX_JOINTS,)),  # the same for the joints of a torque-driven device
         ("arrived", "i8"),  # 1 while a PD controller is at its target
         ("acting", ACTING),
         ("joint_work", JOINT_WORK),
@@ -90,11 +89,9 @@ STATE = np.dtype(
     ],
     align=True,
 )
-"""One point of contact. All zero is a valid start: OFF."""
+"""State of one point of contact; the first also holds that of the device. Zeros are the initial state, OFF."""
 
 
 def new_states() -> np.ndarray:
-    """Fresh states, one for each point of contact a device may have, shape [MAX_CONTACTS], dtype STATE."""
-    states = np.zeros(MAX_CONTACTS, STATE)
-    states["contact"] = np.arange(MAX_CONTACTS)
-    return states
+    """Initial states of all points of contact, shape [MAX_CONTACTS], dtype STATE."""
+    return np.zeros(MAX_CONTACTS, STATE)

@@ -1,7 +1,7 @@
-"""Energy tank: what active forces give to the user must have been in it (Ferraguti et al. 2013, there for one arm).
+"""Energy tank: a budget for the energy that active forces give to the user (Ferraguti et al. 2013, there for one arm).
 
-Assistance, effects, held things and bodies that move may give energy that the user never put in. Each tick takes the
-exact work of their held forces out of the tank, or puts it in; a tank that runs low scales them down smoothly.
+Assistance, effects, held and moving bodies may give energy that the user never put in. Each tick books the exact work
+of their held forces; a tank that runs low scales them down smoothly.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from mimics_app.contracts.kernel import kernel
 __all__ = ["payable_share", "settle_account"]
 
 _EMPTYING_TIME = 0.1
-"""No power may empty the tank faster than this, so that forces fade instead of breaking off [s]."""
+"""Shortest time in which active forces may empty the tank [s], so that they fade instead of breaking off."""
 
 
 @kernel
@@ -19,10 +19,10 @@ def settle_account(level: float, given: float, inflow: float, size: float, dt: f
     """Level of the tank [J] after a tick.
 
     Args:
-        level: Before it [J].
-        given: Work of the active forces on the user [J]; below 0 the user put it in.
+        level: Level before the tick [J].
+        given: Work of the active forces on the user [J]; below 0: work of the user on them.
         inflow: Refill [W].
-        size: Most it holds [J].
+        size: Capacity [J].
         dt: Tick [s].
     """
     return min(size, max(0.0, level - given + inflow * dt))
@@ -32,7 +32,7 @@ def settle_account(level: float, given: float, inflow: float, size: float, dt: f
 def payable_share(level: float, power: float, inflow: float) -> float:
     """Share 0-1 of the active forces that can be paid, where all of them would give `power` [W] to the user.
 
-    The refill can always be given, and the level within the emptying time; forces that take power are free.
+    Available are the refill and the level within the emptying time; forces that absorb power are free.
     """
     allowed = inflow + level / _EMPTYING_TIME
     return allowed / power if power > allowed else 1.0

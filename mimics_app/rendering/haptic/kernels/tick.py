@@ -1,9 +1,9 @@
-"""The tick: device data in, command out. Live, un-timed and replayed runs call this very function.
+"""The tick of the haptic loop: device data in, command out. Live, un-timed and replayed runs call this one function.
 
-    data -> motion -> ball -> tunnels -> objects -> safety -> what acts -> stability -> controller -> command, sample
+    data -> motion -> tunnels, objects -> safety -> force on the user -> stability -> controller -> command, sample
 
-Everything that a tick depends on is in its arguments: the device's data and status, the stop word, the late-tick class,
-the measured period and the parameter block. All are recorded, so that a recording can be simulated again bit for bit.
+A tick depends on its arguments alone: the device's data and status, the stop word, the late-tick class, the measured
+period and the parameter block. All of them are recorded, so that a replay is bit-exact.
 """
 
 from __future__ import annotations
@@ -15,7 +15,12 @@ from mimics_app.contracts.device_descriptor import Kin
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.acting import account, act, device_delay, own_damping
-from mimics_app.rendering.haptic.kernels.contacts import collect, pass_on, publish_others, virtual_forces
+from mimics_app.rendering.haptic.kernels.contacts import (
+    collect_events,
+    publish_others,
+    set_virtual_forces,
+    share_device_state,
+)
 from mimics_app.rendering.haptic.kernels.drive import control, note_arrival
 from mimics_app.rendering.haptic.kernels.jumps import note_jump
 from mimics_app.rendering.haptic.kernels.objects.hand import write_hand
@@ -25,13 +30,11 @@ from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs
 from mimics_app.rendering.haptic.kernels.safety import step_safety
 from mimics_app.rendering.haptic.kernels.sensing import find_motion, size_ball, take_data
 from mimics_app.rendering.haptic.kernels.tunnels import follow_tunnels, forget_tunnels
-from mimics_app.rendering.haptic.kernels.vectors import copy
 from mimics_app.rendering.haptic.kernels.watch import watch_contact, watch_margin
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import (
         Fields,
-        ObjectCountsRecord,
         ObjectWork,
         Rows,
         SampleRecord,
@@ -45,22 +48,86 @@ __all__ = ["tick"]
 
 
 @kernel
-def _follow_contacts(objects: ObjectWork, counts: ObjectCountsRecord, state: StateRecord, dt: float) -> None:
-    """Begin and end of contacts with a tunnel's wall and with objects; only what the user can feel counts."""
-    felt = state.safety == SafetyState.ACTIVE or state.safety == SafetyState.DEGRADED
-    state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
-    follow_touches(objects, counts, felt, dt)
-
-
-@kernel
 def _begin_tick(scene: SceneRecord, objects: ObjectWork, state: StateRecord) -> None:
-    """Note which parameters act; a new trial forgets where the ball was in its tunnels."""
+    """Note whether parameters changed; a new trial restarts the tracking of the tunnels."""
     state.tripped = 0
     state.parameters_taken = 1 if scene.sequence != state.sequence else 0
     state.sequence = scene.sequence
     if scene.trial != state.trial:
         state.trial = scene.trial
         forget_tunnels(objects.tunnels, state)
+
+
+@kernel
+def _read_motion(kin: Kin, scene: SceneRecord, states: Table[StateRecord], data: Vec, status: int, dt: float) -> None:
+    """Motion of every point of contact from the device's data, its energy account, and the size of the ball."""
+    last_age = states[0].age
+    take_data(scene, states, data, status, dt)
+    find_motion(kin, scene, states)
+    share_device_state(scene, states)
+    for c in range(max(1, scene.contacts)):
+        note_jump(scene, states[c], status, last_age, dt)
+        account(scene, states[c], dt)
+    size_ball(scene, states[0], dt)
+
+
+@kernel
+def _find_virtual_forces(
+    scene: SceneRecord,
+    rows: Rows,
+    objects: ObjectWork,
+    simulate: Simulate,
+    fields: Fields,
+    states: Table[StateRecord],
+    period: float,
+    dt: float,
+) -> None:
+    """Virtual force on every point of contact, from tunnels and objects, which advance by one tick."""
+    state = states[0]
+    own, delay = own_damping(scene), device_delay(scene, state)
+    follow_tunnels(scene, rows.tunnels, objects.tunnels, state, own, delay, period)
+    write_hand(states, scene.contacts, dt, objects.hand)
+    simulate(rows, objects, scene.objects, objects.hand, fields, dt, objects.force)
+    state.objects_failed = objects.totals[0].status
+    set_virtual_forces(scene, states, objects.totals, objects.force)
+
+
+@kernel
+def _act_on_user(
+    scene: SceneRecord, objects: ObjectWork, states: Table[StateRecord], held: int, period: float, dt: float
+) -> None:
+    """Force on the user at every point of contact, and the contacts that begin or end with it."""
+    share_device_state(scene, states)
+    for c in range(max(1, scene.contacts)):
+        act(scene, states[c], objects.totals[c], objects.touched[c], held, period, dt)
+    state = states[0]
+    felt = state.safety == SafetyState.ACTIVE or state.safety == SafetyState.DEGRADED
+    state.contact_change = follow_touch(state, felt and state.tunnel.wall_force > 0.0, felt, dt)
+    follow_touches(objects.touches, objects.totals, objects.motions, scene.objects, felt, dt)
+
+
+@kernel
+def _watch_stability(
+    scene: SceneRecord, objects: ObjectWork, states: Table[StateRecord], period: float, dt: float
+) -> None:
+    """Stability margin and contact energy of every point of contact, and their events."""
+    for c in range(max(1, scene.contacts)):
+        totals, touched = objects.totals[c], objects.touched[c]
+        watch_margin(scene, states[c], totals, touched, period)
+        watch_contact(scene, states[c], totals, touched, objects.margins, dt)
+    collect_events(scene, states)
+
+
+@kernel
+def _write_results(
+    scene: SceneRecord, objects: ObjectWork, states: Table[StateRecord], command: Vec, row: SampleRecord
+) -> None:
+    """Command for the device, and the outputs of the sample row."""
+    state = states[0]
+    write_command(scene, states, command)
+    publish_others(scene, states, objects.totals)
+    state.bodies = sum_motions(objects.motion_words, scene.objects.bodies)
+    write_outputs(state, objects.totals[0], row)
 
 
 @kernel
@@ -81,63 +148,37 @@ def tick(
     command: Vec,
     row: SampleRecord,
 ) -> None:
-    """One tick.
+    """Advance the loop by one tick.
 
     Args:
         scene: SCENE record, the parameters of this tick.
-        rows: Tables of haptic objects beside it.
+        rows: Tables of the haptic objects.
         objects: Working arrays of the objects, advanced by one tick.
         simulate: The objects' part of the tick, see rendering.haptic.objects.SIMULATE.
         fields: Force fields of the objects.
         kin: Kinematics functions of the device, in the order of contracts.device_descriptor.
         states: STATE records, one for each point of contact, advanced by one tick.
-        data: What the device's read gave, shape [DATA_LENGTH].
+        data: Data vector from the device's read function, shape [DATA_LENGTH].
         status: DeviceStatus of that read.
         stop_word: Not 0 while the stop key requests E_STOP.
         held: Late-tick class of this tick (safety.IN_TIME .. MISSED_STOP).
-        period: Measured period [s]; dt where nothing can be late.
+        period: Measured period [s]; dt in a loop that cannot be late.
         dt: Tick [s].
-        command: What the device's write takes, shape [COMMAND_LENGTH], filled here.
+        command: Receives the command for the device's write function, shape [COMMAND_LENGTH].
         row: SAMPLE record, filled here except for the timing fields.
     """
     state = states[0]
     _begin_tick(scene, objects, state)
     write_inputs(data, status, stop_word, held, period, state, dt, row)
-
-    last_age = state.age
-    take_data(scene, states, data, status, dt)
-    find_motion(kin, scene, states)
-    pass_on(scene, states)
-    for c in range(max(1, scene.contacts)):
-        note_jump(scene, states[c], status, last_age, dt)
-        account(scene, states[c], dt)
-    size_ball(scene, state, dt)
-    own, delay = own_damping(scene), device_delay(scene, state)
-    follow_tunnels(scene, rows.tunnels, objects.tunnels, state, own, delay, period)
-    copy(state.tunnel.force_world, state.f_virt_world)
-    write_hand(states, scene.contacts, dt, objects.hand)
-    simulate(rows, objects, scene.objects, objects.hand, fields, dt, objects.force)
-    state.objects_failed = objects.totals[0].status
-    for i in range(3):
-        state.f_virt_world[i] += objects.force[i]
-
-    virtual_forces(scene, states, objects.totals)
+    _read_motion(kin, scene, states, data, status, dt)
+    _find_virtual_forces(scene, rows, objects, simulate, fields, states, period, dt)
     note_arrival(kin, scene, states)
     step_safety(scene, states, status, stop_word, held, dt)
-    before = state.safety
-    pass_on(scene, states)
-    for c in range(max(1, scene.contacts)):
-        act(scene, states[c], objects.totals[c], objects.touched[c], held, period, dt)
-    _follow_contacts(objects, scene.objects, state, dt)
-    for c in range(max(1, scene.contacts)):
-        watch_margin(scene, states[c], objects, period)
-        watch_contact(scene, states[c], objects, dt)
-    collect(scene, states)
+    stepped = state.safety
+    _act_on_user(scene, objects, states, held, period, dt)
+    _watch_stability(scene, objects, states, period, dt)
     control(kin, scene, states, held, dt)
-    if state.safety != before:
+    if state.safety != stepped:  # force, stability or controller latched a stop
         state.state_changed = 1
-    write_command(scene, states, command)
-    publish_others(scene, states, objects.totals)
-    state.bodies = sum_motions(objects.motion_words, scene.objects.bodies)
-    write_outputs(state, objects.totals[0], row)
+    _write_results(scene, objects, states, command, row)
     state.tick += 1

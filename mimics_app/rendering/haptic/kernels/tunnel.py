@@ -1,20 +1,20 @@
 """Forces of the haptic tunnel (D2.1 4.2.10) for one tick: wall, end caps, drag along the tunnel, assistance.
 
-D2.1 gives words and figures only; the form used is derived in docs/decisions/010-haptic-tunnel.md. With s* the closest
+D2.1 gives words and figures only; the equations are derived in docs/decisions/010-haptic-tunnel.md. With s* the closest
 bisector point, e = p - C(s*), rho = |e|, u = e/rho, t the tangent, kappa the curvature vector and c = max(0, r_t - r_k)
-the room the ball of radius r_k has in the tunnel of radius r_t:
+the clearance of the ball of radius r_k in the tunnel of radius r_t:
 
     depth      d  = rho - c                       d' = u.v + r_k' - c' s',   s' = t.v / (1 - kappa.e)
     wall       F_t = -max(0, k d + b d') (u - c'/(1 - kappa.e) t)            while d > 0
     along      F_d = -(drag + growth max(0, r_k - r_t)) (v.t) t
     assistance -centring e  +  advance t
 
-The t-part of the wall force makes it -grad(k d^2 / 2) where the radius varies; the radial force drawn in figure 46
-alone would let a person gain energy on a loop. A ball larger than the tunnel has no room (c = 0): it is held to the
+With its component along t the wall force is -grad(k d^2 / 2) where the radius varies; the radial force of figure 46
+alone would generate energy on a closed path. A ball larger than the tunnel has no clearance (c = 0): it is held to the
 bisector and dragged, instead of jumping across it.
 
-Each end is closed by a flat wall, square to the tangent, that leaves the same room c beyond the last point: a ball that
-leaves through it is pushed back along the tangent only, and a ball at rest at the end touches nothing.
+Each end is closed by a flat wall perpendicular to the tangent, with the same clearance c beyond the last point: a ball
+beyond it is pushed back along the tangent only, and a ball at rest at the end touches nothing.
 """
 
 from __future__ import annotations
@@ -39,21 +39,21 @@ _FOLLOWING = int(TunnelStatus.FOLLOWING)
 _NOT_FINITE = int(TunnelStatus.NOT_FINITE)
 
 _SMALLEST_OFFSET = 1e-15
-"""A ball nearer to the bisector than this [m] has no direction to be pushed in, and no need."""
+"""Distance from the bisector below which the wall has no direction and no force [m]."""
 
 _MIN_STRETCH = 0.05
-"""Floor of 1 - kappa.e: at the centre of curvature, outside any lawful tunnel, the force stays finite."""
+"""Lower bound of 1 - kappa.e [-], which keeps the force finite at the centre of curvature, outside valid tunnels."""
 
 _ADVANCE_FADE = 0.01
-"""The advance force fades over this length before the end [m]."""
+"""Length before the end over which the advance force fades [m]."""
 
 _MAX_COORDINATE = 1e6
-"""Beyond this [m, m/s] a position or velocity counts as not finite."""
+"""Magnitude from which a position or velocity counts as not finite [m, m/s]."""
 
 
 @kernel
 def _is_usable(p: Vec, v: Vec, ball_radius: float, rate: float) -> bool:
-    """False for NaN, infinities and absurd sizes; written so that NaN fails every comparison."""
+    """Whether position and velocity are finite and below `_MAX_COORDINATE`; the comparison is false for NaN."""
     total = abs(ball_radius) + abs(rate)
     for i in range(3):
         total += abs(p[i]) + abs(v[i])
@@ -62,13 +62,13 @@ def _is_usable(p: Vec, v: Vec, ball_radius: float, rate: float) -> bool:
 
 @kernel
 def fade_at_end(remaining: float) -> float:
-    """Share 0-1 of an advancing force that is left `remaining` [m] before the end."""
+    """Share 0-1 of an advancing force at a distance `remaining` [m] before the end."""
     return min(1.0, max(0.0, remaining) / _ADVANCE_FADE)
 
 
 @kernel
 def _release(state: TunnelStateRecord, status: int) -> None:
-    """No force, and a fresh search at the next call."""
+    """Set all forces to 0, and request a full search at the next call."""
     state.status = status
     state.tracking = 0
     state.penetration = 0.0
@@ -82,10 +82,10 @@ def _release(state: TunnelStateRecord, status: int) -> None:
 
 @kernel
 def tunnel_force(tunnel: TunnelRecord, p: Vec, v: Vec, ball_radius: float, state: TunnelStateRecord) -> None:
-    """Force of the tunnel on the user for one tick (D2.1 4.2.10), and where the ball is in it.
+    """Set the force of the tunnel on the user for one tick (D2.1 4.2.10), and the position of the ball in it.
 
     Deterministic; allocates nothing. The force is finite for every input: a position, velocity or ball radius that is
-    not finite (or beyond 1e6) gives zero force, status NOT_FINITE and a fresh search afterwards.
+    not finite (or beyond 1e6) gives zero force, status NOT_FINITE and a full search afterwards.
 
     Args:
         tunnel: TUNNEL record.
@@ -142,18 +142,18 @@ def _wall(
     tunnel: TunnelRecord,
     e: tuple[float, float, float],
     lean: float,
-    room: float,
-    room_rate: float,
+    clearance: float,
+    clearance_rate: float,
     v: Vec,
     state: TunnelStateRecord,
 ) -> tuple[float, float]:
-    """Set the wall's force for the offset e across the tunnel; returns its depth [m] and rate [m/s].
+    """Set the wall's force for the offset e across the tunnel; return its depth [m] and rate [m/s].
 
     `lean` = c' / (1 - kappa.e) tilts the force along the tunnel where the radius changes.
     """
     f = state.force_world
     rho = math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
-    if rho <= room or rho < _SMALLEST_OFFSET:
+    if rho <= clearance or rho < _SMALLEST_OFFSET:
         f[0] = 0.0
         f[1] = 0.0
         f[2] = 0.0
@@ -161,24 +161,24 @@ def _wall(
     dx = e[0] / rho - lean * state.tangent[0]
     dy = e[1] / rho - lean * state.tangent[1]
     dz = e[2] / rho - lean * state.tangent[2]
-    rate = v[0] * dx + v[1] * dy + v[2] * dz - room_rate
-    push = _push(tunnel, state.softening, rho - room, rate)
+    rate = v[0] * dx + v[1] * dy + v[2] * dz - clearance_rate
+    push = _push(tunnel, state.softening, rho - clearance, rate)
     f[0] = -push * dx
     f[1] = -push * dy
     f[2] = -push * dz
-    return rho - room, rate
+    return rho - clearance, rate
 
 
 @kernel
 def _add_cap(
-    tunnel: TunnelRecord, along: float, v_t: float, room: float, room_rate: float, state: TunnelStateRecord
+    tunnel: TunnelRecord, along: float, v_t: float, clearance: float, clearance_rate: float, state: TunnelStateRecord
 ) -> tuple[float, float]:
-    """Add the flat cap's force, `along` [m] beyond an end (sign: which); returns its depth [m] and rate [m/s]."""
-    depth = abs(along) - room
+    """Add the force of a flat cap, `along` [m] beyond end (> 0) or start (< 0); return its depth [m] and rate [m/s]."""
+    depth = abs(along) - clearance
     if depth <= 0.0:
         return 0.0, 0.0
     outwards = 1.0 if along > 0.0 else -1.0
-    rate = outwards * v_t - room_rate
+    rate = outwards * v_t - clearance_rate
     push = _push(tunnel, state.softening, depth, rate)
     for i in range(3):
         state.force_world[i] -= outwards * push * state.tangent[i]
@@ -187,7 +187,7 @@ def _add_cap(
 
 @kernel
 def _write_contact(wall: tuple[float, float], cap: tuple[float, float], state: TunnelStateRecord) -> None:
-    """Depth and rate of the deeper of the two, and the direction of what both push."""
+    """Set depth and rate of the deeper of wall and cap, and magnitude and direction of their sum."""
     deeper = cap if cap[0] > wall[0] else wall
     state.penetration = deeper[0]
     state.approach_speed = deeper[1]
@@ -221,11 +221,11 @@ def _add_forces(
     e = (offset[0] - along * tx, offset[1] - along * ty, offset[2] - along * tz)
     v_t = v[0] * tx + v[1] * ty + v[2] * tz
 
-    room = max(0.0, state.radius - ball_radius)
-    room_rate = -state.ball_radius_rate if room > 0.0 else 0.0
-    lean = 0.0 if beyond or room <= 0.0 else radius_slope / max(1.0 - bend, _MIN_STRETCH)
-    wall = _wall(tunnel, e, lean, room, room_rate, v, state)
-    cap = _add_cap(tunnel, along, v_t, room, room_rate, state)
+    clearance = max(0.0, state.radius - ball_radius)
+    clearance_rate = -state.ball_radius_rate if clearance > 0.0 else 0.0
+    lean = 0.0 if beyond or clearance <= 0.0 else radius_slope / max(1.0 - bend, _MIN_STRETCH)
+    wall = _wall(tunnel, e, lean, clearance, clearance_rate, v, state)
+    cap = _add_cap(tunnel, along, v_t, clearance, clearance_rate, state)
     _write_contact(wall, cap, state)
 
     drag = -(tunnel.drag + tunnel.drag_growth * max(0.0, ball_radius - state.radius)) * v_t
@@ -239,7 +239,7 @@ def _add_forces(
 
 @kernel
 def _resolve(e: tuple[float, float, float], state: TunnelStateRecord) -> None:
-    """Offset and force along t, n, b; a force that is not finite is released as zero."""
+    """Set offset and force along t, n, b; a force that is not finite becomes zero."""
     t = state.tangent
     n = state.normal_n
     b = state.binormal

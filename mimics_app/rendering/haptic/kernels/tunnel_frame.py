@@ -1,6 +1,6 @@
-"""Arc length along a tunnel's bisector, and the axes t, n, b at a point of it.
+"""Arc length along a tunnel's bisector, and the axes t, n, b at one of its points.
 
-n and b turn with the curve as little as possible (rotation-minimising frame), b = t x n.
+n and b are those of a rotation-minimising frame, b = t x n.
 """
 
 from __future__ import annotations
@@ -16,16 +16,17 @@ if TYPE_CHECKING:
 
 __all__ = ["arc_at", "write_frame"]
 
-_NO_RUN = 1e-24
-"""Square of a length below which something has no direction [m^2]."""
+_NO_DIRECTION = 1e-24
+"""Square of a length below which its direction is undefined [m^2]."""
 
 _NO_NORMAL = 1e-12
-"""Length of a blended normal, of unit ones, below which it is left as it is [-]."""
+"""Smallest length by which a blended normal is divided [-]."""
 
 _GAUSS_3 = 0.5 * math.sqrt(0.6)
+"""Offset of the outer nodes of three-point Gauss-Legendre from the midpoint of [0, 1]."""
 
 _STRAIGHT = 1e-6
-"""Curvature below which the bisector is straight [1/m]."""
+"""Curvature below which the bisector counts as straight [1/m]."""
 
 
 @kernel
@@ -39,14 +40,14 @@ def _speed(tunnel: TunnelRecord, piece: int, u: float) -> float:
 
 @kernel
 def _length_to(tunnel: TunnelRecord, piece: int, u: float) -> float:
-    """Length of the piece from 0 to u [m] by three-point Gauss-Legendre."""
+    """Arc length of the piece from 0 to u [m] by three-point Gauss-Legendre."""
     outer = _speed(tunnel, piece, (0.5 - _GAUSS_3) * u) + _speed(tunnel, piece, (0.5 + _GAUSS_3) * u)
     return u * (5.0 * outer + 8.0 * _speed(tunnel, piece, 0.5 * u)) / 18.0
 
 
 @kernel
 def arc_at(tunnel: TunnelRecord, piece: int, u: float) -> float:
-    """Arc length up to u of a piece [m]; what three points miss of the whole piece is spread, so that no knot shows."""
+    """Arc length up to u of a piece [m]; the quadrature error is distributed over the piece: continuous at knots."""
     start = tunnel.arc_length[piece]
     missing = tunnel.arc_length[piece + 1] - start - _length_to(tunnel, piece, 1.0)
     arc: float = start + _length_to(tunnel, piece, u) + missing * u * u
@@ -55,9 +56,9 @@ def arc_at(tunnel: TunnelRecord, piece: int, u: float) -> float:
 
 @kernel
 def _reflect(ax: float, ay: float, az: float, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """The vector (x, y, z) reflected in the plane whose normal is (ax, ay, az); itself where that has no direction."""
+    """Reflection of (x, y, z) in the plane with a normal (ax, ay, az) of any length; unchanged where that is 0."""
     square = ax * ax + ay * ay + az * az
-    if square > _NO_RUN:
+    if square > _NO_DIRECTION:
         f = 2.0 * (ax * x + ay * y + az * z) / square
         return x - f * ax, y - f * ay, z - f * az
     return x, y, z
@@ -67,7 +68,7 @@ def _reflect(ax: float, ay: float, az: float, x: float, y: float, z: float) -> t
 def _carry_normal(
     tunnel: TunnelRecord, piece: int, end: int, x: float, y: float, z: float, tx: float, ty: float, tz: float
 ) -> tuple[float, float, float]:
-    """Normal at a point of a piece, carried from one of its ends by double reflection (Wang et al. 2008, table I)."""
+    """Normal at a point of a piece, from that of one end by double reflection (Wang et al. 2008, table I)."""
     x0, tx0, _ = axis(tunnel, piece, 0, float(end))
     y0, ty0, _ = axis(tunnel, piece, 1, float(end))
     z0, tz0, _ = axis(tunnel, piece, 2, float(end))
@@ -90,7 +91,7 @@ def _carry_normal(
 def _frenet_normal(
     tunnel: TunnelRecord, piece: int, u: float, tx: float, ty: float, tz: float
 ) -> tuple[float, float, float, float]:
-    """Unit normal towards the centre of curvature, and 1; 0 where the bisector is straight and has none."""
+    """Unit normal towards the centre of curvature, and 1; zeros where the bisector is straight."""
     _, vx, ax = axis(tunnel, piece, 0, u)
     _, vy, ay = axis(tunnel, piece, 1, u)
     _, vz, az = axis(tunnel, piece, 2, u)
@@ -108,9 +109,9 @@ def _frenet_normal(
 def write_frame(
     tunnel: TunnelRecord, piece: int, u: float, x: float, y: float, z: float, state: TunnelStateRecord
 ) -> None:
-    """Set n and b at the closest point: normals carried from both ends of the piece, blended, so that no knot shows.
+    """Set n and b at the closest point, blended from normals transported from both ends of the piece.
 
-    By the tunnel's wish n is Frenet's where the bisector bends; on a straight part it has none, and is carried.
+    The blend is continuous at knots. With `tunnel.frenet` n is the Frenet normal where the bisector bends.
     """
     tx = state.tangent[0]
     ty = state.tangent[1]

@@ -1,10 +1,10 @@
-"""Closest point of the tunnel's bisector: the tracked Newton of the tick, and its rivals.
+"""Closest point of the tunnel's bisector: the tracking Newton method of the tick, and its rivals.
 
-The square distance to a cubic piece is a polynomial of degree six, so there is no closed form. The tick therefore keeps
-the parameter of the last tick and corrects it with a guarded Newton step or two; a search over all pieces replaces it
-when the correction can be shown to have gone wrong, and a slice of the pieces is looked over in every tick besides.
+The square distance to a cubic piece is a polynomial of degree six, without a closed-form minimum. The tick therefore
+corrects the parameter of the last tick by one or two guarded Newton steps. A search over all pieces replaces it when
+the correction has failed, and every tick also searches a fraction of the pieces for a nearer branch.
 
-The search prunes with a bound that cannot miss: no point of a piece is farther from its middle than the piece is long.
+The search prunes by a safe bound: no point of a piece is farther from its midpoint than the length of the piece.
 """
 
 from __future__ import annotations
@@ -33,40 +33,49 @@ __all__ = [
 
 
 _CONVERGED = 1e-12
-"""Newton stops when its step is shorter than this along the bisector [m]."""
+"""Step along the bisector below which Newton has converged [m]."""
 
 _ITERATIONS = 24
-"""Newton steps and halvings together; a warm start needs two, a start at the far end of a piece about six."""
+"""Largest number of Newton steps and halvings; a warm start needs two, a start at the far end of a piece about six."""
 
 _TELEPORT = 0.01
-"""A ball that moved farther than this in one tick [m] is searched for anew (10 m/s at 1 kHz)."""
+"""Motion of the ball in one tick from which the whole bisector is searched [m] (10 m/s at 1 kHz)."""
 
 _TIE = 0.005
-"""At a fresh start the earliest branch wins against one nearer by less than this [m]: closed tunnels begin at s = 0."""
+"""Advantage in distance a later branch needs in the first search [m]: closed tunnels begin at s = 0."""
 
 _SWITCH_MARGIN = 0.01
-"""Another branch must be nearer by the tunnel radius, and by this [m], before a tracked ball is given to it."""
+"""Advantage in distance another branch needs to replace the tracked one, at least [m]."""
 
 _SLICES = 16
-"""Ticks in which the whole bisector is looked over once."""
+"""Ticks in which the whole bisector is searched once for a nearer branch."""
 
 _STARTS = 5
-"""Points of a piece from which Newton may start when it is searched."""
+"""Start points of Newton's method in the search of one piece."""
 
 _FAR = 1e300
-_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-_GOLDEN_STEPS = 46
-_GOLDEN_SAMPLES = 8
-_BRUTE_SAMPLES = 256
+"""Distance [m] or square distance [m^2] beyond any in a tunnel."""
 
-_LEAST_CONVEXITY = 0.1
-"""The distance is convex enough for Newton where its second derivative is this share of |C'|^2 at least."""
+_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+"""Inverse of the golden ratio [-]."""
+
+_GOLDEN_STEPS = 46
+"""Steps of the golden-section search."""
+
+_GOLDEN_SAMPLES = 8
+"""Samples per piece that bracket the minimum for the golden-section search."""
+
+_BRUTE_SAMPLES = 256
+"""Samples per piece of the exhaustive search."""
+
+_MIN_CONVEXITY = 0.1
+"""Second derivative of the distance from which a Newton step is taken [|C'|^2]."""
 
 _ROUNDING = 1e-12
-"""A square distance that grows by a smaller share did not grow."""
+"""Relative growth of a square distance up to which it counts as equal [-]."""
 
 _NO_GROWTH = 1e-9
-"""A distance that grows by less [m] than this beyond what the ball moved did not either."""
+"""Tolerance of the growth of the distance beyond the motion of the ball [m]."""
 
 
 @kernel
@@ -79,7 +88,7 @@ def locate(tunnel: TunnelRecord, s: float) -> tuple[int, float]:
 
 @kernel
 def axis(tunnel: TunnelRecord, piece: int, i: int, u: float) -> tuple[float, float, float]:
-    """Coordinate i of the bisector [m], and its first and second derivative by u."""
+    """Coordinate i of the bisector [m], and its first and second derivative with respect to u."""
     a0 = tunnel.centre[piece, i, 0]
     a1 = tunnel.centre[piece, i, 1]
     a2 = tunnel.centre[piece, i, 2]
@@ -89,7 +98,7 @@ def axis(tunnel: TunnelRecord, piece: int, i: int, u: float) -> tuple[float, flo
 
 @kernel
 def slope(tunnel: TunnelRecord, px: float, py: float, pz: float, s: float) -> tuple[float, float, float, float]:
-    """D = |C(s) - p|^2 [m^2], D'/2, D''/2 and |C'(s)|^2."""
+    """Square distance D = |C(s) - p|^2 [m^2], D'/2, D''/2 and |C'(s)|^2."""
     piece, u = locate(tunnel, s)
     x, x1, x2 = axis(tunnel, piece, 0, u)
     y, y1, y2 = axis(tunnel, piece, 1, u)
@@ -117,14 +126,14 @@ def _distance2(tunnel: TunnelRecord, px: float, py: float, pz: float, piece: int
 
 @kernel
 def _newton_step(gradient: float, bend: float, speed2: float) -> float:
-    """Step in s; where the distance is not convex (beyond the centre of curvature) the Gauss-Newton step, downhill."""
-    convexity = bend if bend > _LEAST_CONVEXITY * speed2 else speed2
+    """Newton step in s; where the distance is not convex (beyond the centre of curvature) the Gauss-Newton step."""
+    convexity = bend if bend > _MIN_CONVEXITY * speed2 else speed2
     return min(max(-gradient / convexity, -0.5), 0.5)
 
 
 @kernel
 def refine(tunnel: TunnelRecord, px: float, py: float, pz: float, s: float) -> tuple[float, float, bool]:
-    """Nearest local minimum of the distance, by Newton steps that are halved until they go downhill.
+    """Nearest local minimum of the distance, by Newton steps halved until they descend.
 
     Returns:
         (s [pieces], square distance [m^2], whether it ended in a minimum or at an end of the tunnel).
@@ -149,10 +158,10 @@ def refine(tunnel: TunnelRecord, px: float, py: float, pz: float, s: float) -> t
 
 @kernel
 def _best_in_piece(tunnel: TunnelRecord, px: float, py: float, pz: float, piece: int) -> tuple[float, float, bool]:
-    """(s, distance [m], whether it is a minimum) of the nearest that Newton reaches within one piece.
+    """(s, distance [m], whether it is a minimum) of the closest point found from one piece.
 
-    It starts from every one of five points that is nearer than its neighbours: a piece that bends back on itself, as a
-    closed tunnel of one piece does, has more than one minimum.
+    Newton starts at each of five points that is nearer than its neighbours: a piece that bends back on itself, as in a
+    closed tunnel of one piece, has more than one minimum.
     """
     best, best2, best_found = float(piece), _FAR, False
     before, here = _FAR, _distance2(tunnel, px, py, pz, piece, 0.0)
@@ -167,10 +176,10 @@ def _best_in_piece(tunnel: TunnelRecord, px: float, py: float, pz: float, piece:
 
 
 @kernel
-def _look_over(
+def _search_pieces(
     tunnel: TunnelRecord, px: float, py: float, pz: float, first: int, stop: int, s: float, bound: float, tie: float
 ) -> tuple[float, float]:
-    """Look for a minimum nearer than `bound` [m] in pieces first..stop-1; each later one must win by `tie` [m]."""
+    """Search pieces first..stop-1 for a point nearer than `bound` [m]; a later minimum must be nearer by `tie` [m]."""
     for piece in range(first, stop):
         length = tunnel.arc_length[piece + 1] - tunnel.arc_length[piece]
         if math.sqrt(_distance2(tunnel, px, py, pz, piece, 0.5)) - length < bound:
@@ -183,14 +192,14 @@ def _look_over(
 
 @kernel
 def search(tunnel: TunnelRecord, px: float, py: float, pz: float, tie: float) -> float:
-    """Parameter s of the closest point over the whole bisector; the earliest one wins unless beaten by `tie` [m]."""
-    s, _ = _look_over(tunnel, px, py, pz, 0, tunnel.pieces, 0.0, _FAR, tie)
+    """Parameter s of the closest point of the whole bisector; a later one must be nearer by `tie` [m]."""
+    s, _ = _search_pieces(tunnel, px, py, pz, 0, tunnel.pieces, 0.0, _FAR, tie)
     return s
 
 
 @kernel
 def _radius_here(tunnel: TunnelRecord, s: float) -> float:
-    """Tunnel radius at s, scaled, never negative [m]."""
+    """Scaled tunnel radius at s, >= 0 [m]."""
     piece, u = locate(tunnel, s)
     a = tunnel.radius[piece]
     radius: float = max(0.0, tunnel.radius_scale * (a[0] + u * (a[1] + u * (a[2] + u * a[3]))))
@@ -199,11 +208,11 @@ def _radius_here(tunnel: TunnelRecord, s: float) -> float:
 
 @kernel
 def track(tunnel: TunnelRecord, px: float, py: float, pz: float, state: TunnelStateRecord) -> float:
-    """Follow the closest point from tick to tick; the method of the 1 kHz loop.
+    """Track the closest point from tick to tick; the method of the 1 kHz loop.
 
-    The point stays on the branch it is on, so that crossing and closed tunnels keep their progress, until the branch
-    is lost: Newton ends in no minimum, the distance grew by more than the ball moved (a distance cannot), the ball
-    moved more than a tick allows, or another branch is nearer by the tunnel radius and by 10 mm at least.
+    The point stays on its branch, so that crossing and closed tunnels keep their progress, until the branch is lost:
+    Newton does not end in a minimum, the distance grew by more than the motion of the ball (impossible on one branch),
+    the ball moved farther than a tick allows, or another branch is nearer by the tunnel radius and by 10 mm at least.
 
     Args:
         tunnel: TUNNEL record with pieces > 0.
@@ -221,16 +230,16 @@ def track(tunnel: TunnelRecord, px: float, py: float, pz: float, state: TunnelSt
 
 @kernel
 def track_one_step(tunnel: TunnelRecord, px: float, py: float, pz: float, state: TunnelStateRecord) -> float:
-    """Rival: `track` with a single Newton step a tick; its error is of the order of the square of a tick's motion.
+    """Rival: `track` with a single Newton step per tick; its error is quadratic in the motion of a tick.
 
-    The step that leads uphill or starts where the distance is not convex is given to the guarded search of `track`.
+    A step that ascends, or starts where the distance is not convex, is replaced by the guarded steps of `track`.
     """
     last = float(tunnel.pieces)
     before2, gradient, bend, speed2 = slope(tunnel, px, py, pz, state.s)
     s = min(max(state.s + _newton_step(gradient, bend, speed2), 0.0), last)
     piece, u = locate(tunnel, s)
     distance2 = _distance2(tunnel, px, py, pz, piece, u)
-    found = bend > _LEAST_CONVEXITY * speed2
+    found = bend > _MIN_CONVEXITY * speed2
     if not found or distance2 > before2 * (1.0 + _ROUNDING):
         s, distance2, found = refine(tunnel, px, py, pz, state.s)
     return _keep_branch(tunnel, px, py, pz, state, s, distance2, found)
@@ -247,7 +256,7 @@ def _keep_branch(
     distance2: float,
     found: bool,
 ) -> float:
-    """Take s as the tracked point, unless the branch is lost; see `track`."""
+    """Accept s as the tracked point, unless the branch is lost; see `track`."""
     moved = math.sqrt((px - state.tracked[0]) ** 2 + (py - state.tracked[1]) ** 2 + (pz - state.tracked[2]) ** 2)
     distance = math.sqrt(distance2)
     state.ticks += 1
@@ -262,7 +271,7 @@ def _keep_branch(
         stop = tunnel.pieces * (part + 1) // _SLICES
         bound = distance - max(_SWITCH_MARGIN, _radius_here(tunnel, s))
         if bound > 0.0 and stop > first:
-            s, _ = _look_over(tunnel, px, py, pz, first, stop, s, bound, 0.0)
+            s, _ = _search_pieces(tunnel, px, py, pz, first, stop, s, bound, 0.0)
     piece, u = locate(tunnel, s)
     state.s = s
     state.distance = math.sqrt(_distance2(tunnel, px, py, pz, piece, u))
@@ -274,7 +283,7 @@ def _keep_branch(
 
 @kernel
 def project(tunnel: TunnelRecord, px: float, py: float, pz: float, state: TunnelStateRecord) -> float:
-    """The closest point by the method the parameter block names (contracts.haptic.Projection)."""
+    """Closest point by the method of the parameter block (contracts.haptic.Projection)."""
     if tunnel.projection == Projection.NEWTON_ONE_STEP:
         return track_one_step(tunnel, px, py, pz, state)
     if tunnel.projection == Projection.GOLDEN_SECTION:
@@ -286,13 +295,13 @@ def project(tunnel: TunnelRecord, px: float, py: float, pz: float, state: Tunnel
     piece, u = locate(tunnel, s)
     state.s = s
     state.distance = math.sqrt(_distance2(tunnel, px, py, pz, piece, u))
-    state.tracking = 0  # a change back to tracking begins afresh
+    state.tracking = 0  # a change back to tracking begins with a full search
     return s
 
 
 @kernel
 def project_brute_force(tunnel: TunnelRecord, px: float, py: float, pz: float, state: TunnelStateRecord) -> float:
-    """Rival: the best of 256 points per piece; cannot be lost, exact to half their spacing. Leaves `state` alone."""
+    """Rival: the nearest of 256 points per piece, exact to half their spacing; `state` is not changed."""
     best2 = _FAR
     best: float = state.s
     for piece in range(tunnel.pieces):
@@ -307,9 +316,9 @@ def project_brute_force(tunnel: TunnelRecord, px: float, py: float, pz: float, s
 
 @kernel
 def project_golden_section(tunnel: TunnelRecord, px: float, py: float, pz: float, state: TunnelStateRecord) -> float:
-    """Rival: golden section around the best of 8 points per piece; no derivatives. Leaves `state` alone.
+    """Rival: golden-section search around the nearest of 8 points per piece, without derivatives.
 
-    Comparing distances instead of slopes, it finds s to the square root of machine precision only.
+    It compares distances, hence finds s to the square root of machine precision only; `state` is not changed.
     """
     best2 = _FAR
     best = state.s
@@ -322,7 +331,7 @@ def project_golden_section(tunnel: TunnelRecord, px: float, py: float, pz: float
     low = max(best - 1.0 / _GOLDEN_SAMPLES, 0.0)
     high = min(best + 1.0 / _GOLDEN_SAMPLES, float(tunnel.pieces))
     s = _golden_section(tunnel, px, py, pz, low, high)
-    # Bracketing stops short of its own ends; at an end of the tunnel that would miss the cap.
+    # The bracket never reaches its own ends; at an end of the tunnel that would miss the cap.
     found, _, _, _ = slope(tunnel, px, py, pz, s)
     if low == 0.0 and slope(tunnel, px, py, pz, low)[0] <= found:
         return low

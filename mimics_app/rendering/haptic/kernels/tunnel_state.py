@@ -1,4 +1,4 @@
-"""What is remembered of one ball in one tunnel, and what is known of it in a tick."""
+"""State of one ball in one tunnel: its tracking from tick to tick, and the results of a tick."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["TUNNEL_STATE", "TunnelStatus", "restart_tracking"]
 
 
 class TunnelStatus(IntEnum):
-    """What the last call of `tunnel_force` could do; the force is zero unless FOLLOWING."""
+    """Outcome of the last call of `tunnel_force`; the force is zero unless FOLLOWING."""
 
     NO_TUNNEL = 0
     FOLLOWING = 1
@@ -27,7 +27,7 @@ TUNNEL_STATE = np.dtype(
     [
         # input, optional
         ("ball_radius_rate", "f8"),  # r_k' [m/s]; the caller sets it where the ball changes size, else 0
-        # tracking: zero means "start afresh" (see restart_tracking)
+        # tracking: zeros are the initial state (see restart_tracking)
         ("tracking", "i8"),  # 0: the next call searches the whole tunnel
         ("s", "f8"),  # tunnel parameter of the closest bisector point [pieces], warm start of the next call
         ("distance", "f8"),  # of the ball centre from the bisector [m]
@@ -42,12 +42,12 @@ TUNNEL_STATE = np.dtype(
         ("radius", "f8"),  # tunnel radius at s, scaled [m]
         ("penetration", "f8"),  # of the ball into wall or end cap, the deeper of the two, >= 0 [m]
         ("approach_speed", "f8"),  # rate of that depth [m/s], > 0: going in
-        ("force_world", "f8", (3,)),  # all of the tunnel on the user [N]
-        ("assist_world", "f8", (3,)),  # what of it is assistance [N]
-        ("softening", "f8"),  # set by the caller: share of the wall's stiffness that is left out, 0-1
-        ("share", "f8"),  # the caller's own: what is rendered of it, 1 - softening before rounding
-        ("force_tnb", "f8", (3,)),  # the same along t, n, b [N]
-        ("wall_force", "f8"),  # magnitude of wall and cap alone, >= 0 [N]
+        ("force_world", "f8", (3,)),  # total force of the tunnel on the user [N]
+        ("assist_world", "f8", (3,)),  # its assistance [N]
+        ("softening", "f8"),  # set by the caller: removed share of the wall's stiffness, 0-1
+        ("share", "f8"),  # set by the caller: rendered share, 1 - softening before rounding
+        ("force_tnb", "f8", (3,)),  # total force along t, n, b [N]
+        ("wall_force", "f8"),  # magnitude of the force of wall and cap, >= 0 [N]
         ("normal_world", "f8", (3,)),  # out of the touched surface, unit; kept from the last contact
         ("tangent", "f8", (3,)),  # world, unit, towards the end
         ("normal_n", "f8", (3,)),  # n, world, unit
@@ -55,11 +55,11 @@ TUNNEL_STATE = np.dtype(
     ],
     align=True,
 )
-"""Memory and results of one ball in one tunnel. All zero is a valid start."""
+"""Tracking and results of one ball in one tunnel; zeros are the initial state."""
 
 
 @kernel
 def restart_tracking(state: TunnelStateRecord) -> None:
-    """Forget the branch: the next call searches the whole tunnel and, in a tie, starts at the beginning."""
+    """Request a full search at the next call; in a tie it starts at the beginning of the tunnel."""
     state.tracking = 0
     state.s = 0.0

@@ -1,12 +1,12 @@
-"""All tunnels of a scene for one tick: which of them holds the ball, what it does, and what the sample holds.
+"""All tunnels of a scene for one tick: the one that holds the ball, its force, and the outputs of the task's tunnel.
 
-A ball is in one tunnel at a time, as in a tube: that one alone pushes, drags and assists. It is the nearest when the
-ball is put anywhere (the one whose wall is pressed least, the first of equals). From then on the ball stays in it
-until its wall is pressed where another tunnel has room for the ball: then it is in that one, as where two tubes cross.
-The force falls there and never rises, so handing over gives nobody energy.
+A ball is in one tunnel at a time, as in a tube; only that one exerts force. At first it is the tunnel whose wall the
+ball penetrates least (the first of equals). From then on it changes only where the ball touches its wall and lies
+without contact in another tunnel, as at a crossing of two tubes: there the force drops and never rises, so the change
+generates no energy.
 
-Margin, cap and contact are those of the tunnel that holds the ball. Progress, distance and the like are of the
-tunnel that the task is about (SCENE.own_tunnel), wherever the ball is; force and depth too, 0 while another holds it.
+Margin, cap and contact are those of the tunnel that holds the ball. Progress, distance, force and depth in the sample
+are those of the task's tunnel (SCENE.own_tunnel); force and depth are 0 while another one holds the ball.
 """
 
 from __future__ import annotations
@@ -37,15 +37,15 @@ __all__ = ["HOLDING", "OWN_TUNNEL", "follow_tunnels", "forget_tunnels", "share_i
 HOLDING = np.dtype(
     [
         ("there", "i8"),  # 1: a tunnel of the scene holds the ball
-        ("row", "i8"),  # which
-        ("chosen", "i8"),  # 1: the ball is in `row` until it gets into another; 0: find the nearest
+        ("row", "i8"),  # its row
+        ("chosen", "i8"),  # 1: `row` is valid; 0: choose the nearest tunnel
         ("status", "i8"),  # TunnelStatus
         ("s", "f8"),  # tunnel parameter of the closest bisector point [pieces]
         ("penetration", "f8"),  # of the ball into wall or end cap, >= 0 [m]
         ("approach_speed", "f8"),  # rate of that depth [m/s]
-        ("wall_force", "f8"),  # of wall and cap alone, >= 0 [N]
-        ("force_world", "f8", (3,)),  # all of it on the user [N]
-        ("assist_world", "f8", (3,)),  # what of it is assistance [N]
+        ("wall_force", "f8"),  # magnitude of the force of wall and cap, >= 0 [N]
+        ("force_world", "f8", (3,)),  # total force on the user [N]
+        ("assist_world", "f8", (3,)),  # its assistance [N]
         ("normal_world", "f8", (3,)),  # out of the touched surface, unit; kept from the last contact
         # of its row
         ("stiffness", "f8"),  # [N/m]
@@ -54,7 +54,7 @@ HOLDING = np.dtype(
     ],
     align=True,
 )
-"""The tunnel that holds the ball; zeros are none."""
+"""The tunnel that holds the ball; zeros: none."""
 
 OWN_TUNNEL = np.dtype(
     [
@@ -69,18 +69,18 @@ OWN_TUNNEL = np.dtype(
     ],
     align=True,
 )
-"""What the sample holds of the task's own tunnel."""
+"""Outputs of the task's own tunnel."""
 
 
 @kernel
 def share_in_touch(last: float, now: float, touching: bool) -> float:
-    """A share that may fall at any time but rises only in free motion: a stiffening contact would make energy."""
+    """Share that may fall at any time but rises only in free motion: a stiffening contact would generate energy."""
     return min(last, now) if touching else now
 
 
 @kernel
 def forget_tunnels(tunnels: Table[TunnelStateRecord], state: StateRecord) -> None:
-    """Search every tunnel anew, and find out anew which of them holds the ball."""
+    """Restart the tracking of every tunnel and the choice of the one that holds the ball."""
     state.tunnel.chosen = 0
     for k in range(len(tunnels)):
         restart_tracking(tunnels[k])
@@ -90,7 +90,7 @@ def forget_tunnels(tunnels: Table[TunnelStateRecord], state: StateRecord) -> Non
 def _stable_share(
     scene: SceneRecord, tunnel: TunnelRecord, state: StateRecord, own: float, delay: float, period: float
 ) -> float:
-    """How much of the wall's stiffness is stable, 0-1, for the measured period and delay."""
+    """Stable share 0-1 of the wall's stiffness for the measured period and delay."""
     if scene.cap != 1 or tunnel.pieces <= 0:
         return 1.0
     limit = stiffness_limit(own + tunnel.damping, period, delay)
@@ -109,7 +109,7 @@ def _follow_one(
     period: float,
     holds: bool,
 ) -> None:
-    """One tunnel as if it held the ball, its wall no stiffer than stable."""
+    """Compute the force of one tunnel as if it held the ball, its wall no stiffer than stable."""
     share = _stable_share(scene, tunnel, state, own, delay, period)
     if holds:
         share = share_in_touch(state.acting.wall_share, share, state.tunnel.penetration > 0.0)
@@ -121,7 +121,7 @@ def _follow_one(
 
 @kernel
 def _holder(tunnels: Table[TunnelStateRecord], count: int, state: StateRecord) -> int:
-    """Row of the tunnel that the ball is in from now on."""
+    """Row of the tunnel that holds the ball from this tick on."""
     row = state.tunnel.row
     stays = state.tunnel.chosen == 1 and row < count and tunnels[row].status == TunnelStatus.FOLLOWING
     if stays and tunnels[row].penetration <= 0.0:
@@ -140,7 +140,7 @@ def _holder(tunnels: Table[TunnelStateRecord], count: int, state: StateRecord) -
 
 @kernel
 def _hold(tunnel: TunnelRecord, memory: TunnelStateRecord, holding: HoldingRecord) -> None:
-    """What the tunnel that holds the ball does."""
+    """Copy the results of the tunnel that holds the ball."""
     holding.there = 1 if tunnel.pieces > 0 else 0
     holding.status = memory.status
     holding.s = memory.s
@@ -158,7 +158,7 @@ def _hold(tunnel: TunnelRecord, memory: TunnelStateRecord, holding: HoldingRecor
 
 @kernel
 def _hold_nothing(holding: HoldingRecord) -> None:
-    """The scene has no tunnel."""
+    """Clear the results, for a scene without a tunnel."""
     holding.there = 0
     holding.status = 0
     holding.penetration = 0.0
@@ -174,7 +174,7 @@ def _hold_nothing(holding: HoldingRecord) -> None:
 
 @kernel
 def _report_own(memory: TunnelStateRecord, reported: OwnTunnelRecord, holds: bool) -> None:
-    """What the sample holds of the task's own tunnel."""
+    """Copy the outputs of the task's own tunnel."""
     reported.s = memory.s
     reported.progress = memory.progress
     reported.distance = memory.distance
@@ -196,15 +196,15 @@ def follow_tunnels(
     delay: float,
     period: float,
 ) -> None:
-    """Every tunnel for one tick: state.tunnel holds the ball, state.own_tunnel is the sample's view of the task's own.
+    """Advance every tunnel by one tick; set state.tunnel, the one that holds the ball, and state.own_tunnel.
 
     Args:
         scene: SCENE record.
-        rows: TUNNEL records, as the main thread wants them.
+        rows: TUNNEL records, written by the main thread.
         tunnels: TUNNEL_STATE records, advanced by one tick.
         state: STATE record after `size_ball`.
-        own: Damping that every contact can count on [N s/m].
-        delay: Of the device [s].
+        own: Damping available to every contact [N s/m].
+        delay: Delay of the device [s].
         period: Measured period [s].
     """
     count = scene.objects.tunnels

@@ -1,4 +1,4 @@
-"""Three-vectors in place: the few operations the tick needs, without allocation."""
+"""Operations of the tick on short vectors, in place and without allocation."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def norm(a: Vec) -> float:
 
 @kernel
 def copy(source: Vec, out: Vec) -> None:
-    """out[:] = source for the length of out."""
+    """Copy the first elements of source to out, for the length of out."""
     for i in range(out.shape[0]):
         out[i] = source[i]
 
@@ -39,7 +39,7 @@ def scale(a: Vec, factor: float) -> None:
 
 @kernel
 def clamp_norm(a: Vec, limit: float) -> float:
-    """Shorten a, shape [3], to at most `limit` without turning it; return the factor used (1: untouched)."""
+    """Shorten a, shape [3], to at most `limit` along its direction; return the factor used (1: unchanged)."""
     length = norm(a)
     if length <= limit:
         return 1.0
@@ -51,7 +51,7 @@ def clamp_norm(a: Vec, limit: float) -> float:
 
 @kernel
 def clamp_joints(q: Vec, lowest: Vec, highest: Vec) -> int:
-    """Move q into [lowest, highest] joint by joint; bit i of the result says that joint i was outside."""
+    """Clamp q to [lowest, highest] joint by joint; bit i of the result is set where joint i was outside."""
     outside = 0
     for i in range(q.shape[0]):
         if q[i] < lowest[i]:
@@ -74,13 +74,13 @@ def all_finite(a: Vec) -> bool:
 
 @kernel
 def rotate(R: Mat, a: Vec, out: Vec) -> None:
-    """Out = R a for R of shape [3, 3]; out is not a."""
+    """Set out = R a for R of shape [3, 3]; out must not be a."""
     for i in range(3):
         out[i] = R[i, 0] * a[0] + R[i, 1] * a[1] + R[i, 2] * a[2]
 
 
 @kernel
 def rotate_back(R: Mat, a: Vec, out: Vec) -> None:
-    """Out = R^T a for R of shape [3, 3]; out is not a."""
+    """Set out = R^T a for R of shape [3, 3]; out must not be a."""
     for i in range(3):
         out[i] = R[0, i] * a[0] + R[1, i] * a[1] + R[2, i] * a[2]

@@ -1,9 +1,10 @@
-"""Live stability monitor: limit and margin of what is touched, and the energy of each contact."""
+"""Live stability monitor: limit and margin of the touched surfaces, and the energy of their contacts."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.acting import FREE_TIME, acting_contact, device_delay, own_damping
@@ -12,12 +13,12 @@ from mimics_app.rendering.haptic.kernels.passivity import observe, reset_observe
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of, stiffness_limit
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import ObjectWork, SceneRecord, StateRecord, TotalsRecord
+    from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table, TotalsRecord, TouchedRecord
 
-__all__ = ["felt_share", "watch_contact", "watch_margin"]
+__all__ = ["watch_contact", "watch_margin"]
 
 _CALM_MARGIN = 0.05
-"""A margin that fell below 0 must rise above this before it is reported again."""
+"""Margin above which a loss of stability may be reported again [-]."""
 
 
 @kernel
@@ -26,8 +27,8 @@ def _is_felt(state: StateRecord) -> bool:
 
 
 @kernel
-def felt_share(state: StateRecord, totals: TotalsRecord) -> float:
-    """Share 0-1 of the authored stiffness that is rendered: of touched shapes, else of the tunnel's wall."""
+def _felt_share(state: StateRecord, totals: TotalsRecord) -> float:
+    """Rendered share 0-1 of the authored stiffness: of touched shapes, else of the tunnel's wall."""
     share = 1.0
     if totals.touching > 0:
         share = state.acting.shape_share
@@ -37,11 +38,20 @@ def felt_share(state: StateRecord, totals: TotalsRecord) -> float:
 
 
 @kernel
-def watch_margin(scene: SceneRecord, state: StateRecord, objects: ObjectWork, period: float) -> None:
-    """Stability limit and margin of what is rendered, for the measured period; an event when one is lost.
+def watch_margin(
+    scene: SceneRecord, state: StateRecord, totals: TotalsRecord, touched: Table[TouchedRecord], period: float
+) -> None:
+    """Set stability limit and margin of the rendered contacts, and the event of a margin that fell below 0.
 
-    The wall of the tunnel counts before it is touched, shapes only while they are; of several contacts at once the
-    worst direction counts.
+    The wall of the tunnel counts before it is touched, shapes only while they are touched; of several contacts at once
+    the worst direction counts.
+
+    Args:
+        scene: SCENE record.
+        state: STATE record of one point of contact.
+        totals: Its TOTALS record.
+        touched: TOUCHED records of its contacts; their margins are set.
+        period: Measured period [s].
     """
     tunnel = state.tunnel
     own = own_damping(scene)
@@ -51,9 +61,8 @@ def watch_margin(scene: SceneRecord, state: StateRecord, objects: ObjectWork, pe
     stiffness = state.acting.wall_share * tunnel.stiffness + tunnel.centring if tunnel.there == 1 else 0.0
     state.margin = margin_of(state.stiffness_limit, stiffness)
     state.wall_margin = state.margin
-    totals = objects.totals[state.contact]
     if totals.touching > 0:
-        touched_margin(scene, state, totals, objects.touched[state.contact], own, 0.5 * period + delay)
+        touched_margin(state, totals, touched, own, 0.5 * period + delay)
         if state.span.margin < state.margin or tunnel.there == 0:
             state.margin = state.span.margin
             state.stiffness_limit = state.span.limit
@@ -63,12 +72,12 @@ def watch_margin(scene: SceneRecord, state: StateRecord, objects: ObjectWork, pe
         state.warned = 1
     elif state.margin > _CALM_MARGIN:
         state.warned = 0
-    state.stiffness_share = felt_share(state, totals)
+    state.stiffness_share = _felt_share(state, totals)
 
 
 @kernel
 def _follow_observer(scene: SceneRecord, state: StateRecord, felt: bool, dt: float) -> None:
-    """Energy of the contacts by the passivity observer, from 0 at the begin of each."""
+    """Energy of the contacts by the passivity observer, reset to 0 when a contact begins."""
     free = state.acting.free_ticks
     if felt and free == 0 and state.in_touch == 0:
         state.in_touch = 1
@@ -81,11 +90,11 @@ def _follow_observer(scene: SceneRecord, state: StateRecord, felt: bool, dt: flo
 
 
 @kernel
-def _keep_least(state: StateRecord, objects: ObjectWork) -> None:
-    """The least margin of each contact."""
-    for i in range(objects.totals[state.contact].listed):
-        touched = objects.touched[state.contact, i]
-        objects.margins[touched.shape] = min(objects.margins[touched.shape], touched.margin)
+def _keep_smallest(state: StateRecord, touched: Table[TouchedRecord], listed: int, margins: Vec) -> None:
+    """Update the smallest margin of each touched shape and of the tunnel's wall."""
+    for i in range(listed):
+        shape = touched[i].shape
+        margins[shape] = min(margins[shape], touched[i].margin)
     if is_pressed(state):
         state.least_wall_margin = state.wall_margin if state.wall_touched == 0 else state.least_wall_margin
         state.least_wall_margin = min(state.least_wall_margin, state.wall_margin)
@@ -93,23 +102,31 @@ def _keep_least(state: StateRecord, objects: ObjectWork) -> None:
 
 
 @kernel
-def watch_contact(scene: SceneRecord, state: StateRecord, objects: ObjectWork, dt: float) -> None:
-    """Energy of the contacts, the worst of all and of each, and when the cap begins to act.
+def watch_contact(
+    scene: SceneRecord,
+    state: StateRecord,
+    totals: TotalsRecord,
+    touched: Table[TouchedRecord],
+    margins: Vec,
+    dt: float,
+) -> None:
+    """Follow the energy of the contacts and their smallest margins, and set the event of a cap that began to act.
 
     Args:
         scene: SCENE record.
-        state: STATE record.
-        objects: ObjectWork after this tick.
+        state: STATE record of one point of contact, after `watch_margin`.
+        totals: Its TOTALS record.
+        touched: TOUCHED records of its contacts.
+        margins: ObjectWork.margins, updated.
         dt: Tick [s].
     """
-    totals = objects.totals[state.contact]
     felt = _is_felt(state)
     _follow_observer(scene, state, felt, dt)
     state.cap_began = 0
     if not (felt and (state.in_touch == 1 or totals.touching > 0)):
         state.capped = 0
         return
-    _keep_least(state, objects)
+    _keep_smallest(state, touched, totals.listed, margins)
     if state.capped == 0 and state.stiffness_share < 1.0:
         state.capped = 1
         state.cap_began = 1

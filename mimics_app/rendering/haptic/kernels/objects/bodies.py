@@ -1,13 +1,13 @@
-"""Motion of the haptic objects, (11) and (12): placed where the scene says, moved by what was gathered in a tick.
+"""Motion of the haptic objects, (11) and (12): placed by the scene, moved by the forces and torques of a tick.
 
     p'' = m^-1 (F_aux + F - b_trans p' + m g)          L' = T_aux + T - b_rot omega,   omega = R I^-1 R^T L
 
-State is the angular momentum L in world axes, so that a free body keeps it to the last digit; see `rotation` for what
-(12) prints instead. A body whose translation or rotation is not enabled does not move in it, whatever pulls.
+State is the angular momentum L in world axes, constant for a free body to the last digit; see `rotation` for the
+printed (12). A body whose translation or rotation is disabled does not move in it under any load.
 
-A body that may sleep is left out while nothing moves it: it has been still, unloaded and untouched for `_DOZE`, and is
-woken by a touch, any change of what pulls at it, a neighbour that moves, or a change of the scene's rows. Sleep changes
-nothing but velocities below `_STILL_SPEED`, and depends on nothing but the state, so that a replay sleeps alike.
+A body that may sleep is skipped once it has been still, untouched and in balance for `_DOZE`. It wakes by a touch, a
+changed load, a moving neighbour, or a change of the scene's rows. Sleep only drops velocities below `_STILL_SPEED`, and
+depends on the state alone, so that a replay sleeps in the same ticks.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from mimics_app.rendering.haptic.kernels.integrators import (
     step_semi_implicit,
 )
 from mimics_app.rendering.haptic.kernels.objects.inertia import find_principal_axes
-from mimics_app.rendering.haptic.kernels.rotation import product, turn_body, turned
+from mimics_app.rendering.haptic.kernels.rotation import product, rotated, turn_body
 from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill
 
 if TYPE_CHECKING:
@@ -38,9 +38,6 @@ if TYPE_CHECKING:
         ObjectCountsRecord,
         ObjectWork,
         Rows,
-        Table,
-        TotalsRecord,
-        TrackingRecord,
     )
 
 __all__ = ["is_free", "place_bodies", "rest_time", "step_bodies", "wake"]
@@ -51,30 +48,30 @@ _ROTATION = int(BodyFlag.ROTATION)
 _SLEEPS = int(BodyFlag.SLEEPS)
 
 _DOZE = 0.25
-"""Time a body must have been still before it sleeps [s]."""
+"""Time of rest before a body sleeps [s]."""
 
 _STILL_SPEED = 1e-4
-"""Speed below which a body counts as still [m/s]; what it would creep until it sleeps is 25 um."""
+"""Speed below which a body counts as still [m/s]; until it sleeps it creeps 25 um at most."""
 
 _STILL_RATE = 2e-3
-"""Likewise its turning [rad/s]."""
+"""Angular speed below which a body counts as still [rad/s]."""
 
 _STILL_ACCELERATION = 2e-3
-"""A body that is still now but pulled away faster than this does not sleep [m/s^2]: the top of a toss."""
+"""Acceleration from which a body does not sleep [m/s^2], as at the top of a toss."""
 
-_STILL_TORQUE_RATE = 0.05
-"""Likewise angular [rad/s^2]."""
+_STILL_ANGULAR_ACCELERATION = 0.05
+"""Angular acceleration from which a body does not sleep [rad/s^2]."""
 
 
 @kernel
 def is_free(body: BodyRecord) -> bool:
-    """True when forces can move a body: neither is it the static scene nor are both of its motions disabled."""
+    """True when forces or torques can move a body: one of its motions is enabled."""
     return body.flags & (_TRANSLATION | _ROTATION) != 0
 
 
 @kernel
 def wake(motion: MotionRecord) -> None:
-    """Let a body take part again."""
+    """Wake a body."""
     motion.asleep = 0
     motion.quiet_ticks = 0
 
@@ -100,7 +97,7 @@ def _place(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord) -> 
 
 @kernel
 def _orient(body: BodyRecord, motion: MotionRecord) -> None:
-    """The rotation matrix of the orientation; what may not move does not."""
+    """Set the rotation matrix from the orientation, and the velocities of disabled motions to 0."""
     quat.to_matrix(motion.orientation, motion.rotation)
     if body.flags & _TRANSLATION == 0:
         fill(motion.velocity, 0.0)
@@ -111,21 +108,21 @@ def _orient(body: BodyRecord, motion: MotionRecord) -> None:
 
 @kernel
 def _spin_up(motion: MotionRecord, dynamics: DynamicsRecord) -> None:
-    """L = R I R^T omega; about an axis that does not turn there is none."""
+    """Set L = R I R^T omega, 0 about a locked axis."""
     q, axes = motion.orientation, dynamics.axes
     principal = product((q[0], q[1], q[2], q[3]), (axes[0], axes[1], axes[2], axes[3]))
     back = (-principal[0], -principal[1], -principal[2], principal[3])
-    x, y, z = turned(back, (motion.omega[0], motion.omega[1], motion.omega[2]))
+    x, y, z = rotated(back, (motion.omega[0], motion.omega[1], motion.omega[2]))
     inverse = dynamics.inverse
     x = x / inverse[0] if inverse[0] > 0.0 else 0.0
     y = y / inverse[1] if inverse[1] > 0.0 else 0.0
     z = z / inverse[2] if inverse[2] > 0.0 else 0.0
-    motion.momentum[0], motion.momentum[1], motion.momentum[2] = turned(principal, (x, y, z))
+    motion.momentum[0], motion.momentum[1], motion.momentum[2] = rotated(principal, (x, y, z))
 
 
 @kernel
 def _take_inertia(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord) -> None:
-    """Principal axes of a new or changed inertia; a body that turns goes on at the same speed."""
+    """Find the principal axes of a new or changed inertia; the angular velocity is kept."""
     same = True
     for i in range(3):
         for j in range(3):
@@ -138,7 +135,7 @@ def _take_inertia(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsReco
 
 @kernel
 def _begin(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, changed: bool) -> None:
-    """One body at the start of a tick."""
+    """Prepare one body for a tick."""
     if changed:
         _take_inertia(body, motion, dynamics)
         wake(motion)
@@ -154,29 +151,19 @@ def _begin(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, cha
 
 
 @kernel
-def _begin_all(
-    bodies: Table[BodyRecord],
-    motions: Table[MotionRecord],
-    dynamics: Table[DynamicsRecord],
-    tracking: TrackingRecord,
-    counts: ObjectCountsRecord,
-) -> None:
-    changed = tracking.placed_revision != counts.revision + 1
-    tracking.placed_revision = counts.revision + 1
-    for k in range(counts.bodies):
-        _begin(bodies[k], motions[k], dynamics[k], changed)
-
-
-@kernel
 def place_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord) -> None:
-    """Begin a tick: bodies whose `spawn` changed go to their place, and nothing has touched or pulled any yet.
+    """Begin a tick: place the bodies whose `spawn` changed, and clear the forces and contacts of all.
 
     Args:
         rows: `Rows` of this tick.
         work: `ObjectWork`; motions and dynamics are updated.
         counts: SCENE.objects.
     """
-    _begin_all(rows.bodies, work.motions, work.dynamics, work.tracking[0], counts)
+    tracking = work.tracking[0]
+    changed = tracking.placed_revision != counts.revision + 1
+    tracking.placed_revision = counts.revision + 1
+    for k in range(counts.bodies):
+        _begin(rows.bodies[k], work.motions[k], work.dynamics[k], changed)
 
 
 @kernel
@@ -201,7 +188,7 @@ def _move(body: BodyRecord, motion: MotionRecord, dt: float) -> None:
 
 @kernel
 def _slowed(integrator: int, rate: float, torque: float, inertia: float, b: float, dt: float) -> float:
-    """Turning rate about one principal axis after a tick of torque and drag, by the body's integrator."""
+    """Angular speed about one principal axis after a tick of torque and drag, by the body's integrator."""
     if integrator == ObjectIntegrator.EXACT_DRAG:
         return step_free(0.0, rate, torque, inertia, b, dt)[1]
     if integrator == ObjectIntegrator.IMPLICIT_MIDPOINT:
@@ -210,8 +197,8 @@ def _slowed(integrator: int, rate: float, torque: float, inertia: float, b: floa
 
 
 @kernel
-def _push_round(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, dt: float) -> None:
-    """Bring a tick's torque and drag into L: without drag the torque alone, so that L is exact."""
+def _apply_torque(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, dt: float) -> None:
+    """Add a tick's torque and drag to L; without drag the torque alone, so that L is exact."""
     b = body.damping_rotation
     if b == 0.0:
         for i in range(3):
@@ -220,22 +207,22 @@ def _push_round(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord
     q, axes, inverse = motion.orientation, dynamics.axes, dynamics.inverse
     principal = product((q[0], q[1], q[2], q[3]), (axes[0], axes[1], axes[2], axes[3]))
     back = (-principal[0], -principal[1], -principal[2], principal[3])
-    lx, ly, lz = turned(back, (motion.momentum[0], motion.momentum[1], motion.momentum[2]))
-    tx, ty, tz = turned(back, (motion.torque[0], motion.torque[1], motion.torque[2]))
+    lx, ly, lz = rotated(back, (motion.momentum[0], motion.momentum[1], motion.momentum[2]))
+    tx, ty, tz = rotated(back, (motion.torque[0], motion.torque[1], motion.torque[2]))
     how = body.integrator
     lx = _slowed(how, lx * inverse[0], tx, 1.0 / inverse[0], b, dt) / inverse[0] if inverse[0] > 0.0 else 0.0
     ly = _slowed(how, ly * inverse[1], ty, 1.0 / inverse[1], b, dt) / inverse[1] if inverse[1] > 0.0 else 0.0
     lz = _slowed(how, lz * inverse[2], tz, 1.0 / inverse[2], b, dt) / inverse[2] if inverse[2] > 0.0 else 0.0
-    motion.momentum[0], motion.momentum[1], motion.momentum[2] = turned(principal, (lx, ly, lz))
+    motion.momentum[0], motion.momentum[1], motion.momentum[2] = rotated(principal, (lx, ly, lz))
 
 
 @kernel
 def _advance(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, dt: float) -> None:
-    """One tick of a body that is awake."""
+    """Advance an awake body by one tick."""
     if body.flags & _TRANSLATION:
         _move(body, motion, dt)
     if body.flags & _ROTATION:
-        _push_round(body, motion, dynamics, dt)
+        _apply_torque(body, motion, dynamics, dt)
         turn_body(motion.orientation, motion.momentum, dynamics.inverse, dynamics.axes, dt, motion.omega)
     _orient(body, motion)
     R, c = motion.rotation, body.centre
@@ -244,18 +231,19 @@ def _advance(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, d
 
 
 @kernel
-def _is_sound(motion: MotionRecord) -> bool:
-    still = all_finite(motion.position) and all_finite(motion.orientation) and all_finite(motion.centre)
-    return still and all_finite(motion.velocity) and all_finite(motion.omega) and all_finite(motion.momentum)
+def _is_finite(motion: MotionRecord) -> bool:
+    """True when pose and velocities of a body are finite."""
+    pose = all_finite(motion.position) and all_finite(motion.orientation) and all_finite(motion.centre)
+    return pose and all_finite(motion.velocity) and all_finite(motion.omega) and all_finite(motion.momentum)
 
 
 @kernel
-def _advance_soundly(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, dt: float) -> bool:
-    """`_advance`; a motion beyond all numbers leaves the body where it was, at rest, and returns False."""
+def _advance_finite(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, dt: float) -> bool:
+    """`_advance`; a result that is not finite is undone, the body stays at rest, and False is returned."""
     x, c, q = motion.position, motion.centre, motion.orientation
     place, centre, turn = (x[0], x[1], x[2]), (c[0], c[1], c[2]), (q[0], q[1], q[2], q[3])
     _advance(body, motion, dynamics, dt)
-    if _is_sound(motion):
+    if _is_finite(motion):
         return True
     x[0], x[1], x[2] = place
     c[0], c[1], c[2] = centre
@@ -269,31 +257,34 @@ def _advance_soundly(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsR
 
 @kernel
 def _square(a: Vec) -> float:
+    """Square of the length of a."""
     return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]
 
 
 @kernel
 def _is_still(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord) -> bool:
-    """Nothing moves the body and it does not move."""
+    """True when the body is untouched, still, and its load is in balance."""
     if motion.touched:
         return False
     slow = _square(motion.velocity) < _STILL_SPEED**2 and _square(motion.omega) < _STILL_RATE**2
     if not slow:
         return False
-    most = _STILL_ACCELERATION * body.mass if body.flags & _TRANSLATION else math.inf
+    max_force = _STILL_ACCELERATION * body.mass if body.flags & _TRANSLATION else math.inf
     inverse = max(dynamics.inverse[0], max(dynamics.inverse[1], dynamics.inverse[2]))
-    most_torque = _STILL_TORQUE_RATE / inverse if inverse > 0.0 and body.flags & _ROTATION else math.inf
-    return _square(motion.force) < most * most and _square(motion.torque) < most_torque * most_torque
+    turns = inverse > 0.0 and body.flags & _ROTATION != 0
+    max_torque = _STILL_ANGULAR_ACCELERATION / inverse if turns else math.inf
+    return _square(motion.force) < max_force * max_force and _square(motion.torque) < max_torque * max_torque
 
 
 @kernel
 def rest_time(dt: float) -> int:
-    """Ticks of `dt` [s] in a row that a body must have been still before it sleeps."""
+    """Ticks of `dt` [s] in a row that a body must be still before it sleeps."""
     return int(_DOZE / dt)
 
 
 @kernel
 def _fall_asleep(motion: MotionRecord) -> None:
+    """Let a body sleep, at rest."""
     motion.asleep = 1
     fill(motion.velocity, 0.0)
     fill(motion.omega, 0.0)
@@ -302,7 +293,7 @@ def _fall_asleep(motion: MotionRecord) -> None:
 
 @kernel
 def _end(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, dt: float) -> bool:
-    """One body at the end of a tick; False when its forces, or where they lead, are not finite."""
+    """Advance one body at the end of a tick; False when its forces or its new motion are not finite."""
     if motion.asleep:
         return True
     if not (all_finite(motion.force) and all_finite(motion.torque)):
@@ -312,28 +303,14 @@ def _end(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRecord, dt: f
         if motion.quiet_ticks > rest_time(dt) and dynamics.stirred == 0:
             _fall_asleep(motion)
             return True
-    return _advance_soundly(body, motion, dynamics, dt)
-
-
-@kernel
-def _end_all(
-    bodies: Table[BodyRecord],
-    motions: Table[MotionRecord],
-    dynamics: Table[DynamicsRecord],
-    totals: TotalsRecord,
-    count: int,
-    dt: float,
-) -> None:
-    for k in range(count):
-        if not _end(bodies[k], motions[k], dynamics[k], dt):
-            totals.status = 1
+    return _advance_finite(body, motion, dynamics, dt)
 
 
 @kernel
 def step_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt: float) -> None:
-    """End a tick: every body that is awake moves by (11) and (12).
+    """End a tick: advance every awake body by (11) and (12).
 
-    A body whose forces, or where they lead, are not finite is not moved, and `totals.status` says so.
+    A body whose forces or new motion are not finite is not moved, and sets `totals.status`.
 
     Args:
         rows: `Rows` of this tick.
@@ -341,4 +318,6 @@ def step_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt: fl
         counts: SCENE.objects.
         dt: Tick [s].
     """
-    _end_all(rows.bodies, work.motions, work.dynamics, work.totals[0], counts.bodies, dt)
+    for k in range(counts.bodies):
+        if not _end(rows.bodies[k], work.motions[k], work.dynamics[k], dt):
+            work.totals[0].status = 1

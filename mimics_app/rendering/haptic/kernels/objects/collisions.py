@@ -1,12 +1,13 @@
-"""Collisions of haptic objects (4.2.9): near pairs, their contact points, their forces, who wakes whom.
+"""Collisions of haptic objects (4.2.9): broad phase, contact points, contact forces, and the waking of sleeping bodies.
 
-Figures 40-44 and beyond: sphere, capsule, cylinder, box, wall and mesh, each with each; any number of shapes to a body.
+Extends figures 40-44 to each pair of sphere, capsule, cylinder, box, wall and mesh; a body has any number of shapes.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.haptic_objects import STATIC, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.bodies import is_free, rest_time, wake
@@ -19,10 +20,10 @@ from mimics_app.rendering.haptic.kernels.objects.collisions_round import touch_b
 from mimics_app.rendering.haptic.kernels.objects.collisions_walls import touch_wall
 from mimics_app.rendering.haptic.kernels.objects.loads import load_bodies
 from mimics_app.rendering.haptic.kernels.objects.manifold import lay_over, write_feature
-from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANYWHERE
-from mimics_app.rendering.haptic.kernels.objects.resolve import part, push_apart
+from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANY_DIRECTION
+from mimics_app.rendering.haptic.kernels.objects.resolve import apply_contact, end_contact
 from mimics_app.rendering.haptic.kernels.objects.sweep import find_pairs, near
-from mimics_app.rendering.haptic.kernels.objects.triples import Three, dot, times
+from mimics_app.rendering.haptic.kernels.objects.triples import dot, times
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import (
@@ -46,46 +47,54 @@ __all__ = ["collide_bodies"]
 
 
 _TILTED = 1e-2
-"""1 - cosine between a normal and the nearer face from which the rounding of edges counts in full."""
+"""1 - cosine between the contact normal and the nearer face's normal from which rounding is corrected in full [-]."""
 
 _PRESSED = 0.01
-"""A sleeper wakes when a contact's force differs by so much per mass from when it fell asleep [N/kg]."""
+"""Change of a contact force per mass since a body fell asleep from which it wakes [N/kg]."""
 
 
 @kernel
-def _lay_features(a: SolidRecord, b: SolidRecord, n: Three, rounded: float, room: ScratchRecord) -> int:
-    """Contact points of two solids along n."""
-    count_a, out_a, lone_a = write_feature(a, n, room.feature_a)
-    count_b, out_b, lone_b = write_feature(b, times(-1.0, n), room.feature_b)
+def _lay_features(a: SolidRecord, b: SolidRecord, n: Vec3, rounded: float, scratch: ScratchRecord) -> int:
+    """Write the contact points of two solids along n to `scratch.points`; return their number.
+
+    Args:
+        a: SOLID of one.
+        b: SOLID of the other.
+        n: Unit normal from a to b.
+        rounded: Further overlap of the sharp solids along n [m], see `separate_hulls`.
+        scratch: SCRATCH.
+    """
+    count_a, out_a, lone_a = write_feature(a, n, scratch.feature_a)
+    count_b, out_b, lone_b = write_feature(b, times(-1.0, n), scratch.feature_b)
     lone = lone_a if count_a == 2 else lone_b if count_b == 2 else min(lone_a, lone_b)
     tilt = 1.0 - max(dot(out_a, n), -dot(out_b, n))
     correction = rounded * min(1.0, tilt / _TILTED)
     round_b = b.size[0] if b.kind == ShapeKind.CYLINDER else 0.0
     return lay_over(
-        room.feature_a, count_a, out_a, room.feature_b, count_b, out_b, n, lone, round_b, correction,
-        room.polygon, room.points,
+        scratch.feature_a, count_a, out_a, scratch.feature_b, count_b, out_b, n, lone, round_b, correction,
+        scratch.polygon, scratch.points,
     )  # fmt: skip
 
 
 @kernel
-def _touch(pair: PairRecord, a: SolidRecord, b: SolidRecord, room: ScratchRecord) -> int:
-    """Contact points of one pair into `room.points`, and its normal; returns how many."""
+def _touch(pair: PairRecord, a: SolidRecord, b: SolidRecord, scratch: ScratchRecord) -> int:
+    """Write the contact points of one pair to `scratch.points`, and its normal; return their number."""
     last = (pair.normal[0], pair.normal[1], pair.normal[2])
     count, n = 0, last
     if b.kind == ShapeKind.WALL:
-        count, n = touch_wall(a, b, room.feature_a, room.points)
+        count, n = touch_wall(a, b, scratch.feature_a, scratch.points)
     elif a.kind == ShapeKind.SPHERE:
-        count, n = touch_by_sphere(a, b, last, room.points)
+        count, n = touch_by_sphere(a, b, last, scratch.points)
     elif a.kind == ShapeKind.CAPSULE:
-        count, n = touch_by_capsule(a, b, last, room.points)
+        count, n = touch_by_capsule(a, b, last, scratch.points)
     elif a.kind == ShapeKind.CYLINDER:
-        overlap, rounded, n = separate_hulls(a, b, last, room.simplex)
+        overlap, rounded, n = separate_hulls(a, b, last, scratch.simplex)
         if overlap > 0.0:
-            count = _lay_features(a, b, n, rounded, room)
+            count = _lay_features(a, b, n, rounded, scratch)
     else:
-        pair.feature, overlap, n = separate_boxes(a, b, pair.feature, last, room.cosines)
+        pair.feature, overlap, n = separate_boxes(a, b, pair.feature, last, scratch.cosines)
         if pair.feature > 0:
-            count = _lay_features(a, b, n, 0.0, room)
+            count = _lay_features(a, b, n, 0.0, scratch)
     if count > 0:
         pair.normal[0], pair.normal[1], pair.normal[2] = n
     return count
@@ -93,15 +102,15 @@ def _touch(pair: PairRecord, a: SolidRecord, b: SolidRecord, room: ScratchRecord
 
 @kernel
 def _is_awake(bodies: Table[BodyRecord], motions: Table[MotionRecord], k: int) -> bool:
-    """True for a body that can move and does not sleep."""
+    """True for a body that can move and is not asleep."""
     return k >= 0 and motions[k].asleep == 0 and is_free(bodies[k])
 
 
 @kernel
-def _stir(
+def _disturb(
     pair: PairRecord, sleeper: MotionRecord, mover: MotionRecord, dynamics: DynamicsRecord, mass: float, doze: int
 ) -> None:
-    """A neighbour that moves, or presses otherwise than it did, wakes a sleeper; a restless one keeps the other up."""
+    """Wake a sleeper by a moving neighbour or a changed contact force; a neighbour that is not at rest delays sleep."""
     if sleeper.asleep:
         if mover.quiet_ticks == 0 or abs(pair.force - pair.rest_force) > _PRESSED * mass:
             wake(sleeper)
@@ -110,45 +119,45 @@ def _stir(
 
 
 @kernel
-def _rouse(
+def _wake_neighbours(
     pair: PairRecord,
     bodies: Table[BodyRecord],
     motions: Table[MotionRecord],
     dynamics: Table[DynamicsRecord],
     doze: int,
 ) -> None:
-    """What a contact means for the sleep of its two bodies."""
+    """Apply the effect of a contact on the sleep of its two bodies."""
     i, j = pair.body_a, pair.body_b
     if i < 0 or j < 0 or not is_free(bodies[i]) or not is_free(bodies[j]):
         return
     first_awake, second_awake = motions[i].asleep == 0, motions[j].asleep == 0
     if second_awake:
-        _stir(pair, motions[i], motions[j], dynamics[i], bodies[i].mass, doze)
+        _disturb(pair, motions[i], motions[j], dynamics[i], bodies[i].mass, doze)
     if first_awake:
-        _stir(pair, motions[j], motions[i], dynamics[j], bodies[j].mass, doze)
+        _disturb(pair, motions[j], motions[i], dynamics[j], bodies[j].mass, doze)
     if first_awake and second_awake:
         pair.rest_force = pair.force
 
 
 @kernel
 def _touch_mesh(
-    pair: PairRecord, a: SolidRecord, b: SolidRecord, table: MeshTable, ridges: RidgeTable, room: ScratchRecord
+    pair: PairRecord, a: SolidRecord, b: SolidRecord, table: MeshTable, ridges: RidgeTable, scratch: ScratchRecord
 ) -> int:
-    """`_touch` of a mesh: it alone needs the tables of triangles."""
+    """`_touch` for a pair with a mesh, which needs the tables of triangles."""
     last = (pair.normal[0], pair.normal[1], pair.normal[2])
     if a.kind == ShapeKind.MESH or b.body != STATIC:
-        count, n = touch_carried_mesh(a, b, last if pair.touching else ANYWHERE, table, room)
-    elif ridges.rows[b.mesh].ridges > 0 and a.kind != ShapeKind.SPHERE:  # a ball is exact by its middle
-        count, n = touch_ridged_mesh(a, b, last if pair.touching else ANYWHERE, table, ridges, room)
+        count, n = touch_carried_mesh(a, b, last if pair.touching else ANY_DIRECTION, table, scratch)
+    elif ridges.rows[b.mesh].ridges > 0 and a.kind != ShapeKind.SPHERE:  # a sphere is exact by its centre
+        count, n = touch_ridged_mesh(a, b, last if pair.touching else ANY_DIRECTION, table, ridges, scratch)
     else:
-        count, n = touch_mesh(a, b, last, table.rows, table.vertices, table.corners, table.boxes, room)
+        count, n = touch_mesh(a, b, last, table, scratch)
     pair.normal[0], pair.normal[1], pair.normal[2] = n
     return count
 
 
 @kernel
-def _tell_left_out(sweep: SweepRecord, totals: TotalsRecord) -> None:
-    """Pairs without room are reported when there are more of them than ever before."""
+def _report_left_out(sweep: SweepRecord, totals: TotalsRecord) -> None:
+    """Report the pairs beyond the capacity of the table when their number is a new maximum."""
     if sweep.left_out > sweep.most_left_out:
         sweep.most_left_out = sweep.left_out
         totals.left_out = sweep.left_out
@@ -156,30 +165,30 @@ def _tell_left_out(sweep: SweepRecord, totals: TotalsRecord) -> None:
 
 @kernel
 def _collide_pair(pair: PairRecord, rows: Rows, work: ObjectWork, doze: int, dt: float) -> None:
-    """One pair of which a body is awake: its points, its forces, who wakes whom."""
+    """Collide one pair with an awake body: contact points, forces, and the waking of bodies."""
     i, j = pair.body_a, pair.body_b
-    a, b, room = work.solids[pair.a], work.solids[pair.b], work.scratch[0]
+    a, b, scratch = work.solids[pair.a], work.solids[pair.b], work.scratch[0]
     found = 0
     if b.kind == ShapeKind.WALL or near(a, b):
         if a.kind == ShapeKind.MESH or b.kind == ShapeKind.MESH:
-            found = _touch_mesh(pair, a, b, work.meshes, work.ridges, room)
+            found = _touch_mesh(pair, a, b, work.meshes, work.ridges, scratch)
         else:
-            found = _touch(pair, a, b, room)
+            found = _touch(pair, a, b, scratch)
     if found == 0:
-        part(pair)
+        end_contact(pair)
         return
     first = work.motions[i] if i >= 0 else work.still[0]
     second = work.motions[j] if j >= 0 else work.still[0]
-    push_apart(pair, room.points, found, first, second, work.totals[0], dt)
-    _rouse(pair, rows.bodies, work.motions, work.dynamics, doze)
+    apply_contact(pair, scratch.points, found, first, second, work.totals[0], dt)
+    _wake_neighbours(pair, rows.bodies, work.motions, work.dynamics, doze)
 
 
 @kernel
 def collide_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt: float) -> None:
-    """Add F_aux, T_aux, weight and the forces of all contacts to the bodies; `totals.impact*` is the hardest.
+    """Add F_aux, T_aux, weight and the forces of all contacts to the bodies; `totals.impact*` is the hardest impact.
 
-    Deep overlaps (bodies spawned in one another) push out along the shortest direction, with the force of (17): at
-    most the stiffness times half of the smaller body.
+    Deep overlaps, as of bodies spawned in one another, push out along the shortest direction by (17), with at most the
+    stiffness times half of the smaller body.
 
     Args:
         rows: `Rows` of this tick.
@@ -190,13 +199,9 @@ def collide_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt:
     if counts.bodies == 0:
         return
     motions, sweep = work.motions, work.sweep[0]
-    load_bodies(rows.bodies, motions, work.dynamics, work.aux_forces, work.aux_torques, counts.bodies)
-    find_pairs(
-        rows.bodies, rows.shapes, motions, work.dynamics, work.solids, work.meshes.rows, work.meshes.boxes,
-        work.moving_shapes, work.order, work.next_moving, work.pairs, work.pair_slots, work.tracking[0], sweep, counts,
-        dt,
-    )  # fmt: skip
-    _tell_left_out(sweep, work.totals[0])
+    load_bodies(rows, work, counts)
+    find_pairs(rows, work, counts, dt)
+    _report_left_out(sweep, work.totals[0])
     doze = rest_time(dt)
     for k in range(sweep.pairs):
         pair = work.pairs[k]

@@ -1,7 +1,7 @@
-"""Two boxes (Figure 42): the axis along which they overlap least, of their 15 (Gottschalk, Lin & Manocha 1996).
+"""Separating axis test of two boxes (Figure 42): of 15 axes that of least overlap (Gottschalk, Lin & Manocha 1996).
 
-The axis of the last tick is kept until another one is clearly less deep, so that faces that touch evenly do not change
-places; contact points are laid over each other by `manifold`.
+The axis of the last tick is kept until another one is clearly less deep, so that evenly touching faces do not
+alternate. Contact points come from `manifold`.
 """
 
 from __future__ import annotations
@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.arrays import Mat
+from mimics_app.contracts.arrays import Mat, Vec3
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.objects.triples import Three, axis, cross, dot, into, middle, minus, times
+from mimics_app.rendering.haptic.kernels.objects.triples import axis, cross, dot, minus, position_of, times, to_local
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import SolidRecord
@@ -20,21 +20,21 @@ __all__ = ["separate_boxes"]
 
 
 _KEEP = 0.95
-"""The axis of the last tick counts as so much less deep than it is."""
+"""Factor on the depth along the axis of the last tick when axes are compared [-]."""
 
 _EDGE = 1.05
-"""Edges count as so much deeper: where a face does as well, the face it is."""
+"""Factor on the depth along crossed edges when axes are compared: faces are preferred [-]."""
 
 _PARALLEL = 1e-6
-"""Square of the sine between two edges below which they have no normal of their own."""
+"""Square of the sine between two edges below which they count as parallel [-]."""
 
 _FIRST_OF_B, _FIRST_EDGE = 4, 7
-"""The 15 axes: faces of a from 1 on, faces of b from 4 on, crossed edges from 7 on."""
+"""Numbers of the 15 axes: faces of a from 1 on, faces of b from 4 on, crossed edges from 7 on."""
 
 
 @kernel
 def _compare_axes(a: SolidRecord, b: SolidRecord, cosines: Mat) -> None:
-    """Cosines between the axes of a (rows) and b (columns)."""
+    """Set the cosines between the axes of a (rows) and b (columns)."""
     for i in range(3):
         n = axis(a, i)
         for j in range(3):
@@ -43,9 +43,9 @@ def _compare_axes(a: SolidRecord, b: SolidRecord, cosines: Mat) -> None:
 
 @kernel
 def _faces(
-    a: SolidRecord, b: SolidRecord, cosines: Mat, first: Three, second: Three, feature: int
+    a: SolidRecord, b: SolidRecord, cosines: Mat, first: Vec3, second: Vec3, feature: int
 ) -> tuple[int, float, float]:
-    """(axis, overlap, overlap as weighed) of the faces 1-6; axis 0: apart.
+    """(axis, overlap [m], weighted overlap [m]) of the best of the faces 1-6; axis 0: apart.
 
     Args:
         a: SOLID of a box.
@@ -77,11 +77,11 @@ def _faces(
 
 @kernel
 def _edges(
-    a: SolidRecord, b: SolidRecord, cosines: Mat, first: Three, feature: int, faces: tuple[int, float, float]
+    a: SolidRecord, b: SolidRecord, cosines: Mat, first: Vec3, feature: int, faces: tuple[int, float, float]
 ) -> tuple[int, float]:
-    """(axis, overlap) of the best of `faces` and the crossed edges 7-15; axis 0: apart.
+    """(axis, overlap [m]) of the best of `faces` and the crossed edges 7-15; axis 0: apart.
 
-    Along e_i x f_j a box reaches as far as its two other axes do: with c the cosines, e_k . (e_i x f_j) is -+c_lj.
+    The extent of a box along e_i x f_j is that of its two other axes: with c the cosines, e_k . (e_i x f_j) is -+c_lj.
     """
     best, overlap, least = faces
     for i in range(3):
@@ -106,7 +106,7 @@ def _edges(
 
 
 @kernel
-def _direction(a: SolidRecord, b: SolidRecord, number: int) -> Three:
+def _direction(a: SolidRecord, b: SolidRecord, number: int) -> Vec3:
     """Unit vector along one of the 15 axes."""
     if number < _FIRST_OF_B:
         return axis(a, number - 1)
@@ -117,23 +117,23 @@ def _direction(a: SolidRecord, b: SolidRecord, number: int) -> Three:
 
 
 @kernel
-def separate_boxes(a: SolidRecord, b: SolidRecord, feature: int, last: Three, cosines: Mat) -> tuple[int, float, Three]:
+def separate_boxes(a: SolidRecord, b: SolidRecord, feature: int, last: Vec3, cosines: Mat) -> tuple[int, float, Vec3]:
     """Axis of least overlap of two boxes.
 
     Args:
         a: SOLID of a box.
         b: SOLID of the other.
         feature: Axis of the last tick, as returned; 0: none.
-        last: Normal of the last tick, or zero: says the way out where the middles coincide.
-        cosines: Room, shape [3, 3].
+        last: Normal of the last tick, or zero; decides the sign where the centres coincide.
+        cosines: Scratch, shape [3, 3].
 
     Returns:
         (axis 1-3: faces of a, 4-6: faces of b, 7-15: edges; 0: apart, overlap [m], unit normal from a to b).
     """
-    between = minus(middle(b), middle(a))
+    between = minus(position_of(b), position_of(a))
     _compare_axes(a, b, cosines)
-    first = into(a, between)
-    faces = _faces(a, b, cosines, first, into(b, between), feature)
+    first = to_local(a, between)
+    faces = _faces(a, b, cosines, first, to_local(b, between), feature)
     if faces[0] == 0:
         return 0, 0.0, last
     best, overlap = _edges(a, b, cosines, first, feature, faces)

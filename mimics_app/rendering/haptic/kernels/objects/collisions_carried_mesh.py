@@ -1,14 +1,14 @@
-"""A mesh that a body carries, against everything: what of the other is in it, its corners and edges in the other.
+"""Contact of a mesh carried by a body with any shape: samples of each shape in the other, and crossed edges.
 
-Both ways are looked at, for a small box on a large mesh has its own corners in it, and a small mesh on a large box
-only those of the mesh. Corners that no hull needs never meet anything flat, so those of the convex hull are tried: by
-their height over a wall, the signed distance of another shape, the closest triangle of another mesh. Sharp edges that
-pass through the other shape between their corners are met by `collisions_edges`.
+Both directions are tested: a small box on a large mesh has its own corners in it, a small mesh on a large box only
+those of the mesh. Vertices inside the convex hull never touch a flat face, so those of the hull are tested: by their
+height above a wall, the signed distance of another shape, or the closest triangle of another mesh. Sharp edges that
+pass through the other shape between their ends are tested by `collisions_edges`.
 
-A point carries the share d / (sum of all d) of the stiffness, but no more than its kind carries elsewhere: a corner a
-quarter, an end of a capsule a half, a ball the whole. So a mesh that stands has its whole stiffness however fine it is,
-on a corner a quarter as a box has, and a point that dips in brings no step. Two meshes that both have edges meet each
-crossing twice, once from each side, with half a quarter each.
+A point has the share d / (sum of all d) of the stiffness, limited as elsewhere: a corner to a quarter, an end of a
+capsule to a half, a sphere to the whole. So a mesh at rest has its whole stiffness at any resolution, on a corner a
+quarter like a box, and a point that begins to touch causes no step. Two meshes with edges find each crossing twice,
+once from each side, with half a quarter each.
 """
 
 from __future__ import annotations
@@ -16,44 +16,42 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.collisions_edges import chord_in, deepest_between, may_pass
 from mimics_app.rendering.haptic.kernels.objects.collisions_mesh import depth_in_mesh, points_in_mesh, project_depths
 from mimics_app.rendering.haptic.kernels.objects.distances import depth_under, distance_to
-from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANYWHERE
+from mimics_app.rendering.haptic.kernels.objects.manifold import CORNER_SHARE
+from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANY_DIRECTION
 from mimics_app.rendering.haptic.kernels.objects.triples import (
-    Three,
     along,
     axis,
     dot,
-    middle,
     minus,
-    out_of,
+    position_of,
     times,
+    to_world,
     unit,
 )
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import MeshTable, ScratchRecord, SolidRecord
 
-__all__ = ["CORNER_SHARE", "depth_of", "edge_in", "keep_point", "touch_carried_mesh"]
+__all__ = ["depth_of", "edge_in", "keep_point", "touch_carried_mesh"]
 
-
-CORNER_SHARE = 0.25
-"""Most of the stiffness that one corner of a hull carries."""
 
 _LEVEL = 0.05
-"""Sine of the angle between an edge and a face from which on the place where it passes through counts in full."""
+"""Sine of the angle between an edge and a face from which their crossing begins to count [-]; fully at twice that."""
 
 _ASIDE = 1e-3
-"""Most that a corner may stand beside the bounds of a shape and still be held by an edge [m]; see `depth_under`."""
+"""Largest distance of a corner beside the bounds of a shape at which its edge supports it [m]; see `depth_under`."""
 
 
 @kernel
-def keep_point(p: Three, depth: float, n: Three, share: float, room: ScratchRecord, count: int) -> int:
-    """Add a point with its normal; in a full table in the place of the shallowest. Returns how many there are."""
-    points, normals = room.points, room.normals
+def keep_point(p: Vec3, depth: float, n: Vec3, share: float, scratch: ScratchRecord, count: int) -> int:
+    """Add a point with its normal; in a full table it replaces the shallowest. Return the number of points."""
+    points, normals = scratch.points, scratch.normals
     at = count
     if count >= points.shape[0]:
         at = 0
@@ -70,7 +68,7 @@ def keep_point(p: Three, depth: float, n: Three, share: float, room: ScratchReco
 
 @kernel
 def _thinnest(solid: SolidRecord) -> float:
-    """Least extent of a shape with bounds along the world's axes [m]."""
+    """Smallest extent of a bounded shape along the world's axes [m]."""
     least = math.inf
     for k in range(3):
         least = min(least, solid.high[k] - solid.low[k])
@@ -78,8 +76,8 @@ def _thinnest(solid: SolidRecord) -> float:
 
 
 @kernel
-def _is_within(p: Three, solid: SolidRecord) -> bool:
-    """True for a point within the bounds of a shape that has some, or no farther out than a corner may stand aside."""
+def _is_within(p: Vec3, solid: SolidRecord) -> bool:
+    """True for a point within the bounds of a bounded shape, enlarged by `_ASIDE`."""
     for k in range(3):
         if p[k] < solid.low[k] - _ASIDE or p[k] > solid.high[k] + _ASIDE:
             return False
@@ -88,19 +86,17 @@ def _is_within(p: Three, solid: SolidRecord) -> bool:
 
 @kernel
 def depth_of(
-    p: Three, other: SolidRecord, toward: Three, reach: float, table: MeshTable, room: ScratchRecord
-) -> tuple[float, Three]:
-    """Depth of a point in a shape by the faces that look along `toward`, 0 or less outside; normal out of them."""
+    p: Vec3, other: SolidRecord, toward: Vec3, reach: float, table: MeshTable, scratch: ScratchRecord
+) -> tuple[float, Vec3]:
+    """Depth of a point in a shape by the faces that face `toward`, <= 0 outside, and their outward normal."""
     if other.kind == ShapeKind.WALL:
         n = axis(other, 2)
-        return dot(minus(middle(other), p), n), n
+        return dot(minus(position_of(other), p), n), n
     if other.kind == ShapeKind.MESH:
-        return depth_in_mesh(
-            other, p, 0.0, reach, toward, table.rows, table.vertices, table.corners, table.boxes, room
-        )  # fmt: skip
+        return depth_in_mesh(other, p, 0.0, reach, toward, table, scratch)
     if not _is_within(p, other):
         return 0.0, toward
-    if toward == ANYWHERE:
+    if toward == ANY_DIRECTION:
         far, n = distance_to(other, p, toward)
         return -far, n
     return depth_under(other, p, toward)
@@ -110,43 +106,43 @@ def depth_of(
 def _corners_in(
     carried: SolidRecord,
     other: SolidRecord,
-    toward: Three,
+    toward: Vec3,
     side: float,
     table: MeshTable,
-    room: ScratchRecord,
+    scratch: ScratchRecord,
     count: int,
 ) -> int:
-    """Add the corners of a carried mesh's hull that are in another shape.
+    """Add the vertices of a carried mesh's hull that are inside another shape; return the number of points.
 
     Args:
         carried: SOLID of the mesh.
         other: SOLID of the other shape.
-        toward: Direction out of it in which its faces look that count; ANYWHERE: all of a mesh.
+        toward: Direction that the faces of the other shape must face; ANY_DIRECTION: all faces of a mesh count.
         side: 1: `other` is the second of the pair, the normals point out of it; -1: it is the first, they point in.
         table: MeshTable.
-        room: SCRATCH.
-        count: Points so far.
+        scratch: SCRATCH.
+        count: Number of points so far.
     """
-    mesh, place, reach = table.rows[carried.mesh], middle(carried), _thinnest(carried)
+    mesh, place, reach = table.rows[carried.mesh], position_of(carried), _thinnest(carried)
     for i in range(mesh.first_hull, mesh.first_hull + mesh.hull_corners):
-        p = along(place, 1.0, out_of(carried, (table.hulls[i, 0], table.hulls[i, 1], table.hulls[i, 2])))
-        depth, n = depth_of(p, other, toward, reach, table, room)
+        p = along(place, 1.0, to_world(carried, (table.hulls[i, 0], table.hulls[i, 1], table.hulls[i, 2])))
+        depth, n = depth_of(p, other, toward, reach, table, scratch)
         if depth > 0.0:
-            count = keep_point(along(p, 0.5 * depth, n), depth, times(side, n), CORNER_SHARE, room, count)
+            count = keep_point(along(p, 0.5 * depth, n), depth, times(side, n), CORNER_SHARE, scratch, count)
     return count
 
 
 @kernel
-def _weight(n: Three, direction: Three, from_corner: float) -> float:
-    """How much the end of a chord counts, 0 to 1.
+def _weight(n: Vec3, direction: Vec3, from_corner: float) -> float:
+    """Weight 0-1 of the end of a chord as a contact point.
 
-    Nothing where the edge lies in the face, whose crossing then is anywhere, nor at the edge's own corner, which counts
-    itself and may stand a little aside.
+    It is 0 where the edge is nearly parallel to the face, as their crossing is ill-defined, and near the vertex of the
+    edge, which is a contact point itself.
 
     Args:
         n: Normal of the face.
-        direction: Of the whole edge, as long as it [m].
-        from_corner: Share of it from the end of the chord to the corner outside.
+        direction: Vector of the whole edge [m].
+        from_corner: Share of the edge between the end of the chord and the vertex outside.
     """
     length = math.sqrt(dot(direction, direction))
     steep = abs(dot(n, direction)) / (_LEVEL * length) - 1.0
@@ -156,37 +152,53 @@ def _weight(n: Three, direction: Three, from_corner: float) -> float:
 
 @kernel
 def edge_in(
-    p: Three,
-    q: Three,
+    p: Vec3,
+    q: Vec3,
     other: SolidRecord,
-    toward: Three,
+    toward: Vec3,
     side: float,
     share: float,
     reach: float,
     table: MeshTable,
-    room: ScratchRecord,
+    scratch: ScratchRecord,
     count: int,
 ) -> int:
-    """Add what of one edge is in another shape: between its two faces, and the ends of its chord under others."""
-    chord = chord_in(other, p, q, table, room)
+    """Add the contacts of one edge with another shape: between two faces, and the ends of its chord under other faces.
+
+    Args:
+        p: Start of the edge, world [m].
+        q: Its end [m].
+        other: SOLID of the other shape.
+        toward: Direction that its faces must face; ANY_DIRECTION: the ends of the chord do not count.
+        side: As `_corners_in`.
+        share: Largest share of the stiffness of a point.
+        reach: Largest depth of an end of the chord in a mesh [m].
+        table: MeshTable.
+        scratch: SCRATCH.
+        count: Number of points so far.
+
+    Returns:
+        Number of points.
+    """
+    chord = chord_in(other, p, q, table, scratch)
     found, t0, t1, n0, n1 = chord
     if not found:
         return count
     direction = minus(q, p)
-    if n0 != ANYWHERE and n1 != ANYWHERE:
-        depth, n, at = deepest_between(other, p, q, chord, toward, table, room)
+    if n0 != ANY_DIRECTION and n1 != ANY_DIRECTION:
+        depth, n, at = deepest_between(other, p, q, chord, toward, table, scratch)
         if depth > 0.0:
-            count = keep_point(along(at, 0.5 * depth, n), depth, times(side, n), share, room, count)
-    if toward == ANYWHERE:
+            count = keep_point(along(at, 0.5 * depth, n), depth, times(side, n), share, scratch, count)
+    if toward == ANY_DIRECTION:
         return count
     for k in range(2):
         t, face, outside = (t0, n0, t0) if k == 0 else (t1, n1, 1.0 - t1)
         weight = _weight(face, direction, outside)
         if weight > 0.0:
             at = along(p, t, direction)
-            depth, n = depth_of(at, other, toward, reach, table, room)
+            depth, n = depth_of(at, other, toward, reach, table, scratch)
             if depth > 0.0:
-                count = keep_point(along(at, 0.5 * depth, n), weight * depth, times(side, n), share, room, count)
+                count = keep_point(along(at, 0.5 * depth, n), weight * depth, times(side, n), share, scratch, count)
     return count
 
 
@@ -194,47 +206,47 @@ def edge_in(
 def _edges_in(
     carried: SolidRecord,
     other: SolidRecord,
-    toward: Three,
+    toward: Vec3,
     side: float,
     table: MeshTable,
-    room: ScratchRecord,
+    scratch: ScratchRecord,
     count: int,
 ) -> int:
-    """Add what of the sharp edges of a carried mesh is in another shape; arguments as `_corners_in`."""
-    if other.kind == ShapeKind.WALL or other.kind == ShapeKind.SPHERE:  # their corners and middle say all
+    """Add the contacts of a carried mesh's sharp edges with another shape; arguments as `_corners_in`."""
+    if other.kind == ShapeKind.WALL or other.kind == ShapeKind.SPHERE:  # corners, and the sphere's centre, suffice
         return count
-    mesh, place, reach, edges = table.rows[carried.mesh], middle(carried), _thinnest(carried), table.edges
+    mesh, place, reach, edges = table.rows[carried.mesh], position_of(carried), _thinnest(carried), table.edges
     meets_twice = other.kind == ShapeKind.MESH and table.rows[other.mesh].edges > 0
     share = 0.5 * CORNER_SHARE if meets_twice else CORNER_SHARE
     for i in range(mesh.first_edge, mesh.first_edge + mesh.edges):
-        p = along(place, 1.0, out_of(carried, (edges[i, 0], edges[i, 1], edges[i, 2])))
-        q = along(place, 1.0, out_of(carried, (edges[i, 3], edges[i, 4], edges[i, 5])))
+        p = along(place, 1.0, to_world(carried, (edges[i, 0], edges[i, 1], edges[i, 2])))
+        q = along(place, 1.0, to_world(carried, (edges[i, 3], edges[i, 4], edges[i, 5])))
         if may_pass(p, q, other):
-            count = edge_in(p, q, other, toward, side, share, reach, table, room, count)
+            count = edge_in(p, q, other, toward, side, share, reach, table, scratch, count)
     return count
 
 
 @kernel
-def _gather(a: SolidRecord, b: SolidRecord, n: Three, table: MeshTable, room: ScratchRecord) -> tuple[int, float]:
-    """Points of both in each other whose faces look along the normal n from a to b, and the sum of their depths."""
+def _gather(a: SolidRecord, b: SolidRecord, n: Vec3, table: MeshTable, scratch: ScratchRecord) -> tuple[int, float]:
+    """(number of points of either shape in the other, by faces that face the normal n from a to b; sum of depths)."""
     count, out = 0, times(-1.0, n)
     if a.kind == ShapeKind.MESH:
-        count = _corners_in(a, b, out, 1.0, table, room, 0)
-        count = _edges_in(a, b, out, 1.0, table, room, count)
+        count = _corners_in(a, b, out, 1.0, table, scratch, 0)
+        count = _edges_in(a, b, out, 1.0, table, scratch, count)
     else:
-        count, _ = points_in_mesh(a, b, out, table.rows, table.vertices, table.corners, table.boxes, room)
-    if b.kind == ShapeKind.MESH and a.kind != ShapeKind.SPHERE:  # a ball is exact by its middle
-        count = _corners_in(b, a, n, -1.0, table, room, count)
-        count = _edges_in(b, a, n, -1.0, table, room, count)
+        count, _ = points_in_mesh(a, b, out, table, scratch)
+    if b.kind == ShapeKind.MESH and a.kind != ShapeKind.SPHERE:  # a sphere is exact by its centre
+        count = _corners_in(b, a, n, -1.0, table, scratch, count)
+        count = _edges_in(b, a, n, -1.0, table, scratch, count)
     total = 0.0
     for k in range(count):
-        total += room.points[k, 3]
+        total += scratch.points[k, 3]
     return count, total
 
 
 @kernel
-def _least_overlap(a: SolidRecord, b: SolidRecord) -> Three:
-    """The world axis along which the bounds of two shapes overlap least, from a to b."""
+def _least_overlap(a: SolidRecord, b: SolidRecord) -> Vec3:
+    """World axis of least overlap of the bounds of two shapes, from a to b."""
     least, n = math.inf, (0.0, 0.0, 0.0)
     for k in range(3):
         upward, downward = a.high[k] - b.low[k], b.high[k] - a.low[k]
@@ -246,9 +258,9 @@ def _least_overlap(a: SolidRecord, b: SolidRecord) -> Three:
 
 
 @kernel
-def _share_out(count: int, room: ScratchRecord) -> None:
-    """Spread the stiffness over the points by their depth; none gets more than it came with."""
-    points, total = room.points, 0.0
+def _share_out(count: int, scratch: ScratchRecord) -> None:
+    """Distribute the stiffness over the points by their depth, within their own shares."""
+    points, total = scratch.points, 0.0
     for k in range(count):
         total += points[k, 3]
     for k in range(count):
@@ -257,37 +269,37 @@ def _share_out(count: int, room: ScratchRecord) -> None:
 
 @kernel
 def touch_carried_mesh(
-    a: SolidRecord, b: SolidRecord, last: Three, table: MeshTable, room: ScratchRecord
-) -> tuple[int, Three]:
-    """Contact points of a pair of which one is a mesh that a body carries, the other anything.
+    a: SolidRecord, b: SolidRecord, last: Vec3, table: MeshTable, scratch: ScratchRecord
+) -> tuple[int, Vec3]:
+    """Contact points of a pair of which one is a mesh carried by a body, the other any shape.
 
-    The faces that count are those which look along the normal of the contact. A new contact takes the deeper of two:
-    the nearest faces of all points, or those along the axis on which the two overlap least. Equal blocks that stand on
-    each other, corner upon corner, have no nearest face that means anything; in a hollow the bounds mean nothing.
+    The faces that face the normal of the contact count. A new contact takes the deeper of two alternatives: the nearest
+    faces of all points, or those along the axis of least overlap. For equal blocks stacked corner on corner the nearest
+    faces are ambiguous; in a hollow the bounds are misleading.
 
     Args:
         a: SOLID of any shape but a wall.
         b: SOLID of a wall or a mesh; one of the two is a carried mesh.
         last: Normal of the last tick from a to b while they touch, else zero.
         table: MeshTable.
-        room: SCRATCH; `points` receives the points.
+        scratch: SCRATCH; `points` receives the points.
 
     Returns:
         (points, unit normal from a to b).
     """
-    if b.kind != ShapeKind.WALL and last == ANYWHERE:
+    if b.kind != ShapeKind.WALL and last == ANY_DIRECTION:
         last = _least_overlap(a, b)
-        _, along_axis = _gather(a, b, last, table, room)
-        _, nearest = _gather(a, b, ANYWHERE, table, room)
+        _, along_axis = _gather(a, b, last, table, scratch)
+        _, nearest = _gather(a, b, ANY_DIRECTION, table, scratch)
         if nearest >= along_axis:
-            last = ANYWHERE
-    count, _ = _gather(a, b, last, table, room)
+            last = ANY_DIRECTION
+    count, _ = _gather(a, b, last, table, scratch)
     if count == 0:
         return 0, last
-    mean, normals = (0.0, 0.0, 0.0), room.normals
+    mean, normals = (0.0, 0.0, 0.0), scratch.normals
     for k in range(count):
-        mean = along(mean, room.points[k, 3], (normals[k, 0], normals[k, 1], normals[k, 2]))
+        mean = along(mean, scratch.points[k, 3], (normals[k, 0], normals[k, 1], normals[k, 2]))
     up = unit(mean, times(-1.0, last))
-    project_depths(up, count, room)
-    _share_out(count, room)
+    project_depths(up, count, scratch)
+    _share_out(count, scratch)
     return count, times(-1.0, up)

@@ -1,11 +1,10 @@
-"""Sharp edges of a mesh that a body carries, where they pass through another shape between their corners.
+"""Contacts of sharp mesh edges that pass through another shape between their corners.
 
-An edge goes into the other shape at t0 through a face n0 and leaves it at t1 through a face n1. The way out that is
+An edge enters the other shape at t0 through a face n0 and leaves it at t1 through a face n1. The separating direction
 perpendicular to the edge e lies between the two faces, n ~ (n1.e) n0 - (n0.e) n1: along e x (n0 x n1), the axis of two
 crossed edges (Gottschalk, Lin & Manocha 1996), with the depth (n1.e) (-n0.e) L / |n| for the chord of length L, less
-where the shape ends before its two faces would meet. Where the two faces look apart there is no such normal; then,
-as wherever an edge sticks out on one side only, the ends of the chord are points like corners: planks that cross lie on
-four of them.
+where the shape ends before its two faces would meet. For opposite faces there is no such normal; then, as wherever an
+edge leaves on one side only, the ends of the chord are contact points like corners: crossed planks rest on four.
 """
 
 from __future__ import annotations
@@ -13,19 +12,19 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.distances import distance_to
-from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANYWHERE, LOOKS, first_crossing, triangle_normal
+from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANY_DIRECTION, FACING, first_crossing, triangle_normal
 from mimics_app.rendering.haptic.kernels.objects.triples import (
-    Three,
     along,
     dot,
-    into,
-    middle,
     minus,
-    out_of,
+    position_of,
     times,
+    to_local,
+    to_world,
     unit,
 )
 
@@ -36,27 +35,30 @@ __all__ = ["chord_in", "deepest_between", "may_pass"]
 
 
 _NONE = (0.0, 0.0, 0.0)
-"""Normal of an end of a chord that lies inside: there the edge ends."""
+"""Normal at an end of a chord inside the shape, where the edge itself ends."""
 
 _OPPOSITE = 0.05
-"""Length of (n1.e) n0 - (n0.e) n1 below which two faces look opposite ways."""
+"""Length of (n1.e) n0 - (n0.e) n1 below which two faces count as opposite [-]."""
 
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+"""Inverse of the golden ratio [-]."""
+
 _NARROWED = 24
-"""Steps of the search for the deepest place of an edge: a hundred-thousandth of its length."""
+"""Steps of the search for the deepest point of an edge: to a hundred-thousandth of its length."""
 
 _HALVED = 32
 """Steps of the search for the ends of a chord."""
 
 _BEYOND = 1.001
-"""The way out is looked for so much farther than where the faces would meet."""
+"""Length of the probe along the normal, relative to the depth at which the faces would meet [-]."""
 
-Chord = tuple[bool, float, float, Three, Three]
+Chord = tuple[bool, float, float, Vec3, Vec3]
+"""Part of a segment inside a shape, see `chord_in`."""
 
 
 @kernel
-def may_pass(p: Three, q: Three, solid: SolidRecord) -> bool:
-    """The bounds of the segment p -> q overlap those of a shape that has some."""
+def may_pass(p: Vec3, q: Vec3, solid: SolidRecord) -> bool:
+    """Whether the bounds of the segment p -> q overlap those of a bounded shape."""
     for k in range(3):
         if max(p[k], q[k]) < solid.low[k] or min(p[k], q[k]) > solid.high[k]:
             return False
@@ -64,14 +66,15 @@ def may_pass(p: Three, q: Three, solid: SolidRecord) -> bool:
 
 
 @kernel
-def _face(j: int, sign: float) -> Three:
+def _face(j: int, sign: float) -> Vec3:
+    """Unit vector sign e_j."""
     return sign if j == 0 else 0.0, sign if j == 1 else 0.0, sign if j == 2 else 0.0
 
 
 @kernel
-def _chord_in_box(solid: SolidRecord, p: Three, q: Three) -> Chord:
-    """Clip by the six faces, in the frame of the box."""
-    a, b = into(solid, minus(p, middle(solid))), into(solid, minus(q, middle(solid)))
+def _chord_in_box(solid: SolidRecord, p: Vec3, q: Vec3) -> Chord:
+    """Chord in a box, by clipping against its six faces."""
+    a, b = to_local(solid, minus(p, position_of(solid))), to_local(solid, minus(q, position_of(solid)))
     t0, t1, n0, n1 = 0.0, 1.0, _NONE, _NONE
     for j in range(3):
         for sign in (-1.0, 1.0):
@@ -86,52 +89,52 @@ def _chord_in_box(solid: SolidRecord, p: Three, q: Three) -> Chord:
                 t = before / (before - after)
                 if t < t1:
                     t1, n1 = t, _face(j, sign)
-    return t0 < t1, t0, t1, out_of(solid, n0), out_of(solid, n1)
+    return t0 < t1, t0, t1, to_world(solid, n0), to_world(solid, n1)
 
 
 @kernel
-def _deepest(solid: SolidRecord, p: Three, direction: Three) -> float:
-    """Share of the segment where a round shape is deepest, by golden section: its distance is convex along a line."""
+def _deepest(solid: SolidRecord, p: Vec3, direction: Vec3) -> float:
+    """Share of the segment where it is deepest in a round shape, by golden section: the distance is convex."""
     low, high = 0.0, 1.0
     left, right = high - _GOLDEN, low + _GOLDEN
-    at_left, _ = distance_to(solid, along(p, left, direction), ANYWHERE)
-    at_right, _ = distance_to(solid, along(p, right, direction), ANYWHERE)
+    at_left, _ = distance_to(solid, along(p, left, direction), ANY_DIRECTION)
+    at_right, _ = distance_to(solid, along(p, right, direction), ANY_DIRECTION)
     for _k in range(_NARROWED):
         if at_left <= at_right:
             high, right, at_right = right, left, at_left
             left = high - _GOLDEN * (high - low)
-            at_left, _ = distance_to(solid, along(p, left, direction), ANYWHERE)
+            at_left, _ = distance_to(solid, along(p, left, direction), ANY_DIRECTION)
         else:
             low, left, at_left = left, right, at_right
             right = low + _GOLDEN * (high - low)
-            at_right, _ = distance_to(solid, along(p, right, direction), ANYWHERE)
+            at_right, _ = distance_to(solid, along(p, right, direction), ANY_DIRECTION)
     return 0.5 * (low + high)
 
 
 @kernel
-def _surface(solid: SolidRecord, p: Three, direction: Three, inside: float, end: float) -> tuple[float, Three]:
-    """(share, normal) where the segment comes out of a shape between a place inside and its end; _NONE: it does not."""
-    far, _ = distance_to(solid, along(p, end, direction), ANYWHERE)
+def _surface(solid: SolidRecord, p: Vec3, direction: Vec3, inside: float, end: float) -> tuple[float, Vec3]:
+    """(share, normal) at which the segment leaves a shape between an inner point and its end; _NONE: it does not."""
+    far, _ = distance_to(solid, along(p, end, direction), ANY_DIRECTION)
     if far <= 0.0:
         return end, _NONE
     outside = end
     for _k in range(_HALVED):
         between = 0.5 * (inside + outside)
-        far, _ = distance_to(solid, along(p, between, direction), ANYWHERE)
+        far, _ = distance_to(solid, along(p, between, direction), ANY_DIRECTION)
         if far <= 0.0:
             inside = between
         else:
             outside = between
-    _, n = distance_to(solid, along(p, outside, direction), ANYWHERE)
+    _, n = distance_to(solid, along(p, outside, direction), ANY_DIRECTION)
     return outside, n
 
 
 @kernel
-def _chord_in_round(solid: SolidRecord, p: Three, q: Three) -> Chord:
-    """Of a cylinder or capsule, by its distance alone."""
+def _chord_in_round(solid: SolidRecord, p: Vec3, q: Vec3) -> Chord:
+    """Chord in a cylinder or capsule, by its distance alone."""
     direction = minus(q, p)
     t = _deepest(solid, p, direction)
-    far, _ = distance_to(solid, along(p, t, direction), ANYWHERE)
+    far, _ = distance_to(solid, along(p, t, direction), ANY_DIRECTION)
     if far >= 0.0:
         return False, 0.0, 0.0, _NONE, _NONE
     t0, n0 = _surface(solid, p, direction, t, 0.0)
@@ -140,9 +143,9 @@ def _chord_in_round(solid: SolidRecord, p: Three, q: Three) -> Chord:
 
 
 @kernel
-def _entry(solid: SolidRecord, a: Three, b: Three, table: MeshTable, room: ScratchRecord) -> tuple[bool, float, Three]:
-    """(whether, at which share, normal of the face) the segment a -> b goes into a mesh, in its frame."""
-    mesh, first, last, n = table.rows[solid.mesh], room.mesh_point, room.mesh_closest, room.mesh_normal
+def _entry(solid: SolidRecord, a: Vec3, b: Vec3, table: MeshTable, scratch: ScratchRecord) -> tuple[bool, float, Vec3]:
+    """(whether the segment a -> b enters a mesh, share at which, normal of the face), in the frame of the mesh."""
+    mesh, first, last, n = table.rows[solid.mesh], scratch.mesh_point, scratch.mesh_closest, scratch.mesh_normal
     first[0], first[1], first[2] = a
     last[0], last[1], last[2] = b
     t = first_crossing(mesh, table.vertices, table.corners, table.boxes, first, last, n)
@@ -157,56 +160,56 @@ def _entry(solid: SolidRecord, a: Three, b: Three, table: MeshTable, room: Scrat
 
 
 @kernel
-def _chord_in_mesh(solid: SolidRecord, p: Three, q: Three, table: MeshTable, room: ScratchRecord) -> Chord:
-    """From where the segment first goes in to where it last comes out; what is between in a hollow is not reported."""
-    a, b = into(solid, minus(p, middle(solid))), into(solid, minus(q, middle(solid)))
-    enters, t0, n0 = _entry(solid, a, b, table, room)
-    leaves, back, n1 = _entry(solid, b, a, table, room)
+def _chord_in_mesh(solid: SolidRecord, p: Vec3, q: Vec3, table: MeshTable, scratch: ScratchRecord) -> Chord:
+    """Chord in a mesh, from the first entry to the last exit; gaps between them, in a hollow, are ignored."""
+    a, b = to_local(solid, minus(p, position_of(solid))), to_local(solid, minus(q, position_of(solid)))
+    enters, t0, n0 = _entry(solid, a, b, table, scratch)
+    leaves, back, n1 = _entry(solid, b, a, table, scratch)
     if not enters:
         t0, n0 = 0.0, _NONE
     t1 = 1.0 - back if leaves else 1.0
-    return (enters or leaves) and t0 < t1, t0, t1, out_of(solid, n0), out_of(solid, n1 if leaves else _NONE)
+    return (enters or leaves) and t0 < t1, t0, t1, to_world(solid, n0), to_world(solid, n1 if leaves else _NONE)
 
 
 @kernel
-def chord_in(solid: SolidRecord, p: Three, q: Three, table: MeshTable, room: ScratchRecord) -> Chord:
-    """The part of a straight line that lies in a shape.
+def chord_in(solid: SolidRecord, p: Vec3, q: Vec3, table: MeshTable, scratch: ScratchRecord) -> Chord:
+    """Part of a segment inside a shape.
 
     Args:
         solid: SOLID of a box, cylinder, capsule or mesh.
-        p: Beginning of the segment, world [m].
+        p: Start of the segment, world [m].
         q: Its end [m].
         table: MeshTable.
-        room: SCRATCH.
+        scratch: SCRATCH.
 
     Returns:
-        (whether there is one, share of the segment at which it begins, at which it ends, outward normals of the faces
-        there; zero where the segment itself begins or ends inside).
+        (whether there is one, shares of the segment at which it begins and ends, outward normals of the faces there;
+        zero where the segment itself begins or ends inside).
     """
     if solid.kind == ShapeKind.BOX:
         return _chord_in_box(solid, p, q)
     if solid.kind == ShapeKind.MESH:
-        return _chord_in_mesh(solid, p, q, table, room)
+        return _chord_in_mesh(solid, p, q, table, scratch)
     return _chord_in_round(solid, p, q)
 
 
 @kernel
 def deepest_between(
-    solid: SolidRecord, p: Three, q: Three, chord: Chord, toward: Three, table: MeshTable, room: ScratchRecord
-) -> tuple[float, Three, Three]:
-    """The way out of a shape for an edge that passes through it.
+    solid: SolidRecord, p: Vec3, q: Vec3, chord: Chord, toward: Vec3, table: MeshTable, scratch: ScratchRecord
+) -> tuple[float, Vec3, Vec3]:
+    """Penetration depth of an edge that passes through a shape, between its two faces.
 
     Args:
         solid: SOLID of the shape.
-        p: Beginning of the edge, world [m].
+        p: Start of the edge, world [m].
         q: Its end [m].
-        chord: What `chord_in` gave for it; both of its normals are there.
-        toward: Direction that the normal out of it must look along, or ANYWHERE.
+        chord: Result of `chord_in`, with two normals.
+        toward: Direction that the outward normal must face, or ANY_DIRECTION.
         table: MeshTable.
-        room: SCRATCH.
+        scratch: SCRATCH.
 
     Returns:
-        (depth [m], 0: there is none; unit normal out of the shape; place on the edge [m]).
+        (depth [m], 0: none; unit outward normal of the shape; point on the edge [m]).
     """
     _, t0, t1, n0, n1 = chord
     direction = minus(q, p)
@@ -218,12 +221,12 @@ def deepest_between(
     if size < _OPPOSITE:
         return 0.0, toward, p
     n = times(1.0 / size, sum_of_both)
-    if toward != ANYWHERE and dot(n, toward) <= LOOKS:
+    if toward != ANY_DIRECTION and dot(n, toward) <= FACING:
         return 0.0, n, p
     depth = rise * fall * (t1 - t0) * length / size
     foot = min(t0 + depth * dot(n0, n) / (fall * length), t1)
     at = along(p, foot, direction)
-    _, _, out, _, leaves = chord_in(solid, at, along(at, _BEYOND * depth, n), table, room)
+    _, _, out, _, leaves = chord_in(solid, at, along(at, _BEYOND * depth, n), table, scratch)
     if unit(leaves, _NONE) != _NONE:
         depth = min(depth, _BEYOND * depth * out)
     return depth, n, at

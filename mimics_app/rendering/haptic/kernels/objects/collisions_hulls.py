@@ -1,10 +1,9 @@
-"""Cylinders against cylinders and boxes: the normal between their closest points.
+"""Cylinders against cylinders and boxes: the normal between their closest points by GJK.
 
-Both are taken as slightly smaller solids with a skin around them (`_SKIN` of the thinnest half, or the shape's own
-rounding if that is more). While the cores are apart their closest points give a normal that never jumps (Gilbert,
-Johnson & Keerthi 1988), whatever meets: cap, side, rim, edge or corner. Edges and rims are thereby rounded by the skin.
-Deeper than both skins the least overlap counts, of the last normal, the faces and the crossed edges: a way out that is
-bounded by the smaller solid.
+Both are taken as slightly smaller cores with a skin (`_SKIN` of the thinnest half, or the shape's own rounding if that
+is larger). While the cores are apart their closest points give a continuous normal (Gilbert, Johnson & Keerthi 1988)
+for caps, sides, rims, edges and corners alike; edges and rims are thereby rounded by the skin. Deeper than both skins
+the least overlap counts, of the last normal, the faces and the crossed edges: the smaller solid bounds its depth.
 """
 
 from __future__ import annotations
@@ -12,17 +11,16 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.triples import (
-    Three,
     along,
     axis,
     cross,
     dot,
-    middle,
     minus,
+    position_of,
     times,
     unit,
 )
@@ -34,39 +32,39 @@ __all__ = ["separate_hulls", "support"]
 
 
 _SKIN = 0.1
-"""Skin of a solid, as a share of half of its thinnest side."""
+"""Skin of a solid, relative to half of its thinnest side [-]."""
 
-_TURNS = 32
-"""Most steps of the search; a box takes 3-5, two rims about 10."""
+_ITERATIONS = 32
+"""Largest number of GJK iterations; a box takes 3-5, two rims about 10."""
 
 _EXACT = 1e-10
-"""Relative gain at which the search ends."""
+"""Relative gain at which GJK ends [-]."""
 
 _KEEP = 0.9
-"""The last normal counts as so much less deep than it is."""
-
+"""Factor on the depth along the last normal when normals are compared [-]."""
 
 _THICKEST_SKIN = 0.9
-"""Most that a rounding may be as a skin, as a share of half of the thinnest side: a core is left."""
+"""Largest rounding used as a skin, relative to half of the thinnest side, so that a core is left [-]."""
 
 _AT_ORIGIN = 1e-20
-"""Square of a distance that counts as none [m^2]."""
+"""Square of a distance that counts as 0 [m^2]."""
 
 _TOUCHING = 1e-9
-"""Distance of two cores below which its direction says nothing [m]."""
+"""Distance of two cores below which its direction is undefined [m]."""
 
 _AT_A, _AT_B, _AT_C = 1, 2, 4
-"""Corners of a triangle as bits."""
+"""Vertices of a triangle as bits."""
 
 _TETRAHEDRON = 4
-"""Its corners, and its faces: one against each."""
+"""Number of vertices of a tetrahedron, and of its faces."""
 
 _AXES_OF_BOTH, _DIRECTIONS = 6, 15
-"""The axes of two solids, and with the nine crossings of these: what is tried of two that overlap."""
+"""Number of axes of two solids, and of candidate normals: these axes and their nine cross products."""
 
 
 @kernel
 def _skin(solid: SolidRecord) -> float:
+    """Thickness of a solid's skin [m]."""
     size = solid.size
     if solid.kind == ShapeKind.BOX:
         thin = 0.5 * min(size[0], min(size[1], size[2]))
@@ -76,9 +74,9 @@ def _skin(solid: SolidRecord) -> float:
 
 
 @kernel
-def support(solid: SolidRecord, d: Three, skin: float) -> Three:
-    """Farthest point [m] along d of a box or cylinder without its skin."""
-    size, p = solid.size, middle(solid)
+def support(solid: SolidRecord, d: Vec3, skin: float) -> Vec3:
+    """Support point [m] along d of a box or cylinder without its skin."""
+    size, p = solid.size, position_of(solid)
     if solid.kind == ShapeKind.BOX:
         for j in range(3):
             edge = axis(solid, j)
@@ -91,19 +89,21 @@ def support(solid: SolidRecord, d: Three, skin: float) -> Three:
 
 
 @kernel
-def _corner(simplex: F8, i: int) -> Three:
+def _vertex(simplex: F8, i: int) -> Vec3:
+    """Vertex i of the simplex [m]."""
     return simplex[i, 0], simplex[i, 1], simplex[i, 2]
 
 
 @kernel
-def _keep(simplex: F8, slot: int, p: Three) -> None:
+def _keep(simplex: F8, slot: int, p: Vec3) -> None:
+    """Store vertex p in a row of the simplex."""
     simplex[slot, 0], simplex[slot, 1], simplex[slot, 2] = p
 
 
 @kernel
-def _on_line(simplex: F8) -> tuple[int, Three]:
-    """Closest point of a line to the origin; the simplex keeps the corners it lies between."""
-    a, b = _corner(simplex, 0), _corner(simplex, 1)
+def _on_line(simplex: F8) -> tuple[int, Vec3]:
+    """Closest point of a segment to the origin; the simplex keeps the vertices that support it."""
+    a, b = _vertex(simplex, 0), _vertex(simplex, 1)
     ab = minus(b, a)
     square = dot(ab, ab)
     t = -dot(a, ab) / square if square > 0.0 else 0.0
@@ -116,11 +116,11 @@ def _on_line(simplex: F8) -> tuple[int, Three]:
 
 
 @kernel
-def _triangle(a: Three, b: Three, c: Three) -> tuple[int, Three]:
+def _triangle(a: Vec3, b: Vec3, c: Vec3) -> tuple[int, Vec3]:
     """Closest point of a triangle to the origin by its Voronoi regions (Ericson 2005, 5.1.5).
 
     Returns:
-        (corners it lies between as bits 1, 2, 4, the point).
+        (vertices that support it as bits 1, 2, 4, the point).
     """
     ab, ac = minus(b, a), minus(c, a)
     d1, d2, d3, d4, d5, d6 = -dot(ab, a), -dot(ac, a), -dot(ab, b), -dot(ac, b), -dot(ab, c), -dot(ac, c)
@@ -135,8 +135,8 @@ def _triangle(a: Three, b: Three, c: Three) -> tuple[int, Three]:
 
 
 @kernel
-def _inside_triangle(a: Three, b: Three, c: Three, d123: Three, d456: Three, areas: Three) -> tuple[int, Three]:
-    """The regions of edges and face of `_triangle`."""
+def _inside_triangle(a: Vec3, b: Vec3, c: Vec3, d123: Vec3, d456: Vec3, areas: Vec3) -> tuple[int, Vec3]:
+    """The Voronoi regions of edges and face of `_triangle`."""
     d1, d2, d3 = d123
     d4, d5, d6 = d456
     va, vb, vc = areas
@@ -151,53 +151,53 @@ def _inside_triangle(a: Three, b: Three, c: Three, d123: Three, d456: Three, are
 
 
 @kernel
-def _on_triangle(simplex: F8) -> tuple[int, Three]:
-    """Closest point of a triangle to the origin; the simplex keeps the corners it lies between."""
-    bits, point = _triangle(_corner(simplex, 0), _corner(simplex, 1), _corner(simplex, 2))
+def _on_triangle(simplex: F8) -> tuple[int, Vec3]:
+    """Closest point of a triangle to the origin; the simplex keeps the vertices that support it."""
+    bits, point = _triangle(_vertex(simplex, 0), _vertex(simplex, 1), _vertex(simplex, 2))
     count = 0
     for i in range(3):
         if bits & (1 << i):
-            _keep(simplex, count, _corner(simplex, i))
+            _keep(simplex, count, _vertex(simplex, i))
             count += 1
     return count, point
 
 
 @kernel
-def _drop_corner(simplex: F8, dropped: int) -> None:
-    """Leave the triangle of a tetrahedron that lacks one corner in the first three rows."""
+def _drop_vertex(simplex: F8, dropped: int) -> None:
+    """Reduce a tetrahedron to its face opposite one vertex, in the first three rows."""
     for slot in range(dropped, 3):
-        _keep(simplex, slot, _corner(simplex, slot + 1))
+        _keep(simplex, slot, _vertex(simplex, slot + 1))
 
 
 @kernel
-def _outside_of(a: Three, b: Three, c: Three, other: Three) -> bool:
-    """True when the origin lies on the far side of face abc from the fourth corner."""
+def _outside_of(a: Vec3, b: Vec3, c: Vec3, other: Vec3) -> bool:
+    """Whether the origin and the fourth vertex lie on different sides of face abc."""
     n = cross(minus(b, a), minus(c, a))
     return -dot(a, n) * dot(minus(other, a), n) <= 0.0
 
 
 @kernel
-def _on_tetrahedron(simplex: F8) -> tuple[int, Three]:
-    """The nearest of the faces the origin is outside of; 4 corners: it is inside."""
+def _on_tetrahedron(simplex: F8) -> tuple[int, Vec3]:
+    """Closest point of a tetrahedron to the origin, on its nearest outer face; 4 vertices: the origin is inside."""
     nearest, dropped = math.inf, -1
     for i in range(_TETRAHEDRON):
-        a, b = _corner(simplex, (i + 1) % _TETRAHEDRON), _corner(simplex, (i + 2) % _TETRAHEDRON)
-        c, other = _corner(simplex, (i + 3) % _TETRAHEDRON), _corner(simplex, i)
+        a, b = _vertex(simplex, (i + 1) % _TETRAHEDRON), _vertex(simplex, (i + 2) % _TETRAHEDRON)
+        c, other = _vertex(simplex, (i + 3) % _TETRAHEDRON), _vertex(simplex, i)
         if _outside_of(a, b, c, other):
             _, point = _triangle(a, b, c)
             if dot(point, point) < nearest:
                 nearest, dropped = dot(point, point), i
     if dropped < 0:
         return _TETRAHEDRON, (0.0, 0.0, 0.0)
-    _drop_corner(simplex, dropped)
+    _drop_vertex(simplex, dropped)
     return _on_triangle(simplex)
 
 
 @kernel
-def _on_simplex(simplex: F8, count: int) -> tuple[int, Three]:
-    """Closest point of a simplex to the origin; the simplex is reduced to what holds it."""
+def _on_simplex(simplex: F8, count: int) -> tuple[int, Vec3]:
+    """Closest point of a simplex to the origin; the simplex is reduced to the vertices that support it."""
     if count == 1:
-        return 1, _corner(simplex, 0)
+        return 1, _vertex(simplex, 0)
     if count == 2:
         return _on_line(simplex)
     if count == 3:
@@ -206,10 +206,10 @@ def _on_simplex(simplex: F8, count: int) -> tuple[int, Three]:
 
 
 @kernel
-def _gap(a: SolidRecord, b: SolidRecord, start: Three, skin_a: float, skin_b: float, simplex: Floats) -> Three:
-    """Shortest vector from the core of b to that of a; zero when they overlap."""
+def _gap(a: SolidRecord, b: SolidRecord, start: Vec3, skin_a: float, skin_b: float, simplex: Floats) -> Vec3:
+    """Shortest vector from the core of b to that of a by GJK; zero when they overlap."""
     v, count = start, 0
-    for _ in range(_TURNS):
+    for _ in range(_ITERATIONS):
         back = times(-1.0, v)
         at_a = support(a, back, skin_a)
         w = minus(at_a, support(b, v, skin_b))
@@ -224,16 +224,16 @@ def _gap(a: SolidRecord, b: SolidRecord, start: Three, skin_a: float, skin_b: fl
 
 
 @kernel
-def _overlap(a: SolidRecord, b: SolidRecord, n: Three) -> float:
-    """How deep the whole solids overlap along n, from a to b."""
+def _overlap(a: SolidRecord, b: SolidRecord, n: Vec3) -> float:
+    """Overlap [m] of the whole solids along n, from a to b."""
     at_a = support(a, n, 0.0)
     at_b = support(b, times(-1.0, n), 0.0)
     return dot(minus(at_a, at_b), n)
 
 
 @kernel
-def _candidate(a: SolidRecord, b: SolidRecord, i: int) -> Three:
-    """Directions worth trying of two solids that overlap: their axes and the crossings of these."""
+def _candidate(a: SolidRecord, b: SolidRecord, i: int) -> Vec3:
+    """Candidate normal i of two overlapping solids: one of their axes or of the cross products of these."""
     if i < 3:
         return axis(a, i)
     if i < _AXES_OF_BOTH:
@@ -243,9 +243,9 @@ def _candidate(a: SolidRecord, b: SolidRecord, i: int) -> Three:
 
 
 @kernel
-def _least_overlap(a: SolidRecord, b: SolidRecord, last: Three) -> tuple[float, Three]:
-    """Overlap and normal of two solids whose cores overlap: along the last normal or the best of the candidates."""
-    between = minus(middle(b), middle(a))
+def _least_overlap(a: SolidRecord, b: SolidRecord, last: Vec3) -> tuple[float, Vec3]:
+    """Overlap and normal of two solids with overlapping cores: of the last normal and the candidates the least deep."""
+    between = minus(position_of(b), position_of(a))
     normal = unit(last, unit(between, (0.0, 1.0, 0.0)))
     overlap = _overlap(a, b, normal)
     least = _KEEP * overlap
@@ -260,20 +260,20 @@ def _least_overlap(a: SolidRecord, b: SolidRecord, last: Three) -> tuple[float, 
 
 
 @kernel
-def separate_hulls(a: SolidRecord, b: SolidRecord, last: Three, simplex: Floats) -> tuple[float, float, Three]:
+def separate_hulls(a: SolidRecord, b: SolidRecord, last: Vec3, simplex: Floats) -> tuple[float, float, Vec3]:
     """Overlap and normal of two solids of which one is a cylinder, the other a cylinder or box.
 
     Args:
         a: SOLID of one.
         b: SOLID of the other.
         last: Normal of the last tick, or zero.
-        simplex: Room, shape [4, 3].
+        simplex: Scratch, shape [4, 3].
 
     Returns:
-        (overlap [m], <= 0: apart; what the sharp solids overlap more along the normal [m]; unit normal from a to b).
+        (overlap [m], <= 0: apart; further overlap of the sharp solids along the normal [m]; unit normal from a to b).
     """
     skin_a, skin_b = _skin(a), _skin(b)
-    away = minus(middle(a), middle(b))
+    away = minus(position_of(a), position_of(b))
     start = unit(times(-1.0, last), unit(away, (0.0, -1.0, 0.0)))
     v = _gap(a, b, start, skin_a, skin_b, simplex)
     gap = math.sqrt(dot(v, v))

@@ -1,8 +1,8 @@
 """Spheres and capsules against solids (Figures 40, 44): closest points, by the signed distance of the other shape.
 
-A capsule lies on another solid along a part of its axis: the ends of that part carry half of the contact's stiffness
-each, and where the axis is nearest in between (an edge that presses into its middle) what is deeper there than the line
-between the ends. All three move without a jump when the capsule rolls, tips over an edge, or crosses another.
+A capsule rests on another solid along a part of its axis: the ends of that part carry half of the contact's stiffness
+each, and a third point, nearest between them (as on an edge), its depth beyond the line between the ends. All three
+move continuously when the capsule rolls, tips over an edge, or crosses another.
 """
 
 from __future__ import annotations
@@ -10,12 +10,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.distances import distance_to
 from mimics_app.rendering.haptic.kernels.objects.manifold import add_point
-from mimics_app.rendering.haptic.kernels.objects.triples import Three, along, axis, dot, into, middle, minus, times
+from mimics_app.rendering.haptic.kernels.objects.triples import along, axis, dot, minus, position_of, times, to_local
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Floats, SolidRecord
@@ -26,36 +26,32 @@ Span = tuple[float, float]
 
 
 _HALVINGS = 40
-"""Steps of the search along the axis: to 1e-12 of its length."""
+"""Steps of the bisection along the axis: to 1e-12 of its length."""
 
 _FLAT = 1e-9
-"""Slope of the distance along the axis that counts as level: the capsule is parallel to a face."""
+"""Slope of the distance along the axis up to which the axis counts as parallel to a face [-]."""
 
 _FACE = 1.0 - 1e-9
-"""Cosine of a normal with an axis of the solid from which it is that of a face."""
+"""Cosine between a normal and an axis of the solid from which it counts as that of a face [-]."""
 
-
-_NOWHERE = 1e-12
-"""Length below which something has no direction [m]."""
-
-_NO_RUN = 1e-24
-"""Square of a length below which something has no direction [m^2]."""
+_NO_DIRECTION = 1e-12
+"""Length below which its direction is undefined [m]; squared, that of a square."""
 
 
 @kernel
-def touch_by_sphere(a: SolidRecord, b: SolidRecord, last: Three, points: F8) -> tuple[int, Three]:
+def touch_by_sphere(a: SolidRecord, b: SolidRecord, last: Vec3, points: F8) -> tuple[int, Vec3]:
     """Contact point of sphere a with shape b (not a wall).
 
     Args:
         a: SOLID of a sphere.
         b: SOLID of the other shape.
-        last: Normal of the last tick from a to b, or zero: decides at coinciding centres and deep inside.
-        points: Receives the point, see `manifold`.
+        last: Normal of the last tick from a to b, or zero; decides at coinciding centres and deep inside.
+        points: Receives the contact point, see `manifold`.
 
     Returns:
         (points, unit normal from a to b).
     """
-    centre, radius = middle(a), a.size[0]
+    centre, radius = position_of(a), a.size[0]
     far, n = distance_to(b, centre, times(-1.0, last))
     if far >= radius:
         return 0, last
@@ -64,10 +60,10 @@ def touch_by_sphere(a: SolidRecord, b: SolidRecord, last: Three, points: F8) -> 
 
 
 @kernel
-def _nearest(b: SolidRecord, start: Three, run: Three, hint: Three) -> tuple[float, float, Three]:
-    """Where on the axis the distance to shape b is least: (share of the axis, distance, normal).
+def _nearest(b: SolidRecord, start: Vec3, run: Vec3, hint: Vec3) -> tuple[float, float, Vec3]:
+    """Point of the axis nearest to shape b: (share of the axis, distance, normal).
 
-    The distance is convex along the axis and its slope is the normal's component along it, so halving finds it.
+    The distance is convex along the axis and its slope is the normal's component along it: bisection finds its minimum.
     """
     low, high, t = 0.0, 1.0, 0.5
     far, n = distance_to(b, along(start, t, run), hint)
@@ -87,17 +83,17 @@ def _nearest(b: SolidRecord, start: Three, run: Three, hint: Three) -> tuple[flo
 @kernel
 def _slab(p: float, run: float, half: float, span: Span) -> Span:
     """Part of a span of the axis within |p + t run| <= half."""
-    if abs(run) < _NOWHERE:
+    if abs(run) < _NO_DIRECTION:
         return span if abs(p) <= half else (1.0, 0.0)
     s, t = (-half - p) / run, (half - p) / run
     return max(span[0], min(s, t)), min(span[1], max(s, t))
 
 
 @kernel
-def _disc(p: Three, run: Three, radius: float, span: Span) -> Span:
-    """Part of a span of the axis over a cap, x^2 + z^2 <= r^2."""
+def _disc(p: Vec3, run: Vec3, radius: float, span: Span) -> Span:
+    """Part of a span of the axis above a cap, x^2 + z^2 <= r^2."""
     square = run[0] * run[0] + run[2] * run[2]
-    if square < _NO_RUN:
+    if square < _NO_DIRECTION * _NO_DIRECTION:
         return span
     b = (p[0] * run[0] + p[2] * run[2]) / square
     c = (p[0] * p[0] + p[2] * p[2] - radius * radius) / square
@@ -108,8 +104,8 @@ def _disc(p: Three, run: Three, radius: float, span: Span) -> Span:
 
 
 @kernel
-def _common_part(kind: int, size: Floats, p: Three, run: Three, n: Three) -> Span:
-    """Part of the axis that runs over the face with normal n; reversed where there is none. All in the frame of b."""
+def _common_part(kind: int, size: Floats, p: Vec3, run: Vec3, n: Vec3) -> Span:
+    """Part of the axis above the face with normal n, in the frame of b; reversed where there is none."""
     span = (0.0, 1.0)
     if kind == ShapeKind.BOX:
         if max(abs(n[0]), max(abs(n[1]), abs(n[2]))) < _FACE:
@@ -126,17 +122,17 @@ def _common_part(kind: int, size: Floats, p: Three, run: Three, n: Three) -> Spa
 
 
 @kernel
-def touch_by_capsule(a: SolidRecord, b: SolidRecord, last: Three, points: F8) -> tuple[int, Three]:
+def touch_by_capsule(a: SolidRecord, b: SolidRecord, last: Vec3, points: F8) -> tuple[int, Vec3]:
     """Contact points of capsule a with shape b (capsule, cylinder or box); arguments as `touch_by_sphere`."""
     radius = a.size[0]
     run = times(a.size[1], axis(a, 1))
-    start = along(middle(a), -0.5, run)
+    start = along(position_of(a), -0.5, run)
     hint = times(-1.0, last)
     at, far, n = _nearest(b, start, run, hint)
     if far >= radius:
         return 0, last
-    local = into(b, minus(start, middle(b)))
-    low, high = _common_part(b.kind, b.size, local, into(b, run), into(b, n))
+    local = to_local(b, minus(start, position_of(b)))
+    low, high = _common_part(b.kind, b.size, local, to_local(b, run), to_local(b, n))
     count, between = 0, 0.0
     if low < high:
         at = min(max(at, low), high)

@@ -1,6 +1,6 @@
-"""Working record of touching shapes: one point at one shape, and what the next tick needs of this one.
+"""Working record of contacts of points with shapes: the present point and shape, and the state for the next tick.
 
-A record travels into compiled functions as one pointer; tuples of arrays would travel by value.
+A record is passed to compiled functions as one pointer; tuples of arrays would be passed by value.
 """
 
 from __future__ import annotations
@@ -12,26 +12,26 @@ from mimics_app.contracts.haptic_objects import MAX_POINTS, SHAPE
 __all__ = ["BEFORE", "BIRTH", "CONTACT_SCRATCH", "DISABLED", "PLACED", "TRACED"]
 
 TRACED = 1
-"""CONTACT_SCRATCH.known: the point's last place is where it came from."""
+"""CONTACT_SCRATCH.known: the point moved continuously from its last position."""
 
 PLACED = 0
-"""CONTACT_SCRATCH.known: the point was put where it is."""
+"""CONTACT_SCRATCH.known: the point was placed in this tick; its last position is invalid."""
 
 DISABLED = -1
 """CONTACT_SCRATCH.known: the point touches nothing."""
 
 CONTACT_SCRATCH = np.dtype(
     [
-        ("tick", "i8"),  # ticks so far
-        ("revision", "i8"),  # of the rows last seen
-        ("known", "i8", MAX_POINTS),  # TRACED, PLACED or DISABLED; 0 at first: PLACED
+        ("tick", "i8"),  # number of the present tick, from 1
+        ("revision", "i8"),  # of the rows in the last tick
+        ("known", "i8", MAX_POINTS),  # TRACED, PLACED or DISABLED
         ("last_points", "f8", (MAX_POINTS, 3)),  # at the last tick, world [m]
         ("last", "f8", 3),  # the present point at the last tick, world [m]
         ("point", "f8", 3),  # the present point, world [m]
         ("point_velocity", "f8", 3),  # [m/s]
         ("felt", "f8", 3),  # force on it so far in this tick, world [N]
         ("radius", "f8"),  # of its ball [m]
-        ("contact", "i8"),  # number of the point of contact that carries it
+        ("contact", "i8"),  # number of its point of contact of the device
         ("rotation", "f8", (3, 3)),  # world from the present shape
         ("position", "f8", 3),  # of that shape, world [m]
         ("drift", "f8", 3),  # velocity of that shape's origin, world [m/s]
@@ -44,30 +44,30 @@ CONTACT_SCRATCH = np.dtype(
         ("normal", "f8", 3),  # of the touched surface, world
         ("stiffness", "f8"),  # of the contact [N/m]
         ("damping", "f8"),  # of the contact [N s/m]
-        ("hold", "f8"),  # stiffness of friction while it holds, else 0 [N/m]
+        ("hold", "f8"),  # tangential stiffness of sticking friction, else 0 [N/m]
         ("a", "f8", 3),  # scratch
         ("b", "f8", 3),  # scratch
         ("c", "f8", 3),  # scratch
     ],
     align=True,
 )
-"""Zeros are fresh."""
+"""Working record; zeros are the initial state."""
 
 BIRTH = np.dtype(
     [
-        ("tick", "i8"),  # in which the shape was new, edited, or put back with its body
-        ("form", SHAPE),  # as last seen
+        ("tick", "i8"),  # in which the shape was new, edited, or respawned with its body
+        ("form", SHAPE),  # its geometry in the last tick
     ],
     align=True,
 )
-"""When a shape began to be what it is."""
+"""Tick of the last change of a shape."""
 
 BEFORE = np.dtype(
     [
         ("position", "f8", 3),  # of the body's frame, world [m]
         ("rotation", "f8", (3, 3)),  # world from body
-        ("spawn", "i8"),
+        ("spawn", "i8"),  # MOTION.spawn
     ],
     align=True,
 )
-"""A body at the last tick."""
+"""Pose of a body in the last tick."""

@@ -1,9 +1,9 @@
-"""Corners of walls that do not meet at right angles: the god-object of at most three planes.
+"""Corners of walls that are not orthogonal: the god-object on at most three planes.
 
-Forces of orthogonal walls add up: each sees its own direction. Two walls with an angle theta between their normals
-would together push with 2 k cos^2(theta/2) instead of k along the bisector. The point's stand-in on the surfaces,
-x = argmin |x - p|^2 outside all of them (Zilles & Salisbury 1995), lies at p + sum of lambda_i n_i with lambda >= 0 on
-at most three planes; every wall then pushes by lambda_i in place of its depth.
+Forces of orthogonal walls are independent. Two walls with an angle theta between their normals would together push with
+2 k cos^2(theta/2) instead of k along the bisector. The god-object x = argmin |x - p|^2 outside all walls (Zilles &
+Salisbury 1995) lies at p + sum of lambda_i n_i with lambda >= 0 on at most three planes; every wall then pushes by
+lambda_i instead of its depth.
 """
 
 from __future__ import annotations
@@ -17,26 +17,28 @@ from mimics_app.rendering.haptic.kernels.vectors import norm, scale
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Table, WallTouchRecord
 
-__all__ = ["part_walls", "share_corner"]
+__all__ = ["orthogonalise", "share_corner"]
 
 
 _ORTHOGONAL = 1e-6
-"""Cosine below which two walls count as orthogonal: a thousandth of a millinewton at 1 N."""
+"""Cosine between two normals up to which walls count as orthogonal [-]: an error of 1 uN at 1 N."""
 
 _SINGULAR = 1e-9
-"""Determinant of unit normals below which planes are parallel."""
+"""Gram determinant of unit normals below which planes count as parallel [-]."""
 
 _SLACK = 1e-12
-"""How far [m] a plane may be violated by rounding."""
+"""Tolerance of a plane's violation by rounding [m]."""
 
 
 @kernel
 def _cosine(a: WallTouchRecord, b: WallTouchRecord) -> float:
+    """Cosine between the normals of two walls."""
     return a.normal[0] * b.normal[0] + a.normal[1] * b.normal[1] + a.normal[2] * b.normal[2]
 
 
 @kernel
 def _is_orthogonal(walls: Table[WallTouchRecord], count: int) -> bool:
+    """True when all walls are orthogonal to each other."""
     for i in range(count):
         for j in range(i + 1, count):
             if abs(_cosine(walls[i], walls[j])) > _ORTHOGONAL:
@@ -46,7 +48,7 @@ def _is_orthogonal(walls: Table[WallTouchRecord], count: int) -> bool:
 
 @kernel
 def _solve(walls: Table[WallTouchRecord], i: int, j: int, k: int, of: F8, out: F8) -> bool:
-    """Out = G^-1 of for the Gram matrix of two (k < 0) or three normals; False where they are parallel."""
+    """Set out = G^-1 of, G the Gram matrix of two (k < 0) or three normals; False where they are parallel."""
     a = _cosine(walls[i], walls[j])
     if k < 0:
         det = 1.0 - a * a
@@ -68,7 +70,7 @@ def _solve(walls: Table[WallTouchRecord], i: int, j: int, k: int, of: F8, out: F
 
 @kernel
 def _is_outside(walls: Table[WallTouchRecord], count: int, i: int, j: int, k: int, pushes: F8) -> bool:
-    """No push pulls, and the stand-in they lead to is behind no wall."""
+    """True when no push is negative and the god-object at their end is behind no wall."""
     if pushes[0] < 0.0 or pushes[1] < 0.0 or pushes[2] < 0.0:
         return False
     for m in range(count):
@@ -84,7 +86,7 @@ def _is_outside(walls: Table[WallTouchRecord], count: int, i: int, j: int, k: in
 
 @kernel
 def _replace(walls: Table[WallTouchRecord], count: int, rows: tuple[int, int, int], rates: F8, pushes: F8) -> None:
-    """Depths and rates of the walls in `rows` (those >= 0) become these; those of others are 0."""
+    """Set depths and rates of the walls in `rows` (those >= 0), and 0 for all others."""
     for m in range(count):
         walls[m].depth = 0.0
         walls[m].rate = 0.0
@@ -96,7 +98,7 @@ def _replace(walls: Table[WallTouchRecord], count: int, rows: tuple[int, int, in
 
 @kernel
 def _try(walls: Table[WallTouchRecord], count: int, i: int, j: int, k: int, of: F8, pushes: F8, rates: F8) -> bool:
-    """Whether the stand-in rests on just these planes (those >= 0); if so their depths and rates are replaced."""
+    """Whether the god-object rests on just these planes (those >= 0); if so their depths and rates are replaced."""
     rows = (i, j, k)
     for m in range(3):
         of[m] = walls[rows[m]].depth if rows[m] >= 0 else 0.0
@@ -116,13 +118,13 @@ def _try(walls: Table[WallTouchRecord], count: int, i: int, j: int, k: int, of: 
 
 @kernel
 def share_corner(walls: Table[WallTouchRecord], count: int, of: F8, pushes: F8, rates: F8) -> bool:
-    """Replace the depths and rates of walls touched at once by what each contributes to the way out.
+    """Replace the depths and rates of simultaneously touched walls by their shares of the god-object's displacement.
 
-    Orthogonal walls, and walls that leave no room at all (facing one another), keep their depths: False.
+    Orthogonal walls, and walls without free space between them, keep their depths: False.
 
     Args:
         walls: Records of `WALL_TOUCH`, updated.
-        count: How many, <= MOST_WALLS.
+        count: Number of walls, <= MAX_WALLS.
         of: Scratch, shape [3].
         pushes: Scratch, shape [3].
         rates: Scratch, shape [3].
@@ -140,16 +142,16 @@ def share_corner(walls: Table[WallTouchRecord], count: int, of: F8, pushes: F8, 
 
 
 @kernel
-def part_walls(walls: Table[WallTouchRecord], count: int) -> None:
-    """Directions of the walls that share a corner, made square to each other one after the other (Gram and Schmidt).
+def orthogonalise(walls: Table[WallTouchRecord], count: int) -> None:
+    """Set orthogonal directions of the walls of a corner, by Gram-Schmidt.
 
-    A point moved along the normal of one of them changes that one's share alone: force and damping have the normals as
-    eigenvectors, k_i and b_i as eigenvalues, and each wall is as stable as it is alone. Square directions with the same
-    eigenvalues say the same in a symmetric matrix; a sum of k n n^T would count the shares twice.
+    A motion along the normal of one wall changes the share of that wall alone: force and damping have the normals as
+    eigenvectors, k_i and b_i as eigenvalues, and each wall is as stable as alone. Orthogonal directions with the same
+    eigenvalues are equivalent in a symmetric matrix; a sum of k n n^T would count the shares twice.
 
     Args:
-        walls: Records of `WALL_TOUCH` that `share_corner` shared out; `direction` of those that push is set.
-        count: How many.
+        walls: Records of `WALL_TOUCH` after `share_corner`; `direction` of those that push is updated.
+        count: Number of walls.
     """
     for i in range(count):
         if walls[i].depth <= 0.0:

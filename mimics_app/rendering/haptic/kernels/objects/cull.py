@@ -1,7 +1,7 @@
-"""Which shapes a point may touch at all: its ball against the bounding sphere of each.
+"""Culling of the shapes near a point: its ball against the bounding sphere of each.
 
-Groups of 16 bounds are tested without a branch, which the compiler turns into vector instructions; only groups with a
-hit are looked at one by one. Four rows of numbers are read and nothing else of a shape.
+Groups of 16 spheres are tested without a branch, which the compiler vectorises; only groups with a hit are tested one
+by one. The test reads four rows of numbers and no record of a shape.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ __all__ = ["find_near", "find_near_plain"]
 
 
 _GROUP = 16
+"""Bounding spheres tested together."""
 
 
 @kernel
 def _reaches(bounds: F8, i: int, x: float, y: float, z: float, radius: float) -> bool:
-    """Bounds overlap the ball; a radius < 0 never does, an infinite one always."""
+    """Whether a bounding sphere overlaps the ball; a radius < 0 never does, an infinite one always."""
     dx, dy, dz = bounds[0, i] - x, bounds[1, i] - y, bounds[2, i] - z
     reach = bounds[3, i] + radius
     return dx * dx + dy * dy + dz * dz < reach * abs(reach)
@@ -25,18 +26,18 @@ def _reaches(bounds: F8, i: int, x: float, y: float, z: float, radius: float) ->
 
 @kernel
 def find_near(bounds: F8, shapes: int, p: Vec, radius: float, near: I8) -> int:
-    """Rows of the shapes whose bounding sphere the point's ball reaches, ascending.
+    """Find the rows of the shapes whose bounding sphere overlaps the point's ball, ascending.
 
     Args:
-        bounds: Rows x, y, z, radius [m], shape [4, >= shapes]; a radius < 0 is left out (less than minus that of the
-            ball), an infinite one always found.
-        shapes: Shapes in use.
+        bounds: Rows x, y, z, radius [m], shape [4, >= shapes]; a radius < -(radius of the ball) is never found, an
+            infinite one always.
+        shapes: Number of shapes in use.
         p: The point, world [m], shape [3].
         radius: Of the point's ball [m].
         near: Receives the rows, shape [>= shapes].
 
     Returns:
-        How many were found.
+        Number of shapes found.
     """
     x, y, z = p[0], p[1], p[2]
     bx, by, bz, br = bounds[0], bounds[1], bounds[2], bounds[3]
@@ -44,7 +45,7 @@ def find_near(bounds: F8, shapes: int, p: Vec, radius: float, near: I8) -> int:
     grouped = shapes - shapes % _GROUP
     for first in range(0, grouped, _GROUP):
         hit = False
-        for j in range(_GROUP):  # a fixed count and one line of test: anything else is not vectorised
+        for j in range(_GROUP):  # only a fixed count and a test without calls are vectorised
             i = first + j
             dx, dy, dz, reach = bx[i] - x, by[i] - y, bz[i] - z, br[i] + radius
             hit |= dx * dx + dy * dy + dz * dz < reach * abs(reach)
@@ -62,7 +63,7 @@ def find_near(bounds: F8, shapes: int, p: Vec, radius: float, near: I8) -> int:
 
 @kernel
 def find_near_plain(bounds: F8, shapes: int, p: Vec, radius: float, near: I8) -> int:
-    """Rival of `find_near` that asks one shape after the other; arguments and result alike."""
+    """Rival of `find_near` that tests one shape after the other; same arguments and result."""
     x, y, z = p[0], p[1], p[2]
     found = 0
     for i in range(shapes):

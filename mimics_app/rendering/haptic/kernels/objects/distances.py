@@ -1,8 +1,8 @@
-"""Signed distance from a point to a shape, and the outward normal there, in the shape's frame.
+"""Signed distance from a point to a convex shape, and the outward normal there, in the shape's frame.
 
 Distance < 0 inside. Inside a box or cylinder the normal is that of the nearest face, but a `hint` (the normal of the
-last tick, or zero) holds its face until another is less than half as deep, so that a ball pushed in far does not flip.
-All are convex: their distance is a convex function of the point.
+last tick, or zero) holds its face until another is less than half as deep, so that the normal of a deep contact does
+not flip. The distance is a convex function of the point.
 """
 
 from __future__ import annotations
@@ -10,9 +10,18 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.objects.triples import Three, across, dot, into, middle, minus, out_of, unit
+from mimics_app.rendering.haptic.kernels.objects.triples import (
+    across,
+    dot,
+    minus,
+    position_of,
+    to_local,
+    to_world,
+    unit,
+)
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Floats, SolidRecord
@@ -21,30 +30,30 @@ __all__ = ["depth_under", "distance_to", "shape_distance"]
 
 
 _HELD = 0.5
-"""A face that is held counts as so much nearer than it is."""
+"""Factor on the depth of a held face when faces are compared [-]."""
 
-_LOOKS = 0.3
-"""Cosine between the normal of a face and a direction from which it looks along it."""
+_FACING = 0.3
+"""Cosine between the normal of a face and a direction from which the face counts as facing it [-]."""
 
 _ALIKE = 0.9
-"""Cosine above which a hint means a face."""
+"""Cosine between a hint and a normal above which the hint holds the face [-]."""
 
-
-_NOWHERE = 1e-12
-"""Length below which something has no direction [m]."""
+_NO_DIRECTION = 1e-12
+"""Length below which its direction is undefined [m]."""
 
 
 @kernel
-def _from_centre(q: Three, radius: float, hint: Three) -> tuple[float, Three]:
-    """Distance to a ball; at its centre the normal is the hint, or up."""
+def _from_centre(q: Vec3, radius: float, hint: Vec3) -> tuple[float, Vec3]:
+    """Distance and normal of a ball; at its centre the normal is the hint, or up."""
     far = math.sqrt(dot(q, q))
-    if far < _NOWHERE:
+    if far < _NO_DIRECTION:
         return far - radius, unit(hint, (0.0, 1.0, 0.0))
     return far - radius, (q[0] / far, q[1] / far, q[2] / far)
 
 
 @kernel
-def _box(q: Three, half: Three, hint: Three) -> tuple[float, Three]:
+def _box(q: Vec3, half: Vec3, hint: Vec3) -> tuple[float, Vec3]:
+    """Distance and normal of a box of half edges `half`."""
     x, y, z = abs(q[0]) - half[0], abs(q[1]) - half[1], abs(q[2]) - half[2]
     sx, sy, sz = math.copysign(1.0, q[0]), math.copysign(1.0, q[1]), math.copysign(1.0, q[2])
     if x > 0.0 or y > 0.0 or z > 0.0:
@@ -62,9 +71,10 @@ def _box(q: Three, half: Three, hint: Three) -> tuple[float, Three]:
 
 
 @kernel
-def _cylinder(q: Three, radius: float, half: float, hint: Three) -> tuple[float, Three]:
+def _cylinder(q: Vec3, radius: float, half: float, hint: Vec3) -> tuple[float, Vec3]:
+    """Distance and normal of a cylinder about y of half length `half`."""
     rho = math.sqrt(q[0] * q[0] + q[2] * q[2])
-    if rho > _NOWHERE:
+    if rho > _NO_DIRECTION:
         side = (q[0] / rho, 0.0, q[2] / rho)
     else:
         side = unit((hint[0], 0.0, hint[2]), (1.0, 0.0, 0.0))
@@ -84,14 +94,14 @@ def _cylinder(q: Three, radius: float, half: float, hint: Three) -> tuple[float,
 
 
 @kernel
-def shape_distance(kind: int, size: Floats, q: Three, hint: Three) -> tuple[float, Three]:
+def shape_distance(kind: int, size: Floats, q: Vec3, hint: Vec3) -> tuple[float, Vec3]:
     """(distance [m], outward unit normal) of a point from a sphere, box, cylinder or capsule.
 
     Args:
         kind: ShapeKind.
         size: SHAPE.size.
         q: The point in the shape's frame [m].
-        hint: Last normal in that frame, or zero: decides where the geometry does not.
+        hint: Last normal in that frame, or zero; decides where the geometry is ambiguous.
     """
     if kind == ShapeKind.SPHERE:
         return _from_centre(q, size[0], hint)
@@ -102,48 +112,49 @@ def shape_distance(kind: int, size: Floats, q: Three, hint: Three) -> tuple[floa
     half = 0.5 * size[1]
     foot = min(max(q[1], -half), half)
     sideways = hint
-    if abs(q[1]) < half:  # on the axis only directions across it lead out
+    if abs(q[1]) < half:  # on the axis only perpendicular directions lead out
         axis = (0.0, 1.0, 0.0)
         sideways = unit((hint[0], 0.0, hint[2]), across(axis))
     return _from_centre((q[0], q[1] - foot, q[2]), size[0], sideways)
 
 
 @kernel
-def distance_to(solid: SolidRecord, p: Three, hint: Three) -> tuple[float, Three]:
+def distance_to(solid: SolidRecord, p: Vec3, hint: Vec3) -> tuple[float, Vec3]:
     """`shape_distance` of a SOLID, with point, hint and normal in the world."""
-    far, n = shape_distance(solid.kind, solid.size, into(solid, minus(p, middle(solid))), into(solid, hint))
-    return far, out_of(solid, n)
+    q = to_local(solid, minus(p, position_of(solid)))
+    far, n = shape_distance(solid.kind, solid.size, q, to_local(solid, hint))
+    return far, to_world(solid, n)
 
 
 @kernel
-def _least(depth: float, cosine: float, best: float, out: Three, n: Three) -> tuple[float, Three]:
-    """The shallower of two faces, of which the second must look along the way out."""
-    if cosine > _LOOKS and depth < best:
+def _shallower(depth: float, cosine: float, best: float, out: Vec3, n: Vec3) -> tuple[float, Vec3]:
+    """Depth and normal of the face (depth, out) if it is facing and shallower than (best, n), else of the latter."""
+    if cosine > _FACING and depth < best:
         return depth, out
     return best, n
 
 
 @kernel
-def _under_cylinder(size: Floats, q: Three, toward: Three) -> tuple[float, Three, float]:
-    """(depth under the face that looks along `toward`, its normal, distance within its border); local frame."""
+def _under_cylinder(size: Floats, q: Vec3, toward: Vec3) -> tuple[float, Vec3, float]:
+    """(depth under the face that faces `toward`, its normal, distance inside its border); local frame."""
     half, rho = 0.5 * size[1], math.sqrt(q[0] * q[0] + q[2] * q[2])
-    side = (q[0] / rho, 0.0, q[2] / rho) if rho > _NOWHERE else unit((toward[0], 0.0, toward[2]), (1.0, 0.0, 0.0))
+    side = (q[0] / rho, 0.0, q[2] / rho) if rho > _NO_DIRECTION else unit((toward[0], 0.0, toward[2]), (1.0, 0.0, 0.0))
     up = math.copysign(1.0, toward[1])
     by_side, by_cap = size[0] - rho, half - up * q[1]
-    depth, n = _least(by_side, dot(side, toward), math.inf, side, toward)
-    depth, n = _least(by_cap, abs(toward[1]), depth, (0.0, up, 0.0), n)
+    depth, n = _shallower(by_side, dot(side, toward), math.inf, side, toward)
+    depth, n = _shallower(by_cap, abs(toward[1]), depth, (0.0, up, 0.0), n)
     if n[1] == 0.0:
         return depth, n, half - abs(q[1])
     return depth if depth <= size[1] else 0.0, n, by_side
 
 
 @kernel
-def _under_box(size: Floats, q: Three, toward: Three) -> tuple[float, Three, float]:
-    """As `_under_cylinder`."""
+def _under_box(size: Floats, q: Vec3, toward: Vec3) -> tuple[float, Vec3, float]:
+    """As `_under_cylinder`, for a box."""
     sx, sy, sz = math.copysign(1.0, toward[0]), math.copysign(1.0, toward[1]), math.copysign(1.0, toward[2])
-    depth, n = _least(0.5 * size[0] - sx * q[0], abs(toward[0]), math.inf, (sx, 0.0, 0.0), toward)
-    depth, n = _least(0.5 * size[1] - sy * q[1], abs(toward[1]), depth, (0.0, sy, 0.0), n)
-    depth, n = _least(0.5 * size[2] - sz * q[2], abs(toward[2]), depth, (0.0, 0.0, sz), n)
+    depth, n = _shallower(0.5 * size[0] - sx * q[0], abs(toward[0]), math.inf, (sx, 0.0, 0.0), toward)
+    depth, n = _shallower(0.5 * size[1] - sy * q[1], abs(toward[1]), depth, (0.0, sy, 0.0), n)
+    depth, n = _shallower(0.5 * size[2] - sz * q[2], abs(toward[2]), depth, (0.0, 0.0, sz), n)
     beside = math.inf
     for i in range(3):
         if n[i] == 0.0:
@@ -154,20 +165,20 @@ def _under_box(size: Floats, q: Three, toward: Three) -> tuple[float, Three, flo
 
 
 @kernel
-def depth_under(solid: SolidRecord, p: Three, toward: Three) -> tuple[float, Three]:
-    """Depth of a point in a box, cylinder or capsule by the faces that look along a direction, 0 or less outside.
+def depth_under(solid: SolidRecord, p: Vec3, toward: Vec3) -> tuple[float, Vec3]:
+    """Depth of a point in a box, cylinder or capsule by the faces that face a direction, <= 0 outside.
 
-    A point that is beside the face by no more than it is under it counts: a corner that stands just on an edge is held.
+    A point counts up to as far beside the face as it is under it, so that a corner just at an edge is supported.
 
     Args:
-        solid: SOLID.
+        solid: SOLID of the shape.
         p: Point, world [m].
-        toward: Direction out, world, unit.
+        toward: Outward direction, world, unit.
 
     Returns:
         (depth [m], outward normal of that face, world).
     """
-    q, direction = into(solid, minus(p, middle(solid))), into(solid, toward)
+    q, direction = to_local(solid, minus(p, position_of(solid))), to_local(solid, toward)
     if solid.kind == ShapeKind.BOX:
         depth, n, beside = _under_box(solid.size, q, direction)
     elif solid.kind == ShapeKind.CYLINDER:
@@ -177,4 +188,4 @@ def depth_under(solid: SolidRecord, p: Three, toward: Three) -> tuple[float, Thr
         depth, beside = -far, 0.0
     if depth < -beside or depth == math.inf:
         depth = 0.0
-    return depth, out_of(solid, n)
+    return depth, to_world(solid, n)

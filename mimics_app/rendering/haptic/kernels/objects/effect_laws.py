@@ -1,7 +1,7 @@
 """Laws of the effects: each fills `memory.force` from memory.p and memory.v, the motion relative to its place.
 
-Every spring here is the gradient of a potential and every damper takes energy, so that none of them gives any; only
-guidance, vibration, constant forces, and force fields do, and those no more than their force times the displacement.
+Every spring here is the gradient of a potential and every damper dissipates, so that both are passive. Only guidance,
+vibration, constant forces and force fields are active, by at most their force times the displacement.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
+from mimics_app.rendering.haptic.kernels.vectors import norm
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import EffectMemoryRecord, EffectRecord
@@ -30,24 +31,19 @@ __all__ = [
 
 
 _SMALLEST = 1e-12
-"""Nearer to its place than this [m] a spring has no direction to pull in, and no need."""
-
-
-@kernel
-def _norm(a: Vec) -> float:
-    return math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+"""Distance from its place below which a spring has no direction and no force [m]."""
 
 
 @kernel
 def is_within(effect: EffectRecord, memory: EffectMemoryRecord) -> bool:
-    """Whether what feels the effect is near enough to its place."""
-    return effect.radius <= 0.0 or _norm(memory.p) <= effect.radius
+    """True inside the radius of the effect; a radius of 0 has no limit."""
+    return effect.radius <= 0.0 or norm(memory.p) <= effect.radius
 
 
 @kernel
 def bound(force: Vec, limit: float) -> None:
-    """Shorten a force to a limit [N] > 0; with limit 0 there is none."""
-    size = _norm(force)
+    """Shorten a force to a limit [N]; 0: no limit."""
+    size = norm(force)
     if limit > 0.0 and size > limit:
         for i in range(3):
             force[i] *= limit / size
@@ -55,10 +51,10 @@ def bound(force: Vec, limit: float) -> None:
 
 @kernel
 def add_bounded(force: Vec, damper: Vec, limit: float) -> None:
-    """Add a damper's force to a spring's, that together they stay within a limit [N]; with limit 0 there is none.
+    """Add a damper's force to a spring's, with the sum within a limit [N]; 0: no limit.
 
-    The spring alone is shortened to the limit first, which leaves it the gradient of a potential; then as much of the
-    damper is added as fits. So the bound gives no energy, as a shortened sum of the two could.
+    The spring is shortened to the limit first, which keeps it the gradient of a potential; then the largest share of
+    the damper within the limit is added. So the limit is passive; shortening the sum could generate energy.
     """
     bound(force, limit)
     share = 1.0
@@ -76,8 +72,8 @@ def add_bounded(force: Vec, damper: Vec, limit: float) -> None:
 
 @kernel
 def spring(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
-    """F = -k (r - dead band) p/r - b v, outside of the dead band."""
-    r = _norm(memory.p)
+    """Spring with dead band: F = -k (r - dead band) p/r - b v outside of it."""
+    r = norm(memory.p)
     beyond = r - effect.slip
     if beyond <= 0.0 or r < _SMALLEST or not is_within(effect, memory):
         return
@@ -90,7 +86,7 @@ def spring(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
 
 @kernel
 def brake(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
-    """F = -b v."""
+    """Viscosity: F = -b v."""
     if not is_within(effect, memory):
         return
     for i in range(3):
@@ -101,7 +97,7 @@ def brake(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
 
 @kernel
 def push(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
-    """F = f e."""
+    """Constant force: F = f e."""
     if is_within(effect, memory):
         for i in range(3):
             memory.force[i] = memory.size * effect.direction[i]
@@ -109,8 +105,8 @@ def push(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
 
 @kernel
 def magnet(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
-    """F = -min(k r, f (1 - r/R)) p/r - b (1 - r/R) v: continuous, nothing at R and at its place."""
-    r = _norm(memory.p)
+    """Magnet: F = -min(k r, f (1 - r/R)) p/r - b (1 - r/R) v, continuous, 0 at R."""
+    r = norm(memory.p)
     if r >= effect.radius:
         return
     fade = 1.0 - r / effect.radius
@@ -123,7 +119,7 @@ def magnet(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
 
 @kernel
 def shake(effect: EffectRecord, memory: EffectMemoryRecord, t: float) -> None:
-    """F = a sin(2 pi f t) e."""
+    """Vibration: F = a sin(2 pi f t) e."""
     if is_within(effect, memory):
         phase = effect.frequency * t
         now = memory.size * math.sin(2.0 * math.pi * (phase - math.floor(phase)))
@@ -133,12 +129,12 @@ def shake(effect: EffectRecord, memory: EffectMemoryRecord, t: float) -> None:
 
 @kernel
 def stick_and_slip(effect: EffectRecord, local: Vec, memory: EffectMemoryRecord) -> None:
-    """F = -k (x - w), and w jumps to x when it is `slip` away: the energy of the spring is lost each time.
+    """Stick-slip: F = -k (x - w), w jumps to x at the distance `slip`; the energy of the spring is lost each time.
 
     Args:
         effect: EFFECT record.
-        local: x, from the effect's place, in the frame the anchor is kept in [m], shape [3].
-        memory: EFFECT_MEMORY record; `force` is given in that frame.
+        local: x from the effect's place, in the frame of the anchor [m], shape [3].
+        memory: EFFECT_MEMORY record; `force` is set in that frame.
     """
     if not is_within(effect, memory):
         memory.sticking = 0
@@ -164,10 +160,10 @@ def _wall(depth: float, rate: float, k: float, b: float) -> float:
 
 @kernel
 def pull_back(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
-    """Walls of a ball about the place, or of a box whose half edges are effect.direction, pushing inwards."""
+    """Workspace: inward walls of a sphere about the place, or of a box with the half edges effect.direction."""
     k, b = memory.stiffness, effect.damping
     if effect.radius > 0.0:
-        r = _norm(memory.p)
+        r = norm(memory.p)
         if r <= effect.radius:
             return
         rate = (memory.p[0] * memory.v[0] + memory.p[1] * memory.v[1] + memory.p[2] * memory.v[2]) / r
@@ -179,5 +175,5 @@ def pull_back(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
             side = 1.0 if memory.p[i] >= 0.0 else -1.0
             back = _wall(side * memory.p[i] - effect.direction[i], side * memory.v[i], k, b)
             memory.force[i] = -side * back
-    memory.held = 1 if _norm(memory.force) > 0.0 else 0
+    memory.held = 1 if norm(memory.force) > 0.0 else 0
     bound(memory.force, memory.size)

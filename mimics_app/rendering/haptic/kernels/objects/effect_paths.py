@@ -1,4 +1,4 @@
-"""Effects along a path: the closest point of a B-spline, as of the tunnel (D2.1 4.2.10), is their place."""
+"""Effects along a path: their place is the closest point of a B-spline, as in the tunnel (D2.1 4.2.10)."""
 
 from __future__ import annotations
 
@@ -17,18 +17,19 @@ if TYPE_CHECKING:
 __all__ = ["find_path", "guide", "pull_to_path"]
 
 _SMALLEST = 1e-12
+"""Distance from the path below which the spring has no direction and no force [m]."""
 
 
 @kernel
 def find_path(path: TunnelRecord, memory: EffectMemoryRecord) -> float:
-    """Go to the closest point: memory.p becomes the offset from it, memory.path.tangent its direction.
+    """Find the closest point: memory.p becomes the offset from it, memory.path.tangent its tangent.
 
     Args:
         path: TUNNEL record with pieces.
         memory: EFFECT_MEMORY record; p is the world position on entry.
 
     Returns:
-        Arc length left to the end [m].
+        Remaining arc length to the end [m].
     """
     p, state = memory.p, memory.path
     s = track(path, p[0], p[1], p[2], state)
@@ -48,9 +49,9 @@ def find_path(path: TunnelRecord, memory: EffectMemoryRecord) -> float:
 
 @kernel
 def pull_to_path(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
-    """F = -k (r - dead band) e/r - b v', with v' the velocity across the path; beyond an end also along it.
+    """Path spring: F = -k (r - dead band) e/r - b v', v' the velocity across the path, beyond an end also along it.
 
-    e.t is 0 except beyond an end, where v' takes in the share (e.t/r)^2 of the motion along t: no step where it begins.
+    e.t is 0 except beyond an end, where v' includes the share (e.t/r)^2 of the motion along t: continuous at the end.
     """
     t, e, v = memory.path.tangent, memory.p, memory.v
     r = math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
@@ -68,7 +69,7 @@ def pull_to_path(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
 
 @kernel
 def guide(effect: EffectRecord, memory: EffectMemoryRecord, remaining: float) -> None:
-    """F = (f - b v.t) t, where f fades before the end and is gone beyond it."""
+    """Guidance: F = (f - b v.t) t, where f fades before the end and is 0 beyond it."""
     if not is_within(effect, memory):
         return
     t, v = memory.path.tangent, memory.v

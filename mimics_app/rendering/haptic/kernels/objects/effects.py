@@ -1,8 +1,8 @@
-"""Effects and force fields of one tick: what they do to the user, and the opposite to the bodies they belong to.
+"""Effects and force fields of one tick: their forces on the user, and the opposite on the bodies they belong to.
 
-An effect acts between the user and its place. The place stays in the world, or moves with a body; then the body feels
-the opposite force there, as far as 4.2.8.2 lets it (enable haptic force, enable haptic torque). One that acts on a body
-alone pulls at its centre of mass about a place in the world, and the user feels nothing.
+An effect acts between the user and its place. The place is fixed in the world, or moves with a body; then the body gets
+the opposite force there, as enabled by 4.2.8.2 (enable haptic force, enable haptic torque). An effect on a body alone
+acts on its centre of mass about a place in the world, without a force on the user.
 """
 
 from __future__ import annotations
@@ -49,12 +49,12 @@ _FORCE_ON_OBJECT = int(BodyFlag.FORCE_ON_OBJECT)
 _TORQUE_ON_OBJECT = int(BodyFlag.TORQUE_ON_OBJECT)
 
 _FARTHEST = 1e6
-"""Beyond this [m, m/s] a path is not looked for."""
+"""Distance from the origin beyond which the closest point of a path is not searched [m]."""
 
 
 @kernel
 def _forget(memory: EffectMemoryRecord) -> None:
-    """A disabled effect begins anew when it is enabled."""
+    """Clear the state of a disabled effect."""
     memory.quarantined = 0
     memory.sticking = 0
     restart_tracking(memory.path)
@@ -64,7 +64,7 @@ def _forget(memory: EffectMemoryRecord) -> None:
 def _place(
     effect: EffectRecord, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec, memory: EffectMemoryRecord
 ) -> None:
-    """Motion of what feels the effect, relative to the effect's place, into memory.p and memory.v."""
+    """Set memory.p and memory.v to the motion of the hand, or of the body acted on, relative to the effect's place."""
     on_body = effect.on_body != 0
     for i in range(3):
         memory.force[i] = 0.0
@@ -92,7 +92,7 @@ def _place(
 
 @kernel
 def _stick(effect: EffectRecord, work: ObjectWork, counts: ObjectCountsRecord, memory: EffectMemoryRecord) -> None:
-    """Stick-slip in the frame its anchor is kept in: the body's, where it acts between user and body."""
+    """Stick-slip in the frame of its anchor: that of the body if it acts between user and body, else the world."""
     if effect.on_body != 0 or not 0 <= effect.body < counts.bodies:
         stick_and_slip(effect, memory.p, memory)
         return
@@ -109,7 +109,7 @@ def _stick(effect: EffectRecord, work: ObjectWork, counts: ObjectCountsRecord, m
 
 @kernel
 def _along_path(effect: EffectRecord, work: ObjectWork, memory: EffectMemoryRecord) -> None:
-    """Path spring and guidance; their path stays in the world."""
+    """Path spring and guidance; their path is fixed in the world."""
     far = 0.0
     for i in range(3):
         memory.p[i] += memory.position[i]
@@ -129,7 +129,7 @@ def _along_path(effect: EffectRecord, work: ObjectWork, memory: EffectMemoryReco
 
 @kernel
 def _call_field(effect: EffectRecord, work: ObjectWork, fields: Fields, t: float, memory: EffectMemoryRecord) -> None:
-    """Force of a compiled function of somebody else's; it is given copies, and plain arrays of their own."""
+    """Force of a plug-in's compiled function, which gets copies of its inputs in arrays of its own."""
     if not (0 <= effect.field < MAX_FIELDS and is_within(effect, memory)):
         return
     p, v, out = work.field_vectors[0], work.field_vectors[1], work.field_vectors[2]
@@ -154,7 +154,7 @@ def _act(
     t: float,
     memory: EffectMemoryRecord,
 ) -> None:
-    """The law of the effect."""
+    """Compute the force of the effect by its law."""
     kind = effect.kind
     if kind == EffectKind.SPRING:
         spring(effect, memory)
@@ -177,18 +177,16 @@ def _act(
 
 
 @kernel
-def _wants_touch(effect: EffectRecord, work: ObjectWork, counts: ObjectCountsRecord) -> bool:
-    """Vibration and stick-slip of a body wait until the user touches it."""
+def _waits_for_touch(effect: EffectRecord, work: ObjectWork, counts: ObjectCountsRecord) -> bool:
+    """True for vibration and stick-slip of a body that the user does not touch."""
     of_body = 0 <= effect.body < counts.bodies and effect.on_body == 0
     surface = effect.kind == EffectKind.VIBRATION or effect.kind == EffectKind.STICK_SLIP
     return of_body and surface and work.motions[effect.body].touched == 0
 
 
 @kernel
-def _hand_over(
-    effect: EffectRecord, body: BodyRecord, motion: MotionRecord, memory: EffectMemoryRecord, totals: TotalsRecord
-) -> None:
-    """The effect's force to the user, and its opposite to the body it moves with."""
+def _add_to_body(body: BodyRecord, motion: MotionRecord, memory: EffectMemoryRecord, totals: TotalsRecord) -> None:
+    """Add the effect's force to the user, and its opposite to the body it moves with."""
     for i in range(3):
         totals.effect_force[i] += memory.force[i]
         motion.force_user[i] += memory.force[i]
@@ -205,7 +203,7 @@ def _hand_over(
 def _deliver(
     effect: EffectRecord, rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, memory: EffectMemoryRecord
 ) -> None:
-    """The force to whom it belongs."""
+    """Add the force to the totals of the user and to the body of the effect."""
     totals = work.totals[0]
     of_body = 0 <= effect.body < counts.bodies
     if effect.on_body != 0:
@@ -214,7 +212,7 @@ def _deliver(
                 work.motions[effect.body].force[i] += memory.force[i]
         return
     if of_body:
-        _hand_over(effect, rows.bodies[effect.body], work.motions[effect.body], memory, totals)
+        _add_to_body(rows.bodies[effect.body], work.motions[effect.body], memory, totals)
     else:
         for i in range(3):
             totals.effect_force[i] += memory.force[i]
@@ -227,6 +225,7 @@ def _deliver(
 
 @kernel
 def _is_finite(memory: EffectMemoryRecord) -> bool:
+    """True when the force is finite."""
     return math.isfinite(memory.force[0] + memory.force[1] + memory.force[2])
 
 
@@ -234,7 +233,7 @@ def _is_finite(memory: EffectMemoryRecord) -> bool:
 def apply_effects(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec, fields: Fields) -> None:
     """Add the forces of all effects to totals.effect_force and to the bodies they act on.
 
-    A force that is not finite counts as zero: one of a force field puts the field into quarantine and is reported in
+    A force that is not finite counts as zero: that of a force field quarantines the field and is reported in
     totals.quarantined, any other sets totals.status.
 
     Args:
@@ -252,7 +251,7 @@ def apply_effects(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand
             continue
         if memory.quarantined != 0:
             continue
-        if _wants_touch(effect, work, counts):
+        if _waits_for_touch(effect, work, counts):
             memory.sticking = 0
             continue
         memory.stiffness = max(0.0, memory.stiffness)
@@ -261,7 +260,7 @@ def apply_effects(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand
         if _is_finite(memory):
             _deliver(effect, rows, work, counts, memory)
         elif effect.kind == EffectKind.FIELD:
-            if work.totals[0].quarantined < 0:  # one a tick, so that each is reported; another one has its turn next
+            if work.totals[0].quarantined < 0:  # one per tick, so that each is reported
                 memory.quarantined = 1
                 work.totals[0].quarantined = k
         else:

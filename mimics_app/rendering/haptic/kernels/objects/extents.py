@@ -1,4 +1,4 @@
-"""How far a shape reaches along a direction: what fingers that close on it find between them."""
+"""Extent of a shape along a direction, as between two fingers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["half_extent", "mesh_extent"]
 
 @kernel
 def half_extent(shape: ShapeRecord, R: Floats, u: Vec) -> float:
-    """How far a shape that is alike on both sides reaches from its middle along u [m].
+    """Half of the extent of a centrally symmetric shape along u [m].
 
     Args:
         shape: SHAPE record of a sphere, box, cylinder or capsule.
@@ -39,7 +39,7 @@ def half_extent(shape: ShapeRecord, R: Floats, u: Vec) -> float:
 
 @kernel
 def mesh_extent(mesh: MeshRecord, hulls: Floats, R: Floats, u: Vec) -> tuple[float, float]:
-    """From where to where a mesh reaches along u from its origin [m], by the corners of its hull.
+    """(lowest, highest) coordinate of a mesh along u from its origin [m], by the vertices of its hull.
 
     Args:
         mesh: MESH record of a mesh that a body carries.

@@ -1,11 +1,11 @@
-"""Two fingers that hold a body between them: friction carries it, and its weight and inertia are felt.
+"""Two-finger grip: friction holds a body between the fingers, and its weight and inertia are felt.
 
-The fingers stand on both sides of the hand on one axis u and press inwards with the grasp force N. Each sticks to a
-point of the body by a spring and damper of the body's own surface; across u its force stays within the cone mu f of its
-normal force f and slips beyond it (Hayward and Armstrong 2000), so both together carry 2 mu N. Along u the body hangs
-between two springs: the finger it is pushed into presses with N + k d + b d', the other with N - k d - b d', never less
-than nothing. Twisting about u is held by the patches of contact, up to 2/3 mu f times their radius (a patch of even
-pressure, Coulomb). What the body feels the user feels with the opposite sign.
+The fingers lie on both sides of the hand on one axis u and press inwards with the grasp force N. Each sticks to a point
+of the body by a spring and damper of the body's own surface; perpendicular to u its force stays within the cone mu f of
+its normal force f and slips beyond it (Hayward and Armstrong 2000), so both together carry 2 mu N. Along u the body is
+held between two springs: the finger it moves into presses with N + k d + b d', the other with N - k d - b d', never
+below 0. Torsion about u is held by the contact patches, up to 2/3 mu f times their radius (Coulomb friction of a disc
+of uniform pressure). The user gets the opposite of the forces on the body.
 """
 
 from __future__ import annotations
@@ -38,39 +38,51 @@ __all__ = ["grip_bodies"]
 
 _TAKE_FORCE = 0.3
 """Grasp force from which the fingers count as closed [N]."""
+
 _RELEASE_FORCE = 0.15
-"""Grasp force below which they are open again [N]: no chatter at the border."""
+"""Grasp force below which closed fingers count as open [N]: a hysteresis against chatter."""
+
 _TAKE_REACH = 0.7
-"""The body's middle must lie this near to the fingers' axis to be taken, in half widths."""
+"""Largest distance of a body's centre from the fingers' axis at which it can be gripped [half widths]."""
+
 _LOSE_REACH = 1.0
-"""Farther from the axis than this the fingers have slipped off, in half widths."""
+"""Distance of a body's centre from the fingers' axis beyond which the fingers have slipped off [half widths]."""
+
 _CENTRING_TIME = 0.1
-"""With which closing fingers bring the body to their middle [s]."""
+"""Time constant with which closing fingers centre the body between them [s]."""
+
 _PATCH_RADIUS = 0.3
-"""Of the contact patch of a finger, in half widths."""
+"""Radius of the contact patch of a finger [half widths]."""
+
 _PATCH_TIME = 0.02
-"""Damping of a patch against twisting, over its stiffness [s]: the flesh of a fingertip swings hardly at all."""
+"""Torsional damping over stiffness of a contact patch [s]: that of a well damped fingertip."""
+
 _LONGEST_LEAD = 0.02
-"""Most time by which damping lets a finger that slips be ahead of where it is [s]: else it leaves the body."""
+"""Largest damping over stiffness of a finger [s]: a slipping finger with more would leave the body."""
+
 _PATCH_ARM = 2.0 / 3.0
-"""Mean arm of Coulomb friction over a disc of even pressure, in radii."""
+"""Mean lever arm of Coulomb friction on a disc of uniform pressure [radii]."""
 
 _FORCE_ON = int(BodyFlag.FORCE_ON_OBJECT)
 _TORQUE_ON = int(BodyFlag.TORQUE_ON_OBJECT)
 
-
 _UPRIGHT = 0.1
-"""Level part of a unit vector below which it stands upright: 6 degrees [-]."""
+"""Horizontal part of a unit vector below which it counts as vertical: 6 degrees [-]."""
 
 
 @kernel
 def _dot(a: Vec, b: Vec) -> float:
+    """Inner product of two vectors, shape [3]."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @kernel
-def _find_hand(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, grip: GripRecord) -> None:
-    """Where the fingers are: the first two interaction points, or both sides of the only one along the world's x."""
+def _find_fingers(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, grip: GripRecord) -> float:
+    """Set the frame of the grip: fingers at the first two interaction points, or along x on both sides of a single one.
+
+    Returns:
+        Half the distance between the fingers [m]; 0 for a single point.
+    """
     two = counts.points > 1 and rows.points[0].enabled != 0 and rows.points[1].enabled != 0
     last = 1 if two else 0
     length = 0.0
@@ -84,11 +96,12 @@ def _find_hand(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, grip: G
     for i in range(3):
         grip.axis[i] = grip.axis[i] / length if length > 0.0 else (1.0 if i == 0 else 0.0)
     _complete_frame(grip.axis, grip.across)
+    return 0.5 * length
 
 
 @kernel
 def _complete_frame(u: Vec, across: Floats) -> None:
-    """Two unit vectors across u: the first lies level where u is not upright."""
+    """Set two unit vectors perpendicular to u, the first horizontal unless u is vertical."""
     level = math.sqrt(u[0] * u[0] + u[2] * u[2])
     if level > _UPRIGHT:
         across[0, 0], across[0, 1], across[0, 2] = -u[2] / level, 0.0, u[0] / level
@@ -102,10 +115,10 @@ def _complete_frame(u: Vec, across: Floats) -> None:
 
 @kernel
 def _measure(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, body: int, grip: GripRecord) -> int:
-    """Extent of a body along the axis, into grip.low and grip.high.
+    """Set grip.low and grip.high to the extent of a body along the axis.
 
     Returns:
-        The first of its shapes, whose surface the fingers feel; -1 where it has none.
+        Row of its first shape, whose surface the fingers touch; -1: it has none.
     """
     surface = -1
     for k in range(counts.shapes):
@@ -132,7 +145,7 @@ def _measure(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, body: int
 
 @kernel
 def _distance_across(motion: MotionRecord, grip: GripRecord) -> float:
-    """Of the body's centre of mass from the fingers' axis [m]."""
+    """Distance of the body's centre of mass from the fingers' axis [m]."""
     square = 0.0
     for axis in range(2):
         part = 0.0
@@ -143,21 +156,8 @@ def _distance_across(motion: MotionRecord, grip: GripRecord) -> float:
 
 
 @kernel
-def _span(rows: Rows, counts: ObjectCountsRecord) -> float:
-    """Half the distance between the fingers [m]; 0 for a single point."""
-    if counts.points < 2 or rows.points[0].enabled == 0 or rows.points[1].enabled == 0:
-        return 0.0
-    square = 0.0
-    for i in range(3):
-        gap = rows.points[1].offset[i] - rows.points[0].offset[i]
-        square += gap * gap
-    return 0.5 * math.sqrt(square)
-
-
-@kernel
-def _seek(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, grip: GripRecord) -> None:
-    """Close the fingers: take the first body that lies between them."""
-    span = _span(rows, counts)
+def _take(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, grip: GripRecord, span: float) -> None:
+    """Grip the first body between the closing fingers, which are at +-span [m] on their axis."""
     for body in range(counts.bodies):
         if rows.bodies[body].grip == 0 or _measure(rows, work, counts, body, grip) < 0:
             continue
@@ -184,7 +184,7 @@ def _seek(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, grip: GripRe
 
 @kernel
 def _stick(motion: MotionRecord, grip: GripRecord, along: float, contact: Vec) -> None:
-    """Where a finger meets the body: on the axis, `along` from the hand's middle; in the body's frame."""
+    """Set the contact point of a finger in the body's frame: on the axis, at `along` from the grip's centre [m]."""
     for i in range(3):
         grip.place[i] = grip.centre[i] + along * grip.axis[i] - motion.position[i]
     for i in range(3):
@@ -195,7 +195,7 @@ def _stick(motion: MotionRecord, grip: GripRecord, along: float, contact: Vec) -
 
 @kernel
 def _locate(motion: MotionRecord, grip: GripRecord, contact: Vec) -> None:
-    """A contact point: into grip.place from the centre of mass, into grip.moving its velocity against the hand."""
+    """Set grip.place to a contact point, from the centre of mass, and grip.moving to its velocity against the hand."""
     for i in range(3):
         grip.place[i] = motion.position[i] - motion.centre[i]
         for j in range(3):
@@ -208,7 +208,7 @@ def _locate(motion: MotionRecord, grip: GripRecord, contact: Vec) -> None:
 
 @kernel
 def _press(motion: MotionRecord, grip: GripRecord, k: float, b: float) -> float:
-    """Push k d + b d' [N] of the body's middle along the axis against the hand's."""
+    """Force k d + b d' [N] of the displacement of the body's contact points along the axis."""
     d = 0.0
     rate = 0.0
     _locate(motion, grip, grip.contact_a)
@@ -233,17 +233,17 @@ def _hold_with(
     side: float,
     k: float,
 ) -> None:
-    """One finger's force on the body: its push along the axis, and its friction across it; added to the motion.
+    """Set grip.force to one finger's force on the body: its push along the axis, and its friction perpendicular to it.
 
     Args:
-        surface: SHAPE record of what it touches.
+        surface: SHAPE record of the touched surface.
         motion: MOTION record of the body.
         grip: GRIP record.
-        contact: Where it sticks, body frame [m]; dragged along where it slips.
+        contact: Contact point, body frame [m]; dragged along where it slips.
         friction: FRICTION record of this finger.
         normal_force: f [N] >= 0.
-        side: +1 for the finger at +u, which pushes towards -u.
-        k: Stiffness across the axis [N/m] > 0.
+        side: +1 for the finger at +u, which pushes towards -u, -1 for the other.
+        k: Stiffness perpendicular to the axis [N/m] > 0.
     """
     _locate(motion, grip, contact)
     lead = min(surface.damping / k, _LONGEST_LEAD)
@@ -266,14 +266,14 @@ def _hold_with(
             grip.force[i] += grip.hold[axis] * grip.across[axis, i]
             slip += friction.anchor[axis] * grip.across[axis, i]
         grip.moving[i] = slip
-    for i in range(3):  # the body point that the finger holds moves against the body by what slipped
+    for i in range(3):  # the contact point moves on the body by the slip
         for j in range(3):
             contact[i] -= motion.rotation[j, i] * grip.moving[j]
 
 
 @kernel
 def _add(body: BodyRecord, motion: MotionRecord, grip: GripRecord, totals: TotalsRecord) -> None:
-    """One finger's force to the body's and, the other way round, to the user's."""
+    """Add one finger's force to the body, and its opposite to the user."""
     for i in range(3):
         j, m = (i + 1) % 3, (i + 2) % 3
         if body.flags & _FORCE_ON:
@@ -288,7 +288,7 @@ def _add(body: BodyRecord, motion: MotionRecord, grip: GripRecord, totals: Total
 def _hold_twist(
     surface: ShapeRecord, body: BodyRecord, motion: MotionRecord, grip: GripRecord, pressed: float, k: float, dt: float
 ) -> None:
-    """The patches of contact against turning about the axis: a spring and damper that slips at its Coulomb torque."""
+    """Add the torque of the contact patches about the axis: a spring and damper that slips at the Coulomb torque."""
     radius = _PATCH_RADIUS * grip.half_width
     stiffness = 2.0 * k * radius * radius
     lag = _PATCH_TIME * _dot(motion.omega, grip.axis)
@@ -304,20 +304,15 @@ def _hold_twist(
 
 
 @kernel
-def _let_go(grip: GripRecord) -> None:
-    grip.body = -1
-
-
-@kernel
 def grip_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, grasp: float, dt: float) -> None:
-    """Let the fingers take, hold and lose bodies for one tick.
+    """Grip, hold and release bodies for one tick.
 
-    Adds to totals.grip_force, stiffness, even_stiffness and even_damping, to force, torque and force_user of the body
-    held, and names it in totals.held, and in totals.crushed once it was pressed too hard. A body without friction
-    cannot be held; one that is put back to its start is let go.
+    Adds to totals.grip_force, stiffness, even_stiffness and even_damping, and to force, torque and force_user of the
+    held body; sets totals.held, and totals.crushed once the grasp was beyond crush_force. A body without friction
+    slips out; a respawned one is released.
 
     Args:
-        rows: Tables of the main thread; bodies with `grip` set can be held, `crush_force` bruises them.
+        rows: Tables of the main thread; bodies with `grip` set can be held.
         work: Working arrays; its `grip` is a GRIP record, shape [1].
         counts: OBJECT_COUNTS record.
         grasp: Force between the fingers [N].
@@ -325,27 +320,27 @@ def grip_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, grasp:
     """
     grip = work.grip[0]
     if counts.points == 0 or counts.bodies == 0 or (grip.body < 0 and not grasp >= _TAKE_FORCE):
-        _let_go(grip)
+        grip.body = -1
         return
-    _find_hand(rows, work, counts, grip)
+    span = _find_fingers(rows, work, counts, grip)
     if grip.body < 0:
-        _seek(rows, work, counts, grip)
+        _take(rows, work, counts, grip, span)
     if grip.body < 0:
         return
     if not grasp >= _RELEASE_FORCE or grip.body >= counts.bodies:
-        _let_go(grip)
+        grip.body = -1
         return
     body = rows.bodies[grip.body]
     motion = work.motions[grip.body]
     surface_row = _measure(rows, work, counts, grip.body, grip)
     lost = _distance_across(motion, grip) > _LOSE_REACH * grip.half_width
     if lost or surface_row < 0 or body.spawn != grip.spawn or body.grip == 0:
-        _let_go(grip)
+        grip.body = -1
         return
     surface = rows.shapes[surface_row]
     k = surface.friction_stiffness if surface.friction_stiffness > 0.0 else surface.stiffness
     if not k > 0.0:
-        _let_go(grip)
+        grip.body = -1
         return
     _hold_body(surface, body, motion, grip, work.totals[0], grasp, k, dt)
 
@@ -361,7 +356,7 @@ def _hold_body(
     k: float,
     dt: float,
 ) -> None:
-    """Both fingers on the body between them, of stiffness k [N/m], for one tick."""
+    """Apply the forces of both fingers, of stiffness k [N/m], for one tick."""
     grip.offset *= math.exp(-dt / _CENTRING_TIME)
     share = _press(motion, grip, k, surface.damping)
     press_a = max(0.0, grasp - share)

@@ -1,4 +1,4 @@
-"""What the objects see of the person in one tick: one vector, the only input from outside."""
+"""Input vector of the objects in one tick: motion, forces and grasp of the person's hand."""
 
 from __future__ import annotations
 
@@ -25,18 +25,19 @@ __all__ = [
 ]
 
 HAND_POSITION = 0
-"""Points of contact, world [m], x y z one behind the other; the first is the haptic interaction point."""
+"""Positions of the points of contact, world [m], x y z concatenated; the first is the haptic interaction point."""
 HAND_VELOCITY = HAND_POSITION + 3 * MAX_CONTACTS
 """Their velocities, world [m/s]."""
 HAND_FORCE_MEASURED = HAND_VELOCITY + 3 * MAX_CONTACTS
-"""Force of the user on the first, world [N]."""
+"""Measured force of the user on the first point, world [N]."""
 HAND_FORCE_USER = HAND_FORCE_MEASURED + 3
-"""What the user felt there in the last tick, world [N]."""
+"""Force on the user there in the last tick, world [N]."""
 HAND_GRASP = HAND_FORCE_USER + 3
 """Grasp force [N]."""
 HAND_TIME = HAND_GRASP + 1
 """Session time [s]."""
-HAND_LENGTH = HAND_GRASP + 2
+HAND_LENGTH = HAND_TIME + 1
+"""Length of the vector."""
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Principal axes of a body: what (12) turns by, found once when the body is made or its mass changes."""
+"""Principal axes and moments of a body for (12), found when the body is new or its inertia changes."""
 
 from __future__ import annotations
 
@@ -15,19 +15,18 @@ if TYPE_CHECKING:
 __all__ = ["find_principal_axes"]
 
 
-_NOTHING = 1e-9
-"""Share of the greatest moment below which a moment is rounding: a steel wire has 1e-6."""
+_ROUNDING = 1e-9
+"""Ratio to the largest moment below which a moment counts as 0 [-]: a steel wire has 1e-6."""
 
 
 @kernel
 def find_principal_axes(inertia: Mat, dynamics: DynamicsRecord) -> None:
-    """Set `axes` and `inverse` of a body from its inertia (Jacobi 1846), and remember the inertia.
+    """Set `axes` and `inverse` of a body from its inertia (Jacobi 1846), and keep the inertia.
 
-    A tensor that is diagonal already keeps its axes to the last bit. Moments that are nothing beside the greatest (a
-    thin rod about itself) belong to axes the body does not turn about.
+    A diagonal tensor keeps its axes to the last bit. Axes of negligible moment (a thin rod about itself) are locked.
 
     Args:
-        inertia: About the centre of mass, body axes [kg m^2], shape [3, 3], symmetric.
+        inertia: Tensor about the centre of mass, body axes [kg m^2], shape [3, 3], symmetric.
         dynamics: Record of `DYNAMICS`, updated.
     """
     tensor, vectors = dynamics.tensor, dynamics.vectors
@@ -37,6 +36,6 @@ def find_principal_axes(inertia: Mat, dynamics: DynamicsRecord) -> None:
             tensor[i, j] = 0.5 * (inertia[i, j] + inertia[j, i])
     diagonalise(tensor, vectors)
     quat.from_matrix(vectors, dynamics.axes)
-    least = _NOTHING * max(tensor[0, 0], max(tensor[1, 1], tensor[2, 2]))
+    least = _ROUNDING * max(tensor[0, 0], max(tensor[1, 1], tensor[2, 2]))
     for i in range(3):
         dynamics.inverse[i] = 1.0 / tensor[i, i] if tensor[i, i] > least else 0.0

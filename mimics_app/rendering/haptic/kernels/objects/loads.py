@@ -1,4 +1,4 @@
-"""What pulls at the bodies beside their contacts: weight, F_aux, T_aux; and which sleeper wakes by it."""
+"""Loads on the bodies other than contacts, weight, F_aux and T_aux, and the waking of sleepers by a changed load."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from mimics_app.rendering.haptic.kernels.objects.bodies import wake
 from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
-    from mimics_app.contracts.record_types import BodyRecord, DynamicsRecord, Floats, MotionRecord, Table
+    from mimics_app.contracts.record_types import ObjectCountsRecord, ObjectWork, Rows
 
 __all__ = ["load_bodies"]
 
 
 _SAME_LOAD = 1e-9
-"""A load that differs by this share from the one a body fell asleep under wakes it."""
+"""Relative change of the load on a sleeping body from which it wakes [-]."""
 
 
 @kernel
 def _differs(a: Vec, b: Vec) -> bool:
-    """True when a is not b, but for rounding."""
+    """True when a differs from b by more than rounding."""
     square, apart = 0.0, 0.0
     for i in range(3):
         square += b[i] * b[i]
@@ -30,32 +30,22 @@ def _differs(a: Vec, b: Vec) -> bool:
 
 
 @kernel
-def load_bodies(
-    bodies: Table[BodyRecord],
-    motions: Table[MotionRecord],
-    dynamics: Table[DynamicsRecord],
-    aux_forces: Floats,
-    aux_torques: Floats,
-    count: int,
-) -> None:
-    """Add F_aux, T_aux and weight to what touch, effects and grip gathered; a sleeper that feels anything new wakes.
+def load_bodies(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord) -> None:
+    """Add F_aux, T_aux and weight to the forces of touch, effects and grip; a changed load wakes a sleeping body.
 
     Args:
-        bodies: BODY rows.
-        motions: MOTION rows, updated.
-        dynamics: DYNAMICS rows, updated.
-        aux_forces: ObjectWork.aux_forces.
-        aux_torques: ObjectWork.aux_torques.
-        count: Bodies in use.
+        rows: `Rows` of this tick.
+        work: `ObjectWork`; motions and dynamics are updated.
+        counts: SCENE.objects.
     """
-    for k in range(count):
-        body, motion, dynamic = bodies[k], motions[k], dynamics[k]
+    for k in range(counts.bodies):
+        body, motion, dynamic = rows.bodies[k], work.motions[k], work.dynamics[k]
         for i in range(3):
-            motion.force[i] += aux_forces[k, i] + body.mass * body.gravity[i]
-            motion.torque[i] += aux_torques[k, i]
+            motion.force[i] += work.aux_forces[k, i] + body.mass * body.gravity[i]
+            motion.torque[i] += work.aux_torques[k, i]
         if motion.asleep:
-            felt = _differs(motion.force, dynamic.rest_force) or _differs(motion.torque, dynamic.rest_torque)
-            if not (felt or motion.touched):
+            changed = _differs(motion.force, dynamic.rest_force) or _differs(motion.torque, dynamic.rest_torque)
+            if not (changed or motion.touched):
                 continue
             wake(motion)
         copy(motion.force, dynamic.rest_force)

@@ -1,16 +1,16 @@
-"""Contact points of two flat or straight features along one normal: faces, caps, lines.
+"""Contact manifold of two flat or straight features along one normal: faces, caps, lines.
 
-Each solid offers the feature it turns towards the other: a box the face that looks most along the normal, a cylinder
-its cap (eight points of the rim, the deepest first) or the line of its side. The two are laid over each other along the
-normal; what both cover is a polygon, a line or a point, and the depth at each of its corners is the difference of the
-two heights. So one rule serves a face on a face, a tilted face (edge or corner on a face) and two crossing edges.
+Each solid contributes the feature that faces the other most: a box a face, a cylinder its cap (eight points of the rim,
+the deepest first) or the line of its side. The two are projected along the normal; their intersection is a polygon, a
+line or a point, and the depth at each of its corners is the difference of the two heights. So one rule serves a face on
+a face, a tilted face (edge or corner on a face) and two crossing edges.
 
-The stiffness of a contact belongs to a whole face and is spread over the corners by their share of the outline: a
-corner half of both its sides. No share jumps when corners merge, and none when a corner dips in, for its depth is 0
-there. A box that stands has its whole stiffness, on an edge a half, on a corner a quarter: its effective mass at those
-falls as fast, so that one bound on the mass serves all (see `check_bodies`).
+The stiffness of a contact belongs to a whole face and is distributed over the corners by their share of the outline: a
+corner has half of both its sides. Shares are continuous when corners merge, and forces when a corner begins to touch,
+as its depth is 0 there. A box on a face has its whole stiffness, on an edge half, on a corner a quarter: its effective
+mass falls in the same proportion, so that one bound on the mass serves all (see `check_bodies`).
 
-Points are rows x, y, z, depth, share of an array [MOST_POINTS, 5]; polygons are rows u, v of the plane of contact.
+Points are rows x, y, z, depth, share of an array [MAX_CONTACT_POINTS, 5]; polygons rows u, v in the plane of contact.
 """
 
 from __future__ import annotations
@@ -18,18 +18,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.triples import (
-    Three,
     across,
     along,
     axis,
     cross,
     dot,
-    middle,
     minus,
+    position_of,
     times,
     unit,
 )
@@ -37,37 +36,37 @@ from mimics_app.rendering.haptic.kernels.objects.triples import (
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Floats, SolidRecord
 
-__all__ = ["add_point", "lay_over", "write_feature"]
+__all__ = ["CORNER_SHARE", "RIM_POINTS", "add_point", "lay_over", "write_feature"]
 
 
-_RIM = 8
+CORNER_SHARE = 0.25
+"""Share of a face's stiffness at each of its four corners [-]."""
+
+RIM_POINTS = 8
+"""Points that represent the rim of a cylinder."""
+
 _LEANS = math.sqrt(0.5)
-"""Cosine between the axis of a cylinder and the normal from which its cap counts and no longer its side."""
-
+"""Cosine between the axis of a cylinder and the normal from which its feature is a cap instead of its side [-]."""
 
 Plane = tuple[float, float, float]
-"""Height over the plane of contact as h = a + b u + c v."""
+"""Coefficients a, b, c of the height h = a + b u + c v above the plane of contact."""
 
+_NO_LENGTH = 1e-12
+"""Smallest length that is divided by [m]."""
 
-_NOWHERE = 1e-12
-"""Length below which something has no direction [m]."""
-
-_NO_RUN = 1e-24
-"""Square of a length below which something has no direction [m^2]."""
+_NO_SQUARE = 1e-24
+"""Smallest square of a length that is divided by [m^2]."""
 
 _PARALLEL = 1e-9
-"""Sine of the angle between two lines below which they are parallel, times the ratio of their lengths [-]."""
-
-_OF_A_CORNER = 0.25
-"""Share of a face's stiffness that each of its four corners has [-]."""
+"""Sine of the angle between two lines, times the ratio of their lengths, below which they count as parallel [-]."""
 
 _FACE = 4
 """Corners of a face of a box."""
 
 
 @kernel
-def add_point(points: F8, count: int, p: Three, depth: float, share: float) -> int:
-    """Append a contact point; returns how many there are."""
+def add_point(points: F8, count: int, p: Vec3, depth: float, share: float) -> int:
+    """Append a contact point, unless the table is full; return the number of points."""
     if count >= points.shape[0]:
         return count
     points[count, 0], points[count, 1], points[count, 2] = p
@@ -77,15 +76,15 @@ def add_point(points: F8, count: int, p: Three, depth: float, share: float) -> i
 
 
 @kernel
-def _box_face(solid: SolidRecord, d: Three, corners: Floats) -> Three:
-    """Write the four corners of the face of a box that looks most along d, in order; returns its outward normal."""
+def _box_face(solid: SolidRecord, d: Vec3, corners: Floats) -> Vec3:
+    """Write the four corners of the face of a box that faces d most, in order; return its outward normal."""
     size = solid.size
     axes = (axis(solid, 0), axis(solid, 1), axis(solid, 2))
-    looks = (dot(axes[0], d), dot(axes[1], d), dot(axes[2], d))
+    cosines = (dot(axes[0], d), dot(axes[1], d), dot(axes[2], d))
     face = 0
-    if abs(looks[1]) > abs(looks[face]):
+    if abs(cosines[1]) > abs(cosines[face]):
         face = 1
-    if abs(looks[2]) > abs(looks[face]):
+    if abs(cosines[2]) > abs(cosines[face]):
         face = 2
     if face == 0:
         n, t, s, depth, width, height = axes[0], axes[1], axes[2], size[0], size[1], size[2]
@@ -93,8 +92,8 @@ def _box_face(solid: SolidRecord, d: Three, corners: Floats) -> Three:
         n, t, s, depth, width, height = axes[1], axes[2], axes[0], size[1], size[2], size[0]
     else:
         n, t, s, depth, width, height = axes[2], axes[0], axes[1], size[2], size[0], size[1]
-    out = times(math.copysign(1.0, looks[face]), n)
-    centre = along(middle(solid), 0.5 * depth, out)
+    out = times(math.copysign(1.0, cosines[face]), n)
+    centre = along(position_of(solid), 0.5 * depth, out)
     for corner in range(_FACE):
         u = 0.5 * width if corner == 0 or corner == 3 else -0.5 * width
         v = 0.5 * height if corner < 2 else -0.5 * height
@@ -104,59 +103,60 @@ def _box_face(solid: SolidRecord, d: Three, corners: Floats) -> Three:
 
 
 @kernel
-def _cylinder_feature(solid: SolidRecord, d: Three, corners: Floats) -> tuple[int, Three]:
-    """Write the cap or the side line of a cylinder that looks along d; returns how many points and the normal."""
-    size, up, centre = solid.size, axis(solid, 1), middle(solid)
-    looks = dot(up, d)
-    leaning = along(d, -looks, up)
-    # An upright cylinder has no deepest rim point: any will do, as four or more points resist alike all round.
+def _cylinder_feature(solid: SolidRecord, d: Vec3, corners: Floats) -> tuple[int, Vec3]:
+    """Write the cap or the side line of a cylinder that faces d; return the number of points and the normal."""
+    size, up, centre = solid.size, axis(solid, 1), position_of(solid)
+    cosine = dot(up, d)
+    leaning = along(d, -cosine, up)
+    # An upright cylinder has no deepest rim point: any will do, as four or more points resist alike in all directions.
     down = unit(leaning, across(up))
-    if abs(looks) < _LEANS:
+    if abs(cosine) < _LEANS:
         for end in range(2):
             p = along(along(centre, size[0], down), (end - 0.5) * size[1], up)
             corners[end, 0], corners[end, 1], corners[end, 2] = p
         return 2, down
-    out = times(math.copysign(1.0, looks), up)
+    out = times(math.copysign(1.0, cosine), up)
     cap, aside = along(centre, 0.5 * size[1], out), cross(out, down)
-    for k in range(_RIM):
-        angle = 2.0 * math.pi * k / _RIM
+    for k in range(RIM_POINTS):
+        angle = 2.0 * math.pi * k / RIM_POINTS
         p = along(along(cap, size[0] * math.cos(angle), down), size[0] * math.sin(angle), aside)
         corners[k, 0], corners[k, 1], corners[k, 2] = p
-    return _RIM, out
+    return RIM_POINTS, out
 
 
 @kernel
-def write_feature(solid: SolidRecord, d: Three, corners: Floats) -> tuple[int, Three, float]:
-    """Write the feature of a box or cylinder that looks along d.
+def write_feature(solid: SolidRecord, d: Vec3, corners: Floats) -> tuple[int, Vec3, float]:
+    """Write the feature of a box or cylinder that faces d.
 
     Args:
-        solid: SOLID of it.
-        d: Unit direction out of it, world.
+        solid: SOLID of a box or cylinder.
+        d: Unit outward direction, world.
         corners: Receives the corners in order, world [m], shape [8, 3].
 
     Returns:
-        (corners, outward normal of the feature, share of a lone corner of it). Two corners are a line.
+        (number of corners, outward normal of the feature, share of a single corner). Two corners are a line.
     """
     if solid.kind == ShapeKind.BOX:
-        return _FACE, _box_face(solid, d, corners), _OF_A_CORNER
+        return _FACE, _box_face(solid, d, corners), CORNER_SHARE
     count, n = _cylinder_feature(solid, d, corners)
     if count == 2:
-        # From a half of each end of a lying cylinder to the eighth that a point of the rim has, without a step.
+        # Continuous from half for each end of a lying cylinder to the eighth of a point of the rim.
         lean = abs(dot(axis(solid, 1), d)) / _LEANS
-        return 2, n, 0.5 - (0.5 - 1.0 / _RIM) * lean
-    return count, n, 1.0 / _RIM
+        return 2, n, 0.5 - (0.5 - 1.0 / RIM_POINTS) * lean
+    return count, n, 1.0 / RIM_POINTS
 
 
 @kernel
-def _flatten(corners: Floats, count: int, origin: Three, u: Three, v: Three, polygon: F8) -> None:
+def _project(corners: Floats, count: int, origin: Vec3, u: Vec3, v: Vec3, polygon: F8) -> None:
+    """Write the coordinates u, v of a feature's corners in the plane of contact."""
     for k in range(count):
         q = minus((corners[k, 0], corners[k, 1], corners[k, 2]), origin)
         polygon[k, 0], polygon[k, 1] = dot(q, u), dot(q, v)
 
 
 @kernel
-def _plane_of(corners: Floats, count: int, m: Three, origin: Three, u: Three, v: Three, n: Three) -> Plane:
-    """Height of a feature along n as a linear function: of its face, or along a line and level across it."""
+def _plane_of(corners: Floats, count: int, m: Vec3, origin: Vec3, u: Vec3, v: Vec3, n: Vec3) -> Plane:
+    """Height of a feature along n as a linear function: of its face, or along a line and constant across it."""
     first = (corners[0, 0], corners[0, 1], corners[0, 2])
     q = minus(first, origin)
     if count > 2:
@@ -165,14 +165,14 @@ def _plane_of(corners: Floats, count: int, m: Three, origin: Three, u: Three, v:
     else:
         run = minus((corners[1, 0], corners[1, 1], corners[1, 2]), first)
         eu, ev = dot(run, u), dot(run, v)
-        slope = dot(run, n) / max(eu * eu + ev * ev, _NO_RUN)
+        slope = dot(run, n) / max(eu * eu + ev * ev, _NO_SQUARE)
         b, c = slope * eu, slope * ev
     return dot(q, n) - b * dot(q, u) - c * dot(q, v), b, c
 
 
 @kernel
 def _clip_edge(polygon: Floats, count: int, ax: float, ay: float, nx: float, ny: float, out: Floats) -> int:
-    """Keep the part of a polygon or line with (p - a) . n <= 0 (Sutherland & Hodgman 1974); returns its corners."""
+    """Clip a polygon or line to (p - a) . n <= 0 (Sutherland & Hodgman 1974); return the number of its corners."""
     kept = 0
     before = (polygon[count - 1, 0] - ax) * nx + (polygon[count - 1, 1] - ay) * ny
     for k in range(count):
@@ -192,8 +192,8 @@ def _clip_edge(polygon: Floats, count: int, ax: float, ay: float, nx: float, ny:
 
 
 @kernel
-def _clip(subject: Floats, count: int, window: Floats, sides: int, room: Floats) -> int:
-    """Clip `subject` by every side of the convex `window`; the result is left in `subject`."""
+def _clip(subject: Floats, count: int, window: Floats, sides: int, scratch: Floats) -> int:
+    """Clip `subject` in place by every side of the convex `window`; return the number of its corners."""
     turn = 0.0
     for k in range(sides):
         after = k + 1 if k + 1 < sides else 0
@@ -202,9 +202,9 @@ def _clip(subject: Floats, count: int, window: Floats, sides: int, room: Floats)
     for k in range(sides):
         after = k + 1 if k + 1 < sides else 0
         ex, ey = window[after, 0] - window[k, 0], window[after, 1] - window[k, 1]
-        count = _clip_edge(subject, count, window[k, 0], window[k, 1], sense * ey, -sense * ex, room)
+        count = _clip_edge(subject, count, window[k, 0], window[k, 1], sense * ey, -sense * ex, scratch)
         for j in range(count):
-            subject[j, 0], subject[j, 1] = room[j, 0], room[j, 1]
+            subject[j, 0], subject[j, 1] = scratch[j, 0], scratch[j, 1]
         if count == 0:
             return 0
     return count
@@ -212,8 +212,8 @@ def _clip(subject: Floats, count: int, window: Floats, sides: int, room: Floats)
 
 @kernel
 def _spread(polygon: Floats, count: int, lone: float, k: int, outline: float) -> float:
-    """Share of corner k: half of its two sides of the outline."""
-    if count < 3 or outline < _NOWHERE:
+    """Share of corner k: half of its two sides, relative to the outline; `lone` where there is no outline."""
+    if count < 3 or outline < _NO_LENGTH:
         return lone
     last = k - 1 if k > 0 else count - 1
     after = k + 1 if k + 1 < count else 0
@@ -224,6 +224,7 @@ def _spread(polygon: Floats, count: int, lone: float, k: int, outline: float) ->
 
 @kernel
 def _outline(polygon: Floats, count: int) -> float:
+    """Perimeter of a polygon [m]."""
     total = 0.0
     for k in range(count):
         after = k + 1 if k + 1 < count else 0
@@ -233,12 +234,12 @@ def _outline(polygon: Floats, count: int) -> float:
 
 @kernel
 def _cross_lines(a: Floats, b: Floats, out: Floats) -> int:
-    """Where two lines are above each other: the ends of the part they run side by side, then where they cross.
+    """Write the points common to two projected lines: the ends of their common part, then their crossing.
 
-    Returns how many points: 0, 2 (parallel), or 3.
+    Returns the number of points: 0, 2 (parallel), or 3.
     """
     ax, ay, bx, by = a[1, 0] - a[0, 0], a[1, 1] - a[0, 1], b[1, 0] - b[0, 0], b[1, 1] - b[0, 1]
-    square = max(ax * ax + ay * ay, _NO_RUN)
+    square = max(ax * ax + ay * ay, _NO_SQUARE)
     s = ((b[0, 0] - a[0, 0]) * ax + (b[0, 1] - a[0, 1]) * ay) / square
     t = ((b[1, 0] - a[0, 0]) * ax + (b[1, 1] - a[0, 1]) * ay) / square
     low, high = max(0.0, min(s, t)), min(1.0, max(s, t))
@@ -256,71 +257,77 @@ def _cross_lines(a: Floats, b: Floats, out: Floats) -> int:
 
 @kernel
 def _height(plane: Plane, x: float, y: float) -> float:
+    """Height of a plane at a point of the plane of contact [m]."""
     return plane[0] + plane[1] * x + plane[2] * y
 
 
 @kernel
 def _aside(line: Floats, x: float, y: float) -> float:
-    """Distance of a point of the plane from the line of a cylinder's side."""
+    """Distance of a point of the plane from the line of a cylinder's side [m]."""
     ex, ey = line[1, 0] - line[0, 0], line[1, 1] - line[0, 1]
-    return abs((x - line[0, 0]) * ey - (y - line[0, 1]) * ex) / max(math.hypot(ex, ey), _NOWHERE)
+    return abs((x - line[0, 0]) * ey - (y - line[0, 1]) * ex) / max(math.hypot(ex, ey), _NO_LENGTH)
 
 
 @kernel
 def _sag(radius: float, aside: float) -> float:
-    """How far the side of a cylinder has dropped so far from its line [m]."""
+    """Drop of a cylinder's side at a distance `aside` from its line [m]."""
     return radius - math.sqrt(max(radius * radius - aside * aside, 0.0))
+
+
+@kernel
+def _intersect(polygons: F8, count_a: int, count_b: int) -> tuple[int, int]:
+    """(row of `polygons` that receives the intersection of rows 0 and 1, number of its corners)."""
+    if count_a == 2 and count_b == 2:
+        return 2, _cross_lines(polygons[0], polygons[1], polygons[2])
+    if count_a == 2:
+        return 0, _clip(polygons[0], count_a, polygons[1], count_b, polygons[2])
+    return 1, _clip(polygons[1], count_b, polygons[0], count_a, polygons[2])
 
 
 @kernel
 def lay_over(
     corners_a: Floats,
     count_a: int,
-    normal_a: Three,
+    normal_a: Vec3,
     corners_b: Floats,
     count_b: int,
-    normal_b: Three,
-    n: Three,
+    normal_b: Vec3,
+    n: Vec3,
     lone: float,
     round_b: float,
     correction: float,
     polygons: Floats,
     points: F8,
 ) -> int:
-    """Contact points of two features laid over each other along n.
+    """Contact points of the intersection of two features projected along n.
 
     Args:
-        corners_a: Feature of the first solid, world [m], rows of which the first count_a count.
-        count_a: Its corners; 2: a line.
+        corners_a: Feature of the first solid, world [m], of which the first count_a rows are used.
+        count_a: Number of its corners; 2: a line.
         normal_a: Its outward normal.
-        corners_b: Feature of the second; a line only where the first is one too, or is a polygon.
-        count_b: Its corners.
+        corners_b: Feature of the second solid.
+        count_b: Number of its corners; 2: a line.
         normal_b: Its outward normal.
-        n: Unit, from the first to the second.
-        lone: Share of a corner that has no outline around it.
-        round_b: Radius of the second where its feature is the side line of a cylinder and the first's is too [m].
-        correction: Depth to be taken off every point [m]: what rounded edges lack.
+        n: Unit normal from the first to the second.
+        lone: Share of a corner without an outline.
+        round_b: Radius of the second solid if it is a cylinder [m]; used where both features are lines.
+        correction: Depth subtracted from every point [m]: the missing depth of rounded edges.
         polygons: SCRATCH.polygon.
-        points: Receives the points, shape [MOST_POINTS, 5].
+        points: Receives the points with a depth > 0, shape [MAX_CONTACT_POINTS, 5].
 
     Returns:
-        How many points there are, those with a depth > 0 only.
+        Number of points.
     """
     u = across(n)
     v = cross(n, u)
     origin = (corners_a[0, 0], corners_a[0, 1], corners_a[0, 2])
-    _flatten(corners_a, count_a, origin, u, v, polygons[0])
-    _flatten(corners_b, count_b, origin, u, v, polygons[1])
+    _project(corners_a, count_a, origin, u, v, polygons[0])
+    _project(corners_b, count_b, origin, u, v, polygons[1])
     plane_a = _plane_of(corners_a, count_a, normal_a, origin, u, v, n)
     plane_b = _plane_of(corners_b, count_b, normal_b, origin, u, v, n)
     lines = count_a == 2 and count_b == 2
-    if lines:
-        kept, found = 2, _cross_lines(polygons[0], polygons[1], polygons[2])
-    elif count_b > 2 and count_a == 2:
-        kept, found = 0, _clip(polygons[0], count_a, polygons[1], count_b, polygons[2])
-    else:
-        kept, found = 1, _clip(polygons[1], count_b, polygons[0], count_a, polygons[2])
-    polygon = polygons[kept]
+    row, found = _intersect(polygons, count_a, count_b)
+    polygon = polygons[row]
     outline = _outline(polygon, found)
     count, side_by_side = 0, 0.0
     for k in range(found):
@@ -333,8 +340,8 @@ def lay_over(
             side_by_side += 0.5 * max(depth, 0.0)
             share = 0.5
         elif lines:
-            # What the crossing is deeper than the two ends of the common part; parallel lines have no crossing.
-            share = max(depth - side_by_side, 0.0) / max(depth, _NOWHERE)
+            # Depth of the crossing beyond that of the two ends of the common part; parallel lines have no crossing.
+            share = max(depth - side_by_side, 0.0) / max(depth, _NO_LENGTH)
         if depth > 0.0:
             p = along(along(along(origin, x, u), y, v), 0.5 * (height_a + height_b), n)
             count = add_point(points, count, p, depth, share)

@@ -1,9 +1,9 @@
-"""What is remembered of each interaction point at each shape: the feature it came in by, and where friction holds it.
+"""Contact memory of each interaction point at each shape: feature of entry and anchor of friction.
 
-A shape that no point came near in the last tick was not looked at, so the point's last place in its frame is found from
-the last world position and the last pose of its body: a moving object is entered by the same face as a resting one.
-Memory ends where it would mislead: the shape was enabled or edited, its body put back to its start, the point
-disabled, enabled, or displaced faster than anything moves.
+For a shape that was not near the point in the last tick, the point's last position in its frame follows from the last
+world position and the last pose of its body: a moving object is entered through the same face as a resting one. The
+memory is cleared where it is invalid: the shape was enabled or edited, its body respawned, the point disabled, enabled,
+or displaced faster than `_FASTEST`.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ if TYPE_CHECKING:
 __all__ = ["follow_point", "forget_touch", "keep_poses", "notice_changes", "recall"]
 
 _FASTEST = 50.0
-"""A point that seems faster than this [m/s] was put somewhere else."""
+"""Speed from which a motion of a point counts as a teleport [m/s]."""
 
 
 @kernel
 def forget_touch(memory: MemoryRecord) -> None:
-    """Start as if the point had never been near the shape."""
+    """Clear the memory of a point at a shape."""
     forget(memory.contact)
     memory.touching = 0
     memory.sticking = 0
@@ -44,7 +44,7 @@ def forget_touch(memory: MemoryRecord) -> None:
 
 @kernel
 def _same_form(a: ShapeRecord, b: ShapeRecord) -> bool:
-    """Two SHAPE rows that are the same place to touch; stiffness and friction may differ."""
+    """True for two SHAPE rows of the same geometry; stiffness and friction may differ."""
     if a.kind != b.kind or a.body != b.body or a.enabled != b.enabled or a.mesh != b.mesh:
         return False
     for i in range(3):
@@ -58,6 +58,7 @@ def _same_form(a: ShapeRecord, b: ShapeRecord) -> bool:
 
 @kernel
 def _keep_form(shape: ShapeRecord, form: ShapeRecord) -> None:
+    """Copy the geometry of a SHAPE row."""
     form.kind, form.body, form.enabled, form.mesh = shape.kind, shape.body, shape.enabled, shape.mesh
     copy(shape.position, form.position)
     copy(shape.orientation, form.orientation)
@@ -74,7 +75,7 @@ def notice_changes(
     births: Table[BirthRecord],
     befores: Table[BeforeRecord],
 ) -> None:
-    """Begin a tick: note which shapes are new, edited, or on a body that was put back to its start."""
+    """Begin a tick: note the shapes that are new, edited, or on a respawned body."""
     scratch.tick += 1
     if counts.revision != scratch.revision or scratch.tick == 1:
         scratch.revision = counts.revision
@@ -92,7 +93,7 @@ def notice_changes(
 
 @kernel
 def follow_point(scratch: ContactScratchRecord, point: int, enabled: bool, dt: float) -> None:
-    """Whether the last place of the present point (scratch.point) is where it came from."""
+    """Set whether the present point (scratch.point) moved continuously from its last position."""
     jump = 0.0
     for i in range(3):
         scratch.last[i] = scratch.last_points[point, i]
@@ -108,7 +109,7 @@ def follow_point(scratch: ContactScratchRecord, point: int, enabled: bool, dt: f
 
 @kernel
 def keep_poses(motions: Table[MotionRecord], bodies: int, befores: Table[BeforeRecord]) -> None:
-    """End a tick: the poses of the bodies that the next one calls the last."""
+    """End a tick: keep the poses of the bodies for the next one."""
     for body in range(bodies):
         copy(motions[body].position, befores[body].position)
         for i in range(3):
@@ -118,7 +119,7 @@ def keep_poses(motions: Table[MotionRecord], bodies: int, befores: Table[BeforeR
 
 @kernel
 def _last_place_on_body(scratch: ContactScratchRecord, shape: ShapeRecord, before: BeforeRecord) -> None:
-    """scratch.c: where the point was in the shape's frame, from the last pose of its body [m]."""
+    """Set scratch.c to the last position of the point in the shape's frame, by the last pose of its body [m]."""
     for i in range(3):
         scratch.a[i] = scratch.last[i] - before.position[i]
     rotate_back(before.rotation, scratch.a, scratch.b)
@@ -136,15 +137,15 @@ def recall(
     befores: Table[BeforeRecord],
     memory: MemoryRecord,
 ) -> None:
-    """Make the memory of the present point and shape hold the last tick, or nothing where nothing is known of it.
+    """Update the memory of the present point and shape to the last tick, or clear it where that is unknown.
 
     Args:
         scratch: CONTACT_SCRATCH record with the present point and the pose of the present shape.
         point: Row of the point.
         shape: SHAPE row of the present shape.
-        born: Tick in which it became what it is.
-        befores: Bodies at the last tick.
-        memory: MEMORY of the two, updated.
+        born: Tick in which the shape was new, edited or respawned.
+        befores: Poses of the bodies in the last tick.
+        memory: MEMORY of the point at the shape, updated.
     """
     traced = scratch.known[point] == TRACED and born != scratch.tick
     if not traced or memory.tick != scratch.tick - 1:

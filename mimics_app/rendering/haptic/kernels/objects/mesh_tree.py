@@ -1,8 +1,8 @@
-"""Queries of a triangle mesh through its tree of boxes: where a segment enters it, and its closest triangle.
+"""Queries of a triangle mesh through its BVH of AABBs: first crossing of a segment, and closest triangle.
 
-The tree of a mesh is a heap: node i has the children 2 i + 1 and 2 i + 2, the last `leaves` nodes (a power of two) are
-leaves, and leaf j holds the triangles j T / leaves to (j + 1) T / leaves, which stand in the order of a space-filling
-curve. So it needs neither pointers nor a stack: the next node is known from the number of the last.
+The BVH is a heap: node i has the children 2 i + 1 and 2 i + 2, the last `leaves` nodes (a power of two) are leaves, and
+leaf j holds the triangles j T / leaves to (j + 1) T / leaves, sorted along a space-filling curve. The traversal needs
+neither pointers nor a stack: the next node follows from the index of the last.
 """
 
 from __future__ import annotations
@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F8, I4, Vec
+from mimics_app.contracts.arrays import F8, I4, Vec, Vec3
 from mimics_app.contracts.kernel import kernel
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import MeshRecord
 
 __all__ = [
-    "ANYWHERE",
+    "ANY_DIRECTION",
+    "FACING",
     "INSIDE",
-    "LOOKS",
     "closest_on_triangle",
     "closest_triangle",
     "first_crossing",
@@ -29,30 +29,28 @@ __all__ = [
 ]
 
 
-Three = tuple[float, float, float]
+FACING = 0.3
+"""Cosine between a face's normal and a direction from which the face counts as facing it [-]."""
 
-LOOKS = 0.3
-"""Cosine between the normal of a face and a direction from which it looks along it; each convex solid has one."""
-
-ANYWHERE = (0.0, 0.0, 0.0)
-"""No direction."""
+ANY_DIRECTION = (0.0, 0.0, 0.0)
+"""Direction argument that lets every face count."""
 
 INSIDE = 6
-"""Region of a triangle: its interior. 0..2: the edge from that corner to the next; 3..5: a corner."""
+"""Region of a triangle: its interior. 0..2: the edge from that vertex to the next; 3..5: a vertex."""
 
-_CORNER_A, _CORNER_B, _CORNER_C = 3, 4, 5
-"""Regions of the corners."""
+FIRST_VERTEX = 3
+"""Region of the first vertex; the others follow."""
 
 _SURFACE = 1e-9
-"""A segment may begin so far [m] behind a triangle and still enter through it: rounding of what was released there."""
+"""Distance behind a triangle from which a segment still enters through it [m]: rounding of a point at rest on it."""
 
 _EDGE = 1e-9
-"""Share of a triangle by which its edges are widened: a segment through an edge must not slip between two triangles."""
+"""Relative widening of a triangle's edges: a segment through an edge must not pass between two triangles [-]."""
 
 
 @kernel
 def triangle_normal(vertices: F8, corners: I4, t: int, out: Vec) -> float:
-    """Set out = (b - a) x (c - a), outward for corners counter-clockwise from outside; return its length."""
+    """Set out = (b - a) x (c - a), outward for vertices counter-clockwise from outside; return its length."""
     a, b, c = corners[t, 0], corners[t, 1], corners[t, 2]
     ux, uy, uz = vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1], vertices[b, 2] - vertices[a, 2]
     vx, vy, vz = vertices[c, 0] - vertices[a, 0], vertices[c, 1] - vertices[a, 1], vertices[c, 2] - vertices[a, 2]
@@ -64,6 +62,7 @@ def triangle_normal(vertices: F8, corners: I4, t: int, out: Vec) -> float:
 
 @kernel
 def _along(vertices: F8, a: int, b: int, share: float, out: Vec) -> None:
+    """Set out to the point at a share of the edge from vertex a to vertex b."""
     for i in range(3):
         out[i] = vertices[a, i] + share * (vertices[b, i] - vertices[a, i])
 
@@ -78,6 +77,9 @@ def closest_on_triangle(vertices: F8, corners: I4, t: int, p: Vec, out: Vec) -> 
         t: Triangle.
         p: Point [m], same frame.
         out: Receives the closest point [m].
+
+    Returns:
+        0..2: edge, 3..5: vertex, 6: INSIDE.
     """
     a, b, c = corners[t, 0], corners[t, 1], corners[t, 2]
     ab_ap = ac_ap = ab_ab = ab_ac = ac_ac = 0.0
@@ -93,18 +95,18 @@ def closest_on_triangle(vertices: F8, corners: I4, t: int, p: Vec, out: Vec) -> 
     ab_cp, ac_cp = ab_ap - ab_ac, ac_ap - ac_ac
     if ab_ap <= 0.0 and ac_ap <= 0.0:
         _along(vertices, a, a, 0.0, out)
-        return _CORNER_A
+        return FIRST_VERTEX
     if ab_bp >= 0.0 and ac_bp <= ab_bp:
         _along(vertices, b, b, 0.0, out)
-        return _CORNER_B
+        return FIRST_VERTEX + 1
     if ac_cp >= 0.0 and ab_cp <= ac_cp:
         _along(vertices, c, c, 0.0, out)
-        return _CORNER_C
-    return _closest_off_corners(vertices, a, b, c, (ab_ap, ac_ap, ab_bp, ac_bp, ab_cp, ac_cp), out)
+        return FIRST_VERTEX + 2
+    return _closest_off_vertices(vertices, a, b, c, (ab_ap, ac_ap, ab_bp, ac_bp, ab_cp, ac_cp), out)
 
 
 @kernel
-def _closest_off_corners(
+def _closest_off_vertices(
     vertices: F8, a: int, b: int, c: int, products: tuple[float, float, float, float, float, float], out: Vec
 ) -> int:
     """The rest of `closest_on_triangle`, for a point nearest to an edge or the interior."""
@@ -131,7 +133,7 @@ def _closest_off_corners(
 
 @kernel
 def next_node(node: int) -> int:
-    """The node after one whose subtree is done, in depth-first order; 0 after the last."""
+    """Node after a finished subtree in depth-first order; 0 after the last."""
     while node > 0 and node % 2 == 0:
         node = (node - 1) // 2
     return node + 1 if node > 0 else 0
@@ -139,7 +141,7 @@ def next_node(node: int) -> int:
 
 @kernel
 def _meets(boxes: F8, node: int, a: Vec, b: Vec) -> bool:
-    """The box around the segment a -> b, widened by the tolerance, overlaps that of a node."""
+    """Whether the AABB of the segment a -> b, widened by the tolerance, overlaps that of a node."""
     for i in range(3):
         if min(a[i], b[i]) - _SURFACE > boxes[node, 3 + i] or max(a[i], b[i]) + _SURFACE < boxes[node, i]:
             return False
@@ -148,7 +150,7 @@ def _meets(boxes: F8, node: int, a: Vec, b: Vec) -> bool:
 
 @kernel
 def _crossing(vertices: F8, corners: I4, t: int, a: Vec, b: Vec, n: Vec) -> float:
-    """Share of the segment a -> b at which it passes triangle t from front to back; 2 where it does not."""
+    """Share of the segment a -> b at which it crosses triangle t from front to back; 2: it does not."""
     size = triangle_normal(vertices, corners, t, n)
     first = corners[t, 0]
     before = after = 0.0
@@ -172,15 +174,15 @@ def _crossing(vertices: F8, corners: I4, t: int, a: Vec, b: Vec, n: Vec) -> floa
 
 @kernel
 def first_crossing(mesh: MeshRecord, vertices: F8, corners: I4, boxes: F8, a: Vec, b: Vec, n: Vec) -> int:
-    """The first triangle that the segment a -> b passes from front to back, -1: none.
+    """First triangle that the segment a -> b crosses from front to back, -1: none.
 
     Args:
         mesh: MESH record.
         vertices: Shape [n, 3] [m].
         corners: Rows of vertices, shape [triangles, 3].
-        boxes: Least and greatest corner of each node, shape [nodes, 6].
-        a: Beginning [m], mesh frame.
-        b: End [m].
+        boxes: AABB of each node, minimum then maximum, shape [nodes, 6] [m].
+        a: Start of the segment [m], mesh frame.
+        b: Its end [m].
         n: Scratch, shape [3].
     """
     found, earliest = -1, 2.0
@@ -204,7 +206,7 @@ def first_crossing(mesh: MeshRecord, vertices: F8, corners: I4, boxes: F8, a: Ve
 
 @kernel
 def _box_distance(boxes: F8, node: int, p: Vec) -> float:
-    """Square of the distance from p to a node's box [m^2]."""
+    """Square of the distance from p to a node's AABB [m^2]."""
     total = 0.0
     for i in range(3):
         off = max(boxes[node, i] - p[i], 0.0, p[i] - boxes[node, 3 + i])
@@ -214,15 +216,15 @@ def _box_distance(boxes: F8, node: int, p: Vec) -> float:
 
 @kernel
 def closest_triangle(
-    mesh: MeshRecord, vertices: F8, corners: I4, boxes: F8, p: Vec, limit: float, toward: Three, out: Vec
+    mesh: MeshRecord, vertices: F8, corners: I4, boxes: F8, p: Vec, limit: float, toward: Vec3, out: Vec
 ) -> int:
-    """The triangle closest to p, -1: none is closer than `limit` [m]. Of equally close ones that which p faces most.
+    """Triangle closest to p, -1: none is within `limit` [m]; of equally close ones that with p farthest off its plane.
 
-    Arguments as `first_crossing`; out is scratch, shape [3]. Only triangles that look `toward` a direction count (unit,
-    mesh frame), or all with `ANYWHERE`.
+    Arguments as `first_crossing`; out is scratch, shape [3]. Only triangles that face the direction `toward` count
+    (unit, mesh frame), or all with `ANY_DIRECTION`.
     """
     found, best = -1, limit * limit
-    facing = 0.0
+    farthest = 0.0
     node = 0
     while True:
         if _box_distance(boxes, mesh.first_node + node, p) <= best:
@@ -235,10 +237,10 @@ def closest_triangle(
             for t in range(begin, end):
                 closest_on_triangle(vertices, corners, t, p, out)
                 square = (p[0] - out[0]) ** 2 + (p[1] - out[1]) ** 2 + (p[2] - out[2]) ** 2
-                if square <= best * (1.0 + _EDGE) and _looks(vertices, corners, t, toward, out):
-                    turned = _facing(vertices, corners, t, p, out)
-                    if square < best * (1.0 - _EDGE) or turned > facing:
-                        found, facing = t, turned
+                if square <= best * (1.0 + _EDGE) and _faces(vertices, corners, t, toward, out):
+                    off_plane = _plane_distance(vertices, corners, t, p, out)
+                    if square < best * (1.0 - _EDGE) or off_plane > farthest:
+                        found, farthest = t, off_plane
                     best = min(best, square)
         node = next_node(node)
         if node == 0:
@@ -246,17 +248,17 @@ def closest_triangle(
 
 
 @kernel
-def _looks(vertices: F8, corners: I4, t: int, toward: Three, out: Vec) -> bool:
-    """True for a triangle that looks along a direction, or when there is none."""
+def _faces(vertices: F8, corners: I4, t: int, toward: Vec3, out: Vec) -> bool:
+    """Whether a triangle faces a direction; true for ANY_DIRECTION."""
     if toward[0] == 0.0 and toward[1] == 0.0 and toward[2] == 0.0:
         return True
     size = triangle_normal(vertices, corners, t, out)
-    return out[0] * toward[0] + out[1] * toward[1] + out[2] * toward[2] > LOOKS * size
+    return out[0] * toward[0] + out[1] * toward[1] + out[2] * toward[2] > FACING * size
 
 
 @kernel
-def _facing(vertices: F8, corners: I4, t: int, p: Vec, out: Vec) -> float:
-    """Distance of p from the plane of a triangle [m]: says on which side of an edge shared by two it is."""
+def _plane_distance(vertices: F8, corners: I4, t: int, p: Vec, out: Vec) -> float:
+    """Distance of p from the plane of a triangle [m]."""
     size = triangle_normal(vertices, corners, t, out)
     first = corners[t, 0]
     total = 0.0

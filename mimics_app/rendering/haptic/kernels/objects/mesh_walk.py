@@ -1,10 +1,10 @@
-"""A finger on a triangle mesh: where its stand-in rests while the point is behind the surface.
+"""Contact of a point with a triangle mesh by a proxy (god-object: Zilles & Salisbury 1995) on the surface.
 
-The stand-in is the point of the surface with the locally least distance to the point (a god-object: Zilles & Salisbury
-1995). It starts at the triangle by which the point came in and walks from triangle to triangle over shared edges and
-corners, every step closer; since it is on the surface by construction it cannot fall between two triangles, and what a
-step costs does not depend on the size of the mesh. At a sharp edge it stays on the face it is on until the point has
-left the solid round that edge: no push out of another side (Figure 27). It rides in the frame of the mesh.
+The proxy is the point of the surface with the locally smallest distance to the HIP. It starts at the triangle of entry
+and walks from triangle to triangle over shared edges and vertices, each step closer; as it is on the surface by
+construction it cannot fall between two triangles, and the cost of a step does not depend on the size of the mesh. At a
+sharp edge it stays on its face until the point has left the solid around that edge: it is never pushed out of another
+side (Figure 27). It moves with the frame of the mesh.
 
 A point with a radius is pushed away from the closest point of the surface while its centre is outside.
 """
@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
-    ANYWHERE,
+    ANY_DIRECTION,
+    FIRST_VERTEX,
     INSIDE,
     closest_on_triangle,
     closest_triangle,
@@ -32,29 +33,27 @@ if TYPE_CHECKING:
 __all__ = ["probe_mesh"]
 
 
-_CORNER = 3
-"""Least region number of a corner."""
-
-_MOST_STEPS = 64
-"""Triangles one tick may walk over; at 1 mm triangles that is 60 m/s."""
+_MAX_STEPS = 64
+"""Largest number of triangles crossed in one tick; with 1 mm triangles that is 60 m/s."""
 
 _CLOSER = 1.0 - 1e-12
-"""Factor on the square of the distance below which a step counts as closer: rounding must not walk in circles."""
+"""Factor on the square distance below which a step counts as closer: rounding must not cause cycles [-]."""
 
 _TOUCHING = 1e-10
-"""Distance [m] below which the direction to the stand-in means nothing."""
+"""Distance below which the direction to the proxy is undefined [m]."""
 
 
 @kernel
 def _square(p: Vec, q: Vec) -> float:
+    """Square of the distance of two points [m^2]."""
     return (p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2 + (p[2] - q[2]) ** 2
 
 
 @kernel
-def _around_corner(meshes: MeshTable, corner: int, p: Vec, best: float, out: Vec) -> int:
-    """A triangle round a vertex that is closer to p than `best` [m^2], the closest of them; -1: none."""
+def _around_vertex(meshes: MeshTable, vertex: int, p: Vec, best: float, out: Vec) -> int:
+    """Closest triangle around a vertex, if it is closer to p than `best` [m^2]; -1: none is."""
     found = -1
-    for k in range(meshes.fan_starts[corner], meshes.fan_starts[corner + 1]):
+    for k in range(meshes.fan_starts[vertex], meshes.fan_starts[vertex + 1]):
         t = meshes.fans[k]
         closest_on_triangle(meshes.vertices, meshes.corners, t, p, out)
         square = _square(p, out)
@@ -65,15 +64,15 @@ def _around_corner(meshes: MeshTable, corner: int, p: Vec, best: float, out: Vec
 
 @kernel
 def _walk(meshes: MeshTable, start: int, p: Vec, rest: Vec, trial: Vec) -> tuple[int, int]:
-    """Walk from a triangle towards p; (triangle, region) where no neighbour is closer, rest its closest point."""
+    """Walk from a triangle towards p until no neighbour is closer; return (triangle, region), set rest to the proxy."""
     t = start
     region = closest_on_triangle(meshes.vertices, meshes.corners, t, p, rest)
-    for _ in range(_MOST_STEPS):
+    for _ in range(_MAX_STEPS):
         if region == INSIDE:
             break
         best = _square(p, rest)
-        if region >= _CORNER:
-            following = _around_corner(meshes, meshes.corners[t, region - _CORNER], p, best, trial)
+        if region >= FIRST_VERTEX:
+            following = _around_vertex(meshes, meshes.corners[t, region - FIRST_VERTEX], p, best, trial)
         else:
             following = meshes.neighbours[t, region]
             if following >= 0:
@@ -89,29 +88,29 @@ def _walk(meshes: MeshTable, start: int, p: Vec, rest: Vec, trial: Vec) -> tuple
 
 @kernel
 def _is_rim(meshes: MeshTable, t: int, region: int) -> bool:
-    """The stand-in is at the open edge of a sheet."""
+    """Whether the proxy is at a boundary edge of an open mesh."""
     if region == INSIDE:
         return False
-    if region < _CORNER:
+    if region < FIRST_VERTEX:
         return meshes.neighbours[t, region] < 0
-    k = region - _CORNER
+    k = region - FIRST_VERTEX
     return meshes.neighbours[t, k] < 0 or meshes.neighbours[t, (k + 2) % 3] < 0
 
 
 @kernel
 def _entered(meshes: MeshTable, mesh: MeshRecord, scratch: ContactScratchRecord, contact: ContactRecord) -> int:
-    """The triangle by which the point comes in, or which its ball touches; -1: it does not."""
+    """Triangle through which the point enters, or that its ball touches; -1: none."""
     vertices, corners, boxes = meshes.vertices, meshes.corners, meshes.boxes
     if contact.known == 1:
         t = first_crossing(mesh, vertices, corners, boxes, contact.previous, scratch.p, scratch.a)
         if t >= 0:
             return t
     elif mesh.closed == 1:
-        t = closest_triangle(mesh, vertices, corners, boxes, scratch.p, math.inf, ANYWHERE, scratch.a)
+        t = closest_triangle(mesh, vertices, corners, boxes, scratch.p, math.inf, ANY_DIRECTION, scratch.a)
         if t >= 0 and _distance_behind(meshes, t, scratch) > 0.0:
             return t
     if scratch.radius > 0.0:
-        t = closest_triangle(mesh, vertices, corners, boxes, scratch.p, scratch.radius, ANYWHERE, scratch.a)
+        t = closest_triangle(mesh, vertices, corners, boxes, scratch.p, scratch.radius, ANY_DIRECTION, scratch.a)
         if t >= 0 and _distance_behind(meshes, t, scratch) <= 0.0:
             return t
     return -1
@@ -119,7 +118,7 @@ def _entered(meshes: MeshTable, mesh: MeshRecord, scratch: ContactScratchRecord,
 
 @kernel
 def _distance_behind(meshes: MeshTable, t: int, scratch: ContactScratchRecord) -> float:
-    """How far [m] the point is behind a triangle's plane; scratch.c becomes the plane's unit normal."""
+    """Distance of the point behind a triangle's plane [m]; scratch.c receives the plane's unit normal."""
     size = triangle_normal(meshes.vertices, meshes.corners, t, scratch.c)
     first = meshes.corners[t, 0]
     behind = 0.0
@@ -131,7 +130,7 @@ def _distance_behind(meshes: MeshTable, t: int, scratch: ContactScratchRecord) -
 
 @kernel
 def _rest(meshes: MeshTable, scratch: ContactScratchRecord, t: int, region: int, contact: ContactRecord) -> None:
-    """Depth and normal from the point to its stand-in scratch.a on triangle t."""
+    """Set depth and normal from the point and its proxy scratch.a on triangle t."""
     behind = _distance_behind(meshes, t, scratch)
     distance = math.sqrt(_square(scratch.p, scratch.a))
     if behind > 0.0:
@@ -151,13 +150,13 @@ def _rest(meshes: MeshTable, scratch: ContactScratchRecord, t: int, region: int,
 
 @kernel
 def probe_mesh(meshes: MeshTable, row: int, scratch: ContactScratchRecord, contact: ContactRecord) -> None:
-    """Depth and normal of the present point at a mesh.
+    """Find depth and normal of the present point at a mesh.
 
     Args:
         meshes: MeshTable.
-        row: Of the mesh.
-        scratch: CONTACT_SCRATCH record: p, radius; scratch is used.
-        contact: Record of `CONTACT`, updated; its feature is 1 + the triangle the stand-in is on.
+        row: Row of the mesh.
+        scratch: CONTACT_SCRATCH record with p and radius; its vectors a, b, c are overwritten.
+        contact: Record of `CONTACT`, updated; its feature is 1 + the triangle of the proxy.
     """
     mesh = meshes.rows[row]
     start = contact.feature - 1 if contact.inside == 1 else -1

@@ -1,7 +1,7 @@
-"""The pairs of shapes that may touch: what each remembers, and how two surfaces act as one.
+"""Pairs of shapes that may touch: their list, their contact state, and the joint properties of two surfaces.
 
-A pair keeps its normal, its friction and whether it touches from tick to tick, as long as its shapes are near each
-other. Pairs lie densely in one array; a hash of both shapes finds one when the list is made anew.
+A pair keeps normal, friction and contact state from tick to tick while its shapes are near each other. Pairs are stored
+densely in one array; a hash of both shapes finds a pair when the list is updated.
 """
 
 from __future__ import annotations
@@ -22,23 +22,24 @@ if TYPE_CHECKING:
 __all__ = ["add_pair", "drop_pairs", "find_pair", "forget_contact", "forget_pairs", "join_surfaces"]
 
 
-_HUNT_CROSSLEY = int(ForceLaw.HUNT_CROSSLEY)
+_SPRING_DAMPER, _HUNT_CROSSLEY = int(ForceLaw.SPRING_DAMPER), int(ForceLaw.HUNT_CROSSLEY)
 
 _RANKS = np.array([5, 0, 3, 2, 1, 4], np.int64)
-"""By ShapeKind: the shape of lower rank is the first of a pair, so that each pair of kinds has one test."""
+"""Rank by ShapeKind: the shape of lower rank is the first of a pair, so that each pair of kinds has one test."""
 
 _USUAL_DEPTH = 1e-3
-"""Depth [m] at which a Hunt-Crossley surface is taken for a spring where it meets one of another law."""
+"""Depth at which a Hunt-Crossley surface is linearised against a surface of another law or exponent [m]."""
 
 _LONG_APART = 1 << 30
+"""Initial PAIR.ticks_apart [ticks]: the first contact is a new one."""
 
 _PRIME_A, _PRIME_B, _FOLD = 73856093, 19349663, 15
-"""Of the hash of two numbers (Teschner et al. 2003), and the shift that brings its high bits down [bits]."""
+"""Factors of the hash of two numbers (Teschner et al. 2003), and the shift that folds its high bits [bits]."""
 
 
 @kernel
 def forget_contact(pair: PairRecord) -> None:
-    """The contact ended."""
+    """Clear the state of a contact that ended."""
     for i in range(3):
         pair.stretch[i] = 0.0
     pair.twist = 0.0
@@ -50,7 +51,7 @@ def forget_contact(pair: PairRecord) -> None:
 
 @kernel
 def _forget(pair: PairRecord) -> None:
-    """As if the two had never met."""
+    """Set the initial state of a pair."""
     forget_contact(pair)
     for i in range(3):
         pair.normal[i] = 0.0
@@ -61,7 +62,7 @@ def _forget(pair: PairRecord) -> None:
 
 @kernel
 def _series_of_powers(first: ShapeRecord, second: ShapeRecord, pair: PairRecord) -> None:
-    """Two Hunt-Crossley surfaces of one exponent: the force is the same in both, the depths add.
+    """Set the law of two Hunt-Crossley surfaces of one exponent: equal forces, depths add.
 
     k = (k1^(-1/n) + k2^(-1/n))^-n, and at low speed a = s1^2 a1 + s2^2 a2 with the shares s = (k/ki)^(1/n) of depth.
     """
@@ -75,7 +76,7 @@ def _series_of_powers(first: ShapeRecord, second: ShapeRecord, pair: PairRecord)
 
 @kernel
 def _as_spring(shape: ShapeRecord) -> tuple[float, float]:
-    """Stiffness [N/m] and damping [N s/m] of a surface; a Hunt-Crossley one acts as it does `_USUAL_DEPTH` deep."""
+    """Stiffness [N/m] and damping [N s/m] of a surface; a Hunt-Crossley one is linearised at `_USUAL_DEPTH`."""
     if shape.law != _HUNT_CROSSLEY:
         return shape.stiffness, shape.damping
     pressed = shape.stiffness * _USUAL_DEPTH**shape.exponent
@@ -86,7 +87,7 @@ def _as_spring(shape: ShapeRecord) -> tuple[float, float]:
 def join_surfaces(first: ShapeRecord, second: ShapeRecord, pair: PairRecord) -> None:
     """Set the pair's stiffness, damping and friction from its two shapes, (17) corrected.
 
-    Two Hunt-Crossley surfaces of one exponent are one of that law; any others meet as spring-dampers in series.
+    Two Hunt-Crossley surfaces of one exponent join to one of that law; any others to spring-dampers in series.
     Coefficients of friction join as their geometric mean: against a frictionless surface there is none.
 
     Args:
@@ -97,7 +98,7 @@ def join_surfaces(first: ShapeRecord, second: ShapeRecord, pair: PairRecord) -> 
     k1, b1 = _as_spring(first)
     k2, b2 = _as_spring(second)
     powers = first.law == _HUNT_CROSSLEY and second.law == _HUNT_CROSSLEY and first.exponent == second.exponent
-    pair.law = _HUNT_CROSSLEY if powers else 0
+    pair.law = _HUNT_CROSSLEY if powers else _SPRING_DAMPER
     k = pair_stiffness(k1, k2)
     if powers:
         _series_of_powers(first, second, pair)
@@ -115,14 +116,14 @@ def join_surfaces(first: ShapeRecord, second: ShapeRecord, pair: PairRecord) -> 
 
 @kernel
 def _home(a: int, b: int, slots: I8) -> int:
-    """Where the hash looks first for a pair; the table's length is a power of two."""
+    """First slot of a pair in the hash; the length of the table is a power of two."""
     mixed = (a * _PRIME_A) ^ (b * _PRIME_B)
     return (mixed ^ (mixed >> _FOLD)) & (slots.shape[0] - 1)
 
 
 @kernel
 def find_pair(a: int, b: int, pairs: Table[PairRecord], slots: I8) -> int:
-    """Row of the pair of shapes a and b, or minus the free slot found, less 1."""
+    """Row of the pair of shapes a and b; if there is none, -1 - (the free slot found)."""
     slot = _home(a, b, slots)
     while slots[slot] >= 0:
         pair = pairs[slots[slot]]
@@ -134,7 +135,7 @@ def find_pair(a: int, b: int, pairs: Table[PairRecord], slots: I8) -> int:
 
 @kernel
 def add_pair(i: int, j: int, shapes: Table[ShapeRecord], pairs: Table[PairRecord], slots: I8, count: int) -> int:
-    """Keep the pair of shapes i and j, or begin it; returns how many pairs there are, or -1 when the table is full.
+    """Keep or begin the pair of shapes i and j; return the number of pairs, or -1 when the table is full.
 
     Args:
         i: Row of a shape.
@@ -142,7 +143,7 @@ def add_pair(i: int, j: int, shapes: Table[ShapeRecord], pairs: Table[PairRecord
         shapes: Rows of SHAPE.
         pairs: PAIR rows of which the first `count` are in use.
         slots: Hash, rows of pairs or -1; at least twice as long as `pairs`, a power of two.
-        count: Pairs in use.
+        count: Number of pairs in use.
     """
     first = _RANKS[shapes[i].kind] * shapes.shape[0] + i
     second = _RANKS[shapes[j].kind] * shapes.shape[0] + j
@@ -166,7 +167,7 @@ def add_pair(i: int, j: int, shapes: Table[ShapeRecord], pairs: Table[PairRecord
 
 @kernel
 def drop_pairs(pairs: Table[PairRecord], slots: I8, count: int) -> int:
-    """Leave out pairs that were not kept, the others in their order; returns how many are left."""
+    """Remove the pairs that were not kept, without changing the order; return the number of pairs left."""
     left = 0
     for k in range(count):
         left += pairs[k].kept
@@ -189,7 +190,7 @@ def drop_pairs(pairs: Table[PairRecord], slots: I8, count: int) -> int:
 
 @kernel
 def forget_pairs(pairs: Table[PairRecord], count: int, dynamics: Table[DynamicsRecord]) -> None:
-    """Drop the memory of pairs of which a body was put somewhere else."""
+    """Clear the state of pairs of bodies that were placed."""
     for k in range(count):
         pair = pairs[k]
         moved_a = pair.body_a >= 0 and dynamics[pair.body_a].placed

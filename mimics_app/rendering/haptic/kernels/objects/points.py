@@ -1,4 +1,4 @@
-"""Interaction points: where they are and how they move."""
+"""Positions and velocities of the interaction points."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ __all__ = ["place_points"]
 
 @kernel
 def place_points(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, positions: Vec, velocities: Vec) -> None:
-    """Put every point in use at its offset from its point of contact; that does not turn, so all on it move alike.
+    """Place every point in use at its offset from its point of contact, which does not rotate.
 
     Args:
         rows: Tables of objects.
         work: ObjectWork; point_positions, point_velocities are filled, point_forces cleared.
         counts: SCENE.objects.
-        positions: Of the points of contact, world [m], x y z one behind the other.
-        velocities: Likewise [m/s].
+        positions: Of the points of contact, world [m], x y z concatenated.
+        velocities: Of the points of contact, world [m/s], likewise.
     """
     for point in range(counts.points):
         first = 3 * rows.points[point].contact

@@ -1,4 +1,4 @@
-"""Where every shape is in this tick: its pose in the world and a sphere around it."""
+"""World pose and bounding sphere of every shape in this tick."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ __all__ = ["pose_shapes"]
 
 @kernel
 def bounding_radius(shape: ShapeRecord) -> float:
-    """Radius [m] of the sphere about a shape's origin that holds it; inf where none is known (walls, meshes)."""
+    """Radius of a shape's bounding sphere about its origin [m]; inf for walls and meshes."""
     size = shape.size
     if shape.kind == ShapeKind.SPHERE:
         return size[0]
@@ -43,7 +43,7 @@ def bounding_radius(shape: ShapeRecord) -> float:
 
 @kernel
 def _take_row(shape: ShapeRecord, solid: SolidRecord, turn: Floats) -> None:
-    """What does not change while a shape moves."""
+    """Copy the properties that do not change while a shape moves, and the pose of a static one."""
     solid.kind, solid.body, solid.enabled = shape.kind, shape.body, shape.enabled
     solid.mesh, solid.rounding = shape.mesh, shape.rounding
     solid.radius = bounding_radius(shape)
@@ -62,7 +62,7 @@ def _take_row(shape: ShapeRecord, solid: SolidRecord, turn: Floats) -> None:
 def _take_rows(
     shapes: Table[ShapeRecord], solids: Table[SolidRecord], moving: Ints, tracking: TrackingRecord, count: int
 ) -> None:
-    """Solids from changed rows, the static scene in its place, and the list of what moves."""
+    """Update the solids from changed rows, and the list of the shapes of bodies."""
     tracking.moving = 0
     for i in range(count):
         _take_row(shapes[i], solids[i], tracking.turn)
@@ -73,7 +73,7 @@ def _take_rows(
 
 @kernel
 def _carry(shape: ShapeRecord, motion: MotionRecord, solid: SolidRecord) -> None:
-    """Pose of one shape of a body."""
+    """Set the pose of one shape of a body."""
     R, p, local = motion.rotation, shape.position, solid.local
     for j in range(3):
         solid.position[j] = motion.position[j] + R[j, 0] * p[0] + R[j, 1] * p[1] + R[j, 2] * p[2]
@@ -90,6 +90,7 @@ def _carry_all(
     tracking: TrackingRecord,
     changed: bool,
 ) -> None:
+    """Set the poses of the shapes of awake bodies, or of all bodies where rows changed."""
     for n in range(tracking.moving):
         i = moving[n]
         motion = motions[shapes[i].body]
@@ -98,8 +99,8 @@ def _carry_all(
 
 
 @kernel
-def _show(solids: Table[SolidRecord], rotations: Floats, positions: Floats, bounds: Floats, i: int) -> None:
-    """Copy one pose to the tables that touch reads."""
+def _publish(solids: Table[SolidRecord], rotations: Floats, positions: Floats, bounds: Floats, i: int) -> None:
+    """Copy one pose to the tables read by `touch`."""
     solid = solids[i]
     for j in range(3):
         positions[i, j] = solid.position[j]
@@ -107,45 +108,6 @@ def _show(solids: Table[SolidRecord], rotations: Floats, positions: Floats, boun
         for k in range(3):
             rotations[i, j, k] = solid.rotation[j, k]
     bounds[3, i] = solid.radius if solid.enabled else -1.0
-
-
-@kernel
-def _show_all(
-    solids: Table[SolidRecord],
-    rotations: Floats,
-    positions: Floats,
-    bounds: Floats,
-    moving: Ints,
-    tracking: TrackingRecord,
-    every: int,
-) -> None:
-    """Copy the poses of what moves, or of the first `every` shapes."""
-    if every > 0:
-        for i in range(every):
-            _show(solids, rotations, positions, bounds, i)
-    else:
-        for n in range(tracking.moving):
-            _show(solids, rotations, positions, bounds, moving[n])
-
-
-@kernel
-def _pose(
-    shapes: Table[ShapeRecord],
-    motions: Table[MotionRecord],
-    solids: Table[SolidRecord],
-    moving: Ints,
-    rotations: Floats,
-    positions: Floats,
-    bounds: Floats,
-    tracking: TrackingRecord,
-    counts: ObjectCountsRecord,
-) -> None:
-    changed = tracking.posed_revision != counts.revision + 1
-    if changed:
-        tracking.posed_revision = counts.revision + 1
-        _take_rows(shapes, solids, moving, tracking, counts.shapes)
-    _carry_all(shapes, motions, solids, moving, tracking, changed)
-    _show_all(solids, rotations, positions, bounds, moving, tracking, counts.shapes if changed else 0)
 
 
 @kernel
@@ -157,8 +119,12 @@ def pose_shapes(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord) -> Non
         work: `ObjectWork`: motions are read; solids, shape_rotations, shape_positions and bounds are set.
         counts: SCENE.objects.
     """
-    # Only arrays that are needed go on: each one handed to a function that is not inlined is counted, atomically.
-    _pose(
-        rows.shapes, work.motions, work.solids, work.moving_shapes, work.shape_rotations, work.shape_positions,
-        work.bounds, work.tracking[0], counts,
-    )  # fmt: skip
+    tracking, moving, solids = work.tracking[0], work.moving_shapes, work.solids
+    changed = tracking.posed_revision != counts.revision + 1
+    if changed:
+        tracking.posed_revision = counts.revision + 1
+        _take_rows(rows.shapes, solids, moving, tracking, counts.shapes)
+    _carry_all(rows.shapes, work.motions, solids, moving, tracking, changed)
+    for n in range(counts.shapes if changed else tracking.moving):
+        row = n if changed else moving[n]
+        _publish(solids, work.shape_rotations, work.shape_positions, work.bounds, row)

@@ -1,4 +1,4 @@
-"""Poses of the bodies for everybody outside the loop, and a checksum of all they do for the recording."""
+"""Poses of the bodies for readers outside the loop, and a checksum of their motion for the recording."""
 
 from __future__ import annotations
 
@@ -16,17 +16,21 @@ if TYPE_CHECKING:
 __all__ = ["sum_motions", "write_poses"]
 
 _MULTIPLIER = 0x5851F42D4C957F2D
+"""Multiplier of the hash, that of Knuth's MMIX generator."""
+
 _SHIFT = 12
+"""Low bits of the hash that are dropped."""
+
 _MASK = (1 << 52) - 1
-"""What a float64 can hold exactly."""
+"""Bits of the checksum, which a float64 holds exactly."""
 
 _FOLD = 29
-"""Shift that brings the high bits of a product down [bits]."""
+"""Shift that folds the high bits of a product [bits]."""
 
 
 @kernel
 def write_poses(motions: Table[MotionRecord], bodies: int, poses: NDArray[np.float64]) -> None:
-    """Fill poses, shape [capacity, 7], position [m] and quaternion; rows beyond the bodies are left alone."""
+    """Fill poses, shape [capacity, 7], position [m] and quaternion xyzw; rows beyond `bodies` are not changed."""
     for k in range(bodies):
         motion = motions[k]
         for i in range(3):
@@ -39,7 +43,7 @@ def write_poses(motions: Table[MotionRecord], bodies: int, poses: NDArray[np.flo
 def sum_motions(words: NDArray[np.int64], bodies: int) -> float:
     """Checksum of the bits of the first `bodies` rows, shape [capacity, words]: 0 without bodies, below 2^52.
 
-    A multiplicative hash: any bit that differs gives another number but for one chance in 2^52.
+    A multiplicative hash: different bits give the same number with a probability of 2^-52.
     """
     if bodies == 0:
         return 0.0

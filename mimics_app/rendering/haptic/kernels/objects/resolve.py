@@ -1,10 +1,10 @@
-"""Force of one contact of two bodies, (17) corrected: normal force at its points, friction at their middle.
+"""Force of one contact of two bodies, (17) corrected: normal forces at its points, friction at the centre of pressure.
 
-All normal forces are along one n, so that they act as their sum N at the centre of pressure; there friction acts too,
-and what the patch of points resists to twisting: both bodies get the same force at the same place, so momentum and
-angular momentum are kept to rounding. Friction is the anchor form of Hayward and Armstrong (2000) with the stretch of
-its spring carried along (Cundall & Strack 1979), so that a contact may roll: F = -(k_t s + b_t v_t) within the cone
-mu N, with mu_s while it sticks and mu_d while it slides. At rest nothing but positions enter: a stack does not creep.
+All normal forces are along one n, so that they act as their sum N at the centre of pressure, where friction and the
+torsional friction of the patch act too: both bodies get opposite forces at the same point, so momentum and angular
+momentum are conserved to rounding. Friction is the anchor form of Hayward and Armstrong (2000) with the stretch of its
+spring as state (Cundall & Strack 1979), so that a contact may roll: F = -(k_t s + b_t v_t) within the cone mu N, with
+mu_s while it sticks and mu_d while it slides. At rest only positions enter: a stack does not creep.
 """
 
 from __future__ import annotations
@@ -12,43 +12,44 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.haptic_objects import ForceLaw
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, pair_force
 from mimics_app.rendering.haptic.kernels.objects.pairs import forget_contact
-from mimics_app.rendering.haptic.kernels.objects.triples import Three, along, cross, dot, minus, times
+from mimics_app.rendering.haptic.kernels.objects.triples import along, cross, dot, minus, times
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Floats, MotionRecord, PairRecord, TotalsRecord
 
-__all__ = ["part", "push_apart"]
+__all__ = ["apply_contact", "end_contact"]
 
 
 _NEW_AFTER = 0.02
-"""A contact that was apart for less than this [s] is not a new one: a box that rocks does not knock each tick."""
+"""Time apart from which a contact counts as new [s]: a rocking box does not cause an impact in each tick."""
 
 _SETTLING = 0.2
-"""Share by which the touching part of the stiffness is followed in a tick: a corner that dips in is no step."""
+"""Share of the change of the touching stiffness that is followed per tick [-]: a new corner causes no step."""
 
 _STILL = (0.0, 0.0, 0.0)
 
 
 @kernel
-def _vector(a: Floats) -> Three:
+def _vector(a: Floats) -> Vec3:
+    """Three numbers of a record as a tuple."""
     return a[0], a[1], a[2]
 
 
 @kernel
-def _velocity_at(motion: MotionRecord, p: Three) -> Three:
-    """Velocity of a body's matter at p [m/s]."""
+def _velocity_at(motion: MotionRecord, p: Vec3) -> Vec3:
+    """Velocity of a body at the point p [m/s]."""
     v = cross(_vector(motion.omega), minus(p, _vector(motion.centre)))
     return v[0] + motion.velocity[0], v[1] + motion.velocity[1], v[2] + motion.velocity[2]
 
 
 @kernel
-def _push(motion: MotionRecord, sign: float, force: Three, moment: Three, p: Three) -> None:
-    """Give a body its side of a contact."""
+def _push(motion: MotionRecord, sign: float, force: Vec3, moment: Vec3, p: Vec3) -> None:
+    """Add force and moment of a contact to one body."""
     turning = cross(minus(p, _vector(motion.centre)), force)
     for i in range(3):
         motion.force[i] += sign * force[i]
@@ -58,9 +59,9 @@ def _push(motion: MotionRecord, sign: float, force: Three, moment: Three, p: Thr
 
 @kernel
 def _press(
-    pair: PairRecord, points: F8, count: int, first: MotionRecord, second: MotionRecord, n: Three
-) -> tuple[float, float, float, Three]:
-    """(normal force [N], share of stiffness that touches, greatest approach speed [m/s], centre of pressure).
+    pair: PairRecord, points: F8, count: int, first: MotionRecord, second: MotionRecord, n: Vec3
+) -> tuple[float, float, float, Vec3]:
+    """(normal force [N], touching share of the stiffness, largest approach speed [m/s], centre of pressure).
 
     Column 3 of the points, their depth, is replaced by their force.
     """
@@ -88,8 +89,8 @@ def _press(
 
 
 @kernel
-def _patch_radius(points: F8, count: int, total: float, centre: Three) -> float:
-    """Root of the mean square distance of the pressure from its centre [m]."""
+def _patch_radius(points: F8, count: int, total: float, centre: Vec3) -> float:
+    """Root mean square distance of the pressure from its centre [m]."""
     if count < 2:
         return 0.0
     square = 0.0
@@ -100,9 +101,17 @@ def _patch_radius(points: F8, count: int, total: float, centre: Three) -> float:
 
 
 @kernel
-def _hold(pair: PairRecord, slip: Three, spin: float, n: Three, total: float, dt: float) -> Three:
-    """Tangential force on body a [N]; the stretch follows the contact."""
-    # The contact turned by the mean of both bodies about n since the last tick, and the stretch with it.
+def _hold(pair: PairRecord, slip: Vec3, spin: float, n: Vec3, total: float, dt: float) -> Vec3:
+    """Friction force on body a [N]; updates the stretch.
+
+    Args:
+        pair: PAIR.
+        slip: Tangential velocity of body a against body b [m/s].
+        spin: Mean angular velocity of both bodies about n [rad/s], by which the stretch rotates.
+        n: Unit normal from a to b.
+        total: Normal force [N].
+        dt: Tick [s].
+    """
     s = _vector(pair.stretch)
     s = along(s, dt * spin, cross(n, s))
     s = along(s, dt, slip)
@@ -126,7 +135,7 @@ def _hold(pair: PairRecord, slip: Three, spin: float, n: Three, total: float, dt
 
 @kernel
 def _hold_twist(pair: PairRecord, rate: float, radius: float, total: float, dt: float) -> float:
-    """Moment on body a about n [N m]: a patch of contact does not let it spin freely."""
+    """Torsional friction on body a about n [N m]: a spring and damper of the patch within its Coulomb limit."""
     k = pair.friction_stiffness * pair.share * radius * radius
     if k <= 0.0:
         pair.twist = 0.0
@@ -143,9 +152,9 @@ def _hold_twist(pair: PairRecord, rate: float, radius: float, total: float, dt: 
 
 @kernel
 def _note_impact(
-    pair: PairRecord, totals: TotalsRecord, speed: float, force: float, p: Three, n: Three, dt: float
+    pair: PairRecord, totals: TotalsRecord, speed: float, force: float, p: Vec3, n: Vec3, dt: float
 ) -> None:
-    """The strongest contact that began in this tick is the impact of the tick."""
+    """Report the contact as the impact of the tick if it is new and the fastest."""
     if pair.ticks_apart * dt < _NEW_AFTER or speed <= totals.impact:
         return
     totals.impact = speed
@@ -158,8 +167,8 @@ def _note_impact(
 
 
 @kernel
-def part(pair: PairRecord) -> None:
-    """The two do not touch in this tick."""
+def end_contact(pair: PairRecord) -> None:
+    """Note that the two shapes do not touch in this tick."""
     if pair.touching:
         forget_contact(pair)
         pair.ticks_apart = 0
@@ -167,7 +176,7 @@ def part(pair: PairRecord) -> None:
 
 
 @kernel
-def push_apart(
+def apply_contact(
     pair: PairRecord,
     points: F8,
     count: int,
@@ -181,17 +190,17 @@ def push_apart(
     Args:
         pair: PAIR; its normal is that of this tick, its friction is advanced.
         points: Contact points, see `manifold`; depths become forces.
-        count: How many.
+        count: Number of points.
         first: MOTION of body a; its force, torque and `collided` are updated.
-        second: MOTION of body b, likewise; of the static scene one at rest.
-        totals: TOTALS; a new contact is counted there.
+        second: MOTION of body b, likewise; for the static scene one at rest.
+        totals: TOTALS; receives a new impact.
         dt: Tick [s].
     """
     n = _vector(pair.normal)
     total, share, speed, centre = _press(pair, points, count, first, second, n)
     pair.force = total
     if total <= 0.0:
-        part(pair)
+        end_contact(pair)
         return
     if not pair.touching:
         _note_impact(pair, totals, speed, total, centre, n, dt)

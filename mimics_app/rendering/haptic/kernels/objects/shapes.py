@@ -1,4 +1,4 @@
-"""One shape test for every kind: depth, normal and feature of a point's ball, in the frame of the shape."""
+"""Contact test of a point's ball with any analytic shape: depth, normal and feature, in the frame of the shape."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def probe_shape(shape: ShapeRecord, scratch: ContactScratchRecord, contact: Cont
 
     Args:
         shape: SHAPE row of the present shape.
-        scratch: CONTACT_SCRATCH record: p, v, radius; scratch is used.
+        scratch: CONTACT_SCRATCH record with p, v and radius; its vectors a and b are overwritten.
         contact: Record of `CONTACT`, updated; depth 0 outside.
     """
     p, v, radius = scratch.p, scratch.v, scratch.radius

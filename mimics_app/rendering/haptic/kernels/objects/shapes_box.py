@@ -1,7 +1,6 @@
-"""Box with edges of any rounding: everything within `reach` of a core box, (14) with the face of entry held.
+"""Contact test of a box with rounded edges: all points within `reach` of a core box, (14) with the face of entry held.
 
-A core of no size less than the box and a reach of 0 is the sharp box; the ball of a point adds its radius to the reach,
-since the points at which it touches a shape are those within its radius of it.
+A sharp box has a core of its own size and a reach of 0. The ball of a point adds its radius to the reach.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ SHELL = 9
 
 @kernel
 def _distance(p: Vec, core: Vec) -> float:
-    """From the core box, 0 inside it [m]."""
+    """Distance from the core box, 0 inside it [m]."""
     total = 0.0
     for i in range(3):
         over = max(abs(p[i]) - 0.5 * core[i], 0.0)
@@ -36,6 +35,7 @@ def _distance(p: Vec, core: Vec) -> float:
 
 @kernel
 def _in_core(p: Vec, core: Vec) -> bool:
+    """True for a point inside the core."""
     for i in range(3):
         if not abs(p[i]) < 0.5 * core[i]:
             return False
@@ -44,7 +44,7 @@ def _in_core(p: Vec, core: Vec) -> bool:
 
 @kernel
 def _still_held(p: Vec, core: Vec, contact: ContactRecord) -> bool:
-    """The point is behind the core's face by which it came into the core."""
+    """True while the point is behind the face by which it entered the core."""
     face = contact.feature
     if contact.inside == 0 or face == SHELL:
         return False
@@ -55,7 +55,7 @@ def _still_held(p: Vec, core: Vec, contact: ContactRecord) -> bool:
 
 @kernel
 def _shell(p: Vec, core: Vec, reach: float, distance: float, contact: ContactRecord) -> None:
-    """Depth under the offset surface; its normal is the direction from the core's closest point."""
+    """Set depth in the offset surface and its normal, the direction from the core's closest point."""
     for i in range(3):
         over = max(abs(p[i]) - 0.5 * core[i], 0.0)
         contact.normal[i] = math.copysign(over, p[i]) / distance
@@ -65,11 +65,10 @@ def _shell(p: Vec, core: Vec, reach: float, distance: float, contact: ContactRec
 
 @kernel
 def box(p: Vec, v: Vec, core: Vec, reach: float, contact: ContactRecord) -> None:
-    """Depth and normal in the offset surface of a box.
+    """Find depth and normal in the offset surface of a box.
 
-    In the shell around the core the surface is smooth: the normal turns round the edges. Deeper than the reach the
-    face by which the point came into the core is held (Figure 27) until it is out of the whole shape or before that
-    face again.
+    In the shell around the core the normal is continuous around the edges. Deeper than the reach the face by which the
+    point entered the core is held (Figure 27) until the point is outside of the shape or in front of that face again.
 
     Args:
         p: HIP' [m].

@@ -1,7 +1,7 @@
-"""Cylinder and capsule about the local y axis, (15) with its signs, both caps, and the feature of entry held.
+"""Contact tests of cylinder and capsule about the local y axis, (15) corrected, with the feature of entry held.
 
-The printed (15) gives `sqrt(x^2 + y^2) - r` and `z - h/2`, both negative inside, no lower cap, and no rule which of
-them counts. As with the box a cylinder here is everything within a reach of its core.
+The printed (15) gives `sqrt(x^2 + y^2) - r` and `z - h/2`, both negative inside, no lower cap, and no rule to choose
+between them. As for the box, a cylinder here is all points within a reach of its core.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ SIDE = 1
 """Feature: the curved side of a cylinder."""
 
 CAP = 2
-"""Feature: the cap at +y; -CAP: that at -y."""
+"""Feature: the cap at +y; -CAP: the cap at -y."""
 
 _AXIS = 1e-12
-"""Distance [m] from the axis below which the direction to it means nothing."""
+"""Distance from the axis below which the radial direction is undefined [m]."""
 
 
 @kernel
 def _side_crossing(previous: Vec, p: Vec, radius: float) -> float:
-    """Share of the way previous -> p at which the infinite cylinder is entered; -1: it began inside."""
+    """Share of the segment previous -> p at which the infinite cylinder is entered; -1: it starts inside."""
     dx, dz = p[0] - previous[0], p[2] - previous[2]
     c = previous[0] * previous[0] + previous[2] * previous[2] - radius * radius
     if c < 0.0:
@@ -46,7 +46,7 @@ def _side_crossing(previous: Vec, p: Vec, radius: float) -> float:
 
 @kernel
 def _entered_feature(p: Vec, v: Vec, radius: float, half: float, previous: Vec) -> int:
-    """Feature whose surface the segment previous -> p crosses last; on the rim the faster way in; 0: began inside."""
+    """Feature crossed last by the segment previous -> p; on the rim that of larger inward speed; 0: starts inside."""
     side = _side_crossing(previous, p, radius)
     cap = -1.0
     sign = 1.0 if previous[1] > 0.0 else -1.0
@@ -63,6 +63,7 @@ def _entered_feature(p: Vec, v: Vec, radius: float, half: float, previous: Vec) 
 
 @kernel
 def _nearest_feature(p: Vec, rho: float, radius: float, half: float) -> int:
+    """Feature nearest to a point inside the core."""
     if radius - rho <= half - abs(p[1]):
         return SIDE
     return CAP if p[1] >= 0.0 else -CAP
@@ -70,7 +71,7 @@ def _nearest_feature(p: Vec, rho: float, radius: float, half: float) -> int:
 
 @kernel
 def _hold_side(p: Vec, v: Vec, rho: float, radius: float, fresh: bool, contact: ContactRecord) -> None:
-    """Depth under the side; a point that crosses the axis within a tick keeps its last normal."""
+    """Set depth and normal under the side; a point that crosses the axis within a tick keeps its last normal."""
     n = contact.normal
     along = p[0] * n[0] + p[2] * n[2]
     if not fresh and along < 0.0:
@@ -88,7 +89,7 @@ def _hold_side(p: Vec, v: Vec, rho: float, radius: float, fresh: bool, contact: 
 
 @kernel
 def _hold_feature(p: Vec, v: Vec, rho: float, radius: float, half: float, fresh: bool, contact: ContactRecord) -> None:
-    """Depth and normal of the core's feature."""
+    """Set depth and normal of the held feature of the core."""
     if contact.feature == SIDE:
         _hold_side(p, v, rho, radius, fresh, contact)
         return
@@ -99,7 +100,7 @@ def _hold_feature(p: Vec, v: Vec, rho: float, radius: float, half: float, fresh:
 
 @kernel
 def _still_held(p: Vec, rho: float, radius: float, half: float, contact: ContactRecord) -> bool:
-    """The point is behind the core's feature by which it came into the core."""
+    """True while the point is behind the feature by which it entered the core."""
     if contact.inside == 0 or contact.feature == SHELL:
         return False
     if contact.feature == SIDE:
@@ -109,16 +110,16 @@ def _still_held(p: Vec, rho: float, radius: float, half: float, contact: Contact
 
 @kernel
 def cylinder(p: Vec, v: Vec, radius: float, length: float, reach: float, contact: ContactRecord) -> None:
-    """Depth and normal in the offset surface of a cylinder about y, (15) corrected.
+    """Find depth and normal in the offset surface of a cylinder about y, (15) corrected.
 
-    In the shell around the core one smooth surface, rim included; in the core the feature of entry is held, a cap with
-    its fixed normal, the side with one that follows the point.
+    In the shell around the core the surface is smooth, rim included. In the core the feature of entry is held: a cap
+    with its fixed normal, the side with one that follows the point.
 
     Args:
         p: HIP' [m].
         v: Velocity of the HIP [m/s] in the object's frame; decides ties, and the first normal on the axis.
-        radius: Of the core [m] >= 0.
-        length: Of the core along y [m] >= 0.
+        radius: Radius of the core [m] >= 0.
+        length: Length of the core along y [m] >= 0.
         reach: Radius around the core [m] >= 0: rounding of the rim and radius of the point.
         contact: Record of `CONTACT`, updated; features `SIDE`, `CAP`, -`CAP`, `SHELL`.
     """
@@ -154,15 +155,15 @@ def cylinder(p: Vec, v: Vec, radius: float, length: float, reach: float, contact
 
 @kernel
 def capsule(p: Vec, v: Vec, radius: float, length: float, around: Vec, sideways: Vec, contact: ContactRecord) -> None:
-    """Depth and normal in a capsule: a sphere about the axis' closest point, with a sphere's memory at the axis.
+    """Find depth and normal in a capsule: a sphere about the closest point of the axis, with a sphere's memory.
 
     Args:
         p: HIP' [m].
         v: Velocity of the HIP [m/s] in the object's frame.
-        radius: Of the capsule, and of the point [m].
-        length: Of the axis between the centres of its ends, along y [m].
-        around: Scratch, shape [3]: the point seen from the closest point of the axis.
-        sideways: Scratch, shape [3]: its velocity, without what runs along the axis.
+        radius: Sum of the radii of capsule and point [m].
+        length: Length of the axis between the centres of its ends, along y [m].
+        around: Scratch, shape [3]: the point relative to the closest point of the axis.
+        sideways: Scratch, shape [3]: its velocity perpendicular to the axis.
         contact: Record of `CONTACT`, updated.
     """
     half = 0.5 * length

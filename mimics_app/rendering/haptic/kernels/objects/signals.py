@@ -1,7 +1,7 @@
 """Wires between outputs and inputs of blocks (D2.1 4.2.8.2, 4.2.12): input += gain output + offset, every tick.
 
-Outputs of the robot are this tick's; those of objects, and what the user felt, are the last tick's, as in a block
-diagram whose loops are cut by one delay. A wire from a body that has not been put in its place yet brings nothing.
+Outputs of the robot are those of this tick; those of objects, and the force on the user, are those of the last tick, as
+in a block diagram with one delay in each loop. A wire from a body that is not yet placed adds nothing.
 """
 
 from __future__ import annotations
@@ -77,13 +77,14 @@ def _of_body(motion: MotionRecord, source: int, i: int) -> float:
 
 @kernel
 def _is_placed(motion: MotionRecord) -> bool:
+    """True for a body with a pose: its orientation is not zero."""
     q = motion.orientation
     return q[0] != 0.0 or q[1] != 0.0 or q[2] != 0.0 or q[3] != 0.0
 
 
 @kernel
-def _read(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, wire: WireRecord, hand: Vec, i: int) -> float:
-    """Component i of what a wire starts from; 0 from a body there is not."""
+def _read(work: ObjectWork, counts: ObjectCountsRecord, wire: WireRecord, hand: Vec, i: int) -> float:
+    """Component i of the output at the source of a wire; 0 for a row that is not in use."""
     if wire.source <= _TIME:
         return _of_hand(hand, wire.source, i)
     if 0 <= wire.source_row < counts.bodies:
@@ -92,7 +93,7 @@ def _read(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, wire: WireRe
 
 
 @kernel
-def _bring(work: ObjectWork, counts: ObjectCountsRecord, wire: WireRecord, i: int, value: float) -> None:
+def _write(work: ObjectWork, counts: ObjectCountsRecord, wire: WireRecord, i: int, value: float) -> None:
     """Add component i of a value to an input."""
     row = wire.target_row
     if wire.target <= SignalTarget.TORQUE_AUX:
@@ -113,9 +114,9 @@ def _bring(work: ObjectWork, counts: ObjectCountsRecord, wire: WireRecord, i: in
 
 @kernel
 def carry_signals(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec) -> None:
-    """Set every input to its row's own value and add what the wires bring.
+    """Set every input to the value of its row plus the values of its wires.
 
-    Call it before `place_bodies`, which clears what the bodies felt in the last tick.
+    Call it before `place_bodies`, which clears the forces on the bodies of the last tick.
 
     Args:
         rows: `Rows` of this tick.
@@ -138,11 +139,9 @@ def carry_signals(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand
         of_body = wire.source > _TIME and 0 <= wire.source_row < counts.bodies
         if of_body and not _is_placed(work.motions[wire.source_row]):
             continue
-        x, y, z = (
-            _read(rows, work, counts, wire, hand, 0),
-            _read(rows, work, counts, wire, hand, 1),
-            _read(rows, work, counts, wire, hand, 2),
-        )
+        x = _read(work, counts, wire, hand, 0)
+        y = _read(work, counts, wire, hand, 1)
+        z = _read(work, counts, wire, hand, 2)
         for i in range(3):
             value = wire.gain[i, 0] * x + wire.gain[i, 1] * y + wire.gain[i, 2] * z + wire.offset[i]
-            _bring(work, counts, wire, i, value)
+            _write(work, counts, wire, i, value)

@@ -1,9 +1,9 @@
-"""What a touched surface does: its ripple, its normal force, and its friction, all in the frame of the shape.
+"""Forces of a touched surface, its ripple, normal force and friction, in the frame of the shape.
 
-Friction is the anchor of Hayward and Armstrong in that frame, hence rides with a moving object and does not drift: it
-is seen in the tangent plane of the tick, stays where it is while it holds, and is dragged at the cone. It breaks away
-at the static coefficient and slides at the dynamic one; while it holds, a damper as strong as the normal one calms it,
-clamped to the same cone.
+Friction is the anchor of Hayward and Armstrong in that frame, so that it moves with the object and does not drift. The
+anchor is projected to the tangent plane of the tick, is fixed while friction sticks, and is dragged at the cone.
+Friction breaks away at the static coefficient and slides at the dynamic one; while it sticks, a damper equal to the
+normal one is added, clamped to the same cone.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ __all__ = ["anchor_stiffness", "lower_by_ripple", "normal_force", "rub"]
 
 
 _AT_REST = 1e-9
-"""Share of its reach by which friction may be overstretched and still counts as holding: rounding, not motion."""
+"""Relative overstretch up to which friction counts as sticking [-]: rounding."""
 
 
 @kernel
 def lower_by_ripple(shape: ShapeRecord, p: Vec, contact: ContactRecord, slope: Vec) -> None:
-    """Take the surface's ripple off a contact's depth.
+    """Subtract the ripple of the surface from a contact's depth.
 
-    The surface lies h(q) = height/2 (1 - g(q)) under the smooth one, where g is the mean of sines along the two tangent
-    directions of the point q of the surface; on curved surfaces the sines of the frame's axes are weighed by how far
-    they are tangent. The force follows the rippled surface, normal - slope, so that on a flat face it has a potential:
-    no stroke gains energy. It changes by at most k (pi height / length) per metre along the surface.
+    The surface lies h(q) = height/2 (1 - g(q)) below the smooth one, where g is the mean of sines along the two tangent
+    directions at the point q of the surface; on curved surfaces the sines along the frame's axes are weighted by their
+    tangential part. The force is normal to the rippled surface, normal - slope, so that on a flat face it has a
+    potential: no stroke generates energy. It changes by at most k (pi height / length) per metre along the surface.
 
     Args:
-        shape: SHAPE row; its texture_length is not read while texture_height is 0.
+        shape: SHAPE row; texture_length is ignored while texture_height is 0.
         p: Point in the frame of the shape [m].
         contact: Record of `CONTACT`; depth is lowered, not below 0.
         slope: Receives the gradient of -h along the surface [-], shape [3].
@@ -62,7 +62,7 @@ def lower_by_ripple(shape: ShapeRecord, p: Vec, contact: ContactRecord, slope: V
 
 @kernel
 def normal_force(shape: ShapeRecord, depth: float, rate: float) -> tuple[float, float, float]:
-    """Force [N] of the shape's law, its stiffness [N/m] and its damping [N s/m] at this depth [m] and rate [m/s]."""
+    """Force [N] of the shape's law, its stiffness [N/m] and damping [N s/m], at a depth > 0 [m] and its rate [m/s]."""
     if shape.law == ForceLaw.HUNT_CROSSLEY:
         lam = shape.stiffness * shape.damping
         force = hunt_crossley(depth, rate, shape.stiffness, lam, shape.exponent)
@@ -79,7 +79,7 @@ def anchor_stiffness(shape: ShapeRecord) -> float:
 
 @kernel
 def _into_plane(memory: MemoryRecord, touched: Vec, normal: Vec) -> float:
-    """Move the anchor along the normal into the tangent plane of the touched point; its distance from there [m]."""
+    """Project the anchor to the tangent plane of the touched point; return its distance from that point [m]."""
     off = 0.0
     for i in range(3):
         off += (touched[i] - memory.anchor[i]) * normal[i]
@@ -92,7 +92,7 @@ def _into_plane(memory: MemoryRecord, touched: Vec, normal: Vec) -> float:
 
 @kernel
 def _damp(v: Vec, normal: Vec, damping: float, most: float, out: Vec) -> None:
-    """Add a damper along the surface to the holding force and clamp it to the cone."""
+    """Add a tangential damper to the force of sticking friction and clamp the sum to `most` [N]."""
     along = v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2]
     for i in range(3):
         out[i] -= damping * (v[i] - along * normal[i])
@@ -106,15 +106,15 @@ def _damp(v: Vec, normal: Vec, damping: float, most: float, out: Vec) -> None:
 def rub(
     shape: ShapeRecord, touched: Vec, v: Vec, normal: Vec, push: float, damping: float, memory: MemoryRecord, out: Vec
 ) -> None:
-    """Friction of one contact; |out| <= mu_s push while it holds, = mu_d push while it slides.
+    """Set the friction of one contact; |out| <= mu_s push while it sticks, = mu_d push while it slides.
 
     Args:
         shape: SHAPE row.
         touched: Touched point in the frame of the shape [m].
         v: Velocity of the point relative to the shape, same frame [m/s].
         normal: Outward unit normal.
-        push: Clamped normal force [N] >= 0; 0 ends the hold.
-        damping: Of the normal law [N s/m], used along the surface too while friction holds.
+        push: Clamped normal force [N] >= 0; 0 ends the contact.
+        damping: Damping of the normal law [N s/m], also used along the surface while friction sticks.
         memory: Record of `MEMORY`, updated.
         out: Receives the force on the point [N], along the surface.
     """
@@ -136,6 +136,6 @@ def rub(
         hayward_armstrong(touched, push, shape.friction_dynamic, stiffness, memory, out)
         memory.sticking = 0
     else:
-        if stays:  # an anchor that followed the turning plane would creep on curved surfaces
+        if stays:  # an anchor that followed the tangent plane would creep on curved surfaces
             memory.anchor[0], memory.anchor[1], memory.anchor[2] = x, y, z
         _damp(v, normal, damping, shape.friction_static * push, out)

@@ -1,9 +1,9 @@
-"""Which shapes are near each other: sweep and prune along one axis, made anew only when something has moved far enough.
+"""Broad phase of the collisions: sweep and prune along one axis, repeated only when a shape has left its fat AABB.
 
-Each shape has a room in which it may move freely; while all stay in theirs the list of pairs holds. When one leaves,
-rooms are drawn anew (larger for fast bodies), the order along the axis is kept by insertion (bodies move little: few
-exchanges), and the sweep finds what overlaps. Pairs of the static scene are never looked at; walls are tested against
-each moving shape by its room. Cost: O(n) a tick, and now and then O(n + pairs).
+While all shapes stay in their fat AABBs the list of pairs is valid. When one leaves, the fat AABBs of moving shapes are
+updated (larger for fast bodies), the order along the axis is repaired by insertion sort (few exchanges, as bodies move
+little), and the sweep finds the overlaps. Pairs of two static shapes are never tested; walls are tested against the fat
+AABB of each moving shape. Cost: O(n) per tick, and O(n + pairs) when the sweep is repeated.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ if TYPE_CHECKING:
         MeshRecord,
         MotionRecord,
         ObjectCountsRecord,
+        ObjectWork,
         PairRecord,
+        Rows,
         ShapeRecord,
         SolidRecord,
         SweepRecord,
@@ -37,18 +39,18 @@ __all__ = ["find_pairs", "near"]
 
 
 _MARGIN = 0.05
-"""Room around a shape, as a share of its bounding radius."""
+"""Margin of a fat AABB, relative to the bounding radius of the shape [-]."""
 
 _AHEAD = 10.0
-"""Ticks of motion that a room leaves space for."""
+"""Ticks of motion by which a fat AABB is enlarged."""
 
 _SPREAD = 4.0
-"""The sweep changes its axis when shapes are spread so many times wider (in variance) along another."""
+"""Ratio of variances from which the sweep changes to an axis of wider spread [-]."""
 
 
 @kernel
 def near(a: SolidRecord, b: SolidRecord) -> bool:
-    """True when the bounds of two SOLIDs overlap."""
+    """True when the AABBs of two SOLIDs overlap."""
     for k in range(3):
         if a.low[k] > b.high[k] or b.low[k] > a.high[k]:
             return False
@@ -57,16 +59,16 @@ def near(a: SolidRecord, b: SolidRecord) -> bool:
 
 @kernel
 def _may_come_near(a: SolidRecord, b: SolidRecord) -> bool:
-    """True for shapes of different bodies whose rooms overlap."""
+    """True for shapes of different bodies whose fat AABBs overlap."""
     for k in range(3):
-        if a.room_low[k] > b.room_high[k] or b.room_low[k] > a.room_high[k]:
+        if a.fat_low[k] > b.fat_high[k] or b.fat_low[k] > a.fat_high[k]:
             return False
     return a.body != b.body
 
 
 @kernel
 def _extent(solid: SolidRecord, k: int) -> float:
-    """Half of a shape's extent along world axis k [m]; inf for one without bounds."""
+    """Half of a shape's extent along world axis k [m]; inf for an unbounded one."""
     size, R = solid.size, solid.rotation
     if solid.kind == ShapeKind.BOX:
         return 0.5 * (size[0] * abs(R[k, 0]) + size[1] * abs(R[k, 1]) + size[2] * abs(R[k, 2]))
@@ -82,6 +84,7 @@ def _extent(solid: SolidRecord, k: int) -> float:
 
 @kernel
 def _bound(solid: SolidRecord) -> None:
+    """Set the AABB of an analytic shape."""
     for k in range(3):
         reach = _extent(solid, k)
         solid.low[k] = solid.position[k] - reach
@@ -90,7 +93,7 @@ def _bound(solid: SolidRecord) -> None:
 
 @kernel
 def _bound_mesh(solid: SolidRecord, mesh: MeshRecord, boxes: Floats) -> None:
-    """Bounds of a mesh, by the box of its whole tree."""
+    """Set the AABB of a mesh from the root of its BVH."""
     R, node = solid.rotation, mesh.first_node
     for k in range(3):
         place, reach = solid.position[k], 0.0
@@ -103,6 +106,7 @@ def _bound_mesh(solid: SolidRecord, mesh: MeshRecord, boxes: Floats) -> None:
 
 @kernel
 def _bound_any(solid: SolidRecord, meshes: Table[MeshRecord], boxes: Floats) -> None:
+    """Set the AABB of any shape."""
     if solid.kind == ShapeKind.MESH:
         _bound_mesh(solid, meshes[solid.mesh], boxes)
     else:
@@ -110,15 +114,16 @@ def _bound_any(solid: SolidRecord, meshes: Table[MeshRecord], boxes: Floats) -> 
 
 
 @kernel
-def _draw_room(solid: SolidRecord, room: float) -> None:
+def _fatten(solid: SolidRecord, margin: float) -> None:
+    """Set the fat AABB: the AABB with a margin [m]."""
     for k in range(3):
-        solid.room_low[k] = solid.low[k] - room
-        solid.room_high[k] = solid.high[k] + room
+        solid.fat_low[k] = solid.low[k] - margin
+        solid.fat_high[k] = solid.high[k] + margin
 
 
 @kernel
-def _room_of(solid: SolidRecord, motion: MotionRecord, dt: float) -> float:
-    """How far a moving shape may go [m]."""
+def _margin_of(solid: SolidRecord, motion: MotionRecord, dt: float) -> float:
+    """Margin of the fat AABB of a moving shape [m]."""
     v, w = motion.velocity, motion.omega
     radius = solid.radius
     if solid.kind == ShapeKind.MESH:
@@ -132,9 +137,9 @@ def _room_of(solid: SolidRecord, motion: MotionRecord, dt: float) -> float:
 
 @kernel
 def _has_left(solid: SolidRecord) -> bool:
-    """True when a shape is no longer in its room; one that is nowhere (not finite) has left too."""
+    """True when a shape is no longer inside its fat AABB, or not finite."""
     for k in range(3):
-        if not (solid.room_low[k] <= solid.low[k] and solid.high[k] <= solid.room_high[k]):
+        if not (solid.fat_low[k] <= solid.low[k] and solid.high[k] <= solid.fat_high[k]):
             return True
     return False
 
@@ -143,7 +148,7 @@ def _has_left(solid: SolidRecord) -> bool:
 def _take_shapes(
     solids: Table[SolidRecord], meshes: Table[MeshRecord], boxes: Floats, order: I8, sweep: SweepRecord, count: int
 ) -> None:
-    """Fill the order from changed rows: enabled shapes with bounds from the front, walls from the back."""
+    """Fill the order from changed rows: enabled bounded shapes from the front, walls from the back."""
     sweep.sorted = 0
     sweep.walls = 0
     for i in range(count):
@@ -155,7 +160,7 @@ def _take_shapes(
             order[order.shape[0] - sweep.walls] = i
             continue
         _bound_any(solid, meshes, boxes)
-        _draw_room(solid, 0.0)
+        _fatten(solid, 0.0)
         if math.isfinite(solid.low[0]):
             order[sweep.sorted] = i
             sweep.sorted += 1
@@ -163,13 +168,13 @@ def _take_shapes(
 
 @kernel
 def _choose_axis(solids: Table[SolidRecord], order: I8, sweep: SweepRecord) -> None:
-    """Sweep along the axis the shapes are spread widest on."""
+    """Choose the axis of the sweep by the widest spread of the shapes."""
     widest, spread = sweep.axis, 0.0
     for turn in range(3):
         k = (sweep.axis + turn) % 3
         total, squares = 0.0, 0.0
         for n in range(sweep.sorted):
-            place = solids[order[n]].room_low[k]
+            place = solids[order[n]].fat_low[k]
             total += place
             squares += place * place
         variance = squares - total * total / max(1, sweep.sorted)
@@ -179,14 +184,14 @@ def _choose_axis(solids: Table[SolidRecord], order: I8, sweep: SweepRecord) -> N
 
 
 @kernel
-def _mend_order(solids: Table[SolidRecord], order: I8, sweep: SweepRecord) -> None:
-    """Insertion sort by the lower end of the rooms."""
+def _sort(solids: Table[SolidRecord], order: I8, sweep: SweepRecord) -> None:
+    """Insertion sort of the order by the lower ends of the fat AABBs."""
     k = sweep.axis
     for n in range(1, sweep.sorted):
         i = order[n]
-        key = solids[i].room_low[k]
+        key = solids[i].fat_low[k]
         at = n - 1
-        while at >= 0 and solids[order[at]].room_low[k] > key:
+        while at >= 0 and solids[order[at]].fat_low[k] > key:
             order[at + 1] = order[at]
             at -= 1
         order[at + 1] = i
@@ -194,6 +199,7 @@ def _mend_order(solids: Table[SolidRecord], order: I8, sweep: SweepRecord) -> No
 
 @kernel
 def _can_move(bodies: Table[BodyRecord], solid: SolidRecord) -> bool:
+    """True for a shape of a body that forces can move."""
     return solid.body != STATIC and is_free(bodies[solid.body])
 
 
@@ -201,7 +207,7 @@ def _can_move(bodies: Table[BodyRecord], solid: SolidRecord) -> bool:
 def _link_moving(
     bodies: Table[BodyRecord], solids: Table[SolidRecord], order: I8, following: I8, sweep: SweepRecord
 ) -> None:
-    """For each place in the order, the next place of a shape that can move."""
+    """Set, for each place in the order, the next place of a shape that can move."""
     after = sweep.sorted
     for n in range(sweep.sorted - 1, -1, -1):
         following[n] = after
@@ -211,17 +217,18 @@ def _link_moving(
 
 @kernel
 def _reaches_wall(solid: SolidRecord, wall: SolidRecord) -> bool:
-    """True when the room of a shape dips into a wall's half-space, and the two are not of one body."""
+    """True when the fat AABB of a shape overlaps a wall's half-space, and the two are not of one body."""
     height, reach = 0.0, 0.0
     for k in range(3):
         n = wall.rotation[k, 2]
-        height += n * (0.5 * (solid.room_low[k] + solid.room_high[k]) - wall.position[k])
-        reach += abs(n) * 0.5 * (solid.room_high[k] - solid.room_low[k])
+        height += n * (0.5 * (solid.fat_low[k] + solid.fat_high[k]) - wall.position[k])
+        reach += abs(n) * 0.5 * (solid.fat_high[k] - solid.fat_low[k])
     return height < reach and solid.body != wall.body
 
 
 @kernel
 def _add(i: int, j: int, shapes: Table[ShapeRecord], pairs: Table[PairRecord], slots: I8, sweep: SweepRecord) -> None:
+    """Keep or begin a pair, or count it as left out."""
     count = add_pair(i, j, shapes, pairs, slots, sweep.pairs)
     if count < 0:
         sweep.left_out += 1
@@ -240,14 +247,14 @@ def _sweep(
     slots: I8,
     sweep: SweepRecord,
 ) -> None:
-    """Keep or begin a pair of all shapes whose rooms overlap and of which one can move."""
+    """Keep or begin the pairs of shapes whose fat AABBs overlap and of which one can move."""
     k = sweep.axis
     for n in range(sweep.sorted):
         i = order[n]
         solid = solids[i]
         moves = _can_move(bodies, solid)
         m = n + 1 if moves else following[n]
-        while m < sweep.sorted and solids[order[m]].room_low[k] <= solid.room_high[k]:
+        while m < sweep.sorted and solids[order[m]].fat_low[k] <= solid.fat_high[k]:
             if _may_come_near(solid, solids[order[m]]):
                 _add(i, order[m], shapes, pairs, slots, sweep)
             m = m + 1 if moves else following[m]
@@ -258,7 +265,7 @@ def _sweep(
 
 
 @kernel
-def _look(
+def _update_bounds(
     solids: Table[SolidRecord],
     meshes: Table[MeshRecord],
     boxes: Floats,
@@ -266,7 +273,7 @@ def _look(
     moving: I8,
     tracking: TrackingRecord,
 ) -> bool:
-    """Bounds of what is awake; True when a shape has left its room."""
+    """Update the AABBs of the shapes of awake bodies; return whether one has left its fat AABB."""
     stale = False
     for n in range(tracking.moving):
         solid = solids[moving[n]]
@@ -278,7 +285,7 @@ def _look(
 
 @kernel
 def _forget_placed(pairs: Table[PairRecord], dynamics: Table[DynamicsRecord], sweep: SweepRecord, count: int) -> None:
-    """Drop what pairs remember of bodies that were put somewhere else."""
+    """Clear the memory of pairs of bodies that were placed in this tick."""
     placed = False
     for k in range(count):
         placed = placed or dynamics[k].placed != 0
@@ -299,20 +306,20 @@ def _prepare(
     sweep: SweepRecord,
     dt: float,
 ) -> None:
-    """Draw the rooms of what moves anew, and take all pairs as not found yet."""
+    """Update the fat AABBs of moving shapes, and mark all pairs as not yet found."""
     sweep.remade += 1
     sweep.left_out = 0
     for n in range(tracking.moving):
         solid = solids[moving[n]]
         if solid.enabled:
-            _draw_room(solid, _room_of(solid, motions[solid.body], dt))
+            _fatten(solid, _margin_of(solid, motions[solid.body], dt))
     for k in range(sweep.pairs):
         pairs[k].kept = 0
 
 
 @kernel
 def _join_anew(shapes: Table[ShapeRecord], pairs: Table[PairRecord], count: int) -> None:
-    """Surfaces of all pairs from rows that changed; contacts go on."""
+    """Update the surfaces of all pairs from changed rows; contacts continue."""
     for k in range(count):
         pair = pairs[k]
         pair.body_a, pair.body_b = shapes[pair.a].body, shapes[pair.b].body
@@ -320,57 +327,30 @@ def _join_anew(shapes: Table[ShapeRecord], pairs: Table[PairRecord], count: int)
 
 
 @kernel
-def find_pairs(
-    bodies: Table[BodyRecord],
-    shapes: Table[ShapeRecord],
-    motions: Table[MotionRecord],
-    dynamics: Table[DynamicsRecord],
-    solids: Table[SolidRecord],
-    meshes: Table[MeshRecord],
-    boxes: Floats,
-    moving: I8,
-    order: I8,
-    following: I8,
-    pairs: Table[PairRecord],
-    slots: I8,
-    tracking: TrackingRecord,
-    sweep: SweepRecord,
-    counts: ObjectCountsRecord,
-    dt: float,
-) -> None:
-    """Bring the list of pairs up to date: `pairs`, of which `sweep.pairs` count.
+def find_pairs(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt: float) -> None:
+    """Update the list of pairs, `work.pairs`, of which SWEEP.pairs are in use.
 
     Args:
-        bodies: BODY rows.
-        shapes: SHAPE rows.
-        motions: MOTION rows.
-        dynamics: DYNAMICS rows; `placed` is cleared.
-        solids: SOLID rows, posed; their bounds are updated.
-        meshes: MeshTable.rows.
-        boxes: MeshTable.boxes.
-        moving: ObjectWork.moving_shapes.
-        order: ObjectWork.order, updated.
-        following: ObjectWork.next_moving, updated.
-        pairs: PAIR rows, updated.
-        slots: ObjectWork.pair_slots, updated.
-        tracking: TRACKING.
-        sweep: SWEEP, updated.
+        rows: `Rows` of this tick.
+        work: `ObjectWork` with posed solids; their bounds, the order, the pairs and the state of the sweep are updated.
         counts: SCENE.objects.
         dt: Tick [s].
     """
+    tracking, sweep, solids, order, pairs = work.tracking[0], work.sweep[0], work.solids, work.order, work.pairs
+    meshes, boxes = work.meshes.rows, work.meshes.boxes
     changed = tracking.paired_revision != counts.revision + 1
     if changed:
         tracking.paired_revision = counts.revision + 1
         _take_shapes(solids, meshes, boxes, order, sweep, counts.shapes)
-    stale = _look(solids, meshes, boxes, motions, moving, tracking) or changed
-    _forget_placed(pairs, dynamics, sweep, counts.bodies)
+    stale = _update_bounds(solids, meshes, boxes, work.motions, work.moving_shapes, tracking) or changed
+    _forget_placed(pairs, work.dynamics, sweep, counts.bodies)
     if not stale:
         return
-    _prepare(solids, motions, moving, pairs, tracking, sweep, dt)
+    _prepare(solids, work.motions, work.moving_shapes, pairs, tracking, sweep, dt)
     _choose_axis(solids, order, sweep)
-    _mend_order(solids, order, sweep)
-    _link_moving(bodies, solids, order, following, sweep)
-    _sweep(bodies, shapes, solids, order, following, pairs, slots, sweep)
-    sweep.pairs = drop_pairs(pairs, slots, sweep.pairs)
+    _sort(solids, order, sweep)
+    _link_moving(rows.bodies, solids, order, work.next_moving, sweep)
+    _sweep(rows.bodies, rows.shapes, solids, order, work.next_moving, pairs, work.pair_slots, sweep)
+    sweep.pairs = drop_pairs(pairs, work.pair_slots, sweep.pairs)
     if changed:
-        _join_anew(shapes, pairs, sweep.pairs)
+        _join_anew(rows.shapes, pairs, sweep.pairs)

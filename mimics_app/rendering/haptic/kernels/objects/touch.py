@@ -1,4 +1,4 @@
-"""Everything between the interaction points and the shapes of one tick: near, touched, pressed, rubbed."""
+"""Contact of the interaction points with the shapes in one tick: culling, contact tests, forces, reaction on bodies."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 from mimics_app.contracts.haptic_objects import BodyFlag, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.rendering.haptic.kernels.contact import forget, to_object
-from mimics_app.rendering.haptic.kernels.directions import MOST_TOUCHED, note_contact
-from mimics_app.rendering.haptic.kernels.objects.corner import part_walls, share_corner
+from mimics_app.rendering.haptic.kernels.directions import MAX_TOUCHED, note_contact
+from mimics_app.rendering.haptic.kernels.objects.corner import orthogonalise, share_corner
 from mimics_app.rendering.haptic.kernels.objects.cull import find_near
 from mimics_app.rendering.haptic.kernels.objects.memory import follow_point, keep_poses, notice_changes, recall
 from mimics_app.rendering.haptic.kernels.objects.mesh_walk import probe_mesh
-from mimics_app.rendering.haptic.kernels.objects.records import MOST_WALLS
+from mimics_app.rendering.haptic.kernels.objects.records import MAX_WALLS
 from mimics_app.rendering.haptic.kernels.objects.shapes import probe_shape
 from mimics_app.rendering.haptic.kernels.objects.surface import anchor_stiffness, lower_by_ripple, normal_force, rub
 from mimics_app.rendering.haptic.kernels.vectors import copy, rotate
@@ -44,7 +44,7 @@ _TORQUE_ON_OBJECT = int(BodyFlag.TORQUE_ON_OBJECT)
 
 @kernel
 def _take_point(scratch: ContactScratchRecord, point: int, rows: Rows, work: ObjectWork) -> None:
-    """Put a point in the scratch."""
+    """Copy a point to the scratch."""
     for i in range(3):
         scratch.felt[i] = 0.0
         scratch.point[i] = work.point_positions[point, i]
@@ -55,7 +55,7 @@ def _take_point(scratch: ContactScratchRecord, point: int, rows: Rows, work: Obj
 
 @kernel
 def _take_motion(scratch: ContactScratchRecord, motion: MotionRecord) -> None:
-    """Let the shape in the scratch move with its body: velocity of its origin, and spin."""
+    """Set velocity of origin and angular velocity of the shape in the scratch from its body."""
     copy(motion.omega, scratch.spin)
     spin = scratch.spin
     x = scratch.position[0] - motion.centre[0]
@@ -68,7 +68,7 @@ def _take_motion(scratch: ContactScratchRecord, motion: MotionRecord) -> None:
 
 @kernel
 def _take_shape(scratch: ContactScratchRecord, row: int, body: int, work: ObjectWork) -> None:
-    """Put the pose of a shape in the scratch, and the motion of its body."""
+    """Copy the pose of a shape to the scratch, and the motion of its body."""
     for i in range(3):
         scratch.position[i] = work.shape_positions[row, i]
         scratch.drift[i] = 0.0
@@ -80,8 +80,8 @@ def _take_shape(scratch: ContactScratchRecord, row: int, body: int, work: Object
 
 
 @kernel
-def _look(scratch: ContactScratchRecord) -> None:
-    """Place and velocity of the point in the frame of the shape, (8)."""
+def _to_shape(scratch: ContactScratchRecord) -> None:
+    """Set position and velocity of the point in the frame of the shape, (8)."""
     to_object(
         scratch.rotation,
         scratch.position,
@@ -95,8 +95,8 @@ def _look(scratch: ContactScratchRecord) -> None:
 
 
 @kernel
-def _feel(scratch: ContactScratchRecord, shape: ShapeRecord, memory: MemoryRecord, meshes: MeshTable) -> bool:
-    """Depth of the point in the shape, and its rate; False while they do not touch."""
+def _probe(scratch: ContactScratchRecord, shape: ShapeRecord, memory: MemoryRecord, meshes: MeshTable) -> bool:
+    """Find depth of the point in the shape, and its rate; False while they do not touch."""
     contact = memory.contact
     if shape.kind == ShapeKind.MESH:
         probe_mesh(meshes, shape.mesh, scratch, contact)
@@ -115,7 +115,7 @@ def _feel(scratch: ContactScratchRecord, shape: ShapeRecord, memory: MemoryRecor
 
 @kernel
 def _press(scratch: ContactScratchRecord, shape: ShapeRecord, memory: MemoryRecord, depth: float) -> bool:
-    """Force of the present contact on the user, its normal, stiffness and damping; False when it is not finite."""
+    """Set force on the user, normal, stiffness and damping of the present contact; False when one is not finite."""
     n = memory.contact.normal
     push, scratch.stiffness, scratch.damping = normal_force(shape, depth, scratch.rate)
     touched, force = scratch.a, scratch.b
@@ -127,7 +127,7 @@ def _press(scratch: ContactScratchRecord, shape: ShapeRecord, memory: MemoryReco
         force[i] += push * (n[i] - scratch.slope[i])
     rotate(scratch.rotation, force, scratch.force)
     rotate(scratch.rotation, n, scratch.normal)
-    # A clamp hides what is not a number, hence all that goes into it is asked too.
+    # A clamp hides NaN, hence its inputs are tested too.
     total = scratch.force[0] + scratch.force[1] + scratch.force[2] + scratch.stiffness + scratch.damping + scratch.rate
     return math.isfinite(total)
 
@@ -142,11 +142,11 @@ def _count(
     depth: float,
     is_static: bool,
 ) -> None:
-    """Add the present contact to the results of the point and of the tick, and to the list of contacts."""
+    """Add the present contact to the totals of the point and of the tick, and to the list of contacts."""
     totals.touching += 1
     totals.static_touching += 1 if is_static else 0
     totals.stiffness += scratch.stiffness
-    if totals.listed < MOST_TOUCHED:
+    if totals.listed < MAX_TOUCHED:
         note_contact(touched[totals.listed], row, direction, scratch.stiffness, scratch.damping, scratch.hold)
         totals.listed += 1
     else:
@@ -163,7 +163,7 @@ def _count(
 
 @kernel
 def _react(scratch: ContactScratchRecord, motion: MotionRecord, flags: int) -> None:
-    """The opposite of the present force on the shape's body, at the touched point, as its flags allow."""
+    """Apply the opposite of the present force to the shape's body, at the touched point, as its flags allow."""
     force = scratch.force
     motion.touched = 1
     for i in range(3):
@@ -182,7 +182,7 @@ def _react(scratch: ContactScratchRecord, motion: MotionRecord, flags: int) -> N
 
 @kernel
 def _note_wall(scratch: ContactScratchRecord, wall: WallTouchRecord, row: int, contact: ContactRecord) -> None:
-    """Keep what pressing a wall needs until all walls of the point are known."""
+    """Store a touched wall until all walls of the point are known."""
     wall.row = row
     wall.depth = contact.depth
     wall.rate = scratch.rate
@@ -192,7 +192,7 @@ def _note_wall(scratch: ContactScratchRecord, wall: WallTouchRecord, row: int, c
 
 
 @kernel
-def _settle(
+def _apply(
     scratch: ContactScratchRecord,
     shape: ShapeRecord,
     row: int,
@@ -202,7 +202,7 @@ def _settle(
     rows: Rows,
     work: ObjectWork,
 ) -> None:
-    """Press the present shape, add its force to all sums it belongs to; it is stiff along `direction`."""
+    """Find the force of the present contact and add it to the totals and the body; it is stiff along `direction`."""
     totals = work.totals[scratch.contact]
     if not _press(scratch, shape, memory, depth):
         forget(memory.contact)
@@ -215,11 +215,11 @@ def _settle(
 
 
 @kernel
-def _settle_walls(scratch: ContactScratchRecord, point: int, met: int, rows: Rows, work: ObjectWork) -> None:
-    """Press the walls that the present point met, their corner shared out."""
+def _apply_walls(scratch: ContactScratchRecord, point: int, met: int, rows: Rows, work: ObjectWork) -> None:
+    """Apply the contacts of the present point with walls, which form a corner."""
     walls = work.walls
     if share_corner(walls, met, scratch.a, scratch.b, scratch.c):
-        part_walls(walls, met)
+        orthogonalise(walls, met)
     for k in range(met):
         row = walls[k].row
         shape, memory = rows.shapes[row], work.memories[point, row]
@@ -227,43 +227,43 @@ def _settle_walls(scratch: ContactScratchRecord, point: int, met: int, rows: Row
             memory.touching = 0
             continue
         _take_shape(scratch, row, shape.body, work)
-        _look(scratch)
+        _to_shape(scratch)
         copy(walls[k].slope, scratch.slope)
         scratch.rate = walls[k].rate
-        _settle(scratch, shape, row, memory, walls[k].depth, walls[k].direction, rows, work)
+        _apply(scratch, shape, row, memory, walls[k].depth, walls[k].direction, rows, work)
 
 
 @kernel
 def _touch_near(scratch: ContactScratchRecord, point: int, found: int, rows: Rows, work: ObjectWork) -> None:
-    """Press every shape that the present point is in, of those found near it."""
+    """Apply the contacts of the present point with the shapes found near it."""
     met = 0
     for k in range(found):
         row = work.near[k]
         shape, memory = rows.shapes[row], work.memories[point, row]
         _take_shape(scratch, row, shape.body, work)
         recall(scratch, point, shape, work.births[row].tick, work.befores, memory)
-        _look(scratch)
-        if not _feel(scratch, shape, memory, work.meshes):
+        _to_shape(scratch)
+        if not _probe(scratch, shape, memory, work.meshes):
             continue
-        if shape.kind == ShapeKind.WALL and met < MOST_WALLS:
+        if shape.kind == ShapeKind.WALL and met < MAX_WALLS:
             _note_wall(scratch, work.walls[met], row, memory.contact)
             met += 1
         else:
-            _settle(scratch, shape, row, memory, memory.contact.depth, scratch.normal, rows, work)
+            _apply(scratch, shape, row, memory, memory.contact.depth, scratch.normal, rows, work)
     if met > 0:
-        _settle_walls(scratch, point, met, rows, work)
+        _apply_walls(scratch, point, met, rows, work)
 
 
 @kernel
 def touch_points(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt: float) -> None:
-    """Forces between the points in use and all shapes: on the user, and the opposite on the bodies.
+    """Add the forces between the points in use and all shapes, on the user and the opposite on the bodies.
 
     Args:
         rows: Tables of objects.
         work: ObjectWork with points and shapes placed for this tick; `point_forces`, `totals` (shape_force, stiffness,
             touching, static_touching, listed, even_stiffness, depth, shape, normal, approach_speed, status), `touched`
-            and the bodies' force, torque, force_user, touched are added to. A force that is not finite is left out,
-            status becomes 1.
+            and the bodies' force, torque, force_user, touched are updated. A force that is not finite is dropped and
+            sets status.
         counts: SCENE.objects.
         dt: Tick [s].
     """

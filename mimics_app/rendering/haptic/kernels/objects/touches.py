@@ -1,4 +1,4 @@
-"""Begin and end of touching an object, as events and counts want them: without the chatter of one scrape."""
+"""Begin and end of contacts, debounced: one scrape is one contact."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_END
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import (
+        MotionRecord,
         ObjectCountsRecord,
-        ObjectWork,
         StateRecord,
         Table,
         TotalsRecord,
         TouchRecord,
     )
 
-__all__ = ["CLEAR_TIME", "TOUCH", "follow_touch", "follow_touches"]
+__all__ = ["TOUCH", "follow_touch", "follow_touches"]
 
-CLEAR_TIME = 0.02
-"""A contact ends after this long without touching [s]: no chatter of one scrape into many."""
+_CLEAR_TIME = 0.02
+"""Time without touching after which a contact ends [s]."""
 
 TOUCH = np.dtype(
     [
@@ -32,24 +32,24 @@ TOUCH = np.dtype(
     ],
     align=True,
 )
-"""Memory of one partner of touch; row 0 is the static scene, row i + 1 body i."""
+"""Contact state of one partner; row 0 is the static scene, row i + 1 body i."""
 
 
 @kernel
 def follow_touch(touch: TouchRecord | StateRecord, touching: bool, felt: bool, dt: float) -> int:
-    """Follow one partner for one tick; its CONTACT_... change.
+    """Advance the contact state of one partner by one tick; return its CONTACT_... change.
 
     Args:
         touch: Record with `in_contact` and `clear_ticks`, updated.
-        touching: It is touched in this tick.
-        felt: The user can feel it; a contact ends when not.
+        touching: Whether the partner is touched in this tick.
+        felt: Whether the user can feel it; a contact that is not felt ends.
         dt: Tick [s].
     """
     touch.clear_ticks = 0 if touching else touch.clear_ticks + 1
     if touching and felt and touch.in_contact == 0:
         touch.in_contact = 1
         return CONTACT_BEGAN
-    if touch.in_contact == 1 and (not felt or touch.clear_ticks * dt >= CLEAR_TIME):
+    if touch.in_contact == 1 and (not felt or touch.clear_ticks * dt >= _CLEAR_TIME):
         touch.in_contact = 0
         return CONTACT_ENDED
     return CONTACT_UNCHANGED
@@ -65,11 +65,17 @@ def _touch_static(totals: Table[TotalsRecord]) -> bool:
 
 
 @kernel
-def follow_touches(work: ObjectWork, counts: ObjectCountsRecord, felt: bool, dt: float) -> None:
-    """Follow the static scene and all bodies for one tick."""
+def follow_touches(
+    touches: Table[TouchRecord],
+    totals: Table[TotalsRecord],
+    motions: Table[MotionRecord],
+    counts: ObjectCountsRecord,
+    felt: bool,
+    dt: float,
+) -> None:
+    """Advance the contact states of the static scene and of all bodies by one tick."""
     if counts.shapes == 0:
         return
-    for k in range(counts.bodies + 1):
-        touch = work.touches[k]
-        touching = _touch_static(work.totals) if k == 0 else work.motions[k - 1].touched == 1
-        touch.change = follow_touch(touch, touching, felt, dt)
+    touches[0].change = follow_touch(touches[0], _touch_static(totals), felt, dt)
+    for k in range(counts.bodies):
+        touches[k + 1].change = follow_touch(touches[k + 1], motions[k].touched == 1, felt, dt)
