@@ -1,4 +1,4 @@
-"""Skin conductance: tonic level, responses (SCRs), quality."""
+"""Skin conductance: tonic level (SCL), phasic responses (SCRs), signal quality."""
 
 from __future__ import annotations
 
@@ -14,16 +14,21 @@ from mimics_app.dsp.kernels.slow import TURN_STATE, find_responses
 __all__ = ["Gsr"]
 
 _SMOOTH_HZ = 2.0
+"""Corner of the low-pass [Hz]."""
 _LEAST = 0.02
 """Smallest response that counts [uS]; 0.01 to 0.05 is the convention (Boucsein 2012)."""
 _WINDOW_S = 60.0
+"""Window of the response rate, their sum and the slope of the level [s]."""
+_COVERED = 0.4
+"""Share of the window that must be covered by contact for these."""
 _TONIC_S = 10.0
+"""Window of the tonic level [s]."""
 _JUMP = 8.0
-"""No skin changes by so much in a second [uS]."""
+"""Change of the median level within a second above which the contact is taken as lost [uS]."""
 
 
 class Gsr(Channel):
-    """SCRs within half a second of their peak; the tonic level is the median of the smoothed signal at the troughs."""
+    """SCRs, detected within half a second of their peak; the tonic level is the 20 % quantile of the last 10 s."""
 
     name: ClassVar[str] = "gsr"
     latency_s: ClassVar[float] = 0.5
@@ -38,7 +43,7 @@ class Gsr(Channel):
         self._state = np.zeros(TURN_STATE)
         self._out = np.zeros((16, 4))
         self._smooth = np.zeros(self._length)
-        self._levels: deque[float] = deque(maxlen=round(_WINDOW_S))
+        self._levels: deque[tuple[float, float]] = deque()
         self._responses: deque[tuple[float, float]] = deque()
 
     def _take(self, piece: Floats) -> list[Event]:
@@ -57,21 +62,21 @@ class Gsr(Channel):
         good = raw[np.isfinite(raw)]
         plausible = float(len(good) > 0 and 0.01 < float(np.median(good)) < 100.0)
         quality = self._contact(raw, steps=_JUMP) * plausible
-        while self._responses and self._responses[0][0] < now_s - _WINDOW_S:
-            self._responses.popleft()
+        for past in (self._responses, self._levels):
+            while past and past[0][0] <= now_s - _WINDOW_S:
+                past.popleft()
         if quality == 0.0:
             return Found({}, 0.0)
-        self._levels.append(float(self._smooth[-1]))
-        levels = np.array(self._levels)
-        tonic = float(np.quantile(levels[-round(_TONIC_S) :], 0.2))
-        covered = min(len(levels), _WINDOW_S)
+        self._levels.append((now_s, float(self._smooth[-1])))
+        times, levels = np.array(self._levels).T
+        tonic = float(np.quantile(levels[times > now_s - _TONIC_S], 0.2))
         features = {
             "scl": tonic,
             "phasic": float(self._smooth[-1]) - tonic,
         }
-        if covered >= 0.4 * _WINDOW_S:
+        covered = len(levels)
+        if covered >= _COVERED * _WINDOW_S:
             features["scr_rate"] = 60.0 * len(self._responses) / covered
             features["scr_sum"] = 60.0 * sum(size for _, size in self._responses) / covered
-            minutes = np.arange(len(levels)) / 60.0
-            features["scl_slope"] = float(np.polynomial.polynomial.polyfit(minutes, levels, 1)[1])
+            features["scl_slope"] = 60.0 * float(np.polynomial.polynomial.polyfit(times - now_s, levels, 1)[1])
         return Found(features, quality)
