@@ -22,7 +22,7 @@ _WINDOW_S = 60.0
 _COVERED = 0.4
 """Share of the window that must be covered by contact for these."""
 _TONIC_S = 10.0
-"""Window of the tonic level [s]."""
+"""Window of the tonic level, and longest loss of contact after which the history remains valid [s]."""
 _JUMP = 8.0
 """Change of the median level within a second above which the contact is taken as lost [uS]."""
 
@@ -43,7 +43,8 @@ class Gsr(Channel):
         self._state = np.zeros(TURN_STATE)
         self._out = np.zeros((16, 4))
         self._smooth = np.zeros(self._length)
-        self._levels: deque[tuple[float, float]] = deque()
+        self._levels: deque[float] = deque(maxlen=round(_WINDOW_S))
+        self._contact_s = 0.0
         self._responses: deque[tuple[float, float]] = deque()
 
     def _take(self, piece: Floats) -> list[Event]:
@@ -62,21 +63,25 @@ class Gsr(Channel):
         good = raw[np.isfinite(raw)]
         plausible = float(len(good) > 0 and 0.01 < float(np.median(good)) < 100.0)
         quality = self._contact(raw, steps=_JUMP) * plausible
-        for past in (self._responses, self._levels):
-            while past and past[0][0] <= now_s - _WINDOW_S:
-                past.popleft()
+        while self._responses and self._responses[0][0] < now_s - _WINDOW_S:
+            self._responses.popleft()
         if quality == 0.0:
+            if now_s - self._contact_s > _TONIC_S:
+                self._levels.clear()
+                self._responses.clear()
             return Found({}, 0.0)
-        self._levels.append((now_s, float(self._smooth[-1])))
-        times, levels = np.array(self._levels).T
-        tonic = float(np.quantile(levels[times > now_s - _TONIC_S], 0.2))
+        self._contact_s = now_s
+        self._levels.append(float(self._smooth[-1]))
+        levels = np.array(self._levels)
+        tonic = float(np.quantile(levels[-round(_TONIC_S) :], 0.2))
         features = {
             "scl": tonic,
             "phasic": float(self._smooth[-1]) - tonic,
         }
-        covered = len(levels)
+        covered = min(len(levels), _WINDOW_S)
         if covered >= _COVERED * _WINDOW_S:
             features["scr_rate"] = 60.0 * len(self._responses) / covered
             features["scr_sum"] = 60.0 * sum(size for _, size in self._responses) / covered
-            features["scl_slope"] = 60.0 * float(np.polynomial.polynomial.polyfit(times - now_s, levels, 1)[1])
+            minutes = np.arange(len(levels)) / 60.0
+            features["scl_slope"] = float(np.polynomial.polynomial.polyfit(minutes, levels, 1)[1])
         return Found(features, quality)
