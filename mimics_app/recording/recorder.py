@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
 from mimics_app.contracts.clock import TICKS_PER_SECOND, Clock, MonotonicClock
-from mimics_app.contracts.environment import clock_pair, describe_environment
+from mimics_app.contracts.environment import boot_id, clock_pair, describe_environment
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.object_rows import Rows, pack_rows
 from mimics_app.contracts.session_memory import SessionMemory
@@ -85,7 +85,8 @@ class Recorder:
         Raises:
             PartialDataError: It does not come up.
         """
-        session = {"format": "mimics run", "version": 1, **describe_environment(), "clock": clock_pair()}
+        clock = clock_pair() | {"boot": boot_id()}
+        session = {"format": "mimics run", "version": 1, **describe_environment(), "clock": clock}
         write_atomically(
             self.folder / FILES["session"], msgspec.json.format(to_json({**session, **self._header}), indent=1)
         )

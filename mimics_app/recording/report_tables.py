@@ -176,7 +176,7 @@ def contact_rows(run: Run) -> list[dict[str, Any]]:
     begins = run.events[run.events["kind"] == EventKind.CONTACT_BEGIN]
     frames = sorted(run.lines_of("app", "frame"), key=lambda line: int(line.get("tick") or 0))
     seen = np.array([int(line.get("tick") or 0) for line in frames], np.int64)
-    sounds = {int(line.get("tick", -1)): line for line in run.lines_of("app", "sound")}
+    sounds = {line.get("tick"): line for line in run.lines_of("app", "sound")}
     peaks = _peaks(run.haptic, begins)
     rows = []
     for event, (force, depth, length) in zip(begins, peaks, strict=True):
