@@ -1,4 +1,4 @@
-"""What a session came to, in a person's words: the same on the page of results and on page one of the report."""
+"""Results of a session in plain words, for the page of results and for page one of the report."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["mean_time", "result_sentence", "trial_lines", "trial_names"]
 _OUTCOMES = {FINISHED: "finished", "timeout": "time over", "aborted": "broken off"}
 
 _NOTABLE = 0.02
-"""Difference to the last time from which it is worth a word [-]."""
+"""Smallest relative difference to the last session's time that is mentioned."""
 
 _COLUMNS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
     ("time_s", "Time", lambda value: f"{value:.1f} s"),

@@ -1,4 +1,4 @@
-"""What a run recorded of its task: the frames it was given, and the lines and rows it left, to be compared."""
+"""The task's part of a recording, for its replay: frames, journal lines and trial rows, with their comparison."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is to be said about a recording: one object, the same for verify, recover and the report."""
+"""Verdict on a recording, the same for verify, recover and the report."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Verdict:
     Attributes:
         status: "clean", "interrupted", "recovered", or "open" where nobody closed it.
         problems: One sentence each; () for a whole run.
-        fresh: Those of them that its manifest did not state when it was sealed.
+        fresh: Problems that its manifest did not state when it was sealed.
     """
 
     status: str
