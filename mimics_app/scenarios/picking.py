@@ -1,4 +1,4 @@
-"""How a person picks something up and sets it down: what the hand goes for next, judged by what is seen and held."""
+"""Plan of a simulated person who picks an object up and sets it down: target of the hand, step by step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the tapping ball moves: down to a place, up again, and on to rest over the next."""
+"""Motion of the tapping ball: down to a place, up again, and to rest above the next."""
 
 from __future__ import annotations
 
@@ -34,6 +34,6 @@ def ball_motion(since_s: float, until_s: float) -> tuple[float, float]:
 
 
 def _eased(share: float) -> float:
-    """From 0 to 1 over a share of 0 to 1, at rest at both ends."""
+    """Return a smooth step from 0 to 1, with zero slope at both ends."""
     share = min(max(share, 0.0), 1.0)
     return share * share * (3.0 - 2.0 * share)

@@ -1,4 +1,4 @@
-"""A scene that needs no code of its own: bodies move their entities, the ball is where the hand is, paths are seen."""
+"""Scenario of scenes without code of their own: bodies move entities, the ball follows the HIP, paths are shown."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A person's model that does what head and hands of somebody do, and what a cord is fixed to on its body."""
+"""A person's model that follows the tracked head and hands of a person, with attachment points for a cord."""
 
 from __future__ import annotations
 
