@@ -112,7 +112,7 @@ class _Arms:
         self._means = np.zeros(len(self._values))
 
     def learn(self, reward: float | None, value: float | None) -> None:
-        """Take the reward of a trial with a value, whoever set it; one that is no arm teaches nothing."""
+        """Update the arm of the value that held in a trial by its reward; other values are ignored."""
         if reward is None or value not in self._values:
             return
         arm = self._values.index(value)

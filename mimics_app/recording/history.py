@@ -25,7 +25,7 @@ __all__ = ["EarlierRun", "cut_off_runs", "earlier_runs", "recent_runs"]
 _MOST_FOLDERS = 400
 """Newest run folders that are read, by their names: each takes about a millisecond."""
 _MOST_RECENT = 40
-"""The same for the list of recent runs, which the launcher waits for."""
+"""Newest run folders that are read for the list of recent runs, which the launcher waits for."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -153,7 +153,7 @@ def compare_events(recorded: NDArray[Any], replayed: NDArray[Any], end: int) -> 
 
 
 def _numbers(events: NDArray[Any]) -> NDArray[np.float64]:
-    """What is compared of EVENT records, shape [n, columns]; what is not finite is not a number."""
+    """Return the compared values of EVENT records, shape [n, columns]; infinities become NaN."""
     columns = [events[name].astype(np.float64).reshape(len(events), _WIDTHS[name]) for name in _WIDTHS]
     numbers = np.concatenate(columns, axis=1)
     numbers[~np.isfinite(numbers)] = np.nan

@@ -74,7 +74,7 @@ def _outcome(row: Mapping[str, Any]) -> str:
 
 
 def _has(row: Mapping[str, Any], column: str) -> bool:
-    """Whether a row has a measure; one in which nobody was let go has none."""
+    """Whether a row has a measure; an attempt without travel has none."""
     return number(row.get(column)) is not None and row.get("time_s") != 0.0
 
 
@@ -83,7 +83,7 @@ def _cells(row: Mapping[str, Any], shown: Sequence[tuple[str, str, Callable[[flo
 
 
 def _against_last(task: Mapping[str, Any], earlier: Sequence[EarlierRun]) -> list[str]:
-    """How the mean time compares with that of the run before; nothing where either has none."""
+    """Return the comparison of the mean time with that of the last run; [] where either has none."""
     now, before = mean_time(task), next((run.time_s for run in reversed(earlier) if run.time_s), None)
     if now is None or before is None:
         return []

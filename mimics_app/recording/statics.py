@@ -66,7 +66,7 @@ def write_statics(folder: Path, statics: Statics) -> None:
 
 
 def read_statics(folder: Path) -> Statics | None:
-    """What `write_statics` wrote; None where there is none.
+    """Read haptic_statics.npz; None without the file.
 
     Raises:
         PartialDataError: The file is damaged.

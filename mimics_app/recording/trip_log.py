@@ -45,7 +45,7 @@ MOST_TRIPS = 100
 
 
 def trip_file(folder: Path, number: int) -> Path:
-    """Where the log of trip `number`, 0 first, stands in a run folder."""
+    """Return the path of the log of trip `number`, 0 first."""
     return folder / FOLDER / f"trip_{number:03d}.arrows"
 
 

@@ -11,10 +11,10 @@ __all__ = ["Verdict", "judge"]
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """How a run ended, and everything that is missing, damaged, or was changed after it was closed.
+    """Status of a run, and its problems: missing, damaged, or changed after it was closed.
 
     Attributes:
-        status: "clean", "interrupted", "recovered", or "open" where nobody closed it.
+        status: "clean", "interrupted", "recovered", or "open" where it was not closed.
         problems: One sentence each; () for a whole run.
         fresh: Problems that its manifest did not state when it was sealed.
     """

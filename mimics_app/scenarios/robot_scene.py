@@ -58,9 +58,9 @@ class Places(Mapping[str, Vec3]):
 
 
 def start_at(scene: Scene, point_world: NDArray[np.float64]) -> tuple[tuple[float, ...], Home | None]:
-    """How a trial is begun at a point of the world [m]: the joints there, and the path there where it is by world PD.
+    """Return the joints at a trial's start point in the world [m], and its target for world PD control, if used.
 
-    Further points of contact stay where the middle of their joints has them.
+    Further points of contact remain at the centre of their joints' ranges.
     """
     reach = Reach(scene.one(Robot)[1])
     start = reach.from_world(point_world)

@@ -134,7 +134,7 @@ class TunnelLook:
         return forms
 
     def _fewest_rings(self, radius: Callable[[F8], F8], most: int, error: float) -> tuple[int, float]:
-        """How few rings, halving, keep the tube's middle and width within an error [m], and how far off they are."""
+        """Return the smallest number of rings within an error of curve and radius, by halving, and its error [m]."""
         every, found = self._stations(most), (most, 0.0)
         place, wide = self._curve.point(every), radius(every)
         while found[0] > 1:

@@ -29,13 +29,13 @@ _WITHOUT_SCORE: Mapping[TrialState, str] = {
     TrialState.TIMEOUT: "Time is over",
     TrialState.DONE: "Finished",
 }
-"""The same where trials earn no points."""
+"""Lines that differ for a task without a score."""
 
 _AT_POINTER: Mapping[TrialState, str] = {
     TrialState.APPROACH: "Moving to the start",
     TrialState.STOPPED: "Stopped: {cause}. R goes on",
 }
-"""The same where no robot is attached."""
+"""Lines that differ without a robot."""
 
 _GO_S = 1.5
 """Time for which the travel's message is shown [s]."""

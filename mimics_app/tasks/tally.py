@@ -75,7 +75,7 @@ class Tally:
 
     @property
     def begin_ns(self) -> int:
-        """When the travel began [ns]."""
+        """Time at which the travel began [ns]."""
         return self._begin_ns
 
     @property

@@ -39,7 +39,7 @@ _AT_POINTER: Mapping[Stage, str] = {
     Stage.CLOSE: "Close your hand: turn the wheel up",
     Stage.OPEN: "Open your hand: turn the wheel down",
 }
-"""The same for the mouse."""
+"""Lines that differ for the mouse."""
 
 
 class PlacedGoal(Component, frozen=True, tag="placed", tag_field="kind"):

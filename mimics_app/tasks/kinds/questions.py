@@ -100,7 +100,7 @@ class Asking:
 
     @property
     def text(self) -> str:
-        """What the person reads."""
+        """Text shown to the person."""
         if self.done:
             return ""
         asked = self._left[0]
