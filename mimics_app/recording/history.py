@@ -74,7 +74,7 @@ def earlier_runs(
         besides: A run that is left out.
         before: A run; only those begun before it are returned. None: all.
     """
-    begun = [each for each in _in_order(parent, _MOST_FOLDERS) if each.folder != besides]
+    begun = [each for each in _in_order(parent, _MOST_FOLDERS, before) if each.folder != besides]
     earlier = takewhile(lambda each: each.folder != before, begun)
     mine = (each for each in earlier if _named(each.header) == (scene, participant))
     return [run for each in mine if (run := _closed(each)) is not None]
@@ -93,14 +93,15 @@ def cut_off_runs(parent: Path) -> list[Path]:
     return [folder for folder in left if (data := folder / FILES["haptic"]).is_file() and not is_claimed(data)]
 
 
-def _in_order(parent: Path, most: int) -> list[_Begun]:
-    """Return the newest run folders by name in the order in which they were begun.
+def _in_order(parent: Path, most: int, also: Path | None = None) -> list[_Begun]:
+    """Return the newest run folders by name, and one more, in the order in which they were begun.
 
     The order is that of the recorded wall times. Runs between two starts of the machine are ordered by their monotonic
     times instead, placed in the calendar by the last of them: a wall clock that was set between two runs changes
     nothing.
     """
-    begun = [_begun(folder) for folder in sorted(parent.glob("*_*"), reverse=True)[:most]]
+    newest = sorted(parent.glob("*_*"), reverse=True)[:most]
+    begun = [_begun(folder) for folder in {*newest, *([] if also is None else [also])}]
     last: dict[str, _Begun] = {}
     for each in begun:
         if each.boot and each.monotonic_s >= last.setdefault(each.boot, each).monotonic_s:

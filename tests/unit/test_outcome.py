@@ -120,6 +120,8 @@ def test_history_is_in_the_order_of_the_sessions_whatever_the_wall_clock_was_set
     last = tmp_path / list(begun)[3]
     assert [run.folder.name for run in earlier_runs(tmp_path, "tunnel", "P1", before=last)] == list(begun)[:3]
     assert [run.folder.name for run in recent_runs(tmp_path, 2)] == list(begun)[:2:-1]
+    (tmp_path / "renamed").mkdir()
+    assert earlier_runs(tmp_path, "tunnel", "P1", before=tmp_path / "renamed") == [], "without a clock it is the oldest"
 
 
 def test_a_session_that_could_not_say_its_end_counts_with_the_trials_it_left(tmp_path: Path) -> None:
