@@ -32,7 +32,7 @@ __all__ = ["FOLDER", "MOST_TRIPS", "ROWS_BEFORE", "TripLog", "complete_trips", "
 
 
 FOLDER = "trips"
-"""Subfolder of a run folder."""
+"""Subfolder of the run folder."""
 
 ROWS_BEFORE = 1000
 """Rows kept before that of a trip: 1 s."""

@@ -38,7 +38,7 @@ Values = Mapping[str, float | None]
 
 
 class ScorePartSpec(Component, frozen=True):
-    """How one measure counts: full marks at `best`, none at `worst`, linear between."""
+    """Weight and limits of one measure: full marks at `best`, none at `worst`, linear between."""
 
     weight: Annotated[Factor, Meta(description="Share of the score, relative to the other weights.")]
     best: Annotated[Figure, Meta(description="Value that earns full marks, in the measure's unit.")]
@@ -213,7 +213,7 @@ class TaskKind(ABC):
         return spec.section(self.name) is not None or any(isinstance(goal, self.goals) for goal in spec.goals)
 
     def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
-        """What types cannot say about a task of this kind; `pointer` is the task's. Called for every task."""
+        """Yield the faults of a task of this kind beyond its types; `pointer` is the task's. Called for every task."""
         return iter(())
 
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
