@@ -11,7 +11,7 @@ from typing import Any
 import mimics_app
 from mimics_app.contracts.clock import MonotonicClock, wall_time
 
-__all__ = ["clock_pair", "describe_environment"]
+__all__ = ["boot_id", "clock_pair", "describe_environment"]
 
 _LIBRARIES = ("numpy", "numba", "moderngl", "glfw", "PyOpenAL", "msgspec", "pyarrow", "pyserial", "trimesh")
 
@@ -19,6 +19,15 @@ _LIBRARIES = ("numpy", "numba", "moderngl", "glfw", "PyOpenAL", "msgspec", "pyar
 def clock_pair() -> dict[str, Any]:
     """Wall time (UTC, ISO 8601) and monotonic time [ns] at one moment, to place a session in the calendar."""
     return {"utc": wall_time().isoformat(), "monotonic_ns": MonotonicClock().now_ns()}
+
+
+@cache
+def boot_id() -> str:
+    """Random number of the machine's present start, "" where the system has none: monotonic times count from it."""
+    try:
+        return Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip()
+    except (OSError, ValueError):
+        return ""  # not Linux
 
 
 @cache

@@ -1,4 +1,4 @@
-"""What the processing of every signal has in common: any block size gives the same, second by second."""
+"""Base class of the signal processing: events sample by sample, features once a second, whatever the block size."""
 
 from __future__ import annotations
 
@@ -13,17 +13,20 @@ from mimics_app.dsp.filters import Floats
 
 __all__ = ["Channel", "Event", "Found"]
 
+_LARGEST = 2.0**24
+"""Largest sample in any unit: counts of a 24-bit converter fit, a damaged number or an infinity does not."""
+
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """Something in a signal.
+    """An event in a signal.
 
     Attributes:
-        t_s: When it was, in seconds of the signal since its first sample.
-        known_s: When it was known: no sample after that was looked at.
+        t_s: Time of the event since the signal's first sample [s].
+        known_s: Time at which it was detected; no later sample was used [s].
         kind: "r_peak", "scr", "emg_onset", "breath" ...
         value: RR [s], amplitude [uS], envelope [mV], depth ...
-        quality: Of the signal then, 0 to 1.
+        quality: Signal quality at that time, 0 to 1.
     """
 
     t_s: float
@@ -35,24 +38,25 @@ class Event:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """What the seconds up to now say: features by name, and the quality of the last one."""
+    """Features by name as of the last whole second, and the signal quality in it."""
 
     features: dict[str, float] = field(default_factory=dict)
     quality: float = 0.0
 
 
 class Channel(ABC):
-    """One signal, fed in blocks of any size, NaN where the sensor gave nothing.
+    """Processing of one signal, fed in blocks of any size, NaN where the sensor gave nothing.
 
     Args:
-        rate: Of the signal [Hz].
+        rate: Sampling rate [Hz].
 
     Attributes:
-        name: Of the signal.
-        latency_s: From an event to when it is known, at most, in clean signals.
-        lowest_rate: Below it the signal cannot be read [Hz].
-        phase: Share of a second by which its seconds begin before the signal does: not all signals look back at once.
-        found: As of the last whole second.
+        name: Name of the signal.
+        latency_s: Longest time from an event to its detection, in clean signals [s].
+        lowest_rate: Lowest sampling rate that can be processed [Hz].
+        phase: Share of a second by which its seconds begin before the signal does, so that the signals of a session do
+            not compute their features in the same frame.
+        found: Features and quality as of the last whole second.
     """
 
     name: ClassVar[str]
@@ -75,12 +79,13 @@ class Channel(ABC):
         return self.samples / self.rate
 
     def push(self, values: Floats) -> list[Event]:
-        """Take samples, shape [n]; the events that are known now, in the order in which they became known."""
+        """Process samples, shape [n], and return the events detected in them, in the order of their detection."""
         events: list[Event] = []
         begin = 0
         while begin < len(values):
             filled = self._place
-            piece = np.ascontiguousarray(values[begin : begin + self._length - filled], float)
+            piece = np.array(values[begin : begin + self._length - filled], float)
+            piece[~(np.abs(piece) <= _LARGEST)] = np.nan
             self._raw[filled : filled + len(piece)] = piece
             events += self._take(piece)
             self.samples += len(piece)
@@ -91,27 +96,27 @@ class Channel(ABC):
 
     @property
     def _place(self) -> int:
-        """Where in its second the next sample stands."""
+        """Index of the next sample within its second."""
         return (self.samples + self._shift) % self._length
 
     def save(self) -> dict[str, Any]:
-        """All that is remembered; `restore` goes on from there, bit for bit."""
+        """Return the whole state; after `restore` the processing continues from it bit for bit."""
         return copy.deepcopy(self.__dict__)
 
     def restore(self, saved: dict[str, Any]) -> None:
-        """Go back to what `save` gave."""
+        """Set the state to one that `save` returned."""
         self.__dict__.update(copy.deepcopy(saved))
 
     @abstractmethod
     def _take(self, piece: Floats) -> list[Event]:
-        """New samples within one second; `samples` still counts those before."""
+        """Process samples within one second and return the events; `samples` counts only those before."""
 
     @abstractmethod
     def _look_back(self, raw: Floats) -> Found:
-        """A second is over; its samples as they came."""
+        """Compute the features at the end of a second; `raw` holds its samples as received, shape [rate]."""
 
     def _contact(self, raw: Floats, *, steps: float = np.inf) -> float:
-        """Share of a second in which the sensor was on, not at a rail, not flat; 0 after a jump larger than `steps`."""
+        """Return the share of valid samples: not missing, clipped or flat; 0 after a jump larger than `steps`."""
         good = np.isfinite(raw)
         if good.sum() < 2:
             return 0.0

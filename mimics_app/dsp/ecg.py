@@ -1,4 +1,4 @@
-"""ECG: R peaks, rhythm, quality."""
+"""ECG: R peaks, heart rate and its variability, signal quality."""
 
 from __future__ import annotations
 
@@ -14,52 +14,53 @@ from mimics_app.dsp.rhythm import Rhythm
 __all__ = ["TUNING", "Ecg"]
 
 BANDS = ((8.2, 29.0), (15.0, 40.0))
-"""Lower and upper [Hz]."""
+"""Lower and upper band-pass of the QRS [Hz]."""
 ORDER = 2
+"""Order of the band-passes."""
 
 TUNING = np.array(
     [
         0.101,  # window of the energy [s]
-        0.091,  # a peak of the energy stands when nothing larger came for so long [s]
-        0.218,  # no two beats nearer than this [s]
-        3.0,  # levels are taken from so much of the beginning [s]: two beats of a slow heart
-        0.601,  # ... or when the energy fell below this share of it
-        1.813,  # a beat is missing after so many usual intervals
-        0.126,  # then a refused peak counts that rose this share of the way from noise to beats
-        0.45,  # threshold between noise (0) and beats (1) when a beat is due
-        1.011,  # just after a beat
-        1.242,  # share of the usual interval in which it falls from the one to the other
-        0.245,  # weight of a new beat in the level of beats
-        0.152,  # weight of a refused peak in that of noise
-        0.024,  # loss of the level of beats per second without any [1/s]
-        1.0,  # first level of beats, of the second largest peak
-        0.078,  # weight of a new interval in the usual one
-        1.625,  # a beat counts at most so many times the level
-        6.21,  # where beats stand over noise by less than this ratio of the levels, the rhythm begins to count
+        0.091,  # a peak of the energy is complete when nothing larger followed for this time [s]
+        0.218,  # refractory period [s]
+        3.0,  # learning phase at the beginning [s]: two beats of a slow heart
+        0.601,  # ... or complete when the energy fell below this share of the peak
+        1.813,  # mean intervals without a beat after which one is taken as missed
+        0.126,  # search back: threshold for rejected peaks between noise level (0) and signal level (1)
+        0.45,  # threshold between noise level (0) and signal level (1) when a beat is due
+        1.011,  # ... and just after a beat
+        1.242,  # share of the mean interval in which it decays from the latter to the former
+        0.245,  # weight of a new beat in the signal level
+        0.152,  # weight of a rejected peak in the noise level
+        0.024,  # decay rate of the signal level without beats [1/s]
+        1.0,  # first signal level, as a share of the second largest candidate
+        0.078,  # weight of a new interval in the mean one
+        1.625,  # upper limit of a beat in its weight, in signal levels
+        6.21,  # ratio of signal level to noise level below which the rhythm begins to count
         1.84,  # ... and counts fully
-        1.1,  # by so much of the way from noise to beats it moves the threshold, half up and half down
-        0.173,  # a peak is in time within this share of the usual interval
-        0.2,  # a rhythm whose intervals differ by this share counts for nothing
-        0.1,  # from this trust on the rhythm continues on its own between beats
-        0.25,  # a beat so near one of the rhythm belongs to it
-        0.7,  # ... and draws it to itself by so much
-        0.01,  # weight of a beat that does not belong, in how unsteady the rhythm is
-        4.0,  # powers of the two bands are means over so much time [s]
-        12.0,  # kurtosis of the lower band below which the upper one begins to count
-        8.0,  # ... and counts as much as the next two say
-        1.0,  # ratio of the kurtosis of the upper band to that of the lower one from which it begins to count
-        1.2,  # ... and counts alone
-        1.0,  # time in which one band takes over from the other [s]
+        1.1,  # range over which the rhythm moves the threshold, half up and half down, in units of the threshold
+        0.173,  # width of the window around an expected beat, as a share of the mean interval
+        0.2,  # relative deviation of the intervals at which the rhythm counts for nothing
+        0.1,  # weight of the rhythm from which its phase runs on between beats
+        0.25,  # largest offset from the expected beat at which a beat is in rhythm
+        0.7,  # share of that offset by which the phase is corrected
+        0.01,  # weight of a beat out of rhythm in the mean relative deviation
+        4.0,  # time constant of the powers of the two bands [s]
+        12.0,  # kurtosis of the lower band below which the crossfade to the upper one begins
+        8.0,  # ... and is limited by the next two values alone
+        1.0,  # ratio of the kurtosis of the upper band to that of the lower one from which it begins
+        1.2,  # ... and is complete
+        1.0,  # time constant of the crossfade [s]
     ]
 )
-"""Found by a random search over the six MIT-BIH records with and without synthetic noise and the four of the noise
-stress test; what concerns the rhythm over the six with real electrode noise added, without the stress test; what
-concerns the bands by hand over simulated electrode noise alone (decision 169). See
-docs/guide/physiology.md for what other records and other noise give."""
+"""Parameters of `find_beats`, by index. From a random search over the six MIT-BIH records with and without synthetic
+noise and the four of the noise stress test; those of the rhythm over the six with real electrode noise added, without
+the stress test; those of the bands by hand over simulated electrode noise alone (decision 169).
+docs/guide/physiology.md has the results for other records and other noise."""
 
 
 class Ecg(Channel):
-    """R peaks within 150 ms in the median, whatever the polarity, gain or rate."""
+    """R peaks, known within 150 ms in the median, for any polarity, gain and sampling rate."""
 
     name: ClassVar[str] = "ecg"
     latency_s: ClassVar[float] = 0.25
@@ -72,7 +73,7 @@ class Ecg(Channel):
         self._delays = np.array([delay_of(sos, qrs, rate) for sos, qrs in zip(self._sos, _QRS, strict=True)])
         self._z = np.zeros((*self._sos.shape[:2], 2))
         self._state = np.zeros(ECG_STATE)
-        self._state[UNSTEADY] = 0.5  # a rhythm is steady when a dozen beats have shown it
+        self._state[UNSTEADY] = 0.5  # it takes a dozen beats until the rhythm counts as steady
         self._ring = np.zeros((1, int(4 * rate)))
         self._kept = np.zeros((64, 2))
         self._out = np.zeros((64, 3))
@@ -95,7 +96,7 @@ class Ecg(Channel):
         return events
 
     def _look_back(self, raw: Floats) -> Found:
-        now_s = (self.samples) / self.rate
+        now_s = self.samples / self.rate
         features = self.rhythm.features(now_s)
         if self._state[LAST] >= 0.0:
             silent = now_s - self._state[LAST] / self.rate
@@ -107,6 +108,6 @@ class Ecg(Channel):
 
 
 _QRS = (13.0, 20.0)
-"""Where most of a QRS's power in each band is [Hz]: what its delay is taken at."""
+"""Frequency at which the group delay of each band is taken [Hz]: where most of a QRS's power in it lies."""
 _UNCLEAR, _CLEAR = 1.8, 4.0
-"""Ratio of the levels of beats and of what lies between them that is no good, and that is all good."""
+"""Ratio of signal level to noise level at which the quality is 0, and at which it is 1."""

@@ -1,4 +1,4 @@
-"""EMG: envelope, onsets, fatigue by the median frequency, quality."""
+"""EMG: envelope, onsets, fatigue by the median frequency, signal quality."""
 
 from __future__ import annotations
 
@@ -14,11 +14,13 @@ from mimics_app.dsp.kernels.emg import ACTIVE, EMG_STATE, TOTAL, N, find_onsets
 __all__ = ["Emg"]
 
 _BAND = (20.0, 450.0)
+"""Band-pass of surface EMG [Hz]."""
 _FATIGUE_S = 60.0
+"""Seconds of activity over which the slope of the median frequency is taken."""
 
 
 class Emg(Channel):
-    """Onsets within 100 ms of the muscle's."""
+    """Envelope, onsets (detected within 100 ms of the muscle's) and median frequency."""
 
     name: ClassVar[str] = "emg"
     latency_s: ClassVar[float] = 0.1
@@ -68,7 +70,7 @@ class Emg(Channel):
         return Found(features, quality)
 
     def _median_frequency(self, second: Floats) -> float:
-        """The frequency that halves the power of the last second [Hz], 0 where there is none."""
+        """Return the median frequency of the last second's power spectrum [Hz], 0 without power."""
         power = np.abs(np.fft.rfft(second * np.hanning(len(second)))) ** 2
         summed = np.cumsum(power)
         if summed[-1] <= 0.0:

@@ -1,4 +1,4 @@
-"""Filters: designed by scipy, run by our own kernels, sample by sample, with their state."""
+"""Design of the Butterworth filters by scipy; `kernels.sections` runs them sample by sample."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ __all__ = ["Floats", "band_pass", "delay_of", "low_pass"]
 Floats = NDArray[np.float64]
 
 _HIGHEST = 0.45
-"""Corner frequencies stay below this share of the sampling rate."""
+"""Highest corner frequency as a share of the sampling rate."""
 
 
 @lru_cache(maxsize=64)
 def _design(order: int, kind: str, corners: tuple[float, ...], rate: float) -> bytes:
-    from scipy.signal import butter  # takes its time to import: only who measures pays for it
+    from scipy.signal import butter  # slow to import: only sessions with body signals need it
 
     edge = corners[0] if len(corners) == 1 else list(corners)
     sos: Floats = butter(order, edge, kind, fs=rate, output="sos")
@@ -30,17 +30,17 @@ def _sections(order: int, kind: str, corners: tuple[float, ...], rate: float) ->
 
 
 def band_pass(order: int, low: float, high: float, rate: float) -> Floats:
-    """Butterworth band-pass from low to high [Hz] as second order sections, shape [order, 6]."""
+    """Return a Butterworth band-pass from low to high [Hz] as second order sections, shape [order, 6]."""
     return _sections(order, "bandpass", (min(low, 0.5 * _HIGHEST * rate), high), rate)
 
 
 def low_pass(order: int, corner: float, rate: float) -> Floats:
-    """Butterworth low-pass, shape [ceil(order / 2), 6]."""
+    """Return a Butterworth low-pass as second order sections, shape [ceil(order / 2), 6]; `corner` in [Hz]."""
     return _sections(order, "lowpass", (corner,), rate)
 
 
 def delay_of(sos: Floats, frequency: float, rate: float) -> float:
-    """Group delay of sections at a frequency [samples]."""
+    """Return the group delay of second order sections at a frequency [Hz] in samples."""
 
     def phase(f: float) -> float:
         z = np.exp(-2j * np.pi * f / rate)

@@ -1,4 +1,4 @@
-"""Skin conductance: tonic level, responses (SCRs), quality."""
+"""Skin conductance: tonic level (SCL), phasic responses (SCRs), signal quality."""
 
 from __future__ import annotations
 
@@ -14,16 +14,21 @@ from mimics_app.dsp.kernels.slow import TURN_STATE, find_responses
 __all__ = ["Gsr"]
 
 _SMOOTH_HZ = 2.0
+"""Corner of the low-pass [Hz]."""
 _LEAST = 0.02
 """Smallest response that counts [uS]; 0.01 to 0.05 is the convention (Boucsein 2012)."""
 _WINDOW_S = 60.0
+"""Window of the response rate, their sum and the slope of the level [s]."""
+_COVERED = 0.4
+"""Share of the window that must be covered by contact for these."""
 _TONIC_S = 10.0
+"""Window of the tonic level, and longest loss of contact after which the history remains valid [s]."""
 _JUMP = 8.0
-"""No skin changes by so much in a second [uS]."""
+"""Change of the median level within a second above which the contact is taken as lost [uS]."""
 
 
 class Gsr(Channel):
-    """SCRs within half a second of their peak; the tonic level is the median of the smoothed signal at the troughs."""
+    """SCRs, detected within half a second of their peak; the tonic level is the 20 % quantile of the last 10 s."""
 
     name: ClassVar[str] = "gsr"
     latency_s: ClassVar[float] = 0.5
@@ -39,6 +44,7 @@ class Gsr(Channel):
         self._out = np.zeros((16, 4))
         self._smooth = np.zeros(self._length)
         self._levels: deque[float] = deque(maxlen=round(_WINDOW_S))
+        self._contact_s = 0.0
         self._responses: deque[tuple[float, float]] = deque()
 
     def _take(self, piece: Floats) -> list[Event]:
@@ -60,16 +66,20 @@ class Gsr(Channel):
         while self._responses and self._responses[0][0] < now_s - _WINDOW_S:
             self._responses.popleft()
         if quality == 0.0:
+            if now_s - self._contact_s > _TONIC_S:
+                self._levels.clear()
+                self._responses.clear()
             return Found({}, 0.0)
+        self._contact_s = now_s
         self._levels.append(float(self._smooth[-1]))
         levels = np.array(self._levels)
         tonic = float(np.quantile(levels[-round(_TONIC_S) :], 0.2))
-        covered = min(len(levels), _WINDOW_S)
         features = {
             "scl": tonic,
             "phasic": float(self._smooth[-1]) - tonic,
         }
-        if covered >= 0.4 * _WINDOW_S:
+        covered = min(len(levels), _WINDOW_S)
+        if covered >= _COVERED * _WINDOW_S:
             features["scr_rate"] = 60.0 * len(self._responses) / covered
             features["scr_sum"] = 60.0 * sum(size for _, size in self._responses) / covered
             minutes = np.arange(len(levels)) / 60.0

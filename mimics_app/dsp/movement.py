@@ -1,4 +1,4 @@
-"""Movement: speed and power of the hand as features like any other, over the last seconds."""
+"""Movement: features of the speed of the hand and of its mechanical power."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from mimics_app.dsp.filters import Floats
 __all__ = ["Power", "Speed"]
 
 _WINDOW_S = 10
+"""Window of the features of the speed [s]."""
 
 
 class Speed(Channel):
-    """Speed of the hand [m/s]: its mean, and how smooth it is."""
+    """Speed of the hand [m/s]: mean and smoothness over the last 10 s."""
 
     name: ClassVar[str] = "speed"
     latency_s: ClassVar[float] = 1.0
@@ -30,11 +31,13 @@ class Speed(Channel):
         return []
 
     def _look_back(self, raw: Floats) -> Found:
-        self._seconds.append(np.nan_to_num(raw))
+        self._seconds.append(raw[np.isfinite(raw)])
         speed = np.concatenate(self._seconds)
+        if not len(speed):
+            return Found({}, 0.0)
         peak = float(speed.max())
         features = {"hand_speed": float(np.mean(speed))}
-        if peak > 0.01:  # of a hand at rest nothing is smooth or rough
+        if peak > 0.01:  # a hand at rest has no smoothness
             turns = int(np.count_nonzero(np.diff(np.sign(np.diff(speed))) < 0))
             features["hand_peaks_per_s"] = turns * self.rate / len(speed)
             features["hand_evenness"] = float(np.mean(speed) / peak)
@@ -42,7 +45,7 @@ class Speed(Channel):
 
 
 class Power(Channel):
-    """Mechanical power the person puts in [W]."""
+    """Mechanical power of the person on the device [W]: its mean over a second."""
 
     name: ClassVar[str] = "power"
     latency_s: ClassVar[float] = 1.0

@@ -1,4 +1,4 @@
-"""Breath: rate, depth, ratio of in-breath to out-breath, their variability, quality."""
+"""Breathing: rate, depth, ratio of in-breath to out-breath, variability, signal quality."""
 
 from __future__ import annotations
 
@@ -14,12 +14,15 @@ from mimics_app.dsp.kernels.slow import TURN_STATE, find_breaths
 __all__ = ["Resp"]
 
 _BAND = (0.05, 1.0)
+"""Band-pass [Hz]."""
 _WINDOW_S = 60.0
+"""Window of the variability [s]."""
 _SHORT_S = 25.0
+"""Window of rate, depth and ratio [s]."""
 
 
 class Resp(Channel):
-    """A breath is known within a second of the turn that ends it."""
+    """Breaths, each detected within a second of the trough that ends it."""
 
     name: ClassVar[str] = "resp"
     latency_s: ClassVar[float] = 1.0

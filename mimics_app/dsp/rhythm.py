@@ -1,7 +1,7 @@
-"""Heart rhythm from R peaks as they come: beats missed, beats too many and early beats set apart, then its variability.
+"""Heart rhythm from a stream of R peaks: classification of the RR intervals, heart rate and its variability.
 
-After Lipponen & Tarvainen, J Med Eng Technol 43(3), 2019, made causal: an interval is judged when the next one is
-known. What is not normal is left out of the variability, never filled in.
+After Lipponen & Tarvainen, J Med Eng Technol 43(3), 2019, made causal: an interval is classified when the next one is
+known. Intervals that are not normal are left out of the variability, never interpolated.
 """
 
 from __future__ import annotations
@@ -15,24 +15,28 @@ from mimics_app.dsp.filters import Floats
 __all__ = ["Rhythm"]
 
 _LONGEST_S = 200.0
-"""What is kept [s]: LF/HF looks at three minutes."""
+"""Length of the history [s]: LF/HF takes three minutes."""
 _WINDOW_S = 60.0
+"""Window of SDNN, RMSSD and pNN50 [s]."""
 _SPECTRUM_S = 180.0
+"""Window of LF and HF [s]."""
 _LEAST_SPECTRUM_S = 120.0
+"""Shortest history for LF and HF [s]."""
 _SPECTRUM_EVERY_S = 5.0
+"""Period in which the spectrum is computed anew [s]."""
 _RESAMPLED = 4.0
-"""Rate at which the intervals are resampled for their spectrum [Hz]."""
+"""Resampling rate of the intervals for their spectrum [Hz]."""
 _LF, _HF = (0.04, 0.15), (0.15, 0.4)
-"""Bands [Hz]; Task Force, Circulation 93, 1996."""
+"""Bands of the heart-rate variability [Hz]; Task Force, Circulation 93, 1996."""
 _PLAUSIBLE = (0.27, 2.0)
-"""RR intervals of 222 to 30 beats a minute [s]."""
+"""Range of plausible RR intervals, 222 to 30 beats a minute [s]."""
 
 
 class Rhythm:
-    """The intervals of one heart.
+    """The RR intervals of one person.
 
     Attributes:
-        counts: Of intervals that were "normal", "missed", "extra", "ectopic".
+        counts: Number of intervals by class: "normal", "missed" (a beat), "extra", "ectopic".
     """
 
     def __init__(self) -> None:
@@ -47,7 +51,7 @@ class Rhythm:
         self._spectrum_at, self._found_spectrum = -np.inf, dict[str, float]()
 
     def beat(self, t_s: float) -> float | None:
-        """A beat at this time [s]; its interval [s], None where there is none before it."""
+        """Take a beat at a time [s] and return its RR interval [s], None for the first one after a pause."""
         if self._last is None or t_s - self._last > 2.0 * _PLAUSIBLE[1]:
             self._last, self._pending, self._after_pause = t_s, None, True
             return None
@@ -60,11 +64,11 @@ class Rhythm:
         return interval
 
     def pause(self) -> None:
-        """Contact was lost: the next interval is none."""
+        """Note that contact was lost: the next beat has no interval."""
         self._last, self._pending, self._after_pause = None, None, True
 
     def _judge(self, first: tuple[float, float], second: tuple[float, float]) -> tuple[float, float] | None:
-        """Judge an interval now that the next one is known; what is pending then."""
+        """Classify an interval now that the next one is known, and return the one to be classified next."""
         usual = float(np.median(self._recent)) if len(self._recent) >= 3 else first[1]
         limit = max(5.2 * float(np.median(self._jumps)) if len(self._jumps) >= 5 else 0.3 * usual, 0.1 * usual)
         both = first[1] + second[1]
@@ -77,7 +81,7 @@ class Rhythm:
         elif first[1] < usual - limit and second[1] > usual + 0.3 * limit:
             self.counts["ectopic"] += 1
             self._after_pause = True
-            return None  # the pause after it is none either
+            return None  # the compensatory pause after it is not normal either
         elif abs(first[1] - usual) > 2.0 * limit:
             self.counts["ectopic"] += 1
             self._after_pause = True
@@ -96,19 +100,19 @@ class Rhythm:
             self._normal.popleft()
 
     def intervals(self, since_s: float) -> tuple[Floats, Floats, Floats]:
-        """Times, lengths [s] and whether each follows the one before it, of the normal intervals since a time."""
+        """Return times and lengths [s] of the normal intervals since a time, and whether each follows the last."""
         rows = self._rows()
         rows = rows[np.searchsorted(rows[:, 0], since_s) :]
         return rows[:, 0], rows[:, 1], rows[:, 2]
 
     def _rows(self) -> Floats:
-        """The normal intervals as a table; made anew only when there is a new one."""
+        """Return the normal intervals as a table, cached until there is a new one."""
         if self._table is None:
             self._table = np.array(self._normal, float).reshape(-1, 3)
         return self._table
 
     def features(self, now_s: float) -> dict[str, float]:
-        """Heart rate and variability as they stand; what has no full window yet is not there."""
+        """Return heart rate and variability; a measure whose window is not covered yet is left out."""
         times, lengths, follows = self.intervals(now_s - _WINDOW_S)
         found: dict[str, float] = {}
         if len(lengths) < 3 or now_s - times[-1] > 5.0:
@@ -129,7 +133,7 @@ class Rhythm:
         return found | self._found_spectrum
 
     def _spectrum(self, now_s: float) -> dict[str, float]:
-        """LF and HF power [ms^2] and their ratio over three minutes, from two on."""
+        """Return LF and HF power [ms^2] and their ratio over three minutes, {} before two have passed."""
         times, lengths, _ = self.intervals(now_s - _SPECTRUM_S)
         if len(times) < 60 or times[-1] - times[0] < _LEAST_SPECTRUM_S:
             return {}

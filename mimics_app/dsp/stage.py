@@ -1,4 +1,4 @@
-"""The signal processing stage: each signal has its channel; once a second what all of them found becomes a frame."""
+"""The signal processing stage: one channel per signal, one frame of features per second."""
 
 from __future__ import annotations
 
@@ -20,26 +20,26 @@ from mimics_app.dsp.resp import Resp
 __all__ = ["CHANNELS", "NullDsp", "PhysioDsp"]
 
 CHANNELS: dict[str, Callable[[float], Channel]] = {c.name: c for c in (Ecg, Gsr, Emg, Resp, Speed, Power)}
-"""What becomes of a signal, by its name; signals of other names are recorded and left alone."""
+"""Processing of each signal by its name; signals of other names are recorded and not processed."""
 
 _SECOND = 1_000_000_000
 _SILENT_NS = 3 * _SECOND
-"""A signal of which nothing came for so long says nothing any more."""
+"""Time without samples after which the quality of a signal is 0 [ns]."""
 
 
 class NullDsp:
-    """Finds no features, whatever arrives."""
+    """Stage of a scene without body signals: every frame is empty."""
 
     def process(self, signals: Sequence[SignalBlock], now_ns: int) -> FeatureFrame:
-        """A frame without features, of this time."""
+        """Return a frame without features at this time."""
         return FeatureFrame(now_ns)
 
 
 class PhysioDsp:
-    """Streams, causal, in constant memory.
+    """Causal streaming processing in constant memory.
 
     Args:
-        on_event: Called with the name of a signal and each event found in it.
+        on_event: Called with the name of a signal and each event detected in it.
     """
 
     def __init__(self, on_event: Callable[[str, Event], None] = lambda name, event: None) -> None:
@@ -51,14 +51,14 @@ class PhysioDsp:
 
     @property
     def channels(self) -> dict[str, Channel]:
-        """The signals that came so far, by name."""
+        """The channels of the signals received so far, by name."""
         return self._channels
 
     def process(self, signals: Sequence[SignalBlock], now_ns: int) -> FeatureFrame:
-        """Take blocks; the newest frame, a new one each second of the session.
+        """Process blocks and return the newest frame; there is a new one each second of the session.
 
         Raises:
-            DeviceError: A signal comes too slowly to be read, or changes its rate.
+            DeviceError: The rate of a signal is out of range, or has changed.
         """
         for block in signals:
             self._take(block, now_ns)
@@ -68,13 +68,13 @@ class PhysioDsp:
         return self._frame
 
     def save(self) -> dict[str, Any]:
-        """All that is remembered."""
+        """Return the whole state."""
         rest = {"heard": dict(self._heard), "frame": self._frame, "second": self._second}
         channels = {name: (channel.rate, channel.save()) for name, channel in self._channels.items()}
         return copy.deepcopy({"channels": channels, **rest})
 
     def restore(self, saved: dict[str, Any]) -> None:
-        """Go back to what `save` gave; what follows is the same, bit for bit."""
+        """Set the state to one that `save` returned; the processing continues from it bit for bit."""
         self._channels = {}
         for name, (rate, state) in saved["channels"].items():
             self._channels[name] = CHANNELS[name](rate)
@@ -89,7 +89,7 @@ class PhysioDsp:
             channel = self._channels[block.name] = _open(block)
         elif channel.rate != block.rate:
             raise DeviceError(
-                f'the signal "{block.name}" came at {channel.rate:g} Hz and now at {block.rate:g} Hz',
+                f'the rate of the signal "{block.name}" changed from {channel.rate:g} Hz to {block.rate:g} Hz',
                 "set the amplifier to one rate",
             )
         self._heard[block.name] = now_ns
@@ -107,7 +107,7 @@ class PhysioDsp:
         return FeatureFrame(now_ns, values | self._of_two(values), quality)
 
     def _of_two(self, values: dict[str, float]) -> dict[str, float]:
-        """What needs two signals: the heart's answer to the breath (RSA, peak to trough) [ms]."""
+        """Return features of two signals: respiratory sinus arrhythmia (RSA, peak to trough) [ms]."""
         ecg, resp = self._channels.get("ecg"), self._channels.get("resp")
         if not isinstance(ecg, Ecg) or not isinstance(resp, Resp) or "breath_rate" not in values:
             return {}
@@ -124,7 +124,7 @@ def _open(block: SignalBlock) -> Channel:
     lowest = getattr(CHANNELS[block.name], "lowest_rate", 0.0)
     if not lowest <= block.rate <= 20_000.0:
         raise DeviceError(
-            f'the signal "{block.name}" comes at {block.rate:g} Hz, too slow or too fast to be read',
-            f"between {lowest:g} and 20000 Hz",
+            f'the rate of the signal "{block.name}" is {block.rate:g} Hz, which cannot be processed',
+            f"set a rate from {lowest:g} to 20000 Hz",
         )
     return CHANNELS[block.name](block.rate)

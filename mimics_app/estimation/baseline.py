@@ -1,4 +1,4 @@
-"""How each person is at rest: the first minutes say what is usual, and later features are scaled by their spread."""
+"""Baseline of a person's features at rest: mean and standard deviation over the calibration."""
 
 from __future__ import annotations
 
@@ -14,17 +14,20 @@ _LEAST_SPREAD = {
     "breath_rate": 1.0,
     "emg": 0.002,
 }
-"""Smallest standard deviation a baseline is given [unit of the feature]: two quiet minutes underestimate it."""
+"""Smallest standard deviation of a baseline [unit of the feature]: two minutes at rest underestimate it."""
+
+_LEAST_FRAMES = 10
+"""Smallest number of frames with a feature for a baseline of it."""
 
 
 class Baseline:
-    """Mean and spread of features over the calibration.
+    """Mean and standard deviation of features over the calibration.
 
     Args:
-        seconds: Length of the calibration: a frame of features a second.
+        seconds: Length of the calibration [s], with one frame of features per second.
 
     Attributes:
-        done: Whether it is over.
+        done: Whether the calibration is over.
     """
 
     def __init__(self, seconds: float = 60.0) -> None:
@@ -34,7 +37,7 @@ class Baseline:
         self.done = False
 
     def add(self, values: Mapping[str, float]) -> None:
-        """A second of rest; nothing once it is done."""
+        """Take the features of a second of rest; ignored after the calibration."""
         if self.done:
             return
         self._frames += 1
@@ -47,14 +50,14 @@ class Baseline:
         self.done = self._frames >= self._wanted
 
     def z(self, name: str, values: Mapping[str, float]) -> float | None:
-        """A feature in standard deviations from rest; None without it, or without a baseline of it."""
+        """Return a feature in standard deviations from rest; None without the feature or its baseline."""
         n, mean, square = self._sums.get(name, (0, 0.0, 0.0))
-        if name not in values or n < 10:
+        if name not in values or n < _LEAST_FRAMES:
             return None
         spread = max((square / (n - 1)) ** 0.5, _LEAST_SPREAD[name])
         return (values[name] - mean) / spread
 
     def offset(self, name: str, values: Mapping[str, float]) -> float | None:
-        """A feature less its mean at rest, in its own unit."""
+        """Return a feature less its mean at rest, in its own unit; None without the feature or its baseline."""
         n, mean, _ = self._sums.get(name, (0, 0.0, 0.0))
-        return None if name not in values or n < 10 else values[name] - mean
+        return None if name not in values or n < _LEAST_FRAMES else values[name] - mean

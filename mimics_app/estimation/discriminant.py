@@ -1,4 +1,4 @@
-"""The state, its load by a discriminant: from body signals all the time, with the success of a trial when it ends."""
+"""Estimator whose load comes from a linear discriminant of body signals and of the success of each trial."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ __all__ = ["DiscriminantEstimation"]
 
 
 class DiscriminantEstimation:
-    """Arousal, valence and effort as the Kalman fusion estimates them; the load from a discriminant trained on many.
+    """Arousal, valence and effort by the Kalman fusion, load by a discriminant trained on many people.
 
     Args:
-        fusion: Calibrates, explains the heart by work, and says when nothing is known.
-        lda: Fixed, or following the person. In a session nobody is asked: it learns by how likely each class is.
+        fusion: Fusion, which also provides the features relative to rest and decides when the state is unknown.
+        lda: Fixed or adaptive discriminant. It adapts without labels, weighted by the probability of each class.
     """
 
     def __init__(self, fusion: FusionEstimation, lda: Lda) -> None:
@@ -27,7 +27,7 @@ class DiscriminantEstimation:
         self._seen_ns = -1
 
     def update(self, features: FeatureFrame) -> UserState:
-        """The state as of these features; the same for the same frame, but for a trial that ended since."""
+        """Return the state after a frame of features; for the same frame the same, updated by trials that ended."""
         if features.t_ns != self._seen_ns:
             self._seen_ns = features.t_ns
             self._state = self._fusion.update(features)
@@ -37,7 +37,7 @@ class DiscriminantEstimation:
         return self._state
 
     def judge(self, result: TrialResult) -> UserState:
-        """The state with the success of a trial; steps and practice say nothing."""
+        """Return the state updated by the success of a trial; steps and practice do not count."""
         if self._state.load is None or result.practice or result.outcome == "step":
             return self._state
         self._state = replace(self._state, t_ns=result.t_ns, load=self._load(result.performance))

@@ -1,4 +1,4 @@
-"""What work does to the heart, so that what is left can be read as arousal."""
+"""Effect of mechanical work on the heart rate, whose residual indicates arousal."""
 
 from __future__ import annotations
 
@@ -9,18 +9,24 @@ __all__ = ["EffortModel"]
 _ON_S, _OFF_S = 35.0, 50.0
 """Time constants of the heart rate [s]: 30 to 60, recovery slower (Linnarsson 1974; Hunt et al. 2015)."""
 _FORGET_S = 600.0
+"""Time in which the variance of the gain grows by the first one [s]."""
 _FIRST_GAIN = 10.0
-"""Heart rate per unit of effort before anything is known of the person [1/min]."""
+"""Prior heart rate per unit of effort [1/min]."""
 _FIRST_VARIANCE = 36.0
+"""Prior variance of the gain [1/min^2]."""
 _NOISE = 16.0
-"""Variance of heart rate that is not work [1/min^2]."""
+"""Variance of the heart rate that is not due to work [1/min^2]."""
 
 
 class EffortModel:
-    """Effort from mechanical power by first-order kinetics, and its gain on this heart by recursive estimation.
+    """Effort from mechanical power by first-order kinetics, and its gain on the heart rate by a scalar Kalman filter.
 
     Args:
         full_power: Mechanical power that counts as full effort [W].
+
+    Attributes:
+        effort: Present effort, 0 to 1.5.
+        gain: Heart rate per unit of effort [1/min].
     """
 
     def __init__(self, full_power: float = 1.5) -> None:
@@ -30,18 +36,18 @@ class EffortModel:
         self._variance = _FIRST_VARIANCE
 
     def step(self, power: float | None, seconds: float) -> float:
-        """Let time pass under a mechanical power [W]; None: not measured, the effort fades. The effort, 0 to 1.5."""
+        """Advance by a time under a mechanical power [W] and return the effort; None: not measured, taken as 0."""
         work = 0.0 if power is None else min(max(power / self._full, 0.0), 1.5)
         slow = _ON_S if work > self.effort else _OFF_S
         self.effort += -math.expm1(-seconds / slow) * (work - self.effort)
         return self.effort
 
     def residual(self, heart: float, *, learn: bool) -> float:
-        """Heart rate over rest less what the work explains [1/min]; `learn`: the gain may follow this sample."""
+        """Return the heart rate over rest less the effect of work [1/min]; `learn`: update the gain by this sample."""
         left = heart - self.gain * self.effort
         if learn and self.effort > 0.05:
             self._variance += _FIRST_VARIANCE / _FORGET_S
-            noise = _NOISE * 30.0  # samples of one second go together for about half a minute
+            noise = _NOISE * 30.0  # samples one second apart are correlated over about half a minute
             k = self._variance * self.effort / (self.effort**2 * self._variance + noise)
             self.gain = min(max(self.gain + k * left, 0.0), 40.0)
             self._variance *= 1.0 - k * self.effort

@@ -1,4 +1,4 @@
-"""State of the person by a Kalman filter over arousal: each feature is a noisy view of it, noisier when it is bad."""
+"""State of the person by a Kalman filter of arousal: each feature is an observation, noisier at low quality."""
 
 from __future__ import annotations
 
@@ -12,39 +12,47 @@ from mimics_app.estimation.effort import EffortModel
 __all__ = ["FusionEstimation", "load_of"]
 
 _STEP_S = 1.0
+"""Step of the filter: one frame of features [s]."""
 _TAU_S = 40.0
-"""Arousal returns to rest with this time constant where nothing is seen [s]."""
+"""Time constant with which arousal returns to rest without observations [s]."""
 _DRIVE = 0.02
-"""Variance that a second adds to arousal."""
+"""Process noise of arousal: variance per step."""
+_INNOVATION = 1.5
+"""Limit of an observation of arousal."""
+_LEAST_QUALITY = 0.2
+"""Signal quality below which features are not used."""
 _VIEWS = {
     "heart": (0.22, 1.4),
     "scr_rate": (0.25, 1.5),
     "scl": (0.20, 2.0),
     "rmssd": (-0.35, 1.5),
 }
-"""Arousal per standard deviation of each feature from rest, and the feature's own noise in standard deviations. At full
+"""Arousal per standard deviation of each feature from rest, and the feature's noise in standard deviations. At full
 arousal the heart beats some 12/min faster (spread of rest 2 to 3), ten more SCRs come in a minute (2 to 3), the level
 rises by 1 to 2 uS (0.25), and RMSSD falls by a third to a half (6 ms): Boucsein, Electrodermal Activity, 2012; Kim et
 al., Psychiatry Investig 15(3), 2018."""
 _SIGNAL = {"heart": "ecg", "rmssd": "ecg", "scr_rate": "gsr", "scl": "gsr"}
+"""Signal of each feature."""
 _CORRELATED_S = 25.0
-"""Features look at the last 10 to 60 s: views a second apart are hardly new, so their noise counts so many times."""
+"""Correlation time of the features, whose windows are 10 to 60 s: factor on the noise of observations 1 s apart."""
 _UNKNOWN = 0.9
-"""Standard deviation of arousal above which it is not known."""
+"""Standard deviation of arousal above which it is unknown."""
 _VALENCE_VARIANCE = 0.3
-"""Body signals hardly show valence: wide, whatever they say."""
+"""Variance of valence, which body signals hardly show."""
 _EFFORT_HEART = 2.0
-"""Least spread of the heart rate over rest [1/min]."""
+"""Smallest standard deviation of the heart rate at rest [1/min]."""
+_BAND = (-0.3, 0.35)
+"""Arousal of a task that is a challenge; below it the person is under-challenged, above it over-challenged."""
 
 
 class FusionEstimation:
-    """Effort from work first, then arousal from what it leaves; "not known" where signals are bad or at the start.
+    """Effort from mechanical work, then arousal from the residual; unknown at low signal quality and at the start.
 
     Args:
         baseline_s: Length of the calibration at rest [s].
 
     Attributes:
-        seen: The newest features as standard deviations from rest; of the heart what work does not explain.
+        seen: Newest features in standard deviations from rest; the heart rate without the effect of work.
     """
 
     def __init__(self, baseline_s: float = 60.0) -> None:
@@ -55,7 +63,7 @@ class FusionEstimation:
         self._state = UserState(-1)
 
     def update(self, features: FeatureFrame) -> UserState:
-        """The state as of these features; the same state for the same frame."""
+        """Return the state after a frame of features; the same state for the same frame."""
         if features.t_ns == self._state.t_ns:
             return self._state
         values, quality = features.values, features.quality
@@ -64,7 +72,7 @@ class FusionEstimation:
             self._baseline.add(values)
         self._step(values, quality)
         body = [quality[name] for name in ("ecg", "gsr") if name in quality]
-        known = self._baseline.done and self._variance < _UNKNOWN**2 and bool(body) and max(body) > 0.2
+        known = self._baseline.done and self._variance < _UNKNOWN**2 and bool(body) and max(body) > _LEAST_QUALITY
         effort = None
         if "hand_power" in values:
             effort = Estimate(min(self._effort.effort, 1.0), 0.02)
@@ -79,26 +87,26 @@ class FusionEstimation:
         return self._state
 
     def judge(self, result: TrialResult) -> UserState:
-        """A trial is over: the state is the body's alone, and stays."""
+        """Return the present state: it depends on body signals alone."""
         return self._state
 
     def _step(self, values: Mapping[str, float], quality: Mapping[str, float]) -> None:
-        """Predict, then take each view in turn."""
+        """Predict, then update by each observation in turn."""
         self._mean *= math.exp(-_STEP_S / _TAU_S)
         self._variance = self._variance * math.exp(-2.0 * _STEP_S / _TAU_S) + _DRIVE
         self.seen = self._seen(values)
         for name, (gain, noise) in _VIEWS.items():
             good = quality.get(_SIGNAL[name], 0.0)
-            if good < 0.2 or name not in self.seen:
+            if good < _LEAST_QUALITY or name not in self.seen:
                 continue
             variance = (abs(gain) * noise) ** 2 * _CORRELATED_S / good**2
-            innovation = max(min(gain * self.seen[name], 1.5), -1.5) - self._mean
+            innovation = max(min(gain * self.seen[name], _INNOVATION), -_INNOVATION) - self._mean
             k = self._variance / (self._variance + variance)
             self._mean += k * innovation
             self._variance *= 1.0 - k
 
     def _seen(self, values: Mapping[str, float]) -> dict[str, float]:
-        """Features as standard deviations from rest; of the heart what work does not explain."""
+        """Return the features in standard deviations from rest; the heart rate without the effect of work."""
         seen: dict[str, float] = {}
         heart = self._baseline.offset("heart_rate", values)
         if heart is not None:
@@ -113,16 +121,16 @@ class FusionEstimation:
         return seen
 
     def _valence(self) -> Estimate:
-        """Little more than: great arousal is seldom pleasant in a task."""
+        """Return the valence, of which little is known: high arousal in a task is seldom pleasant."""
         return Estimate(-0.4 * max(math.tanh(self._mean), 0.0), _VALENCE_VARIANCE)
 
 
 def load_of(mean: float, variance: float) -> tuple[float, float, float]:
-    """Probability that arousal is below, within or above the band of a task that is just right."""
+    """Return the probability that arousal is below, within or above the band of a challenge."""
     deviation = math.sqrt(variance)
 
     def below(limit: float) -> float:
         return 0.5 * math.erfc((mean - limit) / (deviation * math.sqrt(2.0)))
 
-    low, high = below(-0.3), below(0.35)
+    low, high = map(below, _BAND)
     return low, high - low, 1.0 - high

@@ -1,9 +1,8 @@
-"""Under-challenged, challenged or over-challenged: linear discriminants, fixed or following the person.
+"""Load of the person, under-challenged, challenged or over-challenged, by a fixed or an adaptive linear discriminant.
 
-Both are trained on the trials of many people. The fixed one sees what people differ by as noise. The adaptive one takes
-it for what it is: the class means of this person are unknown, distributed as they were among those people, and each
-trial says more of them (a Kalman filter over the class means; after the adaptive classifier of Koenig et al., IEEE
-TNSRE 19(4), 2011).
+Both are trained on the trials of many people. The fixed one treats differences between people as noise. The adaptive
+one estimates the class means of this person: their prior is the distribution among those people, and each trial updates
+them by a Kalman filter (after the adaptive classifier of Koenig et al., IEEE TNSRE 19(4), 2011).
 """
 
 from __future__ import annotations
@@ -19,19 +18,19 @@ Floats = NDArray[np.float64]
 
 _CLASSES = 3
 _SHRINKAGE = 0.1
-"""Share by which covariances are drawn to their diagonals: few people, many features (Ledoit & Wolf, 2004)."""
+"""Shrinkage of covariances to their diagonals: few people, many features (Ledoit & Wolf, 2004)."""
 _DRIFT = 0.01
-"""Growth of the variance of the class means per trial, as a share of what people differ by: they tire and get used."""
+"""Process noise of the class means per trial, as a share of the variance between people: fatigue and habituation."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoadModel:
-    """What many people's trials say.
+    """Statistics of the trials of many people.
 
     Attributes:
-        means: Of the classes [3, f].
-        within: Covariance of the trials of one class of one person [f, f].
-        between: Covariance of the class means among people [3 f, 3 f], class by class.
+        means: Means of the classes [3, f].
+        within: Covariance of the trials within a class of a person [f, f].
+        between: Covariance of the class means between people [3 f, 3 f], class by class.
     """
 
     means: Floats
@@ -40,11 +39,11 @@ class LoadModel:
 
 
 def train_load(features: Floats, classes: NDArray[np.int64]) -> LoadModel:
-    """Learn from labelled trials.
+    """Train the model on labelled trials.
 
     Args:
-        features: Of each trial of each person, shape [people, trials, f]; NaN: not known, taken as at the mean.
-        classes: 0 to 2, shape [people, trials].
+        features: Features of each trial, shape [people, trials, f]; NaN: unknown, replaced by the mean.
+        classes: Class of each trial, 0 to 2, shape [people, trials].
 
     Raises:
         ValueError: A person has no trial of a class, or there are fewer than three people.
@@ -59,7 +58,7 @@ def train_load(features: Floats, classes: NDArray[np.int64]) -> LoadModel:
     freedom = left.shape[0] * (left.shape[1] - _CLASSES)
     within = _shrunk(np.einsum("ptf,ptg->fg", left, left) / max(freedom, 1))
     away = (own - means).reshape(people, _CLASSES * f)
-    noise = np.kron(np.eye(_CLASSES), within) * _CLASSES / features.shape[1]  # of a mean of a few trials
+    noise = np.kron(np.eye(_CLASSES), within) * _CLASSES / features.shape[1]  # variance of the mean of a few trials
     between = _positive(_shrunk(away.T @ away / (people - 1)) - noise)
     return LoadModel(means, within, between)
 
@@ -70,14 +69,14 @@ def _shrunk(covariance: Floats) -> Floats:
 
 
 def _positive(covariance: Floats) -> Floats:
-    """The nearest covariance: directions in which people differ by less than nothing are flat."""
+    """Return the nearest positive definite matrix: negative eigenvalues are set to a small positive one."""
     values, vectors = np.linalg.eigh(covariance)
     nearest: Floats = (vectors * np.maximum(values, 1e-4)) @ vectors.T
     return nearest
 
 
 class Lda:
-    """A fixed discriminant."""
+    """A fixed linear discriminant."""
 
     def __init__(self, model: LoadModel) -> None:
         self.means = model.means.copy()
@@ -87,7 +86,7 @@ class Lda:
         self._spread[:] = self._spread.mean(axis=0)
 
     def probabilities(self, features: Floats) -> Floats:
-        """Of each class, shape [3], of one feature vector [f]; what is NaN is left out of the comparison."""
+        """Return the probability of each class, shape [3], for a feature vector [f]; NaN features are left out."""
         known = np.flatnonzero(np.isfinite(features))
         if not len(known):
             return np.full(_CLASSES, 1.0 / _CLASSES)
@@ -101,11 +100,11 @@ class Lda:
         return result
 
     def learn(self, features: Floats, label: int | None) -> None:
-        """A trial is over: nothing is taken from it."""
+        """Do nothing: this discriminant does not adapt."""
 
 
 class AdaptiveLda(Lda):
-    """Follows the person: after each trial the means of all classes are what a Kalman filter makes of them."""
+    """A linear discriminant whose class means are tracked by a Kalman filter, updated after each trial."""
 
     def __init__(self, model: LoadModel) -> None:
         super().__init__(model)
@@ -114,7 +113,7 @@ class AdaptiveLda(Lda):
         self._split()
 
     def learn(self, features: Floats, label: int | None) -> None:
-        """A trial is over; `label` where it is known (the person was asked), else each class as far as it is likely."""
+        """Update by a trial: by its class if `label` is given, else by all classes weighted by probability."""
         known = np.flatnonzero(np.isfinite(features))
         if not len(known):
             return
@@ -128,13 +127,13 @@ class AdaptiveLda(Lda):
         self._split()
 
     def _updated(self, flat: Floats, features: Floats, known: NDArray[np.int64], k: int) -> tuple[Floats, Floats]:
-        """Means and their covariance, had the trial been of class k."""
+        """Return the class means and their covariance under the assumption that the trial is of class k."""
         places = known + k * self.means.shape[1]
         seen = self._covariance[:, places]
         gain = np.linalg.solve(self._covariance[np.ix_(places, places)] + self._within[np.ix_(known, known)], seen.T).T
         return flat + gain @ (features[known] - flat[places]), self._covariance - gain @ seen.T
 
     def _split(self) -> None:
-        """The variance of each class's own mean, which its trials have beside that within a person."""
+        """Take the covariance of each class mean, which adds to that within the class."""
         f = self.means.shape[1]
         self._spread = self._covariance.reshape(_CLASSES, f, _CLASSES, f)[range(_CLASSES), :, range(_CLASSES), :]

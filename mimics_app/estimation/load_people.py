@@ -1,4 +1,4 @@
-"""Trials of many people whose load is known: what the discriminants are trained on and tested with."""
+"""Labelled trials of many people, on which the discriminants are trained and tested."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class LoadPeople:
-    """Their trials.
+    """Labelled trials.
 
     Attributes:
-        family: Of each person, a number, shape [p].
-        features: See `trial_view.FEATURES`, shape [p, t, f].
+        family: Number of each person's family, shape [p].
+        features: Features of each trial, see `trial_view.FEATURES`, shape [p, t, f].
         classes: True class of each trial, shape [p, t].
         fusion: Probabilities of the classes by the Kalman fusion, mean of the last half minute, [p, t, 3].
     """
@@ -38,8 +38,8 @@ class LoadPeople:
         """Write a JSON file.
 
         Args:
-            path: Of the file.
-            what: Whose trials they are, in words.
+            path: Name of the file.
+            what: Description of the people.
 
         Raises:
             OSError: It cannot be written.
@@ -52,10 +52,10 @@ class LoadPeople:
 
     @staticmethod
     def read(path: Path) -> LoadPeople:
-        """Read what `write` wrote.
+        """Read a file that `write` wrote.
 
         Raises:
-            SceneError: The file is not there, or is none.
+            SceneError: The file is missing, or holds no trials.
         """
         try:
             data = json.loads(path.read_text(encoding="utf-8"))
@@ -69,5 +69,5 @@ class LoadPeople:
 
 @cache
 def shipped_people() -> LoadPeople:
-    """The simulated people that come with the product."""
+    """Return the trials of the simulated people shipped with the product."""
     return LoadPeople.read(root() / "assets" / "load_people.json")

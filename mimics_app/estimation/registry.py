@@ -1,4 +1,4 @@
-"""Every method to estimate the state of a person that a session can take, by name."""
+"""Registry of the estimators of the person's state."""
 
 from __future__ import annotations
 
@@ -27,29 +27,29 @@ ESTIMATORS: dict[str, Callable[[float], Estimation]] = {
     "lda": _discriminant(Lda),
     "adaptive_lda": _discriminant(AdaptiveLda),
 }
-"""Called with the length of the calibration [s]. All estimate arousal, valence and effort by the Kalman fusion and
-differ in the load."""
+"""Estimators by name, each called with the length of the calibration [s]. All estimate arousal, valence and effort by
+the Kalman fusion and differ in the load."""
 
 DEFAULT = "adaptive_lda"
-"""Estimates the load of unseen people best (chart "load of the person")."""
+"""Default estimator: the most accurate on the load of unseen people (chart "load of the person")."""
 
 
 def check_estimator(name: str) -> None:
-    """Refuse an estimator that is not there; "" is the default.
+    """Check that an estimator exists; "" is the default.
 
     Raises:
-        UsageError: With the nearest name.
+        UsageError: There is none of this name.
     """
     if name and name not in ESTIMATORS:
         raise UsageError(f'there is no estimator "{name}"', nearest(name, ESTIMATORS))
 
 
 def build_estimation(name: str, baseline_s: float) -> Estimation:
-    """An estimator by its name, "" for the default.
+    """Build an estimator by its name, "" for the default.
 
     Raises:
         UsageError: There is none of this name.
-        SceneError: What it is trained on does not lie in the installation.
+        SceneError: Its training data are missing from the installation.
     """
     check_estimator(name)
     return ESTIMATORS[name or DEFAULT](baseline_s)

@@ -1,4 +1,4 @@
-"""The estimation stage of a scene that knows nothing of the person's state."""
+"""The estimation stage of a scene without body signals."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ __all__ = ["NullEstimation"]
 
 
 class NullEstimation:
-    """Claims nothing: every state stays None."""
+    """Estimator whose state is always unknown."""
 
     def update(self, features: FeatureFrame) -> UserState:
-        """An unknown state, of the features' time."""
+        """Return an unknown state at the time of the features."""
         return UserState(features.t_ns)
 
     def judge(self, result: TrialResult) -> UserState:
-        """Still unknown, of the result's time."""
+        """Return an unknown state at the time of the result."""
         return UserState(result.t_ns)

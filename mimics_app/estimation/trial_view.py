@@ -1,4 +1,4 @@
-"""What the body showed towards the end of a trial, and how the trial went, as one feature vector."""
+"""Feature vector of a trial for the discriminants: body signals at its end, and its success."""
 
 from __future__ import annotations
 
@@ -13,26 +13,27 @@ __all__ = ["FEATURES", "TrialView"]
 Floats = NDArray[np.float64]
 
 FEATURES = ("heart", "scr_rate", "scl", "rmssd", "breath_rate", "success")
-"""Of a trial, in this order; all but the last as standard deviations from rest, at most 6."""
+"""Features of a trial in this order; all but the last in standard deviations from rest."""
 _SECONDS = 30
-"""Over which they are averaged: the features themselves look at the minute before."""
+"""Averaging time [s]; the features themselves have windows of up to a minute."""
 _MOST = 6.0
+"""Limit of a feature [standard deviations]."""
 _SUCCESS = (3.0, 0.7)
-"""Success is given as three times what it has over 70 %: of the size of the others."""
+"""Gain and offset of the success, which scale it to the size of the other features."""
 
 
 class TrialView:
-    """Keeps the last half minute."""
+    """History of the features over the averaging time."""
 
     def __init__(self) -> None:
         self._rows: deque[list[float]] = deque(maxlen=_SECONDS)
 
     def see(self, seen: Mapping[str, float]) -> None:
-        """A second: features by name, as `FusionEstimation.seen` gives them."""
+        """Take the features of one second by name, see `FusionEstimation.seen`."""
         self._rows.append([float(np.clip(seen.get(name, np.nan), -_MOST, _MOST)) for name in FEATURES[:-1]])
 
     def features(self, success: float | None = None) -> Floats:
-        """Means of the last half minute and the success of the trial, shape [f]; NaN: not known."""
+        """Return the means over the averaging time and the success of the trial, shape [f]; NaN where unknown."""
         rows = np.array(self._rows, float).reshape(-1, len(FEATURES) - 1)
         counts = np.isfinite(rows).sum(axis=0)
         means = np.where(counts > 0, np.nansum(rows, axis=0) / np.maximum(counts, 1), np.nan)

@@ -1,4 +1,4 @@
-"""The input stage: one poll a frame gathers the window, the pointing devices and the body signals."""
+"""The input stage: one poll per frame reads the window, the pointing devices and the body signals."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ _STOP_NAMES = frozenset({"space", "pad_b"})
 
 
 class Inputs:
-    """What comes in.
+    """All inputs of a session.
 
     Args:
-        pointers: Pointing devices in order of precedence: the first that is active has the cursor; a stop requested
-            by any of them is a stop. Space and gamepad B stop even where no pointing device listens to the window.
-        signals: Recorders of body signals.
-        window: Whatever has a keyboard, a mouse and a gamepad; None headless.
+        pointers: Pointing devices in order of precedence: the first that is active moves the cursor; a stop requested
+            by any of them is a stop. Space and gamepad B stop even where no pointing device reads the window.
+        signals: Sources of body signals.
+        window: Window with keyboard, mouse and gamepad; None headless.
 
     Attributes:
-        frame: What the window reported at the last poll: the application reads close, resize and its hot keys here.
+        frame: Events and gamepad of the last poll: the application reads close, resize and its hot keys here.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class Inputs:
         self.frame = WindowFrame()
 
     def poll(self, now_ns: int) -> VRInput:
-        """Everything that arrived since the last frame."""
+        """Return everything that arrived since the last frame."""
         self.frame = self._read_window()
         pressed = pressed_names(self.frame.events)
         states = [state for source in self._pointers if (state := source.read(self.frame, now_ns)) is not None]
@@ -44,27 +44,27 @@ class Inputs:
         return VRInput(tuple(blocks), _one_pointer(states, stop=not _STOP_NAMES.isdisjoint(pressed)), pressed)
 
     def aim(self, aim: Aim | None) -> None:
-        """Pass what the scene asks the hand to do next to every pointing device."""
+        """Pass the next movement of the hand in the scene to every pointing device."""
         for source in self._pointers:
             source.aim(aim)
 
     def feel(self, experience: Experience) -> None:
-        """Pass what the person went through in this frame to every recorder of signals."""
+        """Pass what the person experienced in this frame to every source of body signals."""
         for source in self._signals:
             source.feel(experience)
 
     def close(self) -> None:
-        """Let go of the recorders of signals."""
+        """Close the sources of body signals."""
         for source in self._signals:
             source.close()
 
     @property
     def signals(self) -> tuple[SignalSource, ...]:
-        """The recorders of body signals; whoever takes the place of this stage takes them over."""
+        """The sources of body signals, for a stage that replaces this one."""
         return self._signals
 
     def hold_at(self, point_world: tuple[float, float, float]) -> None:
-        """The robot is being driven: rest all cursors at this point [m] until the person moves them."""
+        """Hold all cursors at a point [m], where the robot is being driven to, until the person moves them."""
         for source in self._pointers:
             source.hold_at(point_world)
 
@@ -76,7 +76,7 @@ class Inputs:
 
 
 def pressed_names(events: Sequence[InputEvent]) -> tuple[str, ...]:
-    """Keys ("m"), mouse buttons ("mouse_left") and gamepad buttons ("pad_a") that went down, without repeats."""
+    """Return the keys ("m"), mouse buttons ("mouse_left") and gamepad buttons ("pad_a") pressed, without repeats."""
     return tuple(
         _PREFIX[event.kind] + event.name
         for event in events

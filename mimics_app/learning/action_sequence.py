@@ -4,7 +4,7 @@ The file is a JSON list, each entry for a time or for a trial:
 
     [{"trial": 0, "values": {"radius": 1.2}}, {"t": 12.5, "values": {"stiffness": 800, "assistance": 0.5}}]
 
-`t` is seconds since the session's start, `trial` counts from 0. `x-` keys are ignored.
+`t` is the time since the session's start [s], `trial` counts from 0. `x-` keys are ignored.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ _KEYS = ("t", "trial", "values")
 
 @dataclass(frozen=True, slots=True)
 class TimedAction:
-    """An adaptation and when it is chosen.
+    """An action and the time at which it is chosen.
 
     Attributes:
-        at_s: Seconds since the session's start; 0 for one that waits for its trial.
-        action: What is chosen.
+        at_s: Time since the session's start [s]; 0 for an action that waits for its trial.
+        action: The action.
     """
 
     at_s: float
@@ -41,7 +41,7 @@ class TimedAction:
 
 
 class ActionSequence:
-    """Chooses each action of a list once, at its time, whatever the state of the person."""
+    """Learning stage that chooses each action of a list at its time, whatever the state of the person."""
 
     def __init__(self, actions: Sequence[TimedAction]) -> None:
         self._actions = sorted(actions, key=lambda timed: timed.at_s)
@@ -51,7 +51,7 @@ class ActionSequence:
     def choose(
         self, state: UserState, result: TrialResult | None, reward: float | None, now_ns: int
     ) -> TaskAction | None:
-        """The earliest action that is due and was not chosen yet; one a call, so that each is recorded on its own."""
+        """Return the earliest action that is due and not chosen yet; one per call, so that each is recorded."""
         if self._start_ns is None:
             self._start_ns = now_ns
         if self._next == len(self._actions):
@@ -67,7 +67,7 @@ def load_action_sequence(path: Path, space: ActionSpace) -> ActionSequence:
     """Read an action file against the limits of a scene.
 
     Raises:
-        SceneError: with every fault: no such file, no list, unknown parameters, values outside their limits.
+        SceneError: With every fault: no such file, no list, unknown parameters, values outside their limits.
     """
     file = str(path)
     document, issues = parse_json(read_bytes(path, file, _MAX_BYTES), file)

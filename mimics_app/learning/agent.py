@@ -1,4 +1,4 @@
-"""A policy at work in one session: from results and states to actions inside their limits, dwell times and costs."""
+"""The agent of a session: a policy whose actions respect limits, dwell times and costs of the parameters."""
 
 from __future__ import annotations
 
@@ -12,19 +12,25 @@ from mimics_app.learning.registry import EXPLORERS, build_policy
 __all__ = ["Agent"]
 
 _LOOKS = 3
-"""Values of a parameter that makes nothing harder, among which an exploring policy chooses where it has no steps."""
+"""Number of values to explore of a neutral parameter without steps."""
+_MOST_ARMS = 12
+"""Largest number of values to explore of a neutral parameter."""
+_SPREAD = 0.4
+"""Standard deviation of an arm's mean reward before any trial."""
+_DRAWS = 65
+"""Draws from which an arm and its propensity are taken."""
 
 
 class Agent:
-    """Chooses after each trial how hard the next one is; and where a reward comes without one, from then on.
+    """Learning stage that chooses the demand after each trial, and after each reward without a trial.
 
-    A policy that explores also chooses among the values of parameters that make nothing harder (what is seen, heard,
-    where an avatar is), each by what the rewards said of it.
+    With an exploring policy it also chooses the values of neutral parameters (appearance, sound, place of an avatar),
+    which make nothing harder, each by its own rewards.
 
     Args:
         policy: Name of a policy.
-        space: What may be chosen; what the therapist has vetoed is not in it.
-        seed: Of the session.
+        space: Parameters to choose, without those the therapist has vetoed.
+        seed: Seed of the session.
     """
 
     def __init__(self, policy: str, space: ActionSpace, seed: int) -> None:
@@ -42,18 +48,20 @@ class Agent:
     def choose(
         self, state: UserState, result: TrialResult | None, reward: float | None, now_ns: int
     ) -> TaskAction | None:
-        """After a trial, or a reward without one: what comes next; None where nothing is to change."""
+        """Return the action after a trial, or after a reward without one; None where nothing changes."""
         if result is None and reward is None:
             return None
         self._policy.learn(self._outcome(state, result, reward))
+        held = self._values if result is None else result.values
         for arms in self._arms:
-            arms.learn(reward)
+            arms.learn(reward, held.get(arms.name))
         choice = self._policy.act()
         values, propensity = self._wanted(float(choice.demand[0])), float(choice.propensity[0])
         for arms in self._arms:
-            value, chance = arms.act()
-            values[arms.name], propensity = value, propensity * chance
-        values = {name: value for name, value in values.items() if self._may_change(name, value, now_ns)}
+            if self._is_free(arms.name, now_ns):
+                value, chance = arms.act()
+                values[arms.name], propensity = value, propensity * chance
+        values = {n: value for n, value in values.items() if value != self._values[n] and self._is_free(n, now_ns)}
         for name in values:
             self._changed_ns[name] = now_ns
         self._values |= values
@@ -76,7 +84,7 @@ class Agent:
         )
 
     def _cost(self, result: TrialResult | None) -> float:
-        """What the change before this trial cost."""
+        """Return the cost of the trial's deviation from the defaults."""
         if result is None:
             return 0.0
         changed = ((p, result.values[p.name]) for p in self._space if p.name in result.values and p.high > p.low)
@@ -85,39 +93,38 @@ class Agent:
     def _wanted(self, demand: float) -> dict[str, float]:
         return {p.name: p.at_demand(demand) for p in self._space if p.harder != 0}
 
-    def _may_change(self, name: str, value: float, now_ns: int) -> bool:
-        if value == self._values[name]:
-            return False
+    def _is_free(self, name: str, now_ns: int) -> bool:
+        """Whether the dwell time of a parameter is over."""
         since = (now_ns - self._changed_ns[name]) / 1e9 if name in self._changed_ns else np.inf
         return since >= self._space[name].dwell_s
 
 
 class _Arms:
-    """One neutral parameter: values drawn by Thompson sampling from the rewards each of them had."""
+    """The values of one neutral parameter as a bandit with Thompson sampling."""
 
     def __init__(self, parameter: Parameter, rng: np.random.Generator) -> None:
         self.name = parameter.name
         count = round((parameter.high - parameter.low) / parameter.step) + 1 if parameter.step > 0.0 else _LOOKS
-        grid = np.linspace(parameter.low, parameter.high, min(count, 12))
+        grid = np.linspace(parameter.low, parameter.high, min(count, _MOST_ARMS))
         self._values = [parameter.clip(float(value)) for value in grid]
         self._rng = rng
         self._counts = np.zeros(len(self._values))
         self._means = np.zeros(len(self._values))
-        self._chosen: int | None = None
 
-    def learn(self, reward: float | None) -> None:
-        """What followed the value chosen last was worth this."""
-        if reward is None or self._chosen is None:
+    def learn(self, reward: float | None, value: float | None) -> None:
+        """Update the arm of the value that held in a trial by its reward; other values are ignored."""
+        if reward is None or value not in self._values:
             return
-        self._counts[self._chosen] += 1.0
-        self._means[self._chosen] += (reward - self._means[self._chosen]) / self._counts[self._chosen]
+        arm = self._values.index(value)
+        self._counts[arm] += 1.0
+        self._means[arm] += (reward - self._means[arm]) / self._counts[arm]
 
     def act(self) -> tuple[float, float]:
-        """A value and its propensity."""
-        spread = 0.4 / np.sqrt(self._counts + 1.0)
-        drawn = (self._means + spread * self._rng.standard_normal((65, len(self._values)))).argmax(axis=1)
-        self._chosen = int(drawn[0])
-        return self._values[self._chosen], float((np.count_nonzero(drawn == drawn[0]) + 0.5) / 65.5)
+        """Return a value and its propensity."""
+        spread = _SPREAD / np.sqrt(self._counts + 1.0)
+        drawn = (self._means + spread * self._rng.standard_normal((_DRAWS, len(self._values)))).argmax(axis=1)
+        share = (np.count_nonzero(drawn == drawn[0]) + 0.5) / (_DRAWS + 0.5)
+        return self._values[int(drawn[0])], float(share)
 
 
 def _one(value: float) -> Floats:

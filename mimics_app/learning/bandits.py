@@ -9,20 +9,21 @@ from mimics_app.learning.policy import LEVELS, Choice, Floats, Outcome
 __all__ = ["LinUcb", "Thompson"]
 
 _CENTRES = np.linspace(0.0, 1.0, 9)
+"""Centres of the radial basis functions over the demand."""
 _WIDTH = 0.16
-"""Rewards a little further apart than this in demand have little to do with each other."""
+"""Width of a radial basis function [demand]: rewards farther apart are nearly independent."""
 _FEATURES = len(_CENTRES) + 1
 _NOISE = 0.3
-"""Standard deviation of a reward; the prior of each weight is 1."""
+"""Standard deviation of a reward; the prior variance of each weight is 1."""
 _HOME = 0.35
-"""Before anything is learnt, a demand is worth less the further it is from where the session began [1/demand^2]."""
+"""Scale of the quadratic prior: distance from the first demand at which the expected reward is 1 lower [demand]."""
 
 
 class _LinearBandit:
-    """Rewards as a weighted sum of bumps over the demand, and of the step that the last trial called for."""
+    """Linear reward model: radial basis functions over the demand, and the step indicated by the last trial."""
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
-        """A session of people begins at these demands [n]."""
+        """Begin a session of people at these demands [n]."""
         n = len(start)
         self._rng = rng
         self._precision = np.tile(np.eye(_FEATURES), (n, 1, 1))
@@ -32,7 +33,7 @@ class _LinearBandit:
         self._asked = np.zeros(n)
 
     def learn(self, outcome: Outcome) -> None:
-        """A trial at a demand was worth its reward."""
+        """Update the model with the reward of a trial."""
         row = self._features(outcome.demand[:, None])[:, 0]
         known = np.isfinite(outcome.reward) & np.isfinite(row).all(axis=1)
         row = np.where(known[:, None], row, 0.0)
@@ -44,17 +45,17 @@ class _LinearBandit:
         self._asked = np.nan_to_num(outcome.performance - 0.7) - load
 
     def _features(self, demand: Floats) -> Floats:
-        """Of demands [n, levels], shape [n, levels, f]."""
+        """Return the features of demands [n, levels], shape [n, levels, f]."""
         bumps = np.exp(-0.5 * ((demand[:, :, None] - _CENTRES) / _WIDTH) ** 2)
         step = np.tanh((demand - self._place[:, None]) / 0.2) * np.tanh(4.0 * self._asked)[:, None]
         return np.concatenate([bumps, step[:, :, None]], axis=2)
 
     def _prior(self, demand: Floats) -> Floats:
-        """What demands [n, levels] are worth before anything is learnt."""
+        """Return the prior mean reward of demands [n, levels]."""
         return 0.3 - (demand - self._home[:, None]) ** 2 / _HOME**2
 
     def _model(self) -> tuple[Floats, Floats, Floats]:
-        """Features of every level [n, levels, f], mean reward [n, levels], covariance of the weights [n, f, f]."""
+        """Return features of all levels [n, levels, f], mean rewards [n, levels], weight covariance [n, f, f]."""
         levels = np.tile(LEVELS, (len(self._place), 1))
         features = self._features(levels)
         covariance: Floats = np.asarray(np.linalg.inv(self._precision), np.float64)
@@ -63,17 +64,17 @@ class _LinearBandit:
 
 
 class LinUcb(_LinearBandit):
-    """The level whose reward may be highest (Li et al., WWW 2010).
+    """LinUCB: the level with the largest upper confidence bound of the reward (Li et al., WWW 2010).
 
     Args:
-        width: Standard deviations above the mean.
+        width: Confidence bound in standard deviations above the mean.
     """
 
     def __init__(self, width: float = 0.3) -> None:
         self._width = width
 
     def act(self) -> Choice:
-        """The demands of the next trial."""
+        """Return the demands of the next trial."""
         features, mean, covariance = self._model()
         spread = np.sqrt(np.einsum("nlf,nfg,nlg->nl", features, covariance, features))
         best = np.argmax(mean + self._width * spread, axis=1)
@@ -81,18 +82,18 @@ class LinUcb(_LinearBandit):
 
 
 class Thompson(_LinearBandit):
-    """The best level of a model drawn from what is believed; its propensity is counted over further draws.
+    """Thompson sampling: the best level of a model drawn from the posterior; propensity from further draws.
 
     Args:
-        draws: For the propensity.
-        width: Of the draws, in standard deviations.
+        draws: Number of draws for the propensity.
+        width: Factor on the standard deviation of the posterior.
     """
 
     def __init__(self, draws: int = 64, width: float = 0.3) -> None:
         self._draws, self._width = draws, width
 
     def act(self) -> Choice:
-        """The demands of the next trial."""
+        """Return the demands of the next trial."""
         features, mean, covariance = self._model()
         root = np.linalg.cholesky(covariance)
         noise = self._width * self._rng.standard_normal((self._draws + 1, len(mean), _FEATURES))

@@ -1,4 +1,4 @@
-"""What a learning system is to bring about, as data: a share of success, a state in a band, the task's own."""
+"""Goals of a learning system, each a reward function: a share of success, a state in a band, the task's own."""
 
 from __future__ import annotations
 
@@ -13,32 +13,35 @@ __all__ = ["StateBand", "SuccessShare", "build_goal"]
 Quantity = Literal["arousal", "valence", "effort"]
 
 _EVERY_NS = 30_000_000_000
-"""A state is judged so often: bodies are slow."""
+"""Period of the rewards of a state: body signals are slow [ns]."""
 
 
 class SuccessShare:
-    """A challenge: success in a share of what is tried, neither more nor less.
+    """A challenge: success in a given share of the trials, neither more nor less.
 
     Args:
-        share: 0 to 1.
+        share: Share of success, 0 to 1.
     """
 
     def __init__(self, share: float = 0.7) -> None:
         self._share = share
 
     def reward(self, state: UserState, result: TrialResult | None) -> float | None:
-        """1 at the share, 0 at its near end and as far on the other side, at least -1; practice is worth nothing."""
+        """Return 1 at the share, falling linearly to 0 at the nearer end of the scale, at least -1.
+
+        None after practice or a step, which do not count.
+        """
         if result is None or result.practice or result.outcome == "step":
             return None
         return max(1.0 - abs(result.performance - self._share) / min(self._share, 1.0 - self._share), -1.0)
 
 
 class StateBand:
-    """A state of the person kept in a band, whatever the task comes to.
+    """A state of the person kept in a band, independent of the task.
 
     Args:
-        quantity: Of the state.
-        low, high: The band, in [-1, 1].
+        quantity: Which estimate of the state.
+        low, high: Limits of the band, in [-1, 1].
     """
 
     def __init__(self, quantity: Quantity, low: float, high: float) -> None:
@@ -46,7 +49,7 @@ class StateBand:
         self._next_ns: int | None = None
 
     def reward(self, state: UserState, result: TrialResult | None) -> float | None:
-        """1 inside the band, less by the distance from it; every half minute, and only while the state is known."""
+        """Return 1 inside the band, less by the distance outside it; every half minute while the state is known."""
         estimate = getattr(state, self._quantity)
         if self._next_ns is None:
             self._next_ns = state.t_ns + _EVERY_NS
@@ -58,10 +61,10 @@ class StateBand:
 
 
 def build_goal(words: str) -> Goal:
-    """A goal from its words: "task", "success:0.7", "arousal:-0.2:0.3".
+    """Build a goal from its text: "task", "success:0.7", "arousal:-0.2:0.3".
 
     Raises:
-        ValueError: There is no such goal, or its numbers cannot be.
+        ValueError: There is no such goal, or its numbers are out of range.
     """
     name, *numbers = words.split(":")
     values = [float(number) for number in numbers]

@@ -1,4 +1,4 @@
-"""What another policy would have been worth, from the log of one that says how likely each of its choices was."""
+"""Off-policy evaluation: the reward of a policy from the log of another one that recorded its propensities."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from mimics_app.learning.policy import Floats
 __all__ = ["Evaluation", "evaluate"]
 
 _LARGEST_WEIGHT = 20.0
-"""Weights beyond this are cut: a biased answer that is still good for something."""
+"""Upper limit of an importance weight: some bias for a smaller variance."""
 
 
 @dataclass(frozen=True, slots=True)
 class Evaluation:
-    """Of a policy by a log.
+    """Evaluation of a policy on a log.
 
     Attributes:
         mean: Self-normalised inverse propensity estimate of its reward.
-        low, high: 95 % interval of it.
-        effective: How many independent choices the log is worth for it.
+        low, high: 95 % confidence interval of the mean.
+        effective: Effective sample size of the log for this policy.
     """
 
     mean: float
@@ -31,15 +31,15 @@ class Evaluation:
 
 
 def evaluate(reward: Floats, propensity: Floats, wanted: Floats) -> Evaluation:
-    """Weigh each reward by how much likelier the other policy would have made that choice.
+    """Evaluate a policy by weighting each reward with the ratio of the propensities.
 
     Args:
-        reward: Of each choice, shape [n].
-        propensity: With which the logging policy made it, shape [n].
-        wanted: With which the policy to be judged would have made the same choice, shape [n].
+        reward: Reward of each choice, shape [n].
+        propensity: Propensity of the choice under the logging policy, shape [n].
+        wanted: Propensity of the same choice under the policy to be evaluated, shape [n].
 
     Raises:
-        ValueError: A propensity is not above 0, or nothing was logged.
+        ValueError: A propensity is not above 0, or the log is empty.
     """
     if not len(reward) or not (np.asarray(propensity) > 0.0).all():
         raise ValueError("a log needs choices, each with a propensity above 0")

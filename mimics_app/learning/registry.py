@@ -1,4 +1,4 @@
-"""Every policy there is: the built-in ones, and those of installed packages (entry points `mimics_app.policies`)."""
+"""Registry of policies: the built-in ones, and those of installed packages (entry points `mimics_app.policies`)."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ POLICIES: dict[str, Callable[[], Policy]] = {
     "sarsa": SarsaLambda,
     "actor_critic": ActorCritic,
 }
-"""Those that come with the product, by name."""
+"""Built-in policies by name."""
 
 EXPLORERS = frozenset({"random", "linucb", "thompson", "q", "sarsa", "actor_critic"})
-"""Policies that try what they do not know yet."""
+"""Built-in policies that explore."""
 
 
 def check_policy(name: str) -> None:
-    """Refuse a policy that is not there.
+    """Check that a policy exists.
 
     Raises:
-        UsageError: With the nearest name.
+        UsageError: There is none of this name.
     """
     names = [*POLICIES, *(point.name for point in entry_points(group=ENTRY_POINT_GROUP))]
     if name not in names:
@@ -46,7 +46,7 @@ def check_policy(name: str) -> None:
 
 
 def build_policy(name: str) -> Policy:
-    """A policy by its name.
+    """Build a policy by its name.
 
     Raises:
         UsageError: There is none of this name.

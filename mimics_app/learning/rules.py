@@ -1,4 +1,4 @@
-"""Policies that follow a rule: fixed, random, staircase, in proportion to success, and a tracker of skill."""
+"""Policies that follow a rule: fixed, random, staircase, proportional, and a Kalman tracker of the skill."""
 
 from __future__ import annotations
 
@@ -9,73 +9,73 @@ from mimics_app.learning.policy import LEVELS, Choice, Floats, Outcome, logit
 __all__ = ["Fixed", "KalmanSkill", "Proportional", "RandomLevel", "Staircase"]
 
 TARGET = 0.7
-"""Share of success that is a challenge: Metzger et al., JNER 11:154, 2014."""
+"""Share of success that counts as a challenge: Metzger et al., JNER 11:154, 2014."""
 
 
 class Fixed:
-    """Leaves the demand where the session began."""
+    """Keeps the demand of the session's beginning."""
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
-        """A session of people begins at these demands [n]."""
+        """Begin a session of people at these demands [n]."""
         self._demand = np.array(start, float)
 
     def act(self) -> Choice:
-        """The demands of the next trial."""
+        """Return the demands of the next trial."""
         return Choice(self._demand.copy(), np.ones(len(self._demand)))
 
     def learn(self, outcome: Outcome) -> None:
-        """Nothing is learnt."""
+        """Do nothing."""
 
 
 class RandomLevel(Fixed):
-    """Any of the levels, each as likely as the other."""
+    """Draws among the levels with equal probability."""
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
-        """A session of people begins at these demands [n]."""
+        """Begin a session of people at these demands [n]."""
         super().begin(start, rng)
         self._rng = rng
 
     def act(self) -> Choice:
-        """The demands of the next trial."""
+        """Return the demands of the next trial."""
         n = len(self._demand)
         return Choice(self._rng.choice(LEVELS, n), np.full(n, 1.0 / len(LEVELS)))
 
 
 class Staircase(Fixed):
-    """A step up after 80 % success and more, a step down below 60 %."""
+    """One step up after at least 80 % success, one step down below 60 %."""
 
     def __init__(self, step: float = 0.05) -> None:
         self._step = step
 
     def learn(self, outcome: Outcome) -> None:
-        """A trial is over."""
+        """Learn from a trial."""
         p = outcome.performance
         move = np.where(p >= 0.8, self._step, np.where(p < 0.6, -self._step, 0.0))
         self._demand = np.clip(self._demand + move, 0.0, 1.0)
 
 
 class Proportional(Fixed):
-    """Moves in proportion to what success lacks of, or has over, 70 %."""
+    """Moves in proportion to the difference between success and 70 %."""
 
     def __init__(self, gain: float = 0.25) -> None:
         self._gain = gain
 
     def learn(self, outcome: Outcome) -> None:
-        """A trial is over."""
+        """Learn from a trial."""
         move = self._gain * np.nan_to_num(outcome.performance - TARGET)
         self._demand = np.clip(self._demand + move, 0.0, 1.0)
 
 
 class KalmanSkill(Fixed):
-    """Tracks the demand at which this person succeeds in 70 %, from success and, where it says something, the load.
+    """Kalman filter of the demand at which this person succeeds in 70 %, observed by success and by the load.
 
-    Success p at demand d puts that demand at d + (logit p - logit 0.7) / slope. The load is a second, weaker view: a
-    person who is over-challenged at d has their place below it. Its weight follows how well it has agreed with success
-    so far, so that a body that does not show the load, or a load that has nothing to do with the demand, loses its say.
+    Success p at demand d observes that demand at d + (logit p - logit 0.7) / slope. The load is a second observation: a
+    person who is over-challenged at d has that demand below d. Its noise depends on its correlation with success so
+    far, so that the load of a non-responder, or one unrelated to the demand, loses its weight.
 
     Args:
         use_load: False: success alone.
-        slope: Of success over demand [logit per unit].
+        slope: Slope of success over demand [logit per unit].
     """
 
     def __init__(self, *, use_load: bool = True, slope: float = 10.0) -> None:
@@ -83,14 +83,14 @@ class KalmanSkill(Fixed):
         self._slope = slope
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
-        """A session of people begins at these demands [n]."""
+        """Begin a session of people at these demands [n]."""
         super().begin(start, rng)
         n = len(self._demand)
         self._variance = np.full(n, 0.2**2)
-        self._weights = np.zeros((n, 3))  # of the load against what success said: products, squares of either
+        self._weights = np.zeros((n, 3))  # correlation of load and success: products, squares of either
 
     def learn(self, outcome: Outcome) -> None:
-        """A trial is over."""
+        """Learn from a trial."""
         self._variance += 0.005**2
         p = outcome.performance
         away = (logit(p) - logit(np.array(TARGET))) / self._slope
@@ -101,7 +101,7 @@ class KalmanSkill(Fixed):
             self._take_load(outcome, away)
 
     def _take_load(self, outcome: Outcome, away: Floats) -> None:
-        """The second view, weighed by its record with this person."""
+        """Update by the load, with a noise that depends on its correlation with success."""
         load = np.nan_to_num(outcome.load)
         known = np.isfinite(outcome.load) & np.isfinite(outcome.demand)
         both = known & np.isfinite(away)

@@ -1,4 +1,4 @@
-"""The learning stage of a scene that is not adapted."""
+"""The learning stage of a scene without adaptation, and the goal of the task itself."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ __all__ = ["NullLearning", "TaskGoal"]
 
 
 class NullLearning:
-    """Leaves the task as it is."""
+    """Learning stage that never adapts the task."""
 
     def choose(
         self, state: UserState, result: TrialResult | None, reward: float | None, now_ns: int
     ) -> TaskAction | None:
-        """No adaptation."""
+        """Return None."""
         return None
 
 
 class TaskGoal:
-    """What the task itself finds good."""
+    """Goal: the task's own reward."""
 
     def reward(self, state: UserState, result: TrialResult | None) -> float | None:
-        """The reward of a trial that ended; practice is worth nothing."""
+        """Return the reward of a trial that ended; None after practice."""
         return None if result is None or result.practice else result.reward

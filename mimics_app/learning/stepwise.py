@@ -1,4 +1,4 @@
-"""Learning what to do next, step by step inside a trial: tabular values over a few places, within one session."""
+"""Step-by-step learning inside a trial: tabular Q(lambda) over a few states, within one session."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
 __all__ = ["GAPS", "StepAgent", "StepValues", "place_of"]
 
 GAPS = (0.5, 0.9, 1.4, 2.2)
-"""Borders of the bins of the distance between guide and person [m]: within Hall's zones, where most happens."""
+"""Borders of the bins of the distance between guide and person [m], within Hall's zones."""
 
 STATES = 2 * (len(GAPS) + 1)
-"""Bins of distance, with the guide behind the person as seen from the place, or between the two."""
+"""Number of states: bins of distance, with the guide behind the person as seen from the goal, or between the two."""
 
 
 def place_of(observed: Mapping[str, float]) -> int:
-    """The state of a step: `gap` from person to guide and `way` from person to place, both signed [m]."""
+    """Return the state of a step: `gap` from person to guide and `way` from person to goal, both signed [m]."""
     between = observed.get("gap", 0.0) * observed.get("way", 1.0) > 0.0
     return int(np.searchsorted(GAPS, abs(observed.get("gap", 0.0)))) + (len(GAPS) + 1) * between
 
 
 class StepValues:
-    """Values of deeds by state, learnt by Q(lambda) with a chance of trying another deed that wears off.
+    """Action values by state, learnt by Q(lambda) with an exploration rate that decays per state.
 
     Args:
-        deeds: How many there are.
-        rng: For what is tried.
-        learns: False: any deed, each as likely as the others.
+        deeds: Number of actions.
+        rng: Source of the exploration.
+        learns: False: all actions with equal probability.
     """
 
     def __init__(self, deeds: int, rng: np.random.Generator, *, learns: bool = True) -> None:
@@ -41,7 +41,7 @@ class StepValues:
         self._tried = np.zeros(STATES)
 
     def choose(self, state: int) -> tuple[int, float]:
-        """A deed and its propensity."""
+        """Return an action and its propensity."""
         explore = 1.0 if not self._learns else max(0.05, 0.5 / (1.0 + 0.15 * self._tried[state]))
         best = int(self.values[state].argmax())
         chances = np.full(self._deeds, explore / self._deeds)
@@ -50,7 +50,7 @@ class StepValues:
         return deed, float(chances[deed])
 
     def learn(self, state: int, deed: int, reward: float, following: int) -> None:
-        """A deed in a state was worth a reward and led on."""
+        """Update the values with the reward of an action in a state and the state that followed."""
         self._tried[state] += 1.0
         aim = reward + 0.8 * float(self.values[following].max())
         error = aim - self.values[state, deed]
@@ -60,12 +60,12 @@ class StepValues:
 
 
 class StepAgent:
-    """Chooses among the values of one stepped parameter after every step a task reports.
+    """Learning stage that chooses a value of one stepped parameter after every step of a task.
 
     Args:
         policy: "random", or any other name for learning.
-        parameter: What is chosen; its values are the deeds.
-        seed: Of the session.
+        parameter: The parameter; its values are the actions.
+        seed: Seed of the session.
     """
 
     def __init__(self, policy: str, parameter: Parameter, seed: int) -> None:
@@ -77,7 +77,7 @@ class StepAgent:
     def choose(
         self, state: UserState, result: TrialResult | None, reward: float | None, now_ns: int
     ) -> TaskAction | None:
-        """After each step the next deed; a trial that ended is forgotten, what it taught is not."""
+        """Return the next action after each step; the end of a trial ends the sequence, the values remain."""
         if result is None:
             return None
         if result.outcome != "step":

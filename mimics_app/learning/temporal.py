@@ -1,4 +1,4 @@
-"""Reinforcement learning over a few states and moves: tabular Q, SARSA(lambda), actor-critic with softmax moves."""
+"""Tabular reinforcement learning over changes of the demand: Q, SARSA(lambda), actor-critic with softmax policy."""
 
 from __future__ import annotations
 
@@ -9,24 +9,26 @@ from mimics_app.learning.policy import Choice, Floats, Outcome
 __all__ = ["ActorCritic", "SarsaLambda", "TabularQ"]
 
 MOVES = np.array([-0.2, -0.07, 0.0, 0.07, 0.2])
+"""Actions: changes of the demand."""
 _BINS = np.array([0.2, 0.45, 0.62, 0.78, 0.92])
+"""Borders of the bins of success."""
 STATES = (len(_BINS) + 1) * 3
-"""Bins of success times three of load."""
+"""Number of states: bins of success times three of load."""
 
 
 class _Table:
-    """What these have in common: where the demand is, which state was seen, which move was made.
+    """Base class: table of action values, present demand, last state and action.
 
     Args:
-        rate: Of learning.
-        discount: Of the next state.
+        rate: Learning rate.
+        discount: Discount factor.
     """
 
     def __init__(self, rate: float = 0.4, discount: float = 0.5) -> None:
         self._rate, self._discount = rate, discount
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
-        """A session of people begins at these demands [n]."""
+        """Begin a session of people at these demands [n]."""
         n = len(start)
         self._rng = rng
         self._demand = np.array(start, float)
@@ -37,7 +39,7 @@ class _Table:
         self._trials = 0
 
     def act(self) -> Choice:
-        """The demands of the next trial."""
+        """Return the demands of the next trial."""
         chances = self._chances(self._state)
         drawn = self._rng.random(len(self._rows))
         self._move = np.minimum((chances.cumsum(axis=1) < drawn[:, None]).sum(axis=1), len(MOVES) - 1)
@@ -45,7 +47,7 @@ class _Table:
         return Choice(self._demand.copy(), chances[self._rows, self._move])
 
     def _chances(self, state: np.ndarray) -> Floats:
-        """Probability of each move [n, moves]: mostly the best, less and less often any other."""
+        """Return the probability of each action [n, actions]: epsilon-greedy, with a decaying epsilon."""
         explore = max(0.05, 0.3 * (1.0 - self._trials / 15.0))
         values = self._table[self._rows, state]
         chances = np.full(values.shape, explore / len(MOVES))
@@ -53,7 +55,7 @@ class _Table:
         return chances
 
     def _see(self, outcome: Outcome) -> np.ndarray:
-        """The state after a trial [n]; the demand goes on from where it really was."""
+        """Return the state after a trial [n], and set the demand to the actual one."""
         self._trials += 1
         self._demand = np.where(np.isfinite(outcome.demand), outcome.demand, self._demand)
         success = np.searchsorted(_BINS, np.nan_to_num(outcome.performance, nan=0.7))
@@ -62,7 +64,7 @@ class _Table:
 
 
 def _first_values() -> Floats:
-    """Before anything is learnt a move is worth less the further it is from the rule in proportion, [states, moves]."""
+    """Return the initial values [states, actions]: lower the farther an action is from the proportional rule."""
     middle = np.array([0.1, 0.33, 0.53, 0.7, 0.85, 0.96])
     wanted = 0.5 * (middle - 0.7)
     values: Floats = np.repeat(-2.0 * np.abs(MOVES[None, :] - wanted[:, None]), 3, axis=0)
@@ -73,12 +75,12 @@ class TabularQ(_Table):
     """Q-learning (Watkins 1989)."""
 
     def learn(self, outcome: Outcome) -> None:
-        """A trial is over."""
+        """Learn from a trial."""
         following = self._see(outcome)
         best = self._table[self._rows, following].max(axis=1)
-        aim = np.nan_to_num(outcome.reward) + self._discount * best
+        aim = outcome.reward + self._discount * best
         old = self._table[self._rows, self._state, self._move]
-        self._table[self._rows, self._state, self._move] = old + self._rate * (aim - old)
+        self._table[self._rows, self._state, self._move] = old + self._rate * np.nan_to_num(aim - old)
         self._state = following
 
 
@@ -94,16 +96,16 @@ class SarsaLambda(_Table):
         self._trace = trace
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
-        """A session of people begins at these demands [n]."""
+        """Begin a session of people at these demands [n]."""
         super().begin(start, rng)
         self._traces = np.zeros_like(self._table)
 
     def learn(self, outcome: Outcome) -> None:
-        """A trial is over."""
+        """Learn from a trial."""
         following = self._see(outcome)
         expected = (self._chances(following) * self._table[self._rows, following]).sum(axis=1)
-        aim = np.nan_to_num(outcome.reward) + self._discount * expected
-        error = aim - self._table[self._rows, self._state, self._move]
+        aim = outcome.reward + self._discount * expected
+        error = np.nan_to_num(aim - self._table[self._rows, self._state, self._move])
         self._traces *= self._discount * self._trace
         self._traces[self._rows, self._state, self._move] = 1.0
         self._table += self._rate * error[:, None, None] * self._traces
@@ -111,12 +113,12 @@ class SarsaLambda(_Table):
 
 
 class ActorCritic(_Table):
-    """Preferences for moves and values of states, both tables (Sutton & Barto, 13.5)."""
+    """Actor-critic with tables of action preferences and state values (Sutton & Barto, 13.5)."""
 
     def begin(self, start: Floats, rng: np.random.Generator) -> None:
-        """A session of people begins at these demands [n]."""
+        """Begin a session of people at these demands [n]."""
         super().begin(start, rng)
-        self._table *= 10.0  # preferences: a quarter of a move's worth is a factor of twelve
+        self._table *= 10.0  # preferences: a difference of 0.25 in value is a factor of twelve in probability
         self._values = np.zeros((len(start), STATES))
 
     def _chances(self, state: np.ndarray) -> Floats:
@@ -126,12 +128,12 @@ class ActorCritic(_Table):
         return shares
 
     def learn(self, outcome: Outcome) -> None:
-        """A trial is over."""
+        """Learn from a trial."""
         before, moved = self._state, self._move
         chances = self._chances(before)
         following = self._see(outcome)
-        worth = np.nan_to_num(outcome.reward) + self._discount * self._values[self._rows, following]
-        error = worth - self._values[self._rows, before]
+        worth = outcome.reward + self._discount * self._values[self._rows, following]
+        error = np.nan_to_num(worth - self._values[self._rows, before])
         self._values[self._rows, before] += self._rate * error
         slope = -chances
         slope[self._rows, moved] += 1.0

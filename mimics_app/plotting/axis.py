@@ -1,4 +1,4 @@
-"""Axes of a drawing: where values lie between two ends, straight or by powers of ten, and where the grid stands."""
+"""Axes of a drawing, linear or logarithmic, with their grid lines and the format of their numbers."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ __all__ = ["Axis", "format_number", "format_ticks", "nice_ticks"]
 
 
 _TICKS = 6
-"""About so many lines of the grid along a straight axis."""
+"""Approximate number of grid lines of a linear axis."""
 _MOST_DECADES = 9
-"""At most so many along one by powers of ten."""
+"""Largest number of grid lines of a logarithmic axis."""
 _STEPS = (
     (1.0, (1.0, 2.0, 5.0)),
     (0.4, (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)),
     (0.0, (1.0, 1.1, 1.2, 1.4, 1.6, 1.8, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 7.0, 8.0, 9.0)),
 )
-"""Digits at which lines stand within a decade, by how many decades an axis has more than."""
+"""Digits of the grid lines within a decade, by the number of decades that the axis exceeds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,9 +31,9 @@ class Axis:
 
     Attributes:
         label: With its unit; "" draws none.
-        low, high: Ends, low < high; of a logarithmic axis positive.
-        log: By powers of ten.
-        at: Where the grid stands instead of at round values.
+        low, high: Ends, low < high; positive for a logarithmic axis.
+        log: Logarithmic.
+        at: Grid lines instead of those at round values.
     """
 
     label: str
@@ -44,7 +44,7 @@ class Axis:
 
     @classmethod
     def of(cls, label: str, *data: F8, margin: float = 0.04, zero: bool = False) -> Axis:
-        """An axis that holds all finite values, with a margin; `zero` makes it start at or below 0."""
+        """Return an axis that contains all finite values, with a margin; `zero` includes 0."""
         finite = np.concatenate([np.asarray(d, np.float64).ravel() for d in data]) if data else np.zeros(0)
         finite = finite[np.isfinite(finite)]
         low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
@@ -57,13 +57,13 @@ class Axis:
 
     @classmethod
     def around(cls, label: str, values: Sequence[float], *, log: bool = False, zero: bool = False) -> Axis:
-        """An axis with a little space around finite values; logarithmic ones take what is positive.
+        """Return an axis with a small margin around finite values, positive ones for a logarithmic axis.
 
         Args:
-            label: With its unit.
-            values: What is to be seen.
-            log: By powers of ten.
-            zero: A straight axis shall begin at 0 where nothing is negative.
+            label: Label with its unit.
+            values: Values to be shown.
+            log: Logarithmic.
+            zero: A linear axis begins at 0 where no value is negative.
         """
         seen = [float(value) for value in values if math.isfinite(value) and (value > 0.0 or not log)]
         if log:
@@ -75,25 +75,25 @@ class Axis:
         return cls(label, 0.0 if zero and low >= 0.0 else low - space, high + space)
 
     def share(self, values: F8) -> F8:
-        """Values as shares of the axis, 0 at `low` and 1 at `high`."""
+        """Return values as shares of the axis, 0 at `low` and 1 at `high`."""
         if self.log:
             shares: F8 = np.log(np.maximum(values, self.low) / self.low) / math.log(self.high / self.low)
             return shares
         return (np.asarray(values, np.float64) - self.low) / (self.high - self.low)
 
     def share_within(self, value: float) -> float:
-        """The share of one value; what is outside is put at the end."""
+        """Return the share of one value, clipped to the axis."""
         return float(self.share(np.array(min(max(value, self.low), self.high))))
 
     def ticks(self) -> list[float]:
-        """Where lines of the grid stand."""
+        """Return the values of the grid lines."""
         if self.at:
             return list(self.at)
         return _log_ticks(self.low, self.high) if self.log else nice_ticks(self.low, self.high)
 
 
 def nice_ticks(low: float, high: float) -> list[float]:
-    """Round numbers in [low, high], 1, 2 or 5 times a power of ten apart."""
+    """Return round numbers in [low, high], 1, 2 or 5 times a power of ten apart."""
     raw = (high - low) / _TICKS
     power = 10.0 ** math.floor(math.log10(raw))
     step = power * next((m for m in (1, 2, 5) if raw <= m * power * 1.0000001), 10)
@@ -102,7 +102,7 @@ def nice_ticks(low: float, high: float) -> list[float]:
 
 
 def _log_ticks(low: float, high: float) -> list[float]:
-    """Powers of ten in [low, high]; fewer of many, and further digits where there are few."""
+    """Return powers of ten in [low, high], thinned where there are many, with digits between where there are few."""
     first, last = math.ceil(math.log10(low) - 1e-9), math.floor(math.log10(high) + 1e-9)
     decades = math.log10(high / low)
     if decades < 2.5:
@@ -114,7 +114,7 @@ def _log_ticks(low: float, high: float) -> list[float]:
 
 
 def format_ticks(values: Sequence[float]) -> list[str]:
-    """Numbers along an axis, in one notation: where one is written as a power of ten, all whole powers are."""
+    """Format the numbers of an axis in one notation: all as powers of ten where one needs it and all are."""
     plain = [format_number(value) for value in values]
     exponents = [math.log10(value) if value > 0.0 else math.nan for value in values]
     whole = all(abs(exponent - round(exponent)) < 1e-9 for exponent in exponents if not math.isnan(exponent))
@@ -124,7 +124,7 @@ def format_ticks(values: Sequence[float]) -> list[str]:
 
 
 def format_number(value: float) -> str:
-    """A number for people: three or four digits, powers of ten as such, a true minus sign."""
+    """Format a number with three or four digits, powers of ten as such, and a true minus sign."""
     if value == 0.0:
         return "0"
     exponent = math.floor(math.log10(abs(value)) + 1e-12)

@@ -1,4 +1,4 @@
-"""A drawing that stands alone: one SVG file with its style sheet inside, light and dark; nothing is fetched."""
+"""A self-contained drawing: one SVG file with its style sheet, light and dark."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mimics_app.plotting.marks import circle, cross, element, joined, path, word
 __all__ = ["SERIES", "STYLE", "document", "legend", "swatch", "text_width"]
 
 SERIES = 8
-"""Colours for series; further ones begin again."""
+"""Number of colours for series, repeated beyond."""
 
 STYLE = """
 .lab { --paper: #ffffff; --ink: #1a2230; --soft: #566173; --rule: #dfe4ec; --bad: #b3261e; --front: #1559c9;
@@ -39,16 +39,16 @@ STYLE = """
 """
 
 _LETTER = 6.75
-"""About the width of a letter of 12 px [px]."""
+"""Approximate width of a letter of 12 px [px]."""
 
 
 def text_width(text: str, bold: bool = False) -> float:
-    """About how wide a text of 12 px is drawn [px]."""
+    """Return the approximate width of a text of 12 px [px]."""
     return _LETTER * (1.09 if bold else 1.0) * len(text)
 
 
 def legend(left: float, top: float, entries: Sequence[tuple[str, str, str]]) -> Markup:
-    """A row of what lines and points mean: (shape "line" | "dot" | "ring" | "cross", classes, words)."""
+    """Return a legend in a row, of entries (shape "line" | "dot" | "ring" | "cross", classes, text)."""
     parts: list[Markup] = []
     for shape, kind, words in entries:
         parts.append(swatch(shape, kind, left, top))

@@ -1,4 +1,4 @@
-"""Elements of a drawing: paths, circles, rectangles and words, each with its class in the style sheet."""
+"""SVG elements of a drawing: paths, circles, rectangles and text, each with its class in the style sheet."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ __all__ = ["circle", "cross", "element", "joined", "path", "pixels", "rect", "wo
 
 
 def element(tag: str, content: str = "", **attributes: object) -> Markup:
-    """One element: the one place where text and values of attributes are escaped (what is `Markup` already is not).
+    """Return one element. Text and attribute values are escaped here only (`Markup` is not escaped again).
 
-    `class_` is `class`, other low lines are hyphens, as in `text_anchor`; an attribute that is None is left out.
+    `class_` becomes `class`, other underscores hyphens, as in `text_anchor`; attributes of None are left out.
     """
     named = [
         Markup(' {}="{}"').format(name.rstrip("_").replace("_", "-"), value)
@@ -23,38 +23,38 @@ def element(tag: str, content: str = "", **attributes: object) -> Markup:
 
 
 def joined(parts: Sequence[str]) -> Markup:
-    """Parts one after another; text among them is escaped."""
+    """Return the concatenated parts; plain text among them is escaped."""
     return Markup().join(parts)
 
 
 def pixels(value: float) -> str:
-    """A place or length [px] as it is written: to a tenth."""
+    """Format a position or length [px] to a tenth."""
     return f"{value:.1f}"
 
 
 def path(kind: str, d: str, hover: str = "") -> Markup:
-    """A line along the commands `d`, with hover text."""
+    """Return a path with the commands `d`, with hover text."""
     return element("path", _title(hover), class_=kind, d=d)
 
 
 def circle(kind: str, x: float, y: float, radius: float, hover: str = "") -> Markup:
-    """A circle about a place [px], with hover text."""
+    """Return a circle about a point [px], with hover text."""
     return element("circle", _title(hover), class_=kind, cx=pixels(x), cy=pixels(y), r=f"{radius:g}")
 
 
 def cross(x: float, y: float, hover: str = "") -> Markup:
-    """A diagonal cross about a place [px], with hover text."""
+    """Return a diagonal cross about a point [px], with hover text."""
     return path("cross", f"M{x - 5:.1f} {y - 5:.1f}l10 10m0 -10l-10 10", hover)
 
 
 def rect(kind: str, corner: tuple[float, float, float, float], hover: str = "") -> Markup:
-    """A rectangle by its left, top, width and height [px], with hover text."""
+    """Return a rectangle by its left, top, width and height [px], with hover text."""
     x, y, width, height = map(pixels, corner)
     return element("rect", _title(hover), class_=kind, x=x, y=y, width=width, height=height)
 
 
 def word(x: float, y: float, text: str, kind: str | None = None, anchor: str | None = None) -> Markup:
-    """Words at a place [px]; `anchor` says where they are held: "start", "middle" or "end"."""
+    """Return text at a point [px]; `anchor` is "start", "middle" or "end"."""
     return element("text", text, class_=kind, x=pixels(x), y=pixels(y), text_anchor=anchor)
 
 

@@ -1,4 +1,4 @@
-"""Panels of a drawing: axes, points, lines, labels that keep off each other, and hover text."""
+"""Panels of a drawing: axes, points, lines, labels placed without overlap, and hover text."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ Box = tuple[float, float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """A word that belongs to a place of a panel and is put where it covers nothing.
+    """A label of a point in a panel, placed where it covers nothing.
 
     Attributes:
-        x, y: The place, in the panel's values.
-        text: The word.
+        x, y: The point, in values of the axes.
+        text: Text of the label.
         kind: Classes of the text.
-        clear: How much of the place is drawn over all around [px], beyond a small dot.
+        clear: Radius drawn over around the point, beyond a small dot [px].
     """
 
     x: float
@@ -76,12 +76,12 @@ class Panel:
         )
 
     def place(self, x: float, y: float) -> tuple[float, float]:
-        """A point of the panel in pixels of the drawing."""
+        """Return a point of the panel in pixels of the drawing."""
         left, top, right, bottom = self._frame
         return left + self.x.share_within(x) * (right - left), bottom - self.y.share_within(y) * (bottom - top)
 
     def line(self, points: Sequence[tuple[float, float]], kind: str, hover: str = "") -> None:
-        """A line through points; `kind`: its classes. Points a logarithmic axis cannot show are left out."""
+        """Draw a line through points; `kind`: its classes. Points that a logarithmic axis cannot show are left out."""
         shown = [point for point in points if self._can_show(point)]
         if len(shown) < 2:
             return
@@ -90,7 +90,7 @@ class Panel:
         self._parts.append(path(kind, "M" + "L".join(f"{px:.1f} {py:.1f}" for px, py in pixels), hover))
 
     def dot(self, x: float, y: float, kind: str, hover: str = "", radius: float = 4.5) -> None:
-        """A small circle with hover text."""
+        """Draw a small circle with hover text."""
         if not self._can_show((x, y)):
             return
         px, py = self.place(x, y)
@@ -98,17 +98,17 @@ class Panel:
         self._parts.append(circle(kind, px, py, radius, hover))
 
     def cross(self, x: float, y: float, hover: str = "") -> None:
-        """A mark for what fails."""
+        """Draw the mark of a failure."""
         px, py = self.place(x, y)
         self._marks.append((px, py))
         self._parts.append(cross(px, py, hover))
 
     def label(self, label: Label) -> None:
-        """A word to be put near its place."""
+        """Add a label."""
         self._labels.append(label)
 
     def entry(self, kind: str, text: str, words: str = "name") -> None:
-        """A line of the list in the panel's upper left corner: the classes of what is drawn, and of the words."""
+        """Add a line to the legend in the upper left corner: classes of the line, text, classes of the text."""
         self._entries.append((kind, text, words))
 
     def _can_show(self, point: tuple[float, float]) -> bool:
@@ -118,7 +118,7 @@ class Panel:
         return (x > 0.0 or not self.x.log) and (y > 0.0 or not self.y.log)
 
     def svg(self) -> Markup:
-        """The panel's part of the drawing."""
+        """Return the panel as part of the drawing."""
         return joined([*self._axes(), *self._parts, *self._words(), *self._list()])
 
     def _list(self) -> Iterable[Markup]:
@@ -158,7 +158,7 @@ class Panel:
             yield word(x, box[3] - 4, label.text, label.kind, anchor)
 
     def _badness(self, box: Box, taken: list[Box], px: float, py: float) -> float:
-        """How much a place for a word covers: outside, other words, points, lines; and how far off it is."""
+        """Return the cost of a label's box: area outside, overlap with labels, points and lines, distance."""
         left, top, right, bottom = self._frame
         outside = max(0.0, left - box[0], box[2] - right) + max(0.0, top - box[1], box[3] - bottom)
         points = sum(_inside(box, mark, 5.0) for mark in self._marks if mark != (px, py))
@@ -169,7 +169,7 @@ class Panel:
         return 60.0 * outside + 20.0 * words + 400.0 * points + 6.0 * crossings + doubt + distance
 
     def _doubt(self, box: Box, px: float, py: float) -> float:
-        """0 for a word that stands much nearer to its own point than to any other, rising to 1."""
+        """Return the ambiguity of a label: 0 if it is much nearer to its own point than to any other, up to 1."""
         own = 1.5 * math.dist(_nearest_in(box, (px, py)), (px, py)) + 4.0
         others = (math.dist(_nearest_in(box, mark), mark) for mark in self._marks if mark != (px, py))
         return max(0.0, 1.0 - min(others, default=math.inf) / own)
@@ -185,14 +185,14 @@ def _candidates(px: float, py: float, label: Label) -> Iterable[Box]:
 
 
 def _anchor(box: Box, px: float) -> tuple[float, str]:
-    """Where a word is held [px] and how: on the side of its place, which a wider letter then cannot cover."""
+    """Return position [px] and anchor of a label: on the side of its point, which wider letters then do not cover."""
     if box[2] <= px:
         return box[2], "end"
     return (box[0], "start") if box[0] >= px else ((box[0] + box[2]) / 2, "middle")
 
 
 def _nearest_in(box: Box, point: tuple[float, float]) -> tuple[float, float]:
-    """The point of a box nearest to another one."""
+    """Return the point of a box nearest to a point."""
     return min(max(point[0], box[0]), box[2]), min(max(point[1], box[1]), box[3])
 
 
@@ -201,14 +201,14 @@ def _inside(box: Box, point: tuple[float, float], room: float) -> bool:
 
 
 def _overlap(a: Box, b: Box) -> float:
-    """Common area of two boxes [px^2], with a little room between them."""
+    """Return the common area of two boxes [px^2], with a small margin."""
     width = min(a[2], b[2]) - max(a[0], b[0]) + 4.0
     height = min(a[3], b[3]) - max(a[1], b[1])
     return max(width, 0.0) * max(height, 0.0)
 
 
 def _along(path: list[tuple[float, float]]) -> Iterable[tuple[float, float]]:
-    """Points about 8 px apart on a line."""
+    """Yield points about 8 px apart on a line."""
     for (ax, ay), (bx, by) in pairwise(path):
         steps = max(1, round(math.hypot(bx - ax, by - ay) / 8.0))
         for i in range(steps):

@@ -1,4 +1,4 @@
-"""Plots as inline SVG: axes, lines, bands, bars and legends, coloured by the style sheet of the page they stand in.
+"""Plots as inline SVG: axes, lines, bands, bars and legends, coloured by the style sheet of their page.
 
 A plot is markup to a template (`__html__`): every element is made in `marks`, which escapes text and attributes.
 """
@@ -20,16 +20,16 @@ __all__ = ["Plot", "envelope"]
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62.0, 22.0, 10.0, 40.0
 _GRID_PX = 0.25
 _WIDTH, _MOST_HEIGHT = 860.0, 620.0
-"""Of a plot [px]; the height of one whose axes have the same scale follows from their ranges."""
+"""Width, and largest height of a plot with equal scales, whose height follows from its ranges [px]."""
 
 
 def envelope(x: F8, y: F8, buckets: int = 900) -> tuple[F8, F8]:
-    """Thin a trace for drawing so that no peak is lost: of each bucket its lowest and highest point, in their order.
+    """Thin a trace for drawing, preserving peaks: the lowest and highest point of each bucket, in their order.
 
     Args:
         x: Ascending, shape [n].
         y: Shape [n]; values that are not finite are left out.
-        buckets: Into how many equal parts of the index range the trace is cut.
+        buckets: Number of equal parts of the index range.
 
     Returns:
         x and y of at most 2 * buckets points; the trace itself when it is no longer than that.
@@ -50,12 +50,12 @@ def envelope(x: F8, y: F8, buckets: int = 900) -> tuple[F8, F8]:
 
 @dataclass
 class Plot:
-    """One drawing. Things are drawn in the order they are added; a template writes it as markup.
+    """One plot. Elements are drawn in the order they are added; a template writes it as markup.
 
     Attributes:
         x, y: The axes.
-        width, height: Of the whole drawing [px].
-        title: What it shows, for people who cannot see it.
+        title: Description for people who cannot see it.
+        width, height: Size of the whole drawing [px].
     """
 
     x: Axis
@@ -68,7 +68,7 @@ class Plot:
 
     @classmethod
     def equal(cls, x: Axis, y: Axis, title: str) -> Plot:
-        """A plot whose axes have the same scale; the shorter range is widened."""
+        """Return a plot with equal scales; the shorter range is widened."""
         inner = _WIDTH - _LEFT - _RIGHT
         span_x, span_y = x.high - x.low, y.high - y.low
         inner_height = min(max(span_y / span_x * inner, 150.0), _MOST_HEIGHT)
@@ -85,14 +85,14 @@ class Plot:
         return _LEFT + self.x.share(x) * width, _TOP + (1.0 - self.y.share(y)) * height
 
     def line(self, x: F8, y: F8, kind: str, name: str = "") -> None:
-        """A line through points; `kind` is its class in the style sheet, `name` its entry in the legend."""
+        """Draw a line through points; `kind` is its class in the style sheet, `name` its entry in the legend."""
         d = self._path(np.asarray(x, np.float64), np.asarray(y, np.float64))
         if d:
             self._parts.append(path(f"line {kind}", d, name))
         self._name("line", kind, name)
 
     def _path(self, x: F8, y: F8) -> str:
-        """Polyline without the points that fall on the same quarter of a pixel; not-a-number lifts the pen."""
+        """Return a polyline without points on the same quarter of a pixel; NaN interrupts it."""
         px, py = self._pixels(x, y)
         gx, gy = np.round(px / _GRID_PX), np.round(py / _GRID_PX)
         text: list[str] = []
@@ -109,7 +109,7 @@ class Plot:
         return "".join(text)
 
     def spans(self, starts: F8, ends: F8, kind: str, name: str = "") -> None:
-        """Vertical bands between two places of the x axis each."""
+        """Draw vertical bands between pairs of x values."""
         zeros = np.zeros(len(starts))
         left, right = self._pixels(starts, zeros)[0], self._pixels(ends, zeros)[0]
         height = self._inner[1]
@@ -119,7 +119,7 @@ class Plot:
         self._name("fill", kind, name)
 
     def bars(self, edges: F8, heights: F8, kind: str, name: str = "") -> None:
-        """A histogram: bar i from edges[i] to edges[i + 1]."""
+        """Draw a histogram: bar i from edges[i] to edges[i + 1]."""
         left, top = self._pixels(edges[:-1], heights)
         right = self._pixels(edges[1:], heights)[0]
         base = _TOP + self._inner[1]
@@ -130,19 +130,19 @@ class Plot:
         self._name("fill", kind, name)
 
     def points(self, x: F8, y: F8, kind: str, name: str = "", hovers: list[str] | None = None) -> None:
-        """Small circles, each with its own hover text."""
+        """Draw small circles, each with its own hover text."""
         px, py = self._pixels(np.asarray(x, np.float64), np.asarray(y, np.float64))
         for i, (a, b) in enumerate(zip(px.tolist(), py.tolist(), strict=True)):
             self._parts.append(circle(f"point {kind}", a, b, 4.0, hovers[i] if hovers else name))
         self._name("point", kind, name)
 
     def word(self, x: float, y: float, text: str, anchor: str = "middle") -> None:
-        """A word in the drawing; `anchor` is "start", "middle" or "end"."""
+        """Draw text; `anchor` is "start", "middle" or "end"."""
         px, py = (float(p[0]) for p in self._pixels(np.array([x]), np.array([y])))
         self._parts.append(word(px, py, text, "name", anchor))
 
     def mark_x(self, value: float, text: str, row: int = 0) -> None:
-        """A vertical line with a word beside it; rows are one line of text apart."""
+        """Draw a vertical line with text beside it; rows are one line of text apart."""
         px = float(self._pixels(np.array([value]), np.array([self.y.high]))[0][0])
         bottom = _TOP + self._inner[1]
         self._parts.append(path("line mark", f"M{px:.1f} {_TOP:g}V{bottom:g}"))
@@ -153,7 +153,7 @@ class Plot:
             self._legend.append((shape + " " + kind, name))
 
     def __html__(self) -> Markup:
-        """The drawing and its legend as one HTML figure: what a template writes for a plot."""
+        """Return the drawing and its legend as one HTML figure, for templates."""
         size = f"0 0 {self.width:g} {self.height:g}"
         inside = joined([*self._grid(), *self._parts, *self._frame()])
         drawing = element("svg", inside, viewBox=size, role="img", aria_label=self.title)

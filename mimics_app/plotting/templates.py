@@ -1,4 +1,4 @@
-"""Templates of pages: every text is escaped by the template engine."""
+"""Template engine for pages, with automatic escaping."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["load_templates"]
 
 
 def load_templates(folder: Path, **filters: Callable[[Any], str]) -> Environment:
-    """The template engine over a folder, with filters by name; imported here: who writes no page does not need it."""
+    """Return the template engine for a folder, with filters by name; Jinja is imported only where a page is written."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(

@@ -1,3 +1,3 @@
-"""What a session leaves on disk: recorder process, run folder, reading it back, recovery, replay data, report."""
+"""Recording of sessions: recorder process, run folder, reader, recovery, replay data, report."""
 
 __all__: list[str] = []

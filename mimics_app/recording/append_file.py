@@ -1,4 +1,4 @@
-"""A file that only grows, and that never keeps half of what was appended."""
+"""Append-only file that never keeps part of a block."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _sync = getattr(os, "fdatasync", os.fsync)  # macOS has no fdatasync
 
 
 class AppendFile:
-    """Append whole blocks to a file through one descriptor, without a buffer of its own.
+    """An unbuffered file to which whole blocks are appended.
 
     Attributes:
-        length: Bytes in the file, all of them of whole blocks.
+        length: Length of the file [bytes].
     """
 
     def __init__(self, path: Path, *, resume_at: int | None = None) -> None:
-        """Make the file, which must not exist; or open it and cut it to `resume_at` bytes."""
+        """Create the file, which must not exist; or open it and truncate it to `resume_at` bytes."""
         flags = os.O_WRONLY | (os.O_CREAT | os.O_EXCL if resume_at is None else os.O_CREAT)
         self._descriptor = os.open(path, flags, PRIVATE_FILE)
         self.length = resume_at or 0
@@ -38,16 +38,16 @@ class AppendFile:
         self._unsynced = False
 
     def claim(self) -> None:
-        """Mark the file as being written until this process lets it go or dies; see `is_claimed`."""
+        """Lock the file until this process closes it or dies; see `is_claimed`."""
         if fcntl is not None:
             with suppress(OSError):  # a disk without locks
                 fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
     def append(self, data: bytes | bytearray | memoryview) -> None:
-        """Write all of it.
+        """Append a block.
 
         Raises:
-            OSError: The disk is full or failed; what had been written of this block is cut off again.
+            OSError: The disk is full or failed; the part of the block that was written is truncated.
         """
         view = memoryview(data)
         try:
@@ -64,19 +64,19 @@ class AppendFile:
         self._unsynced = True
 
     def sync(self) -> None:
-        """Bring what was appended onto the medium."""
+        """Flush the file to the medium."""
         if self._unsynced:
             _sync(self._descriptor)
             self._unsynced = False
 
     def close(self) -> None:
-        """Bring everything onto the medium and let the file go."""
+        """Flush the file to the medium and close it."""
         self.sync()
         os.close(self._descriptor)
 
 
 def is_claimed(path: Path) -> bool:
-    """Whether a process that lives is writing the file, see `AppendFile.claim`; False where nobody can know."""
+    """Whether a running process is writing the file, see `AppendFile.claim`; False where that cannot be determined."""
     if fcntl is not None:
         try:
             with open_regular(path) as file:

@@ -1,9 +1,9 @@
-"""The two Arrow streams of a run folder: how a block becomes bytes, and how bytes become blocks again.
+"""Encoding and decoding of the blocks of a run folder's Arrow streams.
 
-Both are plain Arrow IPC streams that any Arrow reader opens. What is ours stands in places the format provides: column
-names and units in the schema's metadata, and in each block's custom metadata its number, the place of its first row
-since the start of the session, and a CRC32 over the rows and both numbers. Rows are compressed without loss: every bit
-comes back. Streams of versions before are not compressed, and are read as well.
+All are plain Arrow IPC streams that any Arrow reader opens. The schema's metadata holds names and units of the columns;
+each block's custom metadata holds its number, the index of its first row since the start of the session, and a CRC32
+over the rows and both numbers. Rows are compressed without loss. Streams of earlier versions are not compressed and are
+read as well.
 """
 
 from __future__ import annotations
@@ -49,10 +49,10 @@ BLOCK_ROWS = 50
 """Rows of a full block: 50 ms."""
 
 INDEX_ROW = np.dtype([("seq", "<i8"), ("offset", "<i8"), ("length", "<i8")])
-"""One row of the sidecar: number of a block, where it starts in the stream, and its length [bytes]."""
+"""Row of the sidecar: number of a block, its offset in the stream and its length [bytes]."""
 
 END_OF_STREAM = b"\xff\xff\xff\xff\x00\x00\x00\x00"
-"""What closes an Arrow stream."""
+"""End mark of an Arrow stream."""
 
 _NUMBERS = struct.Struct("<qq")
 _BROKEN = (pa.ArrowException, StopIteration, OSError, EOFError)
@@ -60,9 +60,9 @@ _BROKEN = (pa.ArrowException, StopIteration, OSError, EOFError)
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """One block of a stream: its number, the place of its first row since the session's start, and its records.
+    """One block of a stream: its number, the index of its first row since the session's start, and its records.
 
-    With a SCENE record come the tables of objects it counts.
+    `rows` are the tables of objects that a SCENE record counts.
     """
 
     seq: int
@@ -73,7 +73,7 @@ class Block:
 
 @cache
 def parameters_schema() -> Any:
-    """Schema of parameters.arrows: `sequence` and `block`, the bytes of a SCENE record and of the rows it counts."""
+    """Return the schema of parameters.arrows: `sequence`, and `block`, the bytes of a SCENE record and its rows."""
     metadata = {
         "format": "mimics parameter blocks",
         "version": "2",
@@ -88,12 +88,12 @@ def parameters_schema() -> Any:
 
 
 def schema_bytes(schema: pa.Schema) -> bytes:
-    """What a stream of this schema begins with."""
+    """Return the schema message with which a stream begins."""
     return bytes(schema.serialize())
 
 
 def encode_samples(samples: NDArray[Any], seq: int, first: int, extent: Extent = HAPTICMASTER) -> bytes:
-    """SAMPLE records [n] of a device as one block of haptic.arrows."""
+    """Encode SAMPLE records [n] of a device as one block of haptic.arrows."""
     rows = rows_of(samples)[:, present_columns(extent)]
     t = np.ascontiguousarray(rows[:, 0])
     values = np.ascontiguousarray(rows[:, 1:])
@@ -108,14 +108,14 @@ def encode_samples(samples: NDArray[Any], seq: int, first: int, extent: Extent =
 
 
 def decode_samples(data: bytes | memoryview, layout: SampleLayout | None = None) -> Block:
-    """Read one block of haptic.arrows back.
+    """Decode one block of haptic.arrows.
 
     Args:
         data: The block.
-        layout: Of the stream it stands in; None: as this version writes it.
+        layout: Layout of the stream; None: that of this version.
 
     Raises:
-        ValueError: It is no such block, or its CRC32 says that it was damaged.
+        ValueError: The bytes are no such block, or their CRC32 is wrong.
     """
     layout = layout or current_layout()
     batch, seq, first, crc = decode_batch(data, layout.schema)
@@ -130,7 +130,7 @@ def decode_samples(data: bytes | memoryview, layout: SampleLayout | None = None)
 
 
 def encode_parameters(block: bytes, seq: int) -> bytes:
-    """The bytes of one SCENE record and its rows as one block of parameters.arrows; compressed: most is empty."""
+    """Encode the bytes of one SCENE record and its rows as one block of parameters.arrows."""
     record = np.frombuffer(block, SCENE, 1)
     batch = pa.RecordBatch.from_arrays(
         [pa.array([int(record["sequence"][0])], pa.int64()), pa.array([block], pa.binary())],
@@ -141,10 +141,10 @@ def encode_parameters(block: bytes, seq: int) -> bytes:
 
 
 def decode_parameters(data: bytes | memoryview, schema: pa.Schema | None = None) -> Block:
-    """Read one block of parameters.arrows back, with the dtypes it was written with: record of shape [1], rows.
+    """Decode one block of parameters.arrows with the dtypes of its version: record of shape [1], rows.
 
     Raises:
-        ValueError: It is no such block, or its CRC32 says that it was damaged.
+        ValueError: The bytes are no such block, or their CRC32 is wrong.
     """
     schema = schema or parameters_schema()
     batch, seq, first, crc = decode_batch(data, schema)
@@ -163,10 +163,10 @@ def decode_parameters(data: bytes | memoryview, schema: pa.Schema | None = None)
 
 
 def parameters_dtype(schema: pa.Schema) -> np.dtype[Any]:
-    """Dtype of the SCENE records in a stream, which may be of an older version of the application.
+    """Return the dtype of the SCENE records of a stream, which may be of an older version.
 
     Raises:
-        ValueError: The schema describes none.
+        ValueError: The schema does not describe one.
     """
     try:
         dtype = _dtype_of(schema.metadata[b"dtype"])
@@ -179,7 +179,7 @@ def parameters_dtype(schema: pa.Schema) -> np.dtype[Any]:
 
 @lru_cache(maxsize=8)
 def _dtype_of(description: bytes) -> np.dtype[Any]:
-    """Dtype of its description in JSON; every block of a stream has the same."""
+    """Return the dtype of a JSON description, cached: all blocks of a stream have the same."""
     return np.lib.format.descr_to_dtype(_tuples(json.loads(description)))
 
 
@@ -189,7 +189,7 @@ def _row_dtypes(descriptions: bytes) -> dict[str, np.dtype[Any]]:
 
 
 def _tuples(description: str | list[Any]) -> Any:
-    """JSON has lists where a dtype description has tuples."""
+    """Return a dtype description with the tuples that JSON holds as lists."""
     if isinstance(description, str):
         return description
     return [(name, _tuples(kind), *(tuple(shape) for shape in rest)) for name, kind, *rest in description]
@@ -197,12 +197,12 @@ def _tuples(description: str | list[Any]) -> Any:
 
 @cache
 def compressed() -> Any:
-    """How the blocks of a stream are written: Zstandard, level 1, a tenth of a millisecond for a block."""
+    """Return the write options: Zstandard at level 1, a tenth of a millisecond per block."""
     return pa.ipc.IpcWriteOptions(compression=pa.Codec("zstd", 1))
 
 
 def rows_crc(seq: int, first: int, *arrays: NDArray[Any]) -> int:
-    """CRC32 over both numbers of a block and its arrays."""
+    """Return the CRC32 over both numbers of a block and its arrays."""
     crc = zlib.crc32(_NUMBERS.pack(seq, first))
     for array in arrays:
         crc = zlib.crc32(array.data, crc)
@@ -212,7 +212,7 @@ def rows_crc(seq: int, first: int, *arrays: NDArray[Any]) -> int:
 def encode_batch(
     batch: pa.RecordBatch, seq: int, first: int, crc: int, options: pa.ipc.IpcWriteOptions | None = None
 ) -> bytes:
-    """A record batch as one block of a stream, with its numbers and its checksum."""
+    """Encode a record batch as one block of a stream, with its numbers and its checksum."""
     sink = io.BytesIO()
     writer = pa.ipc.new_stream(sink, batch.schema, options=options)
     metadata = {"seq": f"{seq:016d}", "first": f"{first:016d}", "crc": f"{crc:08x}"}
@@ -221,10 +221,10 @@ def encode_batch(
 
 
 def decode_batch(data: bytes | memoryview, schema: pa.Schema) -> tuple[Any, int, int, int]:
-    """The record batch of a block, its number, that of its first row, and its checksum, which is not compared here.
+    """Return a block's record batch, its number, that of its first row, and its checksum, which is not verified.
 
     Raises:
-        ValueError: It is no block.
+        ValueError: The bytes are no block.
     """
     try:
         message = pa.ipc.open_stream(schema_bytes(schema) + bytes(data)).read_next_batch_with_custom_metadata()

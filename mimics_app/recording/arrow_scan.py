@@ -1,8 +1,8 @@
-"""Find the blocks of an Arrow stream that was cut, overwritten or never closed.
+"""Search for the valid blocks of an Arrow stream that was cut off, overwritten or never closed.
 
-The sidecar names where each block starts, so a damaged header costs that block only. Where the sidecar is missing or
-wrong the messages are walked from one to the next, and after a break the next message is searched at the 8-byte
-boundaries the format keeps.
+The sidecar holds the offset of each block, so a damaged header costs that block only. Where the sidecar is missing or
+wrong, the stream is read message by message; after a damaged one the next message is searched at the 8-byte boundaries
+of the format.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ Span = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A good block and where it stands: [offset, offset + length) in bytes."""
+    """A valid block and its bytes [offset, offset + length) in the stream."""
 
     offset: int
     length: int
@@ -41,7 +41,7 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class Damage:
-    """Bytes of a stream that are no good block, and why."""
+    """Bytes of a stream that are not a valid block, and the reason."""
 
     offset: int
     length: int
@@ -49,7 +49,7 @@ class Damage:
 
 
 def read_index(path: Path) -> NDArray[Any]:
-    """Rows of a sidecar that can be true: ascending, without overlap, shape [n]; empty where there is no such file."""
+    """Return the plausible rows of a sidecar: ascending, without overlap, shape [n]; empty without the file."""
     try:
         data = read_regular(path)
     except OSError:
@@ -65,7 +65,7 @@ def read_index(path: Path) -> NDArray[Any]:
 
 
 def read_schema(path: Path) -> Any | None:
-    """Schema a stream begins with, or None where its start is damaged."""
+    """Return the schema of a stream, None where its start is damaged."""
     try:
         with open_regular(path) as stream:
             return pa.ipc.open_stream(stream).schema
@@ -76,13 +76,13 @@ def read_schema(path: Path) -> Any | None:
 def scan_stream(
     path: Path, decode: Callable[[memoryview], Block], schema: pa.Schema, index: NDArray[Any] | None = None
 ) -> Iterator[Found | Damage]:
-    """Yield every good block in the order of the file, and what lies between them; nothing where there is no such file.
+    """Yield the valid blocks and the damaged parts in the order of the file; nothing without the file.
 
     Args:
-        path: An Arrow stream, whole or not.
-        decode: `decode_samples` or `decode_parameters`.
-        schema: The schema it was written with.
-        index: Rows of the sidecar, where there is one.
+        path: An Arrow stream, possibly incomplete.
+        decode: `decode_samples`, `decode_parameters` or `decode_signals`.
+        schema: Schema it was written with.
+        index: Rows of the sidecar, if any.
     """
     with _opened(path, schema, index) as (view, spans):
         for span in spans:
@@ -92,13 +92,13 @@ def scan_stream(
 def last_block(
     path: Path, decode: Callable[[memoryview], Block], schema: pa.Schema, index: NDArray[Any] | None = None
 ) -> Found | None:
-    """The last good block of a stream, None where it has none. No block before it is read.
+    """Return the last valid block of a stream, None where it has none. No block before it is decoded.
 
     Args:
-        path: An Arrow stream, whole or not.
-        decode: `decode_samples` or `decode_parameters`.
-        schema: The schema it was written with.
-        index: Rows of the sidecar, where there is one.
+        path: An Arrow stream, possibly incomplete.
+        decode: `decode_samples`, `decode_parameters` or `decode_signals`.
+        schema: Schema it was written with.
+        index: Rows of the sidecar, if any.
     """
     with _opened(path, schema, index) as (view, spans):
         for span in reversed(list(spans)):
@@ -110,7 +110,7 @@ def last_block(
 
 @contextmanager
 def _opened(path: Path, schema: pa.Schema, index: NDArray[Any] | None) -> Iterator[tuple[memoryview, Iterator[Span]]]:
-    """The bytes of a stream and where its blocks may be; nothing where there is no such file or it is empty."""
+    """Open a stream: its bytes and the spans of its possible blocks; both empty without the file."""
     try:
         file = open_regular(path)
     except OSError:
@@ -138,7 +138,7 @@ def _read_span(view: memoryview, span: Span, decode: Callable[[memoryview], Bloc
 
 
 def _schema_length(data: mmap.mmap) -> int:
-    """Bytes of the message that describes the columns, 0 where the stream begins with no such message."""
+    """Return the length of the schema message [bytes], 0 where the stream does not begin with one."""
     length = _message_length(data, 0, len(data))
     try:
         return length if length and pa.ipc.read_message(pa.py_buffer(data[:length])).type == "schema" else 0
@@ -147,7 +147,7 @@ def _schema_length(data: mmap.mmap) -> int:
 
 
 def _spans(data: mmap.mmap, start: int, index: NDArray[Any] | None) -> Iterator[Span]:
-    """Where blocks may stand, in order, covering everything after the schema."""
+    """Yield the spans of possible blocks in order, covering everything after the schema."""
     position = start
     for _, offset, length in [] if index is None else index.tolist():
         if offset < position or offset + length > len(data):
@@ -159,7 +159,7 @@ def _spans(data: mmap.mmap, start: int, index: NDArray[Any] | None) -> Iterator[
 
 
 def _walk(data: mmap.mmap, start: int, end: int) -> Iterator[Span]:
-    """Spans of messages between two places, found from their headers; what is none is joined to one span."""
+    """Yield the spans of messages between two offsets by their headers; bytes between messages form one span."""
     position = broken = start
     while position < end:
         length = _message_length(data, position, end)
@@ -183,7 +183,7 @@ def _next_message(data: mmap.mmap, start: int, end: int) -> int:
 
 
 def _message_length(data: mmap.mmap, position: int, end: int) -> int:
-    """Bytes of the message at `position`, or 0 where none stands whole before `end`."""
+    """Return the length of the message at `position` [bytes], 0 where there is no complete one before `end`."""
     head = data[position : position + 8]
     if head[:4] != _CONTINUATION or len(head) < 8:
         return 0

@@ -1,4 +1,4 @@
-"""Cut the haptic stream of a run into the attempts the task made, and read their tunnels off the parameter blocks."""
+"""The attempts of a run: their rows of the haptic stream, and their tunnels from the parameter blocks."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from mimics_app.recording.run import Run
 __all__ = ["Attempt", "find_attempts", "tunnel_shape"]
 
 _STEPS_PER_PIECE = 24
+"""Points of a tunnel drawn per spline segment."""
 _TUNNEL = {"pieces", "centre", "radius", "radius_scale"}
 
 
@@ -30,10 +31,10 @@ class Attempt:
     Attributes:
         number: SCENE.trial while it lasted.
         samples: SAMPLE records, shape [n].
-        free: Where the person led (admittance or impedance control), shape [n]; elsewhere the robot was driven.
-        tunnel: The tunnel it went through, None where there is none.
-        row: Its row of trials.csv, {} where it has none.
-        name: Which trial it was, as people count them; "" where nothing says.
+        free: Where the person moved the robot (admittance or impedance control), shape [n]; elsewhere it was driven.
+        tunnel: The task's tunnel, None where there is none.
+        row: Its row of trials.csv, {} without one.
+        name: Name of the trial, see `trial_names`; "" where unknown.
     """
 
     number: int
@@ -45,7 +46,7 @@ class Attempt:
 
     @property
     def title(self) -> str:
-        """What it was, in words."""
+        """Title in the report."""
         if not self.row:
             return f"Attempt {self.number} (not finished)" if self.number else "Whole run"
         attempt, score = (number(self.row.get(name)) for name in ("attempt", "score"))
@@ -61,7 +62,7 @@ class Attempt:
 
 
 def find_attempts(run: Run) -> list[Attempt]:
-    """Attempts in order; one that is the whole run where no parameter block separates them."""
+    """Return the attempts of a run in order; a single one where no parameter block separates them."""
     samples = run.haptic
     if len(samples) == 0:
         return []
@@ -86,32 +87,32 @@ def find_attempts(run: Run) -> list[Attempt]:
 def _per_row(
     sequences: NDArray[np.int64], blocks: Mapping[int, NDArray[Any]], field: str, otherwise: int
 ) -> NDArray[np.int64]:
-    """Value of a SCENE field at each row; rows whose block is lost get `otherwise`."""
+    """Return a SCENE field at each row; `otherwise` for rows whose block is lost."""
     known, which = np.unique(sequences, return_inverse=True)
     values = [_field(blocks.get(int(s)), field, otherwise) for s in known]
     return np.array(values, np.int64)[which]
 
 
 def _field(block: NDArray[Any] | None, name: str, otherwise: int) -> int:
-    """A whole number of a parameter block; an older version's may lack it."""
+    """Return an integer of a parameter block, or `otherwise` where the block of an older version lacks it."""
     return otherwise if block is None or name not in (block.dtype.names or ()) else int(block[name][0])
 
 
 def _in_order(sequences: NDArray[np.int64]) -> list[int]:
-    """The sequences that were used, the longest first: it shows what most of the attempt felt like."""
+    """Return the sequence numbers in use, the one with the most rows first."""
     known, counts = np.unique(sequences, return_counts=True)
     return [int(s) for s in known[np.argsort(-counts, kind="stable")]]
 
 
 def tunnel_shape(block: NDArray[Any], rows: Rows | None) -> TunnelShape | None:
-    """Sample the task's own tunnel of a parameter block: a0 + a1 u + a2 u^2 + a3 u^3 per piece, u in [0, 1].
+    """Sample the task's own tunnel of a parameter block: a0 + a1 u + a2 u^2 + a3 u^3 per segment, u in [0, 1].
 
     Args:
         block: SCENE record, shape [1], as its version wrote it.
-        rows: The tables beside it.
+        rows: Its tables of objects.
 
     Returns:
-        None where there is none, or a version recorded it that described tunnels otherwise.
+        None without a tunnel, or where the version that recorded it described tunnels otherwise.
     """
     own = _field(block, "own_tunnel", 0)
     if rows is None or not 0 <= own < len(rows.tunnels) or not _TUNNEL <= {*(rows.tunnels.dtype.names or ())}:

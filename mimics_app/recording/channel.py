@@ -1,9 +1,8 @@
-"""One-way byte channel from the app to the recorder: the app never waits, and what was sent survives the app.
+"""One-way byte channel from the application to the recorder; writing never blocks, and data survive the writer.
 
-A pipe holds what was written to it after the writer is gone. The app writes without blocking; what the pipe does not
-take waits in a bounded queue and is offered again at the next call. Both processes keep the reading end, so a new
-recorder goes on where a dead one stopped. A message is `magic, length, CRC32, kind, payload`: a reader that starts in
-the middle of one finds the next.
+The channel is a pipe, which keeps its content after the writer is gone. What the full pipe does not take waits in a
+bounded queue until the next call. Both processes keep the reading end, so a new recorder continues where a dead one
+stopped. A message is `magic, length, CRC32, kind, payload`: a reader that starts within one resynchronises at the next.
 """
 
 from __future__ import annotations
@@ -19,15 +18,15 @@ from typing import Final
 __all__ = ["CLOSE", "LINE", "PARAMETERS", "SIGNALS", "TRIAL", "Inbox", "Outbox"]
 
 LINE: Final = b"J"
-"""One line of events.jsonl."""
+"""Kind of message: one line of events.jsonl."""
 PARAMETERS: Final = b"P"
-"""One SCENE record."""
+"""Kind of message: one SCENE record and its rows."""
 SIGNALS: Final = b"S"
-"""Blocks of the person's signals, see `recording.signal_rows`."""
+"""Kind of message: blocks of body signals, see `recording.signal_rows`."""
 TRIAL: Final = b"T"
-"""One row of trials.csv, with its number."""
+"""Kind of message: one row of trials.csv, with its number."""
 CLOSE: Final = b"C"
-"""The orderly end, with the summary of the session."""
+"""Kind of message: the orderly end, with the summary of the session."""
 
 _MAGIC = b"\xa7mj1"
 _HEADER = struct.Struct("<4sIIc")
@@ -37,11 +36,12 @@ _READ = 1 << 16
 
 
 class Outbox:
-    """The app's end.
+    """Writing end.
 
     Attributes:
-        dropped: Messages given up because the queue was full.
-        reader: The reading end; pass it to the recorder process.
+        dropped: Number of messages dropped because the queue was full.
+        reader: The reading end, to be passed to the recorder process.
+        waiting_bytes: Length of the queue [bytes].
     """
 
     def __init__(self, limit_bytes: int = 64 << 20) -> None:
@@ -55,7 +55,7 @@ class Outbox:
         self.dropped = 0
 
     def send(self, kind: bytes, payload: bytes) -> bool:
-        """Queue one message and offer what waits to the pipe; False, and counted, when the queue is full."""
+        """Queue one message and write the queue to the pipe; False, and the message dropped, when it is full."""
         if self.waiting_bytes > self._limit:
             self.flush()
         if self.waiting_bytes > self._limit:
@@ -68,7 +68,7 @@ class Outbox:
         return True
 
     def flush(self) -> bool:
-        """Offer what waits to the pipe; True when nothing is left."""
+        """Write the queue to the pipe; True when it is empty."""
         while self._queue:
             part = self._queue[0]
             try:
@@ -83,17 +83,17 @@ class Outbox:
         return True
 
     def close(self) -> None:
-        """Give up both ends; the recorder then sees the end of the channel."""
+        """Close both ends; the recorder then reads the end of the channel."""
         self._writer.close()
         self.reader.close()
 
 
 class Inbox:
-    """The recorder's end, made of the `reader` of an `Outbox`.
+    """Reading end, made of the `reader` of an `Outbox`.
 
     Attributes:
-        ended: True once every writer is gone and everything was read.
-        skipped_bytes: Bytes that belonged to no whole message.
+        ended: True once all writers are closed and everything was read.
+        skipped_bytes: Number of bytes outside complete messages.
     """
 
     def __init__(self, reader: Connection) -> None:
@@ -105,7 +105,7 @@ class Inbox:
         self.skipped_bytes = 0
 
     def messages(self) -> Iterator[tuple[bytes, bytes]]:
-        """Kind and payload of what is there now, in order; at most as much as one pipe holds."""
+        """Yield kind and payload of the messages available, in order; at most the capacity of one pipe."""
         for _ in range(_PIPE_SIZE // _READ):
             if not self._read_more():
                 return
@@ -140,7 +140,7 @@ class Inbox:
 
     def _skip_to_magic(self) -> None:
         place = self._buffer.find(_MAGIC)
-        if place < 0:  # its first bytes may stand at the end already
+        if place < 0:  # its first bytes may be at the end already
             place = max(0, len(self._buffer) - len(_MAGIC) + 1)
         self._skip(place)
 
@@ -150,7 +150,7 @@ class Inbox:
 
 
 def _enlarge(descriptor: int) -> None:
-    """Request a large pipe where the system can; a small one only means more waiting in the queue."""
+    """Request a large pipe where the system has one; a small one only makes the queue longer."""
     try:
         import fcntl
 

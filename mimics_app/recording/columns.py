@@ -1,4 +1,4 @@
-"""Columns of the haptic stream: which a device fills, and which a replay feeds in, compares, or leaves alone."""
+"""Columns of the haptic stream: those that a device fills, and their role in a replay."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ __all__ = [
 ]
 
 HAPTICMASTER = Extent()
-"""What every version has recorded: three joints and one hand."""
+"""Extent of the recordings of every version: three joints and one point of contact."""
 
 _RECORDED = tuple(field for field in LOOP_FIELDS if field.replay is not Replay.ABSENT)
 
@@ -37,13 +37,13 @@ def _names_of(replay: Replay) -> tuple[str, ...]:
 
 
 INPUT_FIELDS = _names_of(Replay.INPUT)
-"""What came from outside at each tick; a replay feeds these in."""
+"""Inputs of a tick, which a replay feeds in."""
 
 TIMING_FIELDS = _names_of(Replay.TIMING)
-"""How punctual the live loop was; no part of the state hash, and never compared."""
+"""Timing of the live loop, excluded from the state hash and from comparisons."""
 
 OUTPUT_FIELDS = _names_of(Replay.OUTPUT)
-"""What the tick computed; a replay compares these bit for bit."""
+"""Outputs of a tick, which a replay compares bit for bit."""
 
 ROW = SAMPLE.itemsize // 8
 """float64 numbers in a sample."""
@@ -51,7 +51,7 @@ ROW = SAMPLE.itemsize // 8
 
 @cache
 def _present(extent: Extent) -> tuple[tuple[int, str, str], ...]:
-    """Place in a sample, name and unit of every column that a device fills."""
+    """Return index in a sample, name and unit of every column that a device fills."""
     found: list[tuple[int, str, str]] = []
     start = 0
     for field in _RECORDED:
@@ -62,22 +62,22 @@ def _present(extent: Extent) -> tuple[tuple[int, str, str], ...]:
 
 
 def present_columns(extent: Extent = HAPTICMASTER) -> NDArray[np.int64]:
-    """Places in a sample of the float64 columns that a device fills, ascending: those that are recorded."""
+    """Return the indices in a sample of the float64 columns that a device fills, ascending: those recorded."""
     return np.array([place for place, _, _ in _present(extent)], np.int64)
 
 
 def column_names(extent: Extent = HAPTICMASTER) -> list[str]:
-    """One name per recorded column, in order: "t", "tick", "q[0]", ..."""
+    """Return the names of the recorded columns in order: "t", "tick", "q[0]", ..."""
     return [name for _, name, _ in _present(extent)]
 
 
 def column_units(extent: Extent = HAPTICMASTER) -> list[str]:
-    """One unit per recorded column, "1" for numbers without dimension."""
+    """Return the units of the recorded columns, "1" for dimensionless numbers."""
     return [unit for _, _, unit in _present(extent)]
 
 
 def name_of(place: int) -> str:
-    """Name of a column by its place in a sample, whether a device fills it or not."""
+    """Return the name of a column by its index in a sample, whether a device fills it or not."""
     for field in _RECORDED:
         if place < field.size:
             return f"{field.name}[{place}]" if field.shape else field.name
@@ -86,7 +86,7 @@ def name_of(place: int) -> str:
 
 
 def field_columns(fields: tuple[str, ...]) -> NDArray[np.int64]:
-    """Indices of the float64 columns of these fields, ascending."""
+    """Return the indices of the float64 columns of these fields, ascending."""
     columns: list[int] = []
     start = 0
     for field in _RECORDED:
@@ -97,16 +97,16 @@ def field_columns(fields: tuple[str, ...]) -> NDArray[np.int64]:
 
 
 def rows_of(samples: NDArray[Any]) -> NDArray[np.float64]:
-    """View of SAMPLE records [n] as float64 rows [n, ROW], without a copy."""
+    """Return a view of SAMPLE records [n] as float64 rows [n, ROW]."""
     return np.ascontiguousarray(samples).view(np.float64).reshape(-1, ROW)
 
 
 def samples_of(rows: NDArray[np.float64]) -> NDArray[Any]:
-    """View of float64 rows [n, ROW] as SAMPLE records [n], without a copy."""
+    """Return a view of float64 rows [n, ROW] as SAMPLE records [n]."""
     return np.ascontiguousarray(rows, np.float64).reshape(-1, ROW).view(SAMPLE).reshape(-1)
 
 
 def whole(values: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Whole numbers of a column, -1 where it holds none a 64-bit number can be: an older version lacks some."""
+    """Return a column as int64, -1 where it holds no such number, as where an older version lacks it."""
     known = np.isfinite(values) & (np.abs(values) < 2.0**62)
     return np.where(known, values, -1.0).astype(np.int64)

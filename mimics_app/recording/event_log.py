@@ -1,12 +1,12 @@
-"""events.jsonl: one JSON object a line, in the order things reached the recorder.
+"""events.jsonl: one JSON object per line, in the order of arrival at the recorder.
 
 Every line has `source` and `kind`:
 
     loop      EVENT records of the 1 kHz loop, `n` counting from 0, kinds as in contracts.haptic.EventKind
-    app       what the main thread journals; the kinds that the report reads are listed in `recorder.Recorder.journal`
+    app       journal of the main thread; the kinds that the report reads are listed in `recorder.Recorder.journal`
     recorder  start, gap, clock (pairs of wall and monotonic time), problem, restart, end
 
-Both stand first in it, so that lines of a kind are found without reading the others.
+Both come first in it, so that lines of a kind are found without parsing the others.
 """
 
 from __future__ import annotations
@@ -46,12 +46,12 @@ _TOLD = {
     "left_out": "pairs",
     "quarantine": "effect",
 }
-"""What the number of an event of these kinds is called in its line; of the others it is a `force` [N]. In memory all
-stand in one field, and in the lines of older recordings too, which are read as ever."""
+"""Name of the value of an event in its line, by kind; `force` [N] for the other kinds. In memory, and in the lines of
+older recordings, all kinds hold it in the field `force`."""
 
 
 def _plain(value: object) -> object:
-    """What JSON can hold for numpy arrays and scalars, and anything else that is not plain."""
+    """Return a value that JSON can hold for numpy arrays and scalars, and for any other object."""
     if hasattr(value, "tolist"):
         return value.tolist()
     if isinstance(value, Mapping):
@@ -63,10 +63,10 @@ _encoder = msgspec.json.Encoder(enc_hook=_plain)
 
 
 def to_json(value: object) -> bytes:
-    """JSON text of plain values, numpy arrays and scalars; not-a-number and infinity become null."""
+    """Return the JSON text of plain values, numpy arrays and scalars; NaN and infinity become null."""
     try:
         return _encoder.encode(value)
-    except UnicodeEncodeError:  # names of files that are no text: bytes that are not UTF-8, or another encoding's
+    except UnicodeEncodeError:  # names of files whose bytes are not UTF-8
         return _encoder.encode(_printable(value))
 
 
@@ -81,13 +81,13 @@ def _printable(value: object) -> object:
 
 
 def encode_line(source: str, kind: str, data: Mapping[str, object]) -> bytes:
-    """One line without its end; not-a-number and infinity become null."""
+    """Return one line without its end; NaN and infinity become null."""
     rest = {name: value for name, value in data.items() if name not in ("source", "kind")}
     return to_json({"source": source, "kind": kind, **rest})
 
 
 def encode_event(event: NDArray[Any], n: int) -> bytes:
-    """One EVENT record [shape ()] as a line; float32 values are printed so that they read back exactly."""
+    """Return one EVENT record [shape ()] as a line; float32 values are printed so that they are read back exactly."""
     try:
         kind = EventKind(int(event["kind"])).name.lower()
     except ValueError:
@@ -97,12 +97,12 @@ def encode_event(event: NDArray[Any], n: int) -> bytes:
 
 
 def _name(kind: str, field: str) -> str:
-    """Under which name a field of an event of a kind stands in its line."""
+    """Return the name of a field in the lines of a kind."""
     return _TOLD.get(kind, field) if field == "force" else field
 
 
 def events_of(lines: list[dict[str, Any]]) -> NDArray[Any]:
-    """The EVENT records [n] among lines that `read_lines` found good, in their order."""
+    """Return the EVENT records [n] among the lines of `read_lines`, in their order."""
     loop = [line for line in lines if line["source"] == "loop"]
     events = np.zeros(len(loop), EVENT)
     with np.errstate(over="ignore"):  # numbers beyond float32 become infinite
@@ -115,7 +115,7 @@ def events_of(lines: list[dict[str, Any]]) -> NDArray[Any]:
 
 
 def _kind_of(name: str) -> int:
-    """Number of a kind of event.
+    """Return the number of a kind of event.
 
     Raises:
         ValueError: There is none of this name.
@@ -128,7 +128,7 @@ def _kind_of(name: str) -> int:
 
 
 def missing_events(lines: list[dict[str, Any]]) -> int:
-    """How many events of the loop are missing before its last one: they are numbered."""
+    """Return the number of the loop's events that are missing before the last one, by their numbers."""
     numbers = [line["n"] for line in lines if line["source"] == "loop"]
     return max(0, max(numbers) + 1 - len(numbers)) if numbers else 0
 
@@ -140,7 +140,7 @@ _Vector = tuple[float | None, float | None, float | None]
 
 
 class _Loop(msgspec.Struct):
-    """A line of the loop. The other kinds below hold what readers count with; lines of more kinds are free."""
+    """Shape of a line of the loop. The kinds below state only fields that readers need; other kinds are free."""
 
     kind: str
     n: _Count
@@ -181,17 +181,17 @@ _SHAPES: dict[tuple[str, str], type[msgspec.Struct]] = {
 
 
 def read_lines(path: Path) -> tuple[list[dict[str, Any]], int]:
-    """Every good line, and how many are not; a torn last line counts as one of those.
+    """Return the valid lines, and the number of invalid ones, an incomplete last line included.
 
     Raises:
-        OSError: There is no such file, or it cannot be read.
+        OSError: The file is missing or cannot be read.
     """
     good, bad = split_lines(read_regular(path))
     return [line for _, line in good], bad
 
 
 def split_lines(content: bytes) -> tuple[list[tuple[bytes, dict[str, Any]]], int]:
-    """Text, without its end, and object of every good line, and how many are not."""
+    """Return text without line end and object of every valid line, and the number of invalid ones."""
     good: list[tuple[bytes, dict[str, Any]]] = []
     bad = 0
     for text in content.split(b"\n"):
@@ -205,10 +205,10 @@ def split_lines(content: bytes) -> tuple[list[tuple[bytes, dict[str, Any]]], int
 
 
 def _parse_line(text: bytes) -> dict[str, Any]:
-    """One line.
+    """Parse one line.
 
     Raises:
-        ValueError: It is no object with a source and a kind, or not what a line of this kind holds.
+        ValueError: It is no object with a source and a kind, or not of the shape of its kind.
     """
     line = parse_object(text)
     source, kind = line.get("source"), line.get("kind")
@@ -227,6 +227,6 @@ def _parse_line(text: bytes) -> dict[str, Any]:
 
 
 def find_lines(data: bytes, source: str, kind: str = "") -> list[bytes]:
-    """Whole lines of one source, and of one kind where one is given, of the bytes of an events.jsonl."""
+    """Return the complete lines of one source, and of one kind if given, in the bytes of an events.jsonl."""
     head = f'{{"source":"{source}",' + (f'"kind":"{kind}",' if kind else "")
     return [line for line in data.split(b"\n")[:-1] if line.startswith(head.encode())]

@@ -1,17 +1,20 @@
-"""What earlier runs came to: the same scene, the same participant, out of the manifests of a folder of runs."""
+"""Results of earlier runs of a scene and participant, from the manifests of a folder of runs."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import islice
+from datetime import UTC, datetime
+from itertools import islice, takewhile
 from pathlib import Path
 from typing import Any
 
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.recording.append_file import is_claimed
 from mimics_app.recording.manifest import Manifest, read_manifest
+from mimics_app.recording.report_values import mapping, number
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.session_header import read_session
 from mimics_app.recording.session_totals import session_totals
@@ -20,20 +23,22 @@ from mimics_app.recording.trial_table import read_trials
 __all__ = ["EarlierRun", "cut_off_runs", "earlier_runs", "recent_runs"]
 
 _MOST_FOLDERS = 400
-"""Newest run folders that are looked at: a glance at each takes about a millisecond."""
+"""Newest run folders that are read, by their names: each takes about a millisecond."""
+_MOST_RECENT = 40
+"""Newest run folders that are read for the list of recent runs, which the launcher waits for."""
 
 
 @dataclass(frozen=True, slots=True)
 class EarlierRun:
-    """One run that was closed.
+    """Results of one closed run.
 
     Attributes:
-        folder: Where its recording is; its name begins with the moment, UTC.
-        completed, trials: Completed and ended trials, practice left out.
+        folder: Run folder.
+        completed, trials: Number of completed and of ended trials, without practice.
         score: Mean score of 100; None where the task has none.
         time_s: Mean time of a trial [s]; None where none ended.
-        scene, participant: What was played, and by whom.
-        utc: When it began, as in the header; "" where that does not say.
+        scene, participant: Scene and code of the participant.
+        utc: Wall time of its start as recorded in the header; "" where missing.
     """
 
     folder: Path
@@ -46,55 +51,108 @@ class EarlierRun:
     utc: str = ""
 
 
-def earlier_runs(parent: Path, scene: str, participant: str, *, besides: Path | None = None) -> list[EarlierRun]:
-    """Runs of a scene with trials that ended, oldest first.
+@dataclass(frozen=True, slots=True)
+class _Begun:
+    """A run folder with its header and the clocks at its start; `boot` is "" in recordings without one."""
+
+    folder: Path
+    header: dict[str, Any]
+    utc_s: float
+    boot: str
+    monotonic_s: float
+
+
+def earlier_runs(
+    parent: Path, scene: str, participant: str, *, besides: Path | None = None, before: Path | None = None
+) -> list[EarlierRun]:
+    """Return the runs of a scene with trials that ended, oldest first.
 
     Args:
-        parent: The folder of runs; one that is not there holds none.
+        parent: The folder of runs; a missing one holds none.
         scene: The scene's name.
-        participant: Whose; "" for those without a code.
+        participant: Code of the participant; "" for runs without one.
         besides: A run that is left out.
+        before: A run; only those begun before it are returned. None: all.
     """
-    newest_first = (run for run in _closed(parent, besides) if (run.scene, run.participant) == (scene, participant))
-    return list(newest_first)[::-1]
+    begun = [each for each in _in_order(parent, _MOST_FOLDERS, before) if each.folder != besides]
+    earlier = takewhile(lambda each: each.folder != before, begun)
+    mine = (each for each in earlier if _named(each.header) == (scene, participant))
+    return [run for each in mine if (run := _closed(each)) is not None]
 
 
 def recent_runs(parent: Path, most: int) -> list[EarlierRun]:
-    """The newest runs of any scene with trials that ended, newest first, at most so many."""
-    return list(islice(_closed(parent), most))
+    """Return the newest runs of any scene with trials that ended, newest first, at most `most`."""
+    newest_first = (_closed(each) for each in reversed(_in_order(parent, _MOST_RECENT)))
+    return list(islice((run for run in newest_first if run is not None), most))
 
 
 def cut_off_runs(parent: Path) -> list[Path]:
-    """Runs that nobody closed and nobody is recording, newest first: a power failure left them."""
+    """Return the runs that were never closed and are not being recorded, newest first, as after a power failure."""
     newest_first = sorted(parent.glob("*_*"), reverse=True)[:_MOST_FOLDERS]
     left = (folder for folder in newest_first if not os.path.lexists(folder / FILES["manifest"]))
     return [folder for folder in left if (data := folder / FILES["haptic"]).is_file() and not is_claimed(data)]
 
 
-def _closed(parent: Path, besides: Path | None = None) -> Iterator[EarlierRun]:
-    """Closed runs with trials that ended, newest first."""
-    for folder in sorted((path for path in parent.glob("*_*") if path != besides), reverse=True)[:_MOST_FOLDERS]:
-        manifest, _ = read_manifest(folder)
-        task = _totals(folder, manifest)
-        if not task.get("trials"):
-            continue
-        header, _ = read_session(folder)
-        name, participant = _named(header)
-        clock = header.get("clock")
-        yield EarlierRun(
-            folder,
-            _count(task, "completed"),
-            _count(task, "trials"),
-            _figure(task, "score"),
-            _figure(task, "time_s"),
-            name,
-            participant,
-            str(clock.get("utc", "")) if isinstance(clock, dict) else "",
-        )
+def _in_order(parent: Path, most: int, also: Path | None = None) -> list[_Begun]:
+    """Return the newest run folders by name, and one more, in the order in which they were begun.
+
+    The order is that of the recorded wall times. Runs between two starts of the machine are ordered by their monotonic
+    times instead, placed in the calendar by the last of them: a wall clock that was set between two runs changes
+    nothing.
+    """
+    newest = sorted(parent.glob("*_*"), reverse=True)[:most]
+    begun = [_begun(folder) for folder in {*newest, *([] if also is None else [also])}]
+    last: dict[str, _Begun] = {}
+    for each in begun:
+        if each.boot and each.monotonic_s >= last.setdefault(each.boot, each).monotonic_s:
+            last[each.boot] = each
+
+    def start(each: _Begun) -> tuple[float, str]:
+        anchor = last.get(each.boot, each)
+        return anchor.utc_s - (anchor.monotonic_s - each.monotonic_s), each.folder.name
+
+    return sorted(begun, key=start)
+
+
+def _begun(folder: Path) -> _Begun:
+    header, _ = read_session(folder)
+    clock = mapping(header.get("clock"))
+    utc = _seconds(clock.get("utc"))
+    if utc is None:  # an older or damaged header: the folder's name begins with the wall time
+        utc = _seconds(folder.name.partition("_")[0]) or 0.0
+    monotonic = number(clock.get("monotonic_ns"))
+    boot = "" if monotonic is None else str(clock.get("boot", ""))
+    return _Begun(folder, header, utc, boot, (monotonic or 0.0) / SECOND_NS)
+
+
+def _seconds(utc: object) -> float | None:
+    """Return an ISO 8601 time as seconds of the calendar, None where it is none."""
+    try:
+        moment = datetime.fromisoformat(str(utc))
+        return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+    except (ValueError, OverflowError):
+        return None
+
+
+def _closed(begun: _Begun) -> EarlierRun | None:
+    """Return the results of a run; None where it is open or no trial ended."""
+    manifest, _ = read_manifest(begun.folder)
+    task = _totals(begun.folder, manifest)
+    if not task.get("trials"):
+        return None
+    return EarlierRun(
+        begun.folder,
+        _count(task, "completed"),
+        _count(task, "trials"),
+        number(task.get("score")),
+        number(task.get("time_s")),
+        *_named(begun.header),
+        str(mapping(begun.header.get("clock")).get("utc", "")),
+    )
 
 
 def _totals(folder: Path, manifest: Manifest | None) -> Mapping[str, Any]:
-    """What a closed run came to; {} of one that is open, or whose trials cannot be read."""
+    """Return the totals of a closed run; {} where it is open or its trials cannot be read."""
     if manifest is None:
         return {}
     with suppress(OSError):
@@ -104,17 +162,11 @@ def _totals(folder: Path, manifest: Manifest | None) -> Mapping[str, Any]:
 
 
 def _named(header: dict[str, Any]) -> tuple[str, str]:
-    """Scene and participant of a run; those of older recordings have no participant."""
-    scene, settings = header.get("scene"), header.get("settings")
-    name = scene.get("name", "") if isinstance(scene, dict) else ""
-    return str(name), str(settings.get("participant", "")) if isinstance(settings, dict) else ""
+    """Return scene and participant of a run; older recordings have no participant."""
+    scene, settings = mapping(header.get("scene")), mapping(header.get("settings"))
+    return str(scene.get("name", "")), str(settings.get("participant", ""))
 
 
 def _count(task: Mapping[str, Any], key: str) -> int:
     value = task.get(key)
     return value if isinstance(value, int) else 0
-
-
-def _figure(task: Mapping[str, Any], key: str) -> float | None:
-    value = task.get(key)
-    return float(value) if isinstance(value, int | float) else None

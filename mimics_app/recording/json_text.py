@@ -1,4 +1,4 @@
-"""JSON of a recording as plain objects: what a damaged or hostile text holds ends in one kind of error."""
+"""JSON of a recording as plain objects: damaged or hostile text raises ValueError and nothing else."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ import msgspec
 __all__ = ["DEEPEST", "parse_object"]
 
 DEEPEST = 64
-"""Levels of objects and lists inside each other; the recorder writes fewer than ten."""
+"""Limit of nested objects and lists; the recorder writes fewer than ten levels."""
 
 _decoder = msgspec.json.Decoder(dict[str, Any])
 
 
 def parse_object(text: bytes) -> dict[str, Any]:
-    """The JSON object a text holds.
+    """Return the JSON object of a text.
 
     Raises:
-        ValueError: It is none: no JSON, not UTF-8, another value, nested too deep, a number no float64 can hold.
+        ValueError: No JSON, not UTF-8, another value, nested too deep, or a number that no float64 can hold.
     """
     try:
         content = _decoder.decode(text)

@@ -1,4 +1,4 @@
-"""Which columns a stream of samples was recorded with: by this version, an older or a newer one, of which device."""
+"""Layout of a recorded stream of samples: columns by version and device, mapped to those of this version."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ __all__ = ["SampleLayout", "current_layout", "layout_of", "samples_schema"]
 
 
 _EVER = frozenset({"t", "tick", "state", "hip_world", "v_world", "f_user_world", "f_meas", "q", "dq"})
-"""Fields of SAMPLE that every version has recorded."""
+"""Fields of SAMPLE recorded by every version."""
 
 _ABSENT, _NOTHING = -1, -2
-"""Places of what was not recorded, and of what the device does not have."""
+"""Indices of columns that were not recorded, and of those that the device does not have."""
 
 
 @dataclass(frozen=True, slots=True)
 class SampleLayout:
-    """How the rows of a haptic.arrows become SAMPLE records.
+    """Mapping of the rows of a haptic.arrows to SAMPLE records.
 
     Attributes:
-        schema: Arrow schema the stream was written with.
-        width: float64 numbers in a recorded row, `t` included.
-        places: Place of each column of a SAMPLE among the recorded ones, -1 where it is absent, -2 where the device has
+        schema: Arrow schema of the stream.
+        width: Number of float64 values in a recorded row, `t` included.
+        places: Index of each column of a SAMPLE among the recorded ones, -1 where it is absent, -2 where the device has
             none, shape [ROW].
-        absent: Names of the columns of this version that were not recorded, or in another unit; they read as NaN.
-        extent: What of a sample the device has; the rest reads as 0.
+        absent: Names of the columns of this version that were not recorded, or in another unit; read as NaN.
+        extent: Extent of the device; columns beyond it are read as 0.
     """
 
     schema: pa.Schema
@@ -46,24 +46,24 @@ class SampleLayout:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Absent columns without which nothing can be said of a run: those that every version has recorded."""
+        """Absent columns among those that every version has recorded."""
         return tuple(name for name in self.absent if name.partition("[")[0] in _EVER)
 
     @property
     def current(self) -> bool:
-        """Whether it is just what this version records of this device."""
+        """Whether it is the layout of this version for the device."""
         wanted = _places(self.extent, dict(zip(column_names(self.extent), range(ROW), strict=False)))
         return self.width == len(column_names(self.extent)) and bool((self.places == wanted).all())
 
     def rows(self, t: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Samples as this version has them, shape [n, ROW], of `t` [n] and the other recorded columns [n, width-1]."""
+        """Return samples of this version, shape [n, ROW], from `t` [n] and the other columns [n, width-1]."""
         recorded = np.column_stack([t, values, np.zeros(len(t)), np.full(len(t), np.nan)])
         return recorded[:, self.places]
 
 
 @cache
 def samples_schema(extent: Extent = HAPTICMASTER) -> Any:
-    """Schema of haptic.arrows: `t` [s] and `sample`, a list of the other columns of a tick that the device fills."""
+    """Return the schema of haptic.arrows: `t` [s], and `sample`, a list of the other columns that the device fills."""
     names, units = column_names(extent)[1:], column_units(extent)[1:]
     metadata = {
         "format": "mimics haptic stream",
@@ -85,22 +85,22 @@ def samples_schema(extent: Extent = HAPTICMASTER) -> Any:
 
 @cache
 def current_layout(extent: Extent = HAPTICMASTER) -> SampleLayout:
-    """The layout this version records of a device."""
+    """Return the layout of this version for a device."""
     schema = samples_schema(extent)
     names = column_names(extent)
     return SampleLayout(schema, len(names), _places(extent, {name: i for i, name in enumerate(names)}), (), extent)
 
 
 def layout_of(schema: pa.Schema | None) -> tuple[SampleLayout, str]:
-    """The layout of a schema, and why it has none: the stream is then read as this version writes it.
+    """Return the layout of a schema and "", or this version's layout and why the schema cannot be read.
 
     Args:
-        schema: What `read_schema` found at the start of the stream.
+        schema: Result of `read_schema`.
     """
     try:
         return _parse(schema), ""
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError, pa.ArrowException) as error:
-        return current_layout(), f"what its columns are cannot be read ({error})"
+        return current_layout(), f"its description of the columns cannot be read ({error})"
 
 
 def _parse(schema: pa.Schema | None) -> SampleLayout:
@@ -124,17 +124,17 @@ def _parse(schema: pa.Schema | None) -> SampleLayout:
 
 
 def _places(extent: Extent, known: dict[str, int]) -> NDArray[np.int64]:
-    """Place of each column of a SAMPLE, of those the device fills by name."""
+    """Return the index of each column of a SAMPLE among the recorded ones."""
     places = np.full(ROW, _NOTHING, np.int64)
     places[present_columns(extent)] = [known.get(name, _ABSENT) for name in column_names(extent)]
     return places
 
 
 def _extent_of(text: bytes | None) -> Extent:
-    """The device of a stream; recordings that name none are of a HapticMaster's kind.
+    """Return the extent of a stream's device; recordings without one have that of a HapticMaster.
 
     Raises:
-        ValueError: It is none that could have been recorded.
+        ValueError: The extent is out of range.
     """
     if text is None:
         return HAPTICMASTER

@@ -1,4 +1,4 @@
-"""manifest.json: the last file of a run. It says how the run ended and seals the others with their SHA-256."""
+"""manifest.json, the last file of a run: how the run ended, and the SHA-256 of the other files."""
 
 from __future__ import annotations
 
@@ -28,22 +28,22 @@ class Seal:
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """How a run ended.
+    """The end of a run and the state of its files.
 
     Attributes:
         status: "clean" when the app closed it, "interrupted" when the app died and the recorder finished alone,
-            "recovered" when `mimics record recover` sealed what it found.
-        state_hash: See `StateHash`; of what stands in the files.
-        rows, events, trials, parameters: How many samples, loop events, finished trials, parameter blocks are stored.
-        dropped: Samples, loop events and journal messages that found no room.
-        restarts: How often the recorder process was replaced.
-        gaps: What is missing: dicts with `reason`, `rows` and, where known, `after_tick`.
-        problem: The last trouble with the disk, "" for none.
-        summary: What the app said at the end: the object of `mimics run --json`, and more.
+            "recovered" when `mimics record recover` sealed it.
+        state_hash: State hash of the files, see `StateHash`.
+        rows, events, trials, parameters: Number of samples, loop events, finished trials and parameter blocks stored.
+        dropped: Number of samples, loop events and journal messages dropped.
+        restarts: Number of times the recorder process was replaced.
+        gaps: Gaps of the samples: dicts with `reason`, `rows` and, where known, `after_tick`.
+        problem: Last problem of the disk, "" for none.
+        summary: Summary by the app: the object of `mimics run --json`, and more.
         clock: Wall and monotonic time at the end.
-        files: The seal of each file by its name.
-        lost: What `mimics record recover` found missing or damaged, one sentence each.
-        version: Of this format.
+        files: Seal of each file by its name.
+        lost: Losses and damages found by `mimics record recover`, one sentence each.
+        version: Version of this format.
     """
 
     status: Literal["clean", "interrupted", "recovered"]
@@ -64,7 +64,7 @@ class Manifest:
 
 
 def hash_files(folder: Path) -> dict[str, Seal]:
-    """The seal of every file a manifest seals and that is there, by its name."""
+    """Return the seals of the existing files that a manifest seals, by name."""
     sealed: dict[str, Seal] = {}
     trips = sorted(path.relative_to(folder).as_posix() for path in folder.glob("trips/*.arrows"))
     for name in (*(FILES[key] for key in _SEALED), *trips):
@@ -78,12 +78,12 @@ def hash_files(folder: Path) -> dict[str, Seal]:
 
 
 def write_manifest(folder: Path, manifest: Manifest) -> None:
-    """Write manifest.json in one step."""
+    """Write manifest.json atomically."""
     write_atomically(folder / FILES["manifest"], msgspec.json.format(msgspec.json.encode(manifest), indent=1))
 
 
 def read_manifest(folder: Path) -> tuple[Manifest | None, str]:
-    """The manifest of a run, and why there is none: "" where the run was never closed."""
+    """Return the manifest of a run and "", or None and the reason, "" where the run was never closed."""
     try:
         return msgspec.convert(parse_object(read_regular(folder / FILES["manifest"])), Manifest), ""
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""Parameter blocks of versions in which the one tunnel was part of every block, or that knew the HapticMaster only."""
+"""Parameter blocks of older versions: with the only tunnel inside the block, or for the HapticMaster only."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ __all__ = ["current_block", "rows_with_tunnel"]
 
 
 _TUNNEL = "tunnel"
-"""The field that held it."""
+"""Field of such a block that holds the tunnel."""
 
 _NEW = {"own_tunnel", "objects"}
-"""Fields of SCENE that such a block lacks, or that count one table less."""
+"""Fields of SCENE that such a block lacks, or that count one table fewer."""
 
 _OFFSET = "axis_offset"
-"""d1 of the HapticMaster [m], the geometry of blocks that knew no other device."""
+"""d1 of the HapticMaster [m], the geometry of blocks without a description of the device."""
 
 _OF_DEVICES = {
     "joints": 3,
@@ -34,25 +34,25 @@ _OF_DEVICES = {
     "geometry": 0.0,
     "through_joints": 0,
 }
-"""What such a block says without words."""
+"""Values that such a block implies."""
 
 _WITHOUT = {"late_latches": 1}
-"""Parameters that earlier versions did not have, and the value that does as they did: late ticks always latched."""
+"""Parameters that earlier versions lack, with the value of their behaviour: late ticks always latched."""
 
 _WIDER = {"target", "kp", "kd", "joint_min", "joint_max"}
-"""Vectors that had a place for three joints, or one point."""
+"""Vectors that had three joints, or one point."""
 
 
 def rows_with_tunnel(record: Records, rows: Rows | None) -> Rows | None:
-    """The tables beside a block, with the tunnel that an older version wrote into the block itself.
+    """Return the tables of a block, with the tunnel that an older version wrote into the block itself.
 
     Args:
         record: Shape [1], with the dtype of the version that wrote it.
-        rows: The tables beside it, None where that version had none.
+        rows: Its tables, None where that version had none.
 
     Returns:
-        The tables with this version's columns, what that version did not know being 0: points are carried by the first
-        point of contact, tunnels have the frame that is carried along.
+        The tables with this version's columns; those that the version lacks are 0: points belong to the first point of
+        contact, tunnels have the rotation-minimising frame.
     """
     names = record.dtype.names or ()
     if _TUNNEL not in names or "pieces" not in (record.dtype[_TUNNEL].names or ()):
@@ -66,11 +66,11 @@ def _rows_as_now(rows: Rows) -> Rows:
 
 
 def current_block(record: Records, rows: Rows | None) -> Records | None:
-    """A block as this version's SCENE record, shape [1]; None where it says something else, or not all of it.
+    """Return a block as this version's SCENE record, shape [1]; None where its fields differ or are missing.
 
     Args:
         record: Shape [1], with the dtype of the version that wrote it.
-        rows: From `rows_with_tunnel`.
+        rows: Result of `rows_with_tunnel`.
     """
     if record.dtype == SCENE:
         return record
@@ -94,7 +94,7 @@ def current_block(record: Records, rows: Rows | None) -> Records | None:
 
 
 def _of_a_device(record: Records) -> Records | None:
-    """A SCENE record, shape [1], with what a block says of its device alone; None where that is unclear."""
+    """Return a SCENE record, shape [1], with the device's fields of a block; None where they are ambiguous."""
     old, block = set(record.dtype.names or ()), np.zeros(1, SCENE)
     if not old >= _WIDER:
         return None
@@ -112,12 +112,12 @@ def _of_a_device(record: Records) -> Records | None:
     for name, value in _OF_DEVICES.items():
         block[name] = value
     block["geometry"][:, 0] = record[_OFFSET]
-    block["through_joints"] = record["form"] == AdmittanceForm.SEED  # its world PD went with the form of admittance
+    block["through_joints"] = record["form"] == AdmittanceForm.SEED  # its world PD depended on the form of admittance
     return block
 
 
 def _as_now(table: Records, wanted: np.dtype[Any]) -> Records:
-    """Rows of an older version with this version's columns, those it lacks 0; unchanged where one is another thing."""
+    """Return rows of an older version with this version's columns, 0 where missing; unchanged where one differs."""
     old = table.dtype.names or ()
     if any(name not in (wanted.names or ()) or table.dtype[name] != wanted[name] for name in old):
         return table

@@ -1,4 +1,4 @@
-"""The app's side of the recorder: hands over words, watches the process, never waits for a disk."""
+"""The application's side of the recorder: sends messages, supervises the process, never waits for a disk."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
 from mimics_app.contracts.clock import TICKS_PER_SECOND, Clock, MonotonicClock
-from mimics_app.contracts.environment import clock_pair, describe_environment
+from mimics_app.contracts.environment import boot_id, clock_pair, describe_environment
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.object_rows import Rows, pack_rows
 from mimics_app.contracts.session_memory import SessionMemory
@@ -35,15 +35,22 @@ if TYPE_CHECKING:
 __all__ = ["Recorder"]
 
 _START_S = 60.0
+"""Time-out of the start [s]."""
 _MOST_RESTARTS = 5
+"""Largest number of restarts."""
 _ROOM_STEP_NS = 200_000
+"""Polling period while waiting for room in the rings [ns]."""
 _STALLED_NS = 30_000_000_000
+"""Time-out of waiting for room in the rings [ns]."""
 _EVENT_ROOM = 256
+"""Free events in the ring that count as room."""
 _BACKLOG = 8 << 20
+"""Queued bytes up to which there is room."""
 _WAKE_NS = 2_000_000_000
 _HUNG_NS = 7_000_000_000
-"""A recorder without a pass for so long is woken, then replaced; the ring holds 16 s, and a new one comes up in few."""
+"""Time without a pass after which the recorder is woken, and after which it is replaced; the ring holds 16 s [ns]."""
 _LONGEST_STEP_NS = 100_000_000
+"""Longest time between two checks that counts as time without a pass [ns]."""
 
 
 class Recorder:
@@ -52,7 +59,7 @@ class Recorder:
     Args:
         memory: The session's shared memory.
         folder: An empty run folder, see `create_run_folder`.
-        header: What to keep about the session: seed, scene name and hash, resolved scene, command line, profile,
+        header: Description of the session: seed, scene name and hash, resolved scene, command line, profile,
             method plan, device ... plain values; versions, machine and clocks are added here.
 
     Attributes:
@@ -73,19 +80,20 @@ class Recorder:
         self._trials: list[bytes] = []
         self._last_parameters = b""
         self._closed = False
-        # At an exit without `close` the channel must end before the process is joined, or both would wait for ever.
+        # At an exit without `close` the channel must end before the process is joined, or both would wait forever.
         self._finalize = Finalize(self, self._outbox.close, exitpriority=100)
 
     def start(self, *, wait: bool = True) -> None:
         """Write session.json and spawn the process.
 
         Args:
-            wait: Return when its files are open; else do so later with `wait_until_ready`.
+            wait: Return when its files are open; else call `wait_until_ready` later.
 
         Raises:
-            PartialDataError: It does not come up.
+            PartialDataError: The process does not start.
         """
-        session = {"format": "mimics run", "version": 1, **describe_environment(), "clock": clock_pair()}
+        clock = clock_pair() | {"boot": boot_id()}
+        session = {"format": "mimics run", "version": 1, **describe_environment(), "clock": clock}
         write_atomically(
             self.folder / FILES["session"], msgspec.json.format(to_json({**session, **self._header}), indent=1)
         )
@@ -94,10 +102,10 @@ class Recorder:
             self.wait_until_ready()
 
     def wait_until_ready(self) -> None:
-        """Return when the recorder's files are open; what was journaled before is kept.
+        """Return when the recorder's files are open; earlier messages are kept.
 
         Raises:
-            PartialDataError: It does not come up.
+            PartialDataError: The process does not start.
         """
         deadline = self._clock.now_ns() + int(_START_S * 1e9)
         while not self._status[StatusWord.READY]:
@@ -110,7 +118,7 @@ class Recorder:
         raise PartialDataError(f"the recorder of {self.folder} does not start", "see the message above")
 
     def _spawn(self) -> None:
-        """Start the process; its target's module reaches no compiler, which would double what it costs to come up."""
+        """Start the process; its target's module imports no compiler, which would double the start-up time."""
         arguments = (self._memory, self._outbox.reader, self._status, self.folder, self._restarts)
         self._process = get_context("spawn").Process(target=record, args=arguments, name="mimics recorder")
         self._process.start()
@@ -127,36 +135,36 @@ class Recorder:
 
     @property
     def problem(self) -> str:
-        """What keeps it from recording, in words for a person; "" while all is well."""
+        """Message on what keeps it from recording, "" for none."""
         if self._restarts > _MOST_RESTARTS:
             return PROBLEMS[Problem.NOT_RUNNING]
         return PROBLEMS[Problem(self._status[StatusWord.PROBLEM])]
 
     @property
     def ready(self) -> bool:
-        """Whether the process that records now has its files open."""
+        """Whether the present process has its files open."""
         return bool(self._status[StatusWord.READY])
 
     @property
     def restarts(self) -> int:
-        """How often the process died and was replaced."""
+        """Number of times the process died and was replaced."""
         return self._restarts
 
     @property
     def holds_s(self) -> float:
-        """How long the ring keeps what no process takes [s]."""
+        """Capacity of the sample ring [s]."""
         return len(self._memory.samples) / TICKS_PER_SECOND
 
     @property
     def dropped(self) -> int:
-        """Messages of `journal`, `parameters` and `trial` that found no room."""
+        """Number of messages dropped because the queue was full."""
         return self._outbox.dropped
 
     def supervise(self) -> None:
-        """Replace the process when it died or hangs, and pass on what waits; every `journal` calls it: once a frame.
+        """Replace the process when it died or hangs, and flush the queue; called by every `journal`, once a frame.
 
         Raises:
-            PartialDataError: The first one did not come up.
+            PartialDataError: The first process did not start.
         """
         self._look_for_passes(replace=True)
         if not self._closed and self._process is not None and not self.alive and self._restarts <= _MOST_RESTARTS:
@@ -166,14 +174,14 @@ class Recorder:
             if self._restarts <= _MOST_RESTARTS:
                 self._status[StatusWord.READY] = 0
                 self._spawn()
-                self._say_again()
+                self._send_again()
         self._outbox.flush()
 
     def _look_for_passes(self, *, replace: bool) -> None:
-        """Wake a recorder that makes no passes (somebody stopped it); one that does not wake is killed to be replaced.
+        """Wake a recorder that makes no passes (SIGSTOP); one that does not wake is killed to be replaced.
 
-        Only time between calls counts, and no more than a frame or two each: whoever stops the app too, or wakes a
-        machine from sleep, does not make the recorder look dead.
+        Of the time between two calls at most a few frames count, so that a recorder is not taken as hung when the
+        application was stopped too or the machine was asleep.
         """
         now_ns, passes = self._clock.now_ns(), int(self._status[StatusWord.PASSES])
         step_ns, self._looked_ns = min(now_ns - self._looked_ns, _LONGEST_STEP_NS), now_ns
@@ -187,8 +195,8 @@ class Recorder:
         elif replace and before_ns < _HUNG_NS <= self._still_ns:
             self._process.kill()
 
-    def _say_again(self) -> None:
-        """What the dead process may have read but not written; the new one knows what it has already."""
+    def _send_again(self) -> None:
+        """Send what the dead process may have read but not written; the new one skips what the files hold."""
         for payload in self._trials[self._status[StatusWord.TRIALS] :]:
             self._outbox.send(TRIAL, payload)
         if self._last_parameters:
@@ -197,24 +205,24 @@ class Recorder:
     def journal(self, kind: str, data: Mapping[str, object] | bytes) -> None:
         """Append a line to events.jsonl; never waits.
 
-        The kinds the report reads, all with plain values; others are kept as they are:
+        The kinds that the report reads, all with plain values; others are kept as they are:
 
             frame       frame (number), tick (of the snapshot it saw), t_ns; where there were any, events (number since
                         the frame before), pressed (keys), action (chosen for the task); where there are haptic bodies
                         also bodies: position [m] and quaternion xyzw of each, world
             sound       sound (name), tick (of the contact event; -1 for others), t_ns, sample (index in the mix),
                         latency_ms (from the event to that sample)
-            scheduler   recipe (what the live loop got)
+            scheduler   recipe of the live loop
             audio       device, sink, hrtf ...
             quality     settings of a live picture as it was opened
             action      values of an adaptation
-            features    t_ns, values, quality: what the signal processing found, each time it is new
-            person      the estimated state, each time it is new; means and variances
-            result      of a trial, as the learning system got it
-            choice      what that chose: values, at_trial, propensity, reward
+            features    t_ns, values, quality: each new frame of features
+            person      each new estimate of the person's state; means and variances
+            result      of a trial, as the learning system received it
+            choice      of the learning system: values, at_trial, propensity, reward
 
         Args:
-            kind: What happened, in lower case; "parameters" with bytes stores SCENE record and rows, as `parameters`.
+            kind: Kind of event, in lower case; "parameters" with bytes stores SCENE record and rows, as `parameters`.
             data: Its values.
         """
         if isinstance(data, bytes):
@@ -237,7 +245,7 @@ class Recorder:
         self._outbox.send(PARAMETERS, block)
 
     def signals(self, rows: Sequence[SignalRow]) -> None:
-        """Store blocks of the person's signals; never waits."""
+        """Store blocks of body signals; never waits."""
         self._outbox.send(SIGNALS, pack_signals(rows))
 
     def trial(self, row: Mapping[str, object]) -> None:
@@ -248,15 +256,15 @@ class Recorder:
         self.supervise()
 
     def wait_for_room(self, ticks: int) -> None:
-        """Return when the rings take `ticks` more samples; for the virtual clock, which outruns any disk.
+        """Return when the rings have room for `ticks` more samples; for the virtual clock, which outruns any disk.
 
         Raises:
-            ValueError: So many never fit.
-            PartialDataError: The recorder made no room for 30 s.
+            ValueError: The rings are too small.
+            PartialDataError: There was no room for 30 s.
         """
         samples = self._memory.samples
         if ticks > len(samples) // 2:
-            raise ValueError(f"{ticks} ticks in one piece; the ring takes {len(samples) // 2}")
+            raise ValueError(f"{ticks} ticks at once; the ring takes {len(samples) // 2}")
         deadline = self._clock.now_ns() + _STALLED_NS
         while (
             ring.room(self._memory.sample_words, samples) < ticks
@@ -272,11 +280,11 @@ class Recorder:
         """End the recording after the loop ended; returns when every file is sealed.
 
         Args:
-            summary: What to keep about the end: the object of `mimics run --json`, lateness, recipe ...
-            timeout_s: How long the disk may take [s].
+            summary: Summary of the session: the object of `mimics run --json`, lateness, recipe ...
+            timeout_s: Time-out for the disk [s].
 
         Raises:
-            PartialDataError: The recorder could not end the files; `mimics record recover` can.
+            PartialDataError: The recorder could not close the files; `mimics record recover` can.
         """
         self.supervise()
         self._outbox.send(CLOSE, to_json({"summary": summary or {}, "dropped": self._outbox.dropped}))
@@ -293,10 +301,10 @@ class Recorder:
         return manifest
 
     def abandon(self, timeout_s: float = 10.0) -> None:
-        """End without an orderly close, after an error: all that was handed over is written, the run is "interrupted".
+        """End without an orderly close, after an error: all that was sent is written, the run is "interrupted".
 
         Args:
-            timeout_s: How long the disk may take [s].
+            timeout_s: Time-out for the disk [s].
         """
         self._closed = True
         self._finalize()
@@ -305,7 +313,7 @@ class Recorder:
         self.kill()
 
     def kill(self) -> None:
-        """Give up the process and the channel at once; what was written stays."""
+        """Close the channel and kill the process; what was written remains."""
         self._closed = True
         self._finalize()
         if self._process is not None:

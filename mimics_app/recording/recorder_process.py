@@ -1,7 +1,8 @@
-"""The recorder process: every 20 ms it moves what the rings and the channel hold into the files of the run folder.
+"""The recorder process: every 20 ms it writes the content of the rings and of the channel to the run folder.
 
-A record leaves its ring only after it is written, so killing this process loses nothing the ring can hold until the
-next one goes on; killing the app loses nothing at all, for the rings and the channel outlive it and are emptied first.
+A record leaves its ring only after it is written: killing this process loses nothing, as long as the ring does not
+overflow before the next one continues. Killing the application loses nothing either: the rings and the channel outlive
+it and are emptied first.
 """
 
 from __future__ import annotations
@@ -41,31 +42,35 @@ from mimics_app.recording.trip_log import TripLog
 __all__ = ["RESERVE", "record"]
 
 RESERVE = ".reserve"
-"""A file that is given up when the disk is full, so that trials and the manifest still find room."""
+"""A file that is deleted when the disk is full, to leave room for trials and the manifest."""
 
 _RESERVE_BYTES = 512 * 1024
 _ROOM_TO_GO_ON = 4 * 1024 * 1024
+"""Free space at which recording resumes after a full disk [bytes]."""
 _PASS_NS = 20_000_000
 _BUSY_PASS_NS = 500_000
 _BUSY_ROWS = 500
+"""Period of the passes, and period after a pass with more than this number of rows [ns]."""
 _SYNC_NS = 1_000_000_000
+"""Period in which the files are flushed to the medium [ns]."""
 _CLOCK_PAIR_NS = 10_000_000_000
 _CLOCK_JUMP_S = 0.1
+"""Period of the clock pairs [ns], and jump of the wall clock that is recorded at once [s]."""
 
 _REPLACED, _RING, _DISK = "the recorder was replaced", "the ring was full", "the disk took no more"
 
 
 def record(memory: SessionMemory, reader: Connection, status: RecorderStatus, folder: Path, restarts: int) -> None:
-    """Record until the app closes the session or is gone. The target of the spawned process.
+    """Record until the application closes the session or dies. Target of the spawned process.
 
     Args:
         memory: The session's shared memory; this process consumes the sample ring and the recorder's event ring.
         reader: The reading end of the app's `Outbox`.
-        status: Where the app looks.
-        folder: The run folder, made by the app.
-        restarts: How many recorders of this run died before; more than 0: go on in the files that are there.
+        status: Status words read by the application.
+        folder: The run folder, made by the application.
+        restarts: Number of recorders of this run that died before; above 0: continue in the existing files.
     """
-    for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # they reach the whole group; only the app decides when to end
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # sent to the whole group; only the application ends the recorder
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
     session = _Session(memory, Inbox(reader), status, folder, restarts)
@@ -77,12 +82,12 @@ def record(memory: SessionMemory, reader: Connection, status: RecorderStatus, fo
             clock.sleep_until_ns(clock.now_ns() + (_BUSY_PASS_NS if busy else _PASS_NS))
     if session.finish():
         status[StatusWord.SEALED] = 1
-    gc.freeze()  # nothing that is left at the end is looked through
+    gc.freeze()  # no collection at the exit
 
 
 @dataclass
 class _Tally:
-    """What went wrong so far."""
+    """Losses so far."""
 
     gaps: list[dict[str, Any]] = field(default_factory=list)
     lost_rows: int = 0
@@ -93,7 +98,7 @@ class _Tally:
 
 
 class _Session:
-    """Everything one recorder process holds."""
+    """The files, rings and state of one recorder process."""
 
     def __init__(
         self, memory: SessionMemory, inbox: Inbox, status: RecorderStatus, folder: Path, restarts: int
@@ -137,7 +142,7 @@ class _Session:
             path.unlink(missing_ok=True)
 
     def _align_with_rings(self) -> None:
-        """Give up what the dead recorder had written but not released, and say what is missing between it and now."""
+        """Release what the dead recorder had written but not released, and note the gap between it and now."""
         for reader, handled in (
             (self._sample_ring, self._samples.next_row),
             (self._event_ring, self._events.next_event),
@@ -151,9 +156,9 @@ class _Session:
     # one pass
 
     def step(self, now_ns: int) -> bool:
-        """Move what is there; True when there was so much that the next pass should come soon."""
+        """Write what is available; True when there was so much that the next pass is due soon."""
         self._now = now_ns
-        if now_ns >= self._next_sync:  # the end of the channel says so at once, unless somebody inherited the channel
+        if now_ns >= self._next_sync:  # the channel ends at once, unless another process inherited it
             parent = parent_process()
             self._alone = parent is not None and not parent.is_alive()
         self._take_messages()
@@ -194,7 +199,7 @@ class _Session:
             self._close_message = json.loads(payload)
 
     def _write_trials(self, *, all_of_them: bool = False) -> None:
-        """In the order of their numbers: after a restart some come twice, and one may come after its follower."""
+        """Write trials in the order of their numbers: after a restart some arrive twice or out of order."""
         for index in sorted(self._waiting_trials):
             if index < len(self._trials.rows):
                 del self._waiting_trials[index]
@@ -315,7 +320,7 @@ class _Session:
         self._note_clock(now_ns)
 
     def _note_clock(self, now_ns: int) -> None:
-        """A pair of clocks every 10 s, and at once when the wall clock was set."""
+        """Record a pair of clocks every 10 s, and at once when the wall clock was set."""
         offset = wall_time().timestamp() - now_ns * 1e-9
         jumped = self._offset_s is not None and abs(offset - self._offset_s) > _CLOCK_JUMP_S
         if jumped or now_ns >= self._next_pair:
@@ -331,7 +336,7 @@ class _Session:
     # the end
 
     def finish(self) -> bool:
-        """Empty everything, end the files as their formats want it, and seal them; whether the seal is on the disk."""
+        """Write the rest, close the files in their formats, and seal them; return whether the manifest was written."""
         self._take_messages()
         status: Literal["clean", "interrupted"] = "interrupted" if self._close_message is None else "clean"
         self._end_of_loss()

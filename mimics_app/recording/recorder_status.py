@@ -1,4 +1,4 @@
-"""What the recorder process reports to the app without a message: a few words in shared memory, one writer."""
+"""Status of the recorder process for the application: a few words in shared memory with one writer."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ _SPECS: list[ArraySpec] = [("words", (16,), np.int64)]
 
 
 class StatusWord(IntEnum):
-    """Indices of the words; the recorder writes them."""
+    """Indices of the words, written by the recorder."""
 
     READY = 0  # 1: the files are open
     ROWS = 1  # samples taken from the ring
     EVENTS = 2  # loop events on disk
     TRIALS = 3  # finished trials on disk
-    LINES = 4  # messages taken from the app
-    PROBLEM = 5  # Problem, 0 while all is well
+    LINES = 4  # messages taken from the application
+    PROBLEM = 5  # Problem, 0 for none
     LOST_ROWS = 6  # samples that could not be written
-    PASSES = 7  # passes of its loop: it lives while this counts
-    SEALED = 8  # 1: every file is closed and the manifest written; all that is left is to leave
+    PASSES = 7  # passes of its loop, a sign of life
+    SEALED = 8  # 1: every file is closed and the manifest written
 
 
 class Problem(IntEnum):
-    """What keeps the recorder from recording."""
+    """Problems that keep the recorder from recording."""
 
     NONE = 0
     DISK_FULL = 1
@@ -45,11 +45,11 @@ PROBLEMS = {
     Problem.RING_FULL: "the recorder is too slow: samples were lost",
     Problem.NOT_RUNNING: "the recorder process does not stay alive: nothing is recorded",
 }
-"""Each problem in words for a person."""
+"""Message of each problem."""
 
 
 class RecorderStatus:
-    """The words, shared by handing this object to the spawned process."""
+    """The words, shared by passing this object to the spawned process."""
 
     def __init__(self, segment: Segment | None = None) -> None:
         self._segment = segment or Segment.for_arrays(_SPECS)

@@ -1,6 +1,6 @@
-"""Repair a run: cut what is torn, take out what is damaged, seal what is good, say what is missing. It never fails.
+"""Repair of a run: damaged parts are removed, the rest is sealed, losses are listed. It never fails.
 
-What cannot be repaired, because the disk is full or the folder may not be written, is named beside what is lost.
+What cannot be repaired, because the disk is full or the folder is read-only, is listed with the losses.
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ __all__ = ["Recovery", "recover"]
 
 @dataclass(frozen=True, slots=True)
 class Recovery:
-    """What `recover` did.
+    """Result of `recover`.
 
     Attributes:
-        repaired: Names of the files whose content changed; () where there was nothing to repair.
-        verdict: On the run as it is now: what is lost, damaged or could not be written.
+        repaired: Names of the files whose content changed; () for none.
+        verdict: Verdict on the run after the repair, with what could not be written.
     """
 
     repaired: tuple[str, ...]
@@ -55,20 +55,20 @@ class Recovery:
 
 
 def recover(folder: Path) -> Recovery:
-    """Make every file of a run readable to its last good part, and write a manifest marked "recovered".
+    """Make every file of a run readable to its last valid part, and write a manifest marked "recovered".
 
-    Damaged blocks and lines are taken out, so that any reader gets through; the bytes as they were found stay beside
-    the file under its name with `.damaged`. A run that was closed and needs no repair is left as it is.
+    Damaged blocks and lines are removed, so that any reader can read the files; the original is kept under its name
+    with `.damaged`. A run that was closed and needs no repair is not changed.
 
     Raises:
-        SceneError: It is no run folder, or its session is under way: the recorder would go on in files that are gone.
+        SceneError: It is no run folder, or its session is under way: the recorder would write to files that are gone.
     """
     before = Run.open(folder)
     if before.being_recorded:
         raise SceneError(Issue(str(folder), "", "this run is being recorded", "end its session first"))
     repaired: list[str] = []
     unwritten: list[str] = []
-    if before.needs_mending:
+    if before.needs_repair:
         losses = [*before.losses(), *before.disagreements(), *_lost_manifest(before)]
         for key, repair in _REPAIRS.items():
             _attempt(FILES[key], repair, folder, repaired, unwritten)
@@ -87,7 +87,7 @@ def recover(folder: Path) -> Recovery:
 def _attempt(
     name: str, repair: Callable[[Path], list[str]], folder: Path, repaired: list[str], unwritten: list[str]
 ) -> None:
-    """Repair one file and note which were written, or why it could not be."""
+    """Repair one file; note the files written, or why it cannot be repaired."""
     try:
         repaired += repair(folder)
     except OSError as error:
@@ -100,7 +100,7 @@ def _lost_manifest(run: Run) -> list[str]:
 
 
 def _seal(folder: Path, before: Run, losses: list[str]) -> list[str]:
-    """Write the manifest of what there is now; what the one before said about the end of the run is kept."""
+    """Write the manifest of the present files; the former one's summary of the run is kept."""
     run = Run(folder)
     complete_trips(run)
     (folder / RESERVE).unlink(missing_ok=True)
@@ -128,7 +128,7 @@ def _seal(folder: Path, before: Run, losses: list[str]) -> list[str]:
 
 
 def _put_aside(path: Path) -> None:
-    """Keep what was found under a name of its own, whatever it is; nothing is written over."""
+    """Rename a file to a free name with `.damaged`; nothing is overwritten."""
     place = path.with_name(path.name + ".damaged")
     number = 1
     while os.path.lexists(place):
@@ -138,14 +138,14 @@ def _put_aside(path: Path) -> None:
 
 
 def _replace(path: Path, content: bytes, *, keep: bool) -> None:
-    """Write a file anew; with `keep` what was there stays beside it, and so does what is no regular file."""
+    """Write a file; with `keep`, or if it is no regular file, the former one is renamed."""
     if os.path.lexists(path) and (keep or not path.is_file()):
         _put_aside(path)
     write_atomically(path, content)
 
 
-def _mend_haptic(folder: Path) -> list[str]:
-    """Write haptic.arrows and its sidecar anew in one pass; an hour of it never is in memory at once."""
+def _repair_haptic(folder: Path) -> list[str]:
+    """Rewrite haptic.arrows and its sidecar block by block: an hour of it does not fit in memory."""
     path = folder / FILES["haptic"]
     layout, _ = layout_of(read_schema(path))
     scratch = path.with_suffix(".part")
@@ -172,7 +172,7 @@ def _is_own_file(path: Path) -> bool:
 
 
 def _write_if_other(path: Path, content: bytes, *, keep: bool) -> list[str]:
-    """`_replace` what is not so yet; the name of the file where it was written."""
+    """Write a file unless it has this content; return the name of the file if it was written."""
     if _is_own_file(path) and read_or_nothing(path) == content:
         return []
     _replace(path, content, keep=keep)
@@ -180,7 +180,7 @@ def _write_if_other(path: Path, content: bytes, *, keep: bool) -> list[str]:
 
 
 def _copy_blocks(path: Path, file: AppendFile, layout: SampleLayout) -> tuple[list[tuple[int, int, int]], list[Damage]]:
-    """Append every good block to `file`; rows of the sidecar, and what was left out."""
+    """Append every valid block to `file`; return the rows of the sidecar, and the damaged parts."""
     file.append(schema_bytes(layout.schema))
     index: list[tuple[int, int, int]] = []
     damages: list[Damage] = []
@@ -200,7 +200,7 @@ def _copy_blocks(path: Path, file: AppendFile, layout: SampleLayout) -> tuple[li
     return index, damages
 
 
-def _mend_parameters(folder: Path) -> list[str]:
+def _repair_parameters(folder: Path) -> list[str]:
     path = folder / FILES["parameters"]
     schema = read_schema(path) or parameters_schema()
     data = read_or_nothing(path)
@@ -210,7 +210,7 @@ def _mend_parameters(folder: Path) -> list[str]:
     return _write_if_other(path, b"".join([schema_bytes(schema), *good, END_OF_STREAM]), keep=damaged)
 
 
-def _mend_signals(folder: Path) -> list[str]:
+def _repair_signals(folder: Path) -> list[str]:
     path = folder / FILES["signals"]
     if not os.path.lexists(path):
         return []
@@ -221,14 +221,14 @@ def _mend_signals(folder: Path) -> list[str]:
     return _write_if_other(path, b"".join([schema_bytes(signals_schema()), *good, END_OF_STREAM]), keep=damaged)
 
 
-def _mend_events(folder: Path) -> list[str]:
+def _repair_events(folder: Path) -> list[str]:
     path = folder / FILES["events"]
     good, bad = split_lines(read_or_nothing(path))
     text = b"".join(line + b"\n" for line, _ in good)
     return _write_if_other(path, text, keep=bad > 0)
 
 
-def _mend_trials(folder: Path) -> list[str]:
+def _repair_trials(folder: Path) -> list[str]:
     path = folder / FILES["trials"]
     rows: list[dict[str, Any]] = []
     bad = 0
@@ -241,10 +241,10 @@ def _mend_trials(folder: Path) -> list[str]:
 
 
 _REPAIRS: dict[str, Callable[[Path], list[str]]] = {
-    "haptic": _mend_haptic,
-    "parameters": _mend_parameters,
-    "signals": _mend_signals,
-    "events": _mend_events,
-    "trials": _mend_trials,
+    "haptic": _repair_haptic,
+    "parameters": _repair_parameters,
+    "signals": _repair_signals,
+    "events": _repair_events,
+    "trials": _repair_trials,
 }
-"""Of the files that can be repaired; session.json and haptic_statics.npz are one piece each."""
+"""Repair of each file by its key; session.json and haptic_statics.npz cannot be repaired."""

@@ -1,7 +1,6 @@
-"""What a replay needs of a run, and the comparison that decides it.
+"""Inputs of a replay from a run, and the comparison of its outputs with the recorded ones.
 
-The replay itself, feeding these inputs through the very tick the live loop ran, is haptic rendering's; the command
-joins the two.
+The replay itself, which feeds these inputs through the tick function of the live loop, is part of haptic rendering.
 """
 
 from __future__ import annotations
@@ -69,10 +68,9 @@ class Difference:
 
 
 def gather(run: Run) -> ReplayData:
-    """Everything a replay needs, or a reason why there can be none.
+    """Return the inputs of a replay.
 
-    A run that was cut off at its end can be replayed up to there. One with a hole cannot: what the loop remembered
-    over the hole is unknown.
+    A run that was cut off can be replayed up to its end. One with a gap cannot: the loop's state after it is unknown.
 
     Raises:
         PartialDataError: Ticks or parameter blocks are missing, or the run is of a version with other parameters.
@@ -155,7 +153,7 @@ def compare_events(recorded: NDArray[Any], replayed: NDArray[Any], end: int) -> 
 
 
 def _numbers(events: NDArray[Any]) -> NDArray[np.float64]:
-    """What is compared of EVENT records, shape [n, columns]; what is not finite is not a number."""
+    """Return the compared values of EVENT records, shape [n, columns]; infinities become NaN."""
     columns = [events[name].astype(np.float64).reshape(len(events), _WIDTHS[name]) for name in _WIDTHS]
     numbers = np.concatenate(columns, axis=1)
     numbers[~np.isfinite(numbers)] = np.nan

@@ -1,6 +1,6 @@
-"""The report of a run: one HTML file that needs nothing but itself, also of a run that was cut off.
+"""The report of a run: one self-contained HTML file, also of a run that was cut off.
 
-Here is what it shows, as plain values, tables and plots; `templates/report.html.j2` makes the page of it.
+This module gathers its content as plain values, tables and plots; `templates/report.html.j2` is the page.
 """
 
 from __future__ import annotations
@@ -52,17 +52,17 @@ _OWN_KEYS = ("format", "version", "versions", "machine", "clock", "plan")
 _TRIPS = "{}. A stop is latched until a person resets it; a short hold, after a late tick, ends on its own."
 _BADGES = {"clean": "recording complete", "open": "recording not closed"}
 _UNREADABLE = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
-"""What a section meets in facts of a scene that were damaged, or that are not what it thinks."""
+"""Errors of a section on facts of a scene that are damaged or of another shape."""
 
 
 @dataclass(frozen=True, slots=True)
 class Punctuality:
-    """How late ticks began, computed from the recorded rows after the first second [us].
+    """Lateness of the ticks from the recorded rows after the first second [us].
 
     Attributes:
-        p50, p99, p99_9, max: Of the lateness.
-        missed: Ticks that ended more than 1 ms after their release.
-        ticks: Ticks it was computed of.
+        p50, p99, p99_9, max: Percentiles and maximum of the lateness [us].
+        missed: Number of ticks that ended more than 1 ms after their release.
+        ticks: Number of ticks evaluated.
     """
 
     p50: float
@@ -73,12 +73,12 @@ class Punctuality:
     ticks: int
 
     def marks(self) -> dict[str, float]:
-        """The percentiles by the name people give them."""
+        """Return the percentiles by their captions."""
         return {"p50": self.p50, "p99": self.p99, "p99.9": self.p99_9, "max": self.max}
 
 
 def punctuality(samples: NDArray[Any]) -> Punctuality | None:
-    """Percentiles and misses of a live run; None where nothing was late at all: a virtual clock."""
+    """Return the punctuality of a live run; None without any lateness, as on a virtual clock."""
     late = samples[_WARM_UP_TICKS:] if len(samples) > 2 * _WARM_UP_TICKS else samples
     lateness = late["lateness_ns"]
     if len(late) == 0 or not (lateness > 0.0).any():
@@ -90,7 +90,7 @@ def punctuality(samples: NDArray[Any]) -> Punctuality | None:
 
 @dataclass(frozen=True, slots=True)
 class Movement:
-    """One attempt: its title, the path in the frontal plane, traces over time, and whether it is shown at once."""
+    """One attempt: title, path in the frontal plane, traces over time, and whether it is unfolded."""
 
     title: str
     path: Plot
@@ -115,7 +115,7 @@ class Safety:
 
 @dataclass(frozen=True, slots=True)
 class RealTime:
-    """How punctual the ticks were; both None on a virtual clock, where no tick can be late."""
+    """Punctuality of the ticks; both None on a virtual clock, where no tick can be late."""
 
     plot: Plot | None
     table: Table | None
@@ -132,7 +132,7 @@ class Settings:
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """What the run was made with, its files with their seals, and its state hash ("" for none)."""
+    """Environment of the run, its files with their seals, and its state hash ("" for none)."""
 
     made: Table | None
     files: Table | None
@@ -141,14 +141,14 @@ class Record:
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """Everything a report shows.
+    """Content of a report.
 
     Attributes:
         title, status, tone: Head; `tone` is the class of the status in the style sheet.
-        line: When, how long, who and with what, in words.
-        problems: What is not as it should be, one sentence each.
+        line: Participant, time, duration, device and seed in words.
+        problems: Problems of the recording, one sentence each.
         cards: Figures of the run by name.
-        counted: What these figures are over, as in the summary of the task; "" where there are none.
+        counted: Trials these figures are over, as in the summary of the task; "" for none.
         front: Of page one.
         trials: None where none ended.
         heading, colours: Of the movement.
@@ -183,8 +183,8 @@ def write_report(folder: Path, sections: Sequence[ReportSection]) -> Path:
     """Write report.html into a run folder and return where it is.
 
     Args:
-        folder: Of the run.
-        sections: Of the kinds of task; the first that takes the run describes its movement.
+        folder: The run folder.
+        sections: Sections of the kinds of task; the first that takes the run describes its movement.
 
     Raises:
         SceneError: It is no run folder.
@@ -197,7 +197,7 @@ def write_report(folder: Path, sections: Sequence[ReportSection]) -> Path:
 
 
 def page_of(run: Run, sections: Sequence[ReportSection]) -> Page:
-    """Everything the report of a run shows; `sections` as in `write_report`."""
+    """Return the content of a run's report; `sections` as in `write_report`."""
     attempts = find_attempts(run)
     facts = mapping(run.session.get("facts"))
     section = _section_of(sections, facts, attempts)
@@ -225,7 +225,7 @@ def page_of(run: Run, sections: Sequence[ReportSection]) -> Page:
 
 
 def _first_shown(attempts: list[Attempt]) -> Attempt | None:
-    """The attempt that is open on the page: the first that is no practice; the others are folded."""
+    """Return the attempt that is unfolded on the page: the first that is not practice."""
     counting = [attempt for attempt in attempts if not attempt.row.get("practice")]
     return next(iter([*counting, *attempts]), None)
 
@@ -249,7 +249,7 @@ def _head_line(run: Run) -> list[str]:
 
 
 def _local_time(utc: object) -> str:
-    """A moment in the time zone of this computer, with its name; "" for none."""
+    """Return a time in the time zone of this computer, with its name; "" for none."""
     try:
         return datetime.fromisoformat(str(utc)).astimezone().strftime("%Y-%m-%d %H:%M %Z")
     except (ValueError, OverflowError):
@@ -272,13 +272,13 @@ def _cards(run: Run, attempts: list[Attempt], section: ReportSection) -> dict[st
 
 
 def _points(score: object) -> str:
-    """A score as everybody else writes it: whole points."""
+    """Return a score in whole points."""
     value = number(score)
     return NONE if value is None else f"{value:.0f}"
 
 
 def _operators_cards(run: Run) -> dict[str, str]:
-    """Figures of how the machine ran, which say nothing of the person."""
+    """Return the figures of the machine, apart from those of the person."""
     return {
         "smallest stability margin": one(scaled(smallest_margin(run.haptic), 100.0), "%"),
         **_late_card(run),
@@ -295,12 +295,12 @@ def _late_card(run: Run) -> dict[str, str]:
 
 
 def _counted_after(result: Punctuality, run: Run) -> str:
-    """That the first second was left out, in words; of a run of two or less all is counted."""
+    """Return the remark that the first second was left out; "" for runs of up to two seconds."""
     return " after the first second" if result.ticks < len(run.haptic) else ""
 
 
 def _trial_cards(run: Run) -> dict[str, str]:
-    """How many trials were finished, those alone of which some ended."""
+    """Return the number of finished trials and practice, each only if some ended."""
     counts = count_trials(run.trials)
     ended = {
         "trials finished": (counts.completed, counts.trials),
@@ -310,7 +310,7 @@ def _trial_cards(run: Run) -> dict[str, str]:
 
 
 def _stops_and_holds(run: Run) -> dict[str, int]:
-    """How often a stop was latched, and how often the force was held for late ticks and came back on its own."""
+    """Return the number of latched stops, and of short holds after late ticks."""
     latched = [trip.latched for trip in TripReader().take(run.events)]
     return {"safety stops": sum(latched), "short holds": len(latched) - sum(latched)}
 
@@ -324,12 +324,12 @@ def _largest(vectors: NDArray[np.float64]) -> float:
 
 
 def _section_of(sections: Sequence[ReportSection], facts: Mapping[str, Any], attempts: list[Attempt]) -> ReportSection:
-    """The first section that takes the run; the plain one where none does."""
+    """Return the first section that takes the run, else the plain one."""
     return next((section for section in sections if section.takes(facts, attempts)), ReportSection())
 
 
 def _movement(run: Run, attempt: Attempt, taken: tuple[ReportSection, Mapping[str, Any]], *, opened: bool) -> Movement:
-    """Figure and traces of an attempt; without what the section adds where it cannot read the facts of the scene."""
+    """Return path and traces of an attempt, without the section's additions where it cannot read the facts."""
     section, facts = taken
     try:
         path, traces = draw_path(section, attempt, facts, run.events), draw_traces(section, attempt, facts)

@@ -1,4 +1,4 @@
-"""The drawings of a report: the path of every attempt, traces over time, lateness, safety states."""
+"""The plots of a report: path of every attempt, traces over time, lateness, safety states."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ _AROUND_ROWS = 1000
 
 
 def draw_path(section: ReportSection, attempt: Attempt, facts: Mapping[str, Any], events: NDArray[Any]) -> Plot:
-    """Path of the hand in the frontal plane (the world's x, lateral, and y, vertical; axes equal), as a section has it.
+    """Plot the path of the hand in the frontal plane (world x, lateral, and y, vertical; equal axes).
 
-    Where no kind of task says more the beginnings of contacts are marked.
+    Without marks of the section, the beginnings of contacts are marked.
     """
     behind = section.behind(attempt, facts)
     path = frontal(attempt)
@@ -70,7 +70,7 @@ def _contacts_of(attempt: Attempt, events: NDArray[Any]) -> NDArray[Any]:
 
 
 def draw_traces(section: ReportSection, attempt: Attempt, facts: Mapping[str, Any]) -> list[Plot]:
-    """Force, velocity, what the section adds, and stability over time; peaks are kept however long the attempt is."""
+    """Plot force, velocity, traces of the section, and stability over time; thinning preserves peaks."""
     samples = attempt.samples
     if len(samples) < 2:
         return []
@@ -95,7 +95,7 @@ def _free_plots(attempt: Attempt, traces: Traces, touching: str) -> list[Plot]:
 def _trace_plot(
     attempt: Attempt, label: str, lines: Mapping[str, tuple[str, F8]], touching: str, *, only_free: bool = False
 ) -> Plot:
-    """Traces around the time the person moved; `only_free` leaves out what means nothing while the robot drives."""
+    """Plot traces around the time the person moved; `only_free` leaves out the time in which the robot was driven."""
     near = _near_free(attempt)
     t, free = attempt.samples["t"][near], attempt.free[near]
     parts = _runs(free) if only_free and free.any() else [slice(0, len(t))]
@@ -116,7 +116,7 @@ def _trace_plot(
 
 
 def _near_free(attempt: Attempt) -> slice:
-    """Rows from a second before the person moves the robot to a second after; all where that never happens."""
+    """Return the rows from a second before the person moves the robot to a second after; all without movement."""
     moves = np.flatnonzero(attempt.free)
     if len(moves) == 0:
         return slice(0, len(attempt.free))
@@ -134,13 +134,13 @@ def _norm(vectors: F8) -> F8:
 
 
 def _stretches(t: F8, inside: NDArray[np.bool_]) -> tuple[F8, F8]:
-    """Begin and end of each stretch where `inside` holds."""
+    """Return begin and end of each interval where `inside` holds."""
     runs = _runs(inside)
     return t[[run.start for run in runs]], t[[run.stop - 1 for run in runs]]
 
 
 def draw_lateness(samples: NDArray[Any], marks: dict[str, float]) -> Plot | None:
-    """Histogram of how late ticks began, on a logarithmic axis, with percentiles [us]; None on a virtual clock."""
+    """Plot the histogram of the lateness on a logarithmic axis, with percentiles [us]; None on a virtual clock."""
     lateness = samples["lateness_ns"] * 1e-3
     lateness = lateness[np.isfinite(lateness)]
     if not (lateness > 0.0).any():
@@ -160,7 +160,7 @@ def draw_lateness(samples: NDArray[Any], marks: dict[str, float]) -> Plot | None
 
 
 def draw_states(samples: NDArray[Any]) -> Plot:
-    """States of the safety machine over the whole run."""
+    """Plot the states of the safety machine over the whole run."""
     t, state = samples["t"], whole(samples["state"])
     x = Axis.of("time [s]", t, margin=0.0)
     plot = Plot(x, Axis("", 0.0, 1.0), "Safety states over time", height=110.0)
@@ -171,7 +171,7 @@ def draw_states(samples: NDArray[Any]) -> Plot:
 
 
 def _stretches_joined(t: F8, inside: NDArray[np.bool_]) -> tuple[F8, F8]:
-    """Like `_stretches`, each drawn up to the tick after it, so that neighbours touch."""
+    """Return intervals as `_stretches`, each extended to the next tick, so that neighbours touch."""
     starts, ends = _stretches(t, inside)
     following = t[np.minimum(np.searchsorted(t, ends, side="right"), len(t) - 1)]
     return starts, following

@@ -1,4 +1,4 @@
-"""Page one of a report, for whoever treats the person: a sentence, a picture, the trials, and how it went over time."""
+"""Page one of a report, for the therapist: result in a sentence, image of the scene, trials, trend of the sessions."""
 
 from __future__ import annotations
 
@@ -24,19 +24,20 @@ from mimics_app.recording.session_totals import session_totals
 __all__ = ["Front", "front_of"]
 
 _PICTURE = (512, 288)
-"""Largest picture [px]."""
+"""Largest size of the image [px]."""
 
 _MOST_SESSIONS = 30
+"""Largest number of sessions in the trend."""
 
 
 @dataclass(frozen=True, slots=True)
 class Front:
-    """What page one shows beside the figures of the run.
+    """Content of page one beside the figures of the run.
 
     Attributes:
-        sentence: What it came to.
-        picture: Of the scene, as a data URI; "" for none.
-        trials: One line each; None where none ended.
+        sentence: Result in a sentence.
+        picture: Image of the scene as a data URI; "" for none.
+        trials: Table of the trials; None where none ended.
         trend: Score, else time, over this participant's sessions of the scene; None before the second.
     """
 
@@ -47,12 +48,11 @@ class Front:
 
 
 def front_of(run: Run) -> Front:
-    """Page one of a run."""
+    """Return page one of a run."""
     task = session_totals(run.summary, run.trials)
     name = str(mapping(run.session.get("scene")).get("name", ""))
     participant = str(mapping(run.session.get("settings")).get("participant", ""))
-    found = earlier_runs(run.folder.parent, name, participant, besides=run.folder)
-    earlier = [each for each in found if each.folder.name < run.folder.name]
+    earlier = earlier_runs(run.folder.parent, name, participant, before=run.folder)
     head, lines = trial_lines(run.trials)
     return Front(
         sentence=result_sentence(task, earlier) if run.summary or task else "",
@@ -63,7 +63,7 @@ def front_of(run: Run) -> Front:
 
 
 def _trend(task: Mapping[str, Any], earlier: list[EarlierRun], participant: str) -> Plot | None:
-    """The mean score of each session, or its mean time where the task has no score."""
+    """Plot the mean score of each session, or its mean time where the task has no score."""
     whose = f" of {participant}" if participant else ""
     scores = [run.score for run in earlier]
     score = number(task.get("score")) if mean_time(task) is not None else None
@@ -86,7 +86,7 @@ def _trend(task: Mapping[str, Any], earlier: list[EarlierRun], participant: str)
 
 
 def _picture(folder: Path, scene: str) -> str:
-    """The shipped picture of the scene, else the first one of the run."""
+    """Return the shipped image of the scene, else the first picture of the run."""
     from PIL import Image
 
     shipped = root() / "assets" / "pictures" / "scenes" / f"{Path(scene).name}.jpg"
@@ -94,7 +94,7 @@ def _picture(folder: Path, scene: str) -> str:
         try:
             with Image.open(file) as picture:
                 small = picture.convert("RGB")
-        except (OSError, ValueError):
+        except (OSError, ValueError, Image.DecompressionBombError):
             continue
         small.thumbnail(_PICTURE)
         stream = io.BytesIO()

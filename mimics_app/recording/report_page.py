@@ -1,4 +1,4 @@
-"""Makes HTML of what a report shows: the templates beside this module, every text escaped by the template engine."""
+"""Rendering of a report's content as HTML by the templates beside this module, with automatic escaping."""
 
 from __future__ import annotations
 
@@ -17,6 +17,6 @@ _TEMPLATES = Path(__file__).parent / "templates"
 
 
 def render_page(page: Page) -> str:
-    """The page of a report; text that UTF-8 cannot hold is written as question marks."""
+    """Return the page of a report; characters that UTF-8 cannot encode become question marks."""
     text = load_templates(_TEMPLATES, shown=shown).get_template("report.html.j2").render(page=page)
     return text.encode("utf-8", "replace").decode()

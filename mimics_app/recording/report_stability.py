@@ -1,4 +1,4 @@
-"""What a report says about stability: the margins of what was touched, and the energy of each contact."""
+"""Stability in the report: margins of the contacts, and their energy."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ _MOST_LOSSES = 20
 
 
 def _touching(samples: NDArray[Any]) -> NDArray[np.bool_]:
-    """Ticks in which the person felt the wall of the tunnel or a shape."""
+    """Return the ticks with a contact force of the tunnel's wall or a shape."""
     pressed = (samples["penetration"] > 0.0) | (samples["touching"] > 0.0)
     return np.asarray(pressed & samples["f_user_world"].any(axis=1))
 
 
 def smallest_margin(samples: NDArray[Any]) -> float | None:
-    """Smallest stability margin of what was touched [-], or None where nothing was."""
+    """Return the smallest stability margin of the contacts [-], None without a contact."""
     margins = samples["margin"][_touching(samples)]
     return float(margins.min()) if len(margins) else None
 
 
 def _contacts(run: Run) -> list[tuple[str, float]]:
-    """Least margin of each thing touched [%], the least first."""
+    """Return the smallest margin of each object touched [%], in ascending order."""
     stability = run.manifest.summary.get("stability") if run.manifest else None
     contacts = stability.get("contacts") if isinstance(stability, Mapping) else None
     if not isinstance(contacts, Mapping):
@@ -62,7 +62,7 @@ def stability_lines(attempt: Attempt) -> dict[str, dict[str, tuple[str, F8]]]:
 
 
 def stability_tables(run: Run) -> dict[str, Table]:
-    """The worst of the run, and when the margin was lost, by heading; {} where nothing was recorded."""
+    """Return the tables on stability by heading; {} without recorded ticks."""
     samples = run.haptic
     if len(samples) == 0:
         return {}
@@ -75,8 +75,8 @@ def stability_tables(run: Run) -> dict[str, Table]:
         ("times the margin was lost", len(lost)),
         ("contacts with reduced stiffness", len(capped)),
         ("ticks in which the passivity controller acted", int((samples["passivity"] > 0.0).sum())),
-        ("least level of the energy tank [J]", float(samples["tank"].min())),
-        ("least share of active forces it could pay [%]", 100.0 * float(samples["tank_share"].min())),
+        ("smallest level of the energy tank [J]", float(samples["tank"].min())),
+        ("smallest share of active forces it allowed [%]", 100.0 * float(samples["tank_share"].min())),
     ]
     if len(touching):
         limit, margin = float(touching["stiffness_limit"].min()), 100.0 * float(touching["margin"].min())
@@ -85,7 +85,7 @@ def stability_tables(run: Run) -> dict[str, Table]:
             ("smallest margin while touching [%]", margin),
             ("smallest stable stiffness then [N/m]", limit),
             ("largest energy returned by one contact [mJ]", given),
-            ("least share of the authored stiffness [%]", 100.0 * float(touching["stiffness_share"].min())),
+            ("smallest share of the authored stiffness [%]", 100.0 * float(touching["stiffness_share"].min())),
             *rows,
         ]
     tables = {"Stability": Table(["", "value"], rows)}

@@ -47,7 +47,7 @@ _ENDINGS = (("_m_s", "m/s"), ("_s", "s"), (_METRES, "mm"), ("_n", "N"))
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Names of columns, rows of plain values, and the class in the style sheet ("keys": names and values)."""
+    """A table: names of columns, rows of plain values, class in the style sheet ("keys": names and values)."""
 
     names: Sequence[str]
     rows: Sequence[Sequence[Any]]
@@ -55,12 +55,12 @@ class Table:
 
     @property
     def numeric(self) -> list[bool]:
-        """Which columns hold numbers only; they are aligned to the right."""
+        """Whether each column holds numbers only and is aligned to the right."""
         return [all(_is_number(row[i]) for row in self.rows) for i in range(len(self.names))]
 
     @property
     def first(self) -> Table:
-        """As many of its rows as a page lists."""
+        """The table limited to the rows that a page lists."""
         return Table(self.names, self.rows[:_MOST_ROWS], self.kind)
 
 
@@ -69,7 +69,7 @@ def _is_number(cell: object) -> bool:
 
 
 def key_table(content: Mapping[str, Any]) -> Table:
-    """Names and values below each other; nested mappings are shown as "outer.inner"."""
+    """Return a table of names and values; nested mappings are named "outer.inner"."""
     return Table(["setting", "value"], _flat(content), "keys")
 
 
@@ -89,18 +89,18 @@ def _flat(content: Mapping[str, Any], before: str = "", depth: int = 0) -> list[
 
 
 def lines_table(lines: Sequence[Mapping[str, Any]]) -> Table:
-    """Lines of events.jsonl below each other, a column for each name."""
+    """Return a table of lines of events.jsonl, with a column for each name."""
     names = [n for n in dict.fromkeys(n for line in lines for n in line) if n not in ("source", "kind")]
     return Table(names, _cells(lines, names))
 
 
 @dataclass(frozen=True, slots=True)
 class Trials:
-    """What trials.csv says to a person, one row per attempt.
+    """Tables of trials.csv, one row per attempt.
 
     Attributes:
-        measured: What was measured, in tables no wider than the page, the most important one first.
-        given: What was set; None for nothing.
+        measured: Measures, in tables no wider than the page, the most important first.
+        given: Parameters; None for none.
     """
 
     measured: list[Table]
@@ -108,12 +108,12 @@ class Trials:
 
 
 def trials_of(run: Run) -> Trials | None:
-    """The trials of a run, lengths in mm, with units; None where none ended."""
+    """Return the trials of a run, with units and lengths in mm; None where none ended."""
     if not run.trials:
         return None
     trials = [{**row, "trial": row["trial"] + 1} if isinstance(row.get("trial"), int) else row for row in run.trials]
     names = [n for n in dict.fromkeys(name for row in trials for name in row) if _says_something(n, trials)]
-    if "outcome" in names and "score" in names:  # what people look for first
+    if "outcome" in names and "score" in names:  # the most important columns first
         names.remove("score")
         names.insert(names.index("outcome") + 1, "score")
     given = [name for name in names if name.startswith(_PARAMETER)]
@@ -135,7 +135,7 @@ def _columns_of(rows: Sequence[Mapping[str, Any]], names: Sequence[str], titles:
 
 
 def _in_mm(row: Mapping[str, Any]) -> dict[str, Any]:
-    """The row with its lengths in mm."""
+    """Return the row with its lengths in mm."""
     return {name: scaled(item, 1000.0) if _is_length(name, item) else item for name, item in row.items()}
 
 
@@ -144,13 +144,13 @@ def _is_length(name: str, item: object) -> bool:
 
 
 def _says_something(name: str, trials: Sequence[Mapping[str, Any]]) -> bool:
-    """Whether a column of the trials is more than its usual value."""
+    """Whether a column of the trials holds more than its default value."""
     usual = {"attempt": 1, "repetition": 0}.get(name)
     return name not in _HIDDEN and any(row.get(name) not in (None, "", usual) for row in trials)
 
 
 def _column(name: str) -> str:
-    """The name of a column for people: time_s becomes time [s]; lengths are given in mm."""
+    """Return the caption of a column: time_s becomes time [s]; lengths are in mm."""
     if name in _TITLES:
         return _TITLES[name]
     for ending, unit in _ENDINGS:
@@ -160,7 +160,7 @@ def _column(name: str) -> str:
 
 
 def _parameter_units(run: Run) -> dict[str, str]:
-    """Unit of each parameter of the task, as the recorded scene states it."""
+    """Return the unit of each parameter of the task from the recorded scene."""
     task = mapping(mapping(mapping(run.session.get("scene")).get("document")).get("task"))
     return {name: str(mapping(item).get("unit", "-")) for name, item in mapping(task.get("parameters")).items()}
 
@@ -172,11 +172,11 @@ def _parameter_column(column: str, units: Mapping[str, str]) -> str:
 
 
 def contact_rows(run: Run) -> list[dict[str, Any]]:
-    """Each contact with the tick it began, the first frame that showed it and the sample that sounded it."""
+    """Return each contact with its first tick, the first frame that showed it, and the audio sample of its sound."""
     begins = run.events[run.events["kind"] == EventKind.CONTACT_BEGIN]
     frames = sorted(run.lines_of("app", "frame"), key=lambda line: int(line.get("tick") or 0))
     seen = np.array([int(line.get("tick") or 0) for line in frames], np.int64)
-    sounds = {int(line.get("tick", -1)): line for line in run.lines_of("app", "sound")}
+    sounds = {line.get("tick"): line for line in run.lines_of("app", "sound")}
     peaks = _peaks(run.haptic, begins)
     rows = []
     for event, (force, depth, length) in zip(begins, peaks, strict=True):
@@ -203,7 +203,7 @@ def contact_rows(run: Run) -> list[dict[str, Any]]:
 
 
 def _peaks(samples: NDArray[Any], begins: NDArray[Any]) -> list[tuple[float | None, float | None, int | None]]:
-    """Peak of the force on the person [N], of the depth [mm], and length [ms] of each contact."""
+    """Return peak force on the person [N], peak depth [mm] and duration [ms] of each contact."""
     ticks = samples["tick"]
     force = np.sqrt(np.einsum("ij,ij->i", samples["f_user_world"], samples["f_user_world"]))
     apart = np.append(np.flatnonzero(samples["penetration"] <= 0.0), len(samples))
@@ -221,13 +221,13 @@ def _peaks(samples: NDArray[Any], begins: NDArray[Any]) -> list[tuple[float | No
 
 @dataclass(frozen=True, slots=True)
 class Contacts:
-    """The contacts of a run: in words, listed, and whether the list is so long that it is folded or cut.
+    """The contacts of a run.
 
     Attributes:
-        words: How many, and what picture and sound took in the middle and at most.
-        table: Each of them, the first of them where they are very many.
+        words: Their number, and median and maximum latency of picture and sound.
+        table: The contacts, limited to the first ones.
         folded: Whether the list is long.
-        most: How many are listed, 0 for all.
+        most: Number of contacts listed, 0 for all.
     """
 
     words: str
@@ -237,7 +237,7 @@ class Contacts:
 
 
 def contacts_of(run: Run) -> Contacts | None:
-    """The contacts of a run; None where nothing was touched."""
+    """Return the contacts of a run; None without any."""
     rows = contact_rows(run)
     if not rows:
         return None
@@ -257,21 +257,21 @@ def _median_and_most(rows: Sequence[Mapping[str, Any]], name: str) -> str:
 
 
 def trip_table(run: Run) -> Table | None:
-    """Stops and short holds with cause and advice; None for none."""
+    """Return the stops and short holds with cause and advice; None for none."""
     trips = TripReader().take(run.events)
     rows = [(Seconds(run.seconds(t.tick)), "stop" if t.latched else "short hold", t.what, t.advice) for t in trips]
     return Table(["at [s]", "what", "cause", "what to do"], rows) if rows else None
 
 
 def loss_table(run: Run) -> Table | None:
-    """What of the scene was not simulated any more; None for nothing."""
+    """Return the parts of the scene that were no longer simulated; None for none."""
     lost = [e for e in run.events if e["kind"] in (EventKind.LEFT_OUT, EventKind.QUARANTINE)]
     rows = [(Seconds(run.seconds(e["tick"])), _loss(e)) for e in lost]
     return Table(["from [s]", "not simulated"], rows) if rows else None
 
 
 def state_table(run: Run) -> Table | None:
-    """Every change of state; None for none."""
+    """Return the changes of state; None for none."""
     states = run.events[run.events["kind"] == EventKind.STATE]
     rows = [(Seconds(run.seconds(e["tick"])), _word(e["force"])) for e in states]
     return Table(["at [s]", "state from then on"], rows) if rows else None
@@ -280,8 +280,8 @@ def state_table(run: Run) -> Table | None:
 def _loss(event: np.void) -> str:
     amount = _whole(event["force"])
     if event["kind"] == EventKind.LEFT_OUT:
-        return f"{counted(amount, 'pairs')} of shapes near each other, for want of room"
-    return f"the force field of effect {amount + 1}: it gave a number that is not finite"
+        return f"{counted(amount, 'pairs')} of shapes near each other, for lack of capacity"
+    return f"the force field of effect {amount + 1}, whose force was not finite"
 
 
 def _word(code: float) -> str:
@@ -292,12 +292,12 @@ def _word(code: float) -> str:
 
 
 def _whole(code: float) -> int:
-    """A number of an event as a whole one; -1 where it is none."""
+    """Return the value of an event as an integer; -1 where it is not finite."""
     return int(code) if np.isfinite(code) else -1
 
 
 def plan_tables(plan: object) -> dict[str, Table]:
-    """What `mimics explain` says, by its heading: the methods chosen with cost and error, and what was left out."""
+    """Return the tables of `mimics explain` by heading: chosen methods with cost and error, and parts left out."""
     names = ["part", "group", "method", "cost_us", "error", "unit", "tolerance"]
     parts, left_out = (_objects(mapping(plan).get(name)) for name in ("parts", "left_out"))
     tables: dict[str, Table] = {}
@@ -313,7 +313,7 @@ def plan_tables(plan: object) -> dict[str, Table]:
 
 
 def _timed(part: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """The part with a time [us] as `mimics explain` writes it: in ms from one on."""
+    """Return the part with a time [us] as text, in ms from 1 ms on."""
     us = number(part.get(name))
     if us is None:
         return dict(part)
@@ -329,7 +329,7 @@ def _cells(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> list[list
 
 
 def governor_tables(run: Run) -> dict[str, Table]:
-    """Frame times, shares of frames by quality, each move of the frame governor, by heading ("" for none)."""
+    """Return frame times, shares of frames by quality, and changes by the governor, by heading ("" for none)."""
     summary = mapping(run.summary.get("governor"))
     moves = run.lines_of("app", "governor")
     tables: dict[str, Table] = {}

@@ -1,4 +1,4 @@
-"""What a report shows of each trip: the second before it."""
+"""Trips in the report: plots of the second before each."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from mimics_app.recording.trip_log import FOLDER, complete_trips, read_trip
 __all__ = ["MOST_DRAWN", "Trip", "trips_of"]
 
 MOST_DRAWN = 8
-"""Trips that a report draws; the others are in their files."""
+"""Largest number of trips plotted; the others are in their files."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trip:
-    """The second before a trip: when it was [s], the name of its file, drawings ([] where no row was left)."""
+    """The second before a trip: time of the trip [s], name of its file, plots ([] without rows)."""
 
     at_s: Seconds
     file: str
@@ -31,7 +31,7 @@ class Trip:
 
 
 def trips_of(run: Run) -> list[Trip]:
-    """The first trips of a run, with drawings."""
+    """Return the first trips of a run with their plots."""
     return [_trip(run, tick, path) for tick, path in complete_trips(run)[:MOST_DRAWN]]
 
 

@@ -1,4 +1,4 @@
-"""Values of a recording as a report takes them in and shows them: whatever a damaged file holds, a text comes out."""
+"""Reading and formatting of values of a recording for a report, robust against damaged files."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ from typing import Any
 __all__ = ["NONE", "Seconds", "mapping", "number", "one", "scaled", "shown", "thousands"]
 
 NONE = "–"
-"""What stands for a value that there is not."""
+"""Text of a missing value."""
 
 _DEEPEST = 12
 _LEAST = 1e-9
-"""Figures of less than this, in their unit, are shown as 0."""
+"""Magnitude below which figures are shown as 0, in their unit."""
 
 
 class Seconds(float):
-    """A moment of a session [s]; shown to the millisecond."""
+    """A time of a session [s], shown to the millisecond."""
 
 
 def mapping(item: object) -> Mapping[str, Any]:
-    """The item where it is an object of JSON, else an empty one."""
+    """Return the item if it is a JSON object, else an empty one."""
     return item if isinstance(item, Mapping) else {}
 
 
 def number(item: object) -> float | None:
-    """The item where it is a finite number a float can hold, else None; truth values are no numbers."""
+    """Return the item if it is a finite number, else None; truth values are no numbers."""
     if isinstance(item, bool) or not isinstance(item, (int, float)):
         return None
     try:
@@ -37,19 +37,19 @@ def number(item: object) -> float | None:
 
 
 def scaled(item: object, factor: float) -> float | None:
-    """`number` times a factor."""
+    """Return `number` times a factor."""
     value = number(item)
     return None if value is None else factor * value
 
 
 def one(item: object, unit: str = "") -> str:
-    """A number with one decimal and its unit; `NONE` for anything else."""
+    """Format a number with one decimal and its unit; `NONE` for anything else."""
     value = number(item)
     return NONE if value is None else f"{value:.1f} {unit}".strip()
 
 
 def shown(item: object, depth: int = 0) -> str:
-    """A value as a person writes it, plain text: the template escapes it."""
+    """Format a value as plain text; the template escapes it."""
     if item is None or (isinstance(item, float) and not math.isfinite(item)):
         return NONE
     if isinstance(item, bool):
@@ -68,12 +68,12 @@ def shown(item: object, depth: int = 0) -> str:
 
 
 def _figure(value: float) -> str:
-    """Four digits that count; 0 for what is no more than rounding of a computation, and no exponent up to 1e7."""
+    """Format with four significant digits; 0 for rounding errors, no exponent up to 1e7."""
     if abs(value) < _LEAST:
         return "0"
     return f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}"
 
 
 def thousands(count: int) -> str:
-    """A count with thin spaces between its thousands."""
+    """Format a count with thin spaces between thousands."""
     return f"{count:,}".replace(",", "\u2009")

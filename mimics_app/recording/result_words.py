@@ -1,4 +1,4 @@
-"""What a session came to, in a person's words: the same on the page of results and on page one of the report."""
+"""Results of a session in plain words, for the page of results and for page one of the report."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["mean_time", "result_sentence", "trial_lines", "trial_names"]
 _OUTCOMES = {FINISHED: "finished", "timeout": "time over", "aborted": "broken off"}
 
 _NOTABLE = 0.02
-"""Difference to the last time from which it is worth a word [-]."""
+"""Smallest relative difference to the last session's time that is mentioned."""
 
 _COLUMNS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
     ("time_s", "Time", lambda value: f"{value:.1f} s"),
@@ -74,7 +74,7 @@ def _outcome(row: Mapping[str, Any]) -> str:
 
 
 def _has(row: Mapping[str, Any], column: str) -> bool:
-    """Whether a row has a measure; one in which nobody was let go has none."""
+    """Whether a row has a measure; an attempt without travel has none."""
     return number(row.get(column)) is not None and row.get("time_s") != 0.0
 
 
@@ -83,7 +83,7 @@ def _cells(row: Mapping[str, Any], shown: Sequence[tuple[str, str, Callable[[flo
 
 
 def _against_last(task: Mapping[str, Any], earlier: Sequence[EarlierRun]) -> list[str]:
-    """How the mean time compares with that of the run before; nothing where either has none."""
+    """Return the comparison of the mean time with that of the last run; [] where either has none."""
     now, before = mean_time(task), next((run.time_s for run in reversed(earlier) if run.time_s), None)
     if now is None or before is None:
         return []

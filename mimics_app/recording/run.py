@@ -1,4 +1,4 @@
-"""Read a run folder back, whole or damaged: what is good comes out, what is missing is named."""
+"""Reader of a run folder, whole or damaged: valid data, and a list of what is missing."""
 
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ _MARKS = ("session", "haptic", "events", "trials", "manifest")
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """Rows of the haptic stream that are missing.
+    """A gap in the haptic stream.
 
     Attributes:
         after_tick: Last tick before the gap, -1 at the start.
-        ticks: How many are missing.
-        why: Cause where it is known, else "rows are missing".
+        ticks: Number of missing ticks.
+        why: Cause, "rows are missing" where unknown.
     """
 
     after_tick: int
@@ -62,10 +62,10 @@ class Run:
     """One run folder.
 
     Attributes:
-        folder: Where it is.
-        session: Content of session.json without what is damaged.
-        manifest: How the run ended, None where it was never closed or that file is damaged.
-        layout: Which columns haptic.arrows was recorded with.
+        folder: The folder.
+        session: Content of session.json without damaged parts.
+        manifest: The manifest, None where the run was never closed or the file is damaged.
+        layout: Layout of haptic.arrows.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -89,21 +89,21 @@ class Run:
 
     @property
     def status(self) -> str:
-        """How the run ended, as its manifest says, or "open": it was never closed, or is still being recorded."""
+        """Status of the manifest, or "open": the run was never closed, or is being recorded."""
         return self.manifest.status if self.manifest else "open"
 
     @property
     def being_recorded(self) -> bool:
-        """Whether its session is under way: nobody closed it, and its recorder lives."""
+        """Whether its session is under way: it is not closed, and its recorder is running."""
         return self.manifest is None and is_claimed(self.folder / FILES["haptic"])
 
     @property
     def summary(self) -> dict[str, Any]:
-        """What the app said at the end, {} where the run was never closed."""
+        """The application's summary, {} where the run was never closed."""
         return self.manifest.summary if self.manifest else {}
 
     def seconds(self, tick: float) -> float:
-        """Session time of a tick [s]; every tick is as long as those that were recorded."""
+        """Return the session time of a tick [s], from the mean period of the recorded ones."""
         period = float(self.haptic["t"][-1] / self.haptic["tick"][-1]) if len(self.haptic) > 1 else _NOMINAL_PERIOD_S
         return float(tick) * period
 
@@ -122,23 +122,23 @@ class Run:
 
     @cached_property
     def haptic(self) -> NDArray[Any]:
-        """Every good row of haptic.arrows as SAMPLE records, shape [n], in order."""
+        """The valid rows of haptic.arrows as SAMPLE records, shape [n], in order."""
         blocks = self._scan[0]
         return np.concatenate([block.records for block in blocks]) if blocks else np.empty(0, SAMPLE)
 
     @property
     def damages(self) -> list[Damage]:
-        """Bytes of haptic.arrows that are no good block."""
+        """Parts of haptic.arrows that are not valid blocks."""
         return self._scan[1]
 
     @cached_property
     def gaps(self) -> list[Gap]:
-        """Where ticks are missing, in order; a cut end cannot be seen from the ticks and stands in `damages`."""
+        """Gaps in order; a cut-off end cannot be seen from the ticks and is in `damages`."""
         numbers = [block.first + np.arange(len(block.records)) for block in self._scan[0]]
         return find_gaps(self.haptic["tick"], np.concatenate(numbers) if numbers else np.empty(0), self.known_gaps())
 
     def known_gaps(self) -> dict[int, str]:
-        """Why rows are missing, by the number of the first row after them, as the recorder wrote it down."""
+        """Return the reason of each gap that the recorder noted, by the number of the first row after it."""
         return {int(line["after_row"]): str(line["reason"]) for line in self.lines_of("recorder", "gap")}
 
     @cached_property
@@ -147,11 +147,11 @@ class Run:
 
     @property
     def lines(self) -> list[dict[str, Any]]:
-        """Every good line of events.jsonl, in order."""
+        """The valid lines of events.jsonl, in order."""
         return self._lines[0]
 
     def lines_of(self, source: str, kind: str) -> list[dict[str, Any]]:
-        """Lines of one source and kind, in order."""
+        """Return the lines of one source and kind, in order."""
         return [line for line in self.lines if line["source"] == source and line["kind"] == kind]
 
     @cached_property
@@ -166,7 +166,7 @@ class Run:
 
     @property
     def comparable_end(self) -> int:
-        """Tick before which all events and rows are there: a run that was cut off may lack some of its last ones."""
+        """Tick before which events and rows are complete: a run that was cut off may lack some of the last ones."""
         return self.end_of_ticks if self.status == "clean" else min(self.end_of_ticks, self.last_event_tick)
 
     @cached_property
@@ -202,7 +202,7 @@ class Run:
 
     @cached_property
     def rows(self) -> dict[int, Rows]:
-        """The tables of haptic objects beside those parameter blocks that count any, by sequence, rows in use only."""
+        """Tables of haptic objects by sequence of their parameter block, rows in use only; empty ones are left out."""
         return {
             number: block.rows
             for number, block in self._parameter_blocks.items()
@@ -215,11 +215,11 @@ class Run:
 
     @property
     def signals(self) -> list[SignalRow]:
-        """Blocks of the person's signals in order; [] where nothing was measured."""
+        """Blocks of body signals in order; [] for none."""
         return self._signal_scan[0]
 
     def state_hash(self) -> str:
-        """The state hash of what the files hold, computed anew."""
+        """Return the state hash computed from the files."""
         state = StateHash(self.layout.extent)
         state.add_samples(self.haptic)
         state.add_events(self.events)
@@ -229,22 +229,22 @@ class Run:
 
     @property
     def end_of_ticks(self) -> int:
-        """Number after the last tick there is a row of."""
+        """Number of the last recorded tick plus 1."""
         ticks = self.haptic["tick"]
         return int(ticks.max()) + 1 if len(ticks) else 0
 
     @property
     def lost_at_end(self) -> int:
-        """Ticks that are missing after the last row there is, as far as the recorder or the manifest know of them."""
+        """Number of ticks missing after the last row, as noted by the manifest or the recorder."""
         there = self.end_of_ticks
         if self.manifest:
             return max(0, self.manifest.rows + self.manifest.dropped.get("samples", 0) - there)
         return sum(line.get("rows", 0) for line in self.lines_of("recorder", "gap") if line["after_row"] >= there)
 
     def _seen_after_end(self) -> int:
-        """Ticks after the last row that lines of events.jsonl show to have passed, 0 unless more than `lost_at_end`.
+        """Return the number of ticks after the last row by the events, for a run without a manifest.
 
-        It is for a run without a manifest, which would know how many rows there were.
+        0 unless it is larger than `lost_at_end`.
         """
         if self.manifest:
             return 0
@@ -253,8 +253,8 @@ class Run:
         return seen if seen > self.lost_at_end else 0
 
     @property
-    def needs_mending(self) -> bool:
-        """Whether `mimics record recover` has something to do: nobody closed it, or parts of it cannot be read."""
+    def needs_repair(self) -> bool:
+        """Whether `mimics record recover` has something to do: it was not closed, or parts of it cannot be read."""
         return self.manifest is None or bool(
             self.damages
             or self._parameter_scan[1]
@@ -264,7 +264,7 @@ class Run:
         )
 
     def problems(self) -> list[str]:
-        """Everything that is not as it should be, one sentence each; [] for a whole run."""
+        """Return all problems, one sentence each; [] for a whole run."""
         if self.manifest is None:
             reason = self._manifest_problem
             open_end = "the run is being recorded" if self.being_recorded else "the run was never closed"
@@ -274,14 +274,14 @@ class Run:
         return list(dict.fromkeys([*ended, *self.losses()]))
 
     def notes(self) -> list[str]:
-        """What a reader should know of a run that is whole, one sentence each."""
+        """Return remarks on a whole run, one sentence each."""
         newer = [name for name in self.layout.absent if name not in self.layout.missing]
         if not newer or not len(self.haptic):
             return []
         return [f"{FILES['haptic']} is of another version: {', '.join(newer)} were not recorded yet"]
 
     def losses(self) -> list[str]:
-        """What is missing or damaged, one sentence each, also what `mimics record recover` found before."""
+        """Return what is missing or damaged, one sentence each, with the findings of `mimics record recover`."""
         found = [*self.manifest.lost] if self.manifest else []
         found += self._session_problems
         found += self._haptic_losses()
@@ -332,7 +332,7 @@ class Run:
         return found
 
     def disagreements(self) -> list[str]:
-        """What differs between the files and the manifest that seals them; [] when it agrees, or there is none."""
+        """Return the differences between the files and their seals; [] for none, or without a manifest."""
         if self.manifest is None:
             return []
         now = hash_files(self.folder)
@@ -350,16 +350,16 @@ class Run:
 
 
 def ending(status: str) -> str:
-    """The sentence that says how a run ended which was not closed as usual."""
+    """Return the sentence on the end of a run that was not closed in order."""
     return f"the run is {status}"
 
 
 def find_gaps(ticks: NDArray[np.float64], numbers: NDArray[Any], known: Mapping[int, str]) -> list[Gap]:
-    """Where ticks are missing.
+    """Find the gaps of a stream.
 
     Args:
-        ticks: Of the rows that are there, shape [n].
-        numbers: Places of these rows since the session's start, shape [n].
+        ticks: Ticks of the rows, shape [n].
+        numbers: Indices of these rows since the session's start, shape [n].
         known: See `Run.known_gaps`.
     """
     gaps: list[Gap] = []
@@ -374,7 +374,7 @@ def find_gaps(ticks: NDArray[np.float64], numbers: NDArray[Any], known: Mapping[
 def _read_or_say(
     path: Path, read: Callable[[Path], tuple[list[dict[str, Any]], int]]
 ) -> tuple[list[dict[str, Any]], int, str]:
-    """What `read` finds, how much of it is bad, and why it cannot be read at all: "" where it can."""
+    """Return the result of `read`, the number of invalid parts, and why the file cannot be read, "" where it can."""
     try:
         return *read(path), ""
     except OSError as error:

@@ -1,4 +1,4 @@
-"""The folder of one run: made once, never written over, and only where there is room for it."""
+"""The folder of one run: created once, never overwritten, and only where there is enough disk space."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ __all__ = [
 ]
 
 BYTES_PER_SECOND = 250_000
-"""What one second of a session takes on disk, compressed: 220 kB of the wavy tunnel, 190 kB of objects, measured."""
+"""Disk space of one second of a session, compressed: measured 220 kB with the wavy tunnel, 190 kB with objects."""
 
 PRIVATE_FOLDER, PRIVATE_FILE = 0o700, 0o600
-"""Modes of what a run makes: a recording can hold health data, so nobody but its user may open it."""
+"""Modes of folders and files of a run: a recording can hold health data, so only its user has access."""
 
 _LEAST_FREE = 16 * 1024 * 1024
 _TRIES = 8
@@ -48,10 +48,10 @@ FILES = {
 
 
 def check_parent(parent: Path) -> None:
-    """Refuse a folder of runs that cannot be made or written to; nothing is made.
+    """Check that a folder of runs can be created or written to; nothing is created.
 
     Raises:
-        UsageError: It cannot be.
+        UsageError: It cannot.
     """
     there = next((folder for folder in (parent, *parent.absolute().parents) if folder.exists()), parent)
     if there.is_dir() and os.access(there, os.W_OK | os.X_OK):
@@ -61,14 +61,14 @@ def check_parent(parent: Path) -> None:
 
 
 def create_run_folder(parent: Path, expected_s: float = 0.0) -> Path:
-    """Make `parent/<UTC time>_<8 hexadecimal digits>`, which did not exist before.
+    """Create `parent/<UTC time>_<8 hexadecimal digits>`, which did not exist before.
 
     Args:
-        parent: Where runs are kept; made when missing.
-        expected_s: Length the session is expected to have [s]; twice its size must be free.
+        parent: Folder of runs; created when missing.
+        expected_s: Expected length of the session [s]; twice its size must be free.
 
     Raises:
-        UsageError: The folder cannot be made, or there is too little room on its disk.
+        UsageError: The folder cannot be created, or there is too little disk space.
     """
     try:
         parent.mkdir(parents=True, exist_ok=True)
@@ -101,7 +101,7 @@ def _new_folder(parent: Path) -> Path:
 
 @contextmanager
 def private_files() -> Iterator[None]:
-    """Inside, all that this process and those it starts write is private: pictures, sound and films of a run, too."""
+    """Make all files that this process and its children write inside private: pictures, sound and films, too."""
     before = os.umask(0o777 & ~PRIVATE_FOLDER)
     try:
         yield
@@ -110,9 +110,9 @@ def private_files() -> Iterator[None]:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Replace a file in one step: readers see the old or the new content, never half of it, also after a crash.
+    """Replace a file atomically: readers see the old or the new content, also after a crash.
 
-    Only its user may open it. A link is replaced, not followed.
+    Only its user has access. A link is replaced, not followed.
     """
     scratch = path.with_name(path.name + ".part")
     try:

@@ -1,4 +1,4 @@
-"""session.json: what a run says at its head. Parts that are not what they should be are named and left out."""
+"""session.json, the header of a run; parts of the wrong shape are reported and left out."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _Numbers3 = tuple[float, float, float]
 
 
 class Carry(msgspec.Struct):
-    """What a scenario says of something carried.
+    """Facts of a scenario on a carried object.
 
     Attributes:
-        body: Name of the thing.
+        body: Name of the object.
         row: Its row among the bodies, as in the column `held_body`.
-        mark_world: Where it belongs [m].
-        within_m: How near [m].
-        grasp_n: Least and most right grasp force [N].
+        mark_world: Position of its mark [m].
+        within_m: Radius of the mark [m].
+        grasp_n: Smallest and largest right grasp force [N].
     """
 
     body: str
@@ -52,7 +52,7 @@ _SHAPES: dict[str, Any] = {
 
 
 def read_session(folder: Path) -> tuple[dict[str, Any], list[str]]:
-    """The header of a run, without what is damaged, and what that is."""
+    """Return the header of a run without damaged parts, and the problems, one sentence each."""
     name = FILES["session"]
     try:
         session = parse_object(read_regular(folder / name))

@@ -1,4 +1,4 @@
-"""What a session came to in numbers: as the application said at its end, else from the trials on the disk."""
+"""Totals of a session: from the application's summary, else from the trials on the disk."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from mimics_app.recording.report_values import mapping, number
 __all__ = ["session_totals"]
 
 _MEANS = ("score", "time_s")
-"""Measures that are compared from session to session: each is the mean of its column of trials.csv."""
+"""Measures that are compared between sessions: means of columns of trials.csv."""
 
 
 def session_totals(summary: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:
-    """Totals under the keys of `mimics run --json`.
+    """Return the totals under the keys of `mimics run --json`.
 
     Args:
-        summary: Of the manifest. Without a `task`, because the application died before it could say so, the trials
-            that had ended are counted, with their mean score and time.
-        rows: Of trials.csv.
+        summary: Summary of the manifest. Without a `task`, because the application died, the ended trials are counted,
+            with their mean score and time.
+        rows: Rows of trials.csv.
     """
     if said := mapping(summary.get("task")):
         return said

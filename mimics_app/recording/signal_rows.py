@@ -1,4 +1,4 @@
-"""Signals between the app and the recorder; the app loads no Arrow for it."""
+"""Body signals as messages from the application to the recorder, without Arrow."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _Sent = tuple[int, int, str, float, bytes]
 
 @dataclass(frozen=True, slots=True)
 class SignalRow:
-    """One block of a signal, and the frame that took it."""
+    """One block of a signal, and the number of the frame that received it."""
 
     frame: int
     block: SignalBlock
 
 
 def pack_signals(rows: Sequence[SignalRow]) -> bytes:
-    """Rows as bytes for the recorder's channel."""
+    """Encode rows for the recorder's channel."""
     return msgspec.msgpack.encode(
         [
             (row.frame, row.block.t_ns, row.block.name, row.block.rate, np.asarray(row.block.values, float).tobytes())
@@ -34,10 +34,10 @@ def pack_signals(rows: Sequence[SignalRow]) -> bytes:
 
 
 def unpack_signals(payload: bytes) -> list[_Sent]:
-    """Frame, time, name, rate and samples of each row.
+    """Return frame, time, name, rate and samples of each row.
 
     Raises:
-        ValueError: The bytes are none that `pack_signals` made.
+        ValueError: The bytes are not of `pack_signals`.
     """
     try:
         return msgspec.msgpack.decode(payload, type=list[_Sent])

@@ -1,7 +1,7 @@
-"""signals.arrows: the raw signals of the person as each frame took them, one row a block; only where there are any.
+"""signals.arrows: raw body signals as each frame received them, one row per block; only where there are any.
 
-A plain Arrow stream of the columns `frame`, `t_ns`, `name`, `rate` [Hz] and `values`; a frame's blocks in their order,
-so that a replay hands the signal processing what it was handed.
+A plain Arrow stream of the columns `frame`, `t_ns`, `name`, `rate` [Hz] and `values`, with the blocks of a frame in
+their order, so that a replay passes them to the signal processing in the same way.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _Sent = Sequence[tuple[int, int, str, float, bytes]]
 
 @cache
 def signals_schema() -> Any:
-    """Schema of signals.arrows."""
+    """Return the schema of signals.arrows."""
     fields = [
         pa.field("frame", pa.int64(), nullable=False),
         pa.field("t_ns", pa.int64(), nullable=False, metadata={"unit": "ns"}),
@@ -49,7 +49,7 @@ def signals_schema() -> Any:
 
 
 def encode_signals(rows: _Sent, seq: int, first: int) -> bytes:
-    """Rows as `unpack_signals` gives them as one block; `first` is the number of the first of them."""
+    """Encode rows of `unpack_signals` as one block; `first` is the number of the first row."""
     values = [np.frombuffer(row[4], np.float64) for row in rows]
     offsets = np.concatenate(([0], np.cumsum([len(v) for v in values]))).astype(np.int32)
     flat = np.concatenate(values) if values else np.empty(0)
@@ -61,10 +61,10 @@ def encode_signals(rows: _Sent, seq: int, first: int) -> bytes:
 
 
 def decode_signals(data: bytes | memoryview) -> Block:
-    """Read one block back; its records are `SignalRow`s, an object array of shape [n].
+    """Decode one block; its records are `SignalRow`s, an object array of shape [n].
 
     Raises:
-        ValueError: It is no such block, or its CRC32 says that it was damaged.
+        ValueError: The bytes are no such block, or their CRC32 is wrong.
     """
     batch, seq, first, crc = decode_batch(data, signals_schema())
     frames, times, names, rates = (batch.column(i).to_pylist() for i in range(4))
@@ -83,15 +83,15 @@ def decode_signals(data: bytes | memoryview) -> Block:
 
 
 def _heads(rows: _Sent) -> np.ndarray[Any, np.dtype[np.uint8]]:
-    """What of the rows is no sample, as bytes for the checksum."""
+    """Return all of the rows but the samples as bytes, for the checksum."""
     return np.frombuffer(msgspec.msgpack.encode([row[:4] for row in rows]), np.uint8)
 
 
 class SignalStream:
-    """The growing file; it is made with its first rows.
+    """Writer of the file, which is created with its first rows.
 
     Attributes:
-        count: Rows written.
+        count: Number of rows written.
     """
 
     def __init__(self, folder: Path, *, resume: bool = False) -> None:
@@ -104,11 +104,11 @@ class SignalStream:
             self._file = AppendFile(self._path, resume_at=last.offset + last.length)
 
     def append(self, payload: bytes) -> None:
-        """Write what `pack_signals` made.
+        """Write rows encoded by `pack_signals`.
 
         Raises:
-            OSError: The disk is full or failed; the file ends with the block before.
-            ValueError: It is no such thing.
+            OSError: The disk is full or failed; the file ends with the previous block.
+            ValueError: The bytes are not of `pack_signals`.
         """
         rows = unpack_signals(payload)
         if self._file is None:
@@ -120,19 +120,19 @@ class SignalStream:
         self.count += len(rows)
 
     def sync(self) -> None:
-        """Bring the file onto the medium."""
+        """Flush the file to the medium."""
         if self._file is not None:
             self._file.sync()
 
     def close(self) -> None:
-        """End the stream as Arrow wants it."""
+        """Write the end mark and close the file."""
         if self._file is not None:
             self._file.append(END_OF_STREAM)
             self._file.close()
 
 
 def read_signals(folder: Path) -> tuple[list[SignalRow], list[str]]:
-    """Every good row in order, and what is missing or damaged, one sentence each; both empty without signals."""
+    """Return the valid rows in order, and the losses, one sentence each; both empty without signals."""
     path = folder / FILES["signals"]
     if not path.exists():
         return [], []

@@ -1,4 +1,4 @@
-"""One number for all that happened: the same run gives the same hash, one ulp of difference another."""
+"""State hash of a session: equal for bit-identical runs only."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ _EVENT_FIELDS = tuple(
 class StateHash:
     """Running SHA-256 of the samples, the events and the trial rows of one session.
 
-    Three hashes run side by side and are joined at the end, so neither the order in which the streams were drained
-    nor the size of the blocks shows. Left out is only what depends on real time: how late a tick was, how long it took,
-    the monotonic time of an event (its tick is in).
+    Three hashes are computed in parallel and combined at the end, so the result depends neither on the order in which
+    the streams are read nor on the size of the blocks. Values that depend on real time are excluded: lateness and
+    duration of a tick, monotonic time of an event (its tick is included).
 
     Args:
-        extent: Of the device: what it does not have is not in the hash.
+        extent: Extent of the device; columns beyond it are not hashed.
     """
 
     def __init__(self, extent: Extent = HAPTICMASTER) -> None:

@@ -1,4 +1,4 @@
-"""What the loop is given once, beside its parameter blocks: triangles, paths, and which force fields. For replay."""
+"""haptic_statics.npz: data that the loop receives once, for a replay: triangles, paths, names of force fields."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ _BROKEN = (
     TypeError,  # an array where an archive should be
     AttributeError,
     EOFError,
-    RuntimeError,  # an encrypted archive, a compression nobody knows
-    MemoryError,  # a header that states more than there is
+    RuntimeError,  # an encrypted archive, an unknown compression
+    MemoryError,  # a header that states more than the file holds
     struct.error,
     zipfile.BadZipFile,
     zlib.error,
     OSError,
 )
-"""What numpy and zipfile raise on damaged archives."""
+"""Errors of numpy and zipfile on damaged archives."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ def write_statics(folder: Path, statics: Statics) -> None:
 
 
 def read_statics(folder: Path) -> Statics | None:
-    """What `write_statics` wrote; None where there is none.
+    """Read haptic_statics.npz; None without the file.
 
     Raises:
         PartialDataError: The file is damaged.

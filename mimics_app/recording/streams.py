@@ -1,7 +1,7 @@
-"""The growing files of a run as the recorder writes them, each able to go on where a killed recorder stopped.
+"""Writers of the growing files of a run, each able to continue where a killed recorder stopped.
 
-Going on reads the end of a file and no more, so that it takes as long after an hour as after a second: the ring waits.
-The hash of what stood there before is taken from the files when the run is sealed, see `hash_of_files`.
+To continue, only the end of a file is read, so that it takes as long after an hour as after a second while the ring
+fills. The hash of the earlier content is computed from the files when the run is sealed, see `hash_of_files`.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class SampleStream:
     """haptic.arrows and its sidecar.
 
     Attributes:
-        next_row: Place after the last row written, counted from the session's start; rows that were lost count too.
+        next_row: Index after the last row written, counted from the session's start, lost rows included.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class SampleStream:
             self._index.append(np.array(index, INDEX_ROW).tobytes())
 
     def _read_back(self, folder: Path) -> tuple[list[tuple[int, int, int]], int]:
-        """Rows of the sidecar up to the last good block, and where that ends."""
+        """Return the rows of the sidecar up to the last valid block, and the end of that block."""
         known = read_index(folder / FILES["index"])
         layout = current_layout(self._extent)
         last = last_block(folder / FILES["haptic"], lambda data: decode_samples(data, layout), layout.schema, known)
@@ -76,7 +76,7 @@ class SampleStream:
         return [*index, (last.block.seq, last.offset, last.length)], last.offset + last.length
 
     def claim(self) -> None:
-        """Let everybody know that the run is being recorded, until this process ends."""
+        """Lock the file until this process ends, to mark the run as being recorded."""
         self._file.claim()
 
     def append(self, samples: NDArray[Any], first: int) -> None:

@@ -1,4 +1,4 @@
-"""What a run recorded of its task: the frames it was given, and the lines and rows it left, to be compared."""
+"""The task's part of a recording, for its replay: frames, journal lines and trial rows, with their comparison."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class FrameLine(msgspec.Struct):
 
 @dataclass(frozen=True, slots=True)
 class TaskLines:
-    """What there is to compare.
+    """The recorded data to be compared.
 
     Attributes:
         frames: From the first on; of a run that was cut off those whose ticks are there.
@@ -71,7 +71,7 @@ class TaskLines:
 
 @dataclass(frozen=True, slots=True)
 class TaskDifference:
-    """The first thing that the task did otherwise.
+    """The first difference between recording and replay of the task.
 
     Attributes:
         where: Which, e.g. "task event 3 (state), trial" or "trials.csv row 0, score".

@@ -1,7 +1,7 @@
 """trials.csv: one row per finished trial, on the medium before the next trial starts.
 
-A cell is the JSON text of its value; strings stand as they are unless that would read back as something else. Empty
-strings and None are empty cells.
+A cell is the JSON text of its value; strings are written without quotes unless that would be read as another value.
+Empty strings and None are empty cells.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ __all__ = ["TrialTable", "as_read", "read_table", "read_trials", "table_text"]
 
 
 class TrialTable:
-    """Appends rows to trials.csv; a row with a new column rewrites the small file in one step.
+    """Writer of trials.csv; a row with a new column rewrites the small file atomically.
 
     Attributes:
-        rows: What the file holds.
+        rows: Rows of the file.
     """
 
     def __init__(self, path: Path, *, resume: bool = False) -> None:
@@ -37,10 +37,10 @@ class TrialTable:
         self._file = AppendFile(path, resume_at=path.stat().st_size if resume else None)
 
     def append(self, row: Mapping[str, object]) -> None:
-        """Write one row and bring it onto the medium.
+        """Write one row and flush it to the medium.
 
         Raises:
-            OSError: The disk is full or failed; the file is as it was before.
+            OSError: The disk is full or failed; the file is unchanged.
         """
         columns = _columns([*self.rows, row])
         if columns == self._columns:
@@ -60,25 +60,25 @@ class TrialTable:
         self._file = AppendFile(self._path, resume_at=self._path.stat().st_size)
 
     def close(self) -> None:
-        """Let the file go."""
+        """Close the file."""
         self._file.close()
 
 
 def table_text(rows: Sequence[Mapping[str, object]]) -> bytes:
-    """A trials.csv of these rows."""
+    """Return the content of a trials.csv with these rows."""
     columns = _columns(rows)
     lines = [_line(columns)] if columns else []
     return b"".join([*lines, *(_line([_cell(row.get(name)) for name in columns]) for row in rows)])
 
 
 def as_read(row: Mapping[str, object]) -> dict[str, Any]:
-    """What a reader finds of a row that was written: plain values, without empty cells."""
+    """Return a row as it is read after writing: plain values, without empty cells."""
     cells = {name: _cell(value) for name, value in json.loads(to_json(row)).items()}
     return {name: _value(cell) for name, cell in cells.items() if cell != ""}
 
 
 def read_trials(path: Path) -> list[dict[str, Any]]:
-    """Rows of a trials.csv as plain values, without empty cells; [] where there is no such file.
+    """Return the rows of a trials.csv as plain values, without empty cells; [] without the file.
 
     Raises:
         OSError: It cannot be read.
@@ -87,10 +87,10 @@ def read_trials(path: Path) -> list[dict[str, Any]]:
 
 
 def read_table(path: Path) -> tuple[list[dict[str, Any]], int]:
-    """The good rows of a trials.csv, and how many are not: cut off, too long, or with other columns.
+    """Return the valid rows of a trials.csv, and the number of invalid ones: cut off, too long, or misaligned.
 
     Raises:
-        OSError: There is no such file, or it cannot be read.
+        OSError: The file is missing or cannot be read.
     """
     content = read_regular(path)
     end = content.rfind(b"\n") + 1
@@ -109,7 +109,7 @@ def read_table(path: Path) -> tuple[list[dict[str, Any]], int]:
 
 
 def _csv_rows(text: str) -> tuple[list[list[str]], int]:
-    """Rows of a table, and how many no reader of such tables takes."""
+    """Return the rows of a table, and the number of those that the CSV reader rejects."""
     reader = csv.reader(io.StringIO(text, newline=""))
     rows: list[list[str]] = []
     bad = 0

@@ -1,7 +1,7 @@
-"""The second before each trip, in a file of its own: `trips/trip_000.arrows`, `trip_001.arrows`, ...
+"""Logs of the second before each trip, one file each: `trips/trip_000.arrows`, `trip_001.arrows`, ...
 
-Each is a whole stream like haptic.arrows. The recorder writes it as soon as the row of the trip is there, in one step,
-so that it outlives a crash of everything; a trip that was missed then is cut from the run by the report.
+Each is a complete stream like haptic.arrows. The recorder writes it atomically as soon as the row of the trip arrives,
+so that it survives a crash; the report extracts missing ones from the run.
 """
 
 from __future__ import annotations
@@ -32,20 +32,20 @@ __all__ = ["FOLDER", "MOST_TRIPS", "ROWS_BEFORE", "TripLog", "complete_trips", "
 
 
 FOLDER = "trips"
-"""Of a run folder."""
+"""Subfolder of the run folder."""
 
 ROWS_BEFORE = 1000
-"""Rows before a trip that are kept with its own: 1 s."""
+"""Rows kept before that of a trip: 1 s."""
 
 _KEPT = ROWS_BEFORE + Capacities().samples
-"""Newest rows that are remembered: a trip may be reported after as many rows as the ring holds."""
+"""Rows buffered: a trip may be reported after as many rows as the ring holds."""
 
 MOST_TRIPS = 100
-"""Later trips of a run stand in its events only."""
+"""Largest number of logs; later trips are in the events only."""
 
 
 def trip_file(folder: Path, number: int) -> Path:
-    """Where the log of trip `number`, 0 first, stands in a run folder."""
+    """Return the path of the log of trip `number`, 0 first."""
     return folder / FOLDER / f"trip_{number:03d}.arrows"
 
 

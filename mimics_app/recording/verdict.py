@@ -1,4 +1,4 @@
-"""What is to be said about a recording: one object, the same for verify, recover and the report."""
+"""Verdict on a recording, the same for verify, recover and the report."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ __all__ = ["Verdict", "judge"]
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """How a run ended, and everything that is missing, damaged, or was changed after it was closed.
+    """Status of a run, and its problems: missing, damaged, or changed after it was closed.
 
     Attributes:
-        status: "clean", "interrupted", "recovered", or "open" where nobody closed it.
+        status: "clean", "interrupted", "recovered", or "open" where it was not closed.
         problems: One sentence each; () for a whole run.
-        fresh: Those of them that its manifest did not state when it was sealed.
+        fresh: Problems that its manifest did not state when it was sealed.
     """
 
     status: str

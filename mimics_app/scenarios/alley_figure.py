@@ -1,4 +1,4 @@
-"""Somebody in an alley: goes to places along it as people go, turns to another person, and does what is asked."""
+"""A figure in an alley: walks to places along it, turns to another figure, plays gestures."""
 
 from __future__ import annotations
 
@@ -20,27 +20,27 @@ if TYPE_CHECKING:
 __all__ = ["AlleyFigure"]
 
 _FASTEST = 1.3
-"""Speed of somebody who walks without haste [m/s]."""
+"""Largest walking speed [m/s]."""
 _EAGER = 4.0
-"""Speed wanted for each metre of distance that is left [1/s]: the last steps are slow ones."""
+"""Speed per metre of remaining distance [1/s]: the last steps are slow."""
 _PUSH = 3.0
-"""Most that a speed changes in a second [m/s^2]."""
+"""Largest acceleration [m/s^2]."""
 _TURN, _FASTEST_TURN = 5.0, 3.0
-"""Speed of turning for each radian that is left [1/s], and the most of it [rad/s]."""
+"""Angular velocity per radian of remaining rotation [1/s], and its largest value [rad/s]."""
 _ASIDE = 0.75
-"""How far to the side somebody is passed [m]: two half shoulders and a hand between."""
+"""Lateral distance at which another figure is passed [m]: two half shoulders and a hand between."""
 _CLEAR = 0.5
-"""Aside by this much one may pass [m]."""
+"""Smallest lateral distance at which passing is possible [m]."""
 _NEAR, _BESIDE = 1.5, 0.7
-"""Distance along the alley at which passing begins, and up to which it lasts [m]."""
+"""Distance along the alley at which passing begins, and at which it ends [m]."""
 _STARTS, _STOPS = 0.12, 0.05
-"""Speeds at which somebody is on the way and at which they have arrived [m/s]."""
+"""Speeds at which a figure counts as walking, and as arrived [m/s]."""
 _CRAWL = 0.02
-"""Below this speed somebody stands [m/s]."""
+"""Speed below which the legs stand [m/s]."""
 _UNSEEN = 1e-3
-"""Scale of a head that is not to be seen: a fifth of a millimetre."""
+"""Scale of a hidden head: a fifth of a millimetre."""
 _FADE = 0.25
-"""In which one motion goes over to the next [s]."""
+"""Crossfade between two motions [s]."""
 
 
 class AlleyFigure:
@@ -67,7 +67,7 @@ class AlleyFigure:
         self._walk_with(node)
 
     def hide_head(self) -> None:
-        """Draw the model without its head, for whoever looks out of it: it is made too small to be seen."""
+        """Hide the model's head, for a camera at its eyes, by scaling it down."""
         animator = _animator_below(self._node)
         if animator is None or "head" not in animator.rig.names:
             return
@@ -79,21 +79,21 @@ class AlleyFigure:
         animator.steps.append(shrink)
 
     def put(self, along: float) -> None:
-        """Be at a place [m] at once; `face` comes next."""
+        """Place the figure at a position [m]; call `face` next."""
         self.along, self.aside, self._speed, self._side_speed, self._yaw = along, 0.0, 0.0, 0.0, None
 
     def face(self, other: AlleyFigure) -> None:
-        """Turn to the other at once."""
+        """Rotate the figure to face another at once."""
         self._turn(self._towards(other), 0.0)
 
     def go(self, along: float, other: AlleyFigure, seconds: float, facing: float | None = None) -> None:
-        """Go on towards a place [m], round the other where they are in the way, for a time [s].
+        """Walk towards a position for a time, round the other figure where it is in the path.
 
         Args:
-            along: The place [m].
-            other: Who is turned to, when not on the way round them.
-            seconds: [s].
-            facing: Place along the alley that is turned to instead [m].
+            along: Position along the alley [m].
+            other: Figure that is faced, except while it is passed.
+            seconds: Time step [s].
+            facing: Position along the alley that is faced instead [m].
         """
         gap = self.along - other.along
         crossing = gap * (along - other.along) < 0.0 and abs(gap) < _NEAR
@@ -112,7 +112,7 @@ class AlleyFigure:
             self._turn(self._towards(other) if facing is None else self._direction(0.0, facing), seconds)
 
     def show(self, gesture: str) -> None:
-        """Be in the state called `gesture` where the model has it, once arrived; on the way, still above the legs."""
+        """Play a gesture, if the model has it, once arrived; while walking, the upper body is still."""
         machine = self._machine
         if machine is None:
             return
@@ -124,7 +124,7 @@ class AlleyFigure:
         self._doing = doing
 
     def _walk_with(self, node: SceneNode) -> None:
-        """Have the legs of the model below a node walk with it."""
+        """Let the legs of the model below a node walk with it."""
         animator = _animator_below(node)
         if animator is None:
             return
@@ -143,7 +143,7 @@ class AlleyFigure:
             animator.steps.insert(0, walk)  # the head turns to somebody after the trunk has
 
     def _pace(self) -> Pace:
-        """How the legs go: at the speed over the ground, backwards where the way does not lead ahead."""
+        """Return speed and step of the legs: speed over ground, negative for walking backwards."""
         from mimics_app.world.motion.gait import Pace, natural_step
 
         yaw = self._yaw or 0.0
@@ -157,7 +157,7 @@ class AlleyFigure:
         return self._direction(other.aside, other.along)
 
     def _direction(self, aside: float, along: float) -> float:
-        """Of a point [rad] about +y from +z."""
+        """Return the direction of a point [rad], about +y from +z."""
         return math.atan2(aside - self.aside, self.along - along)
 
     def _turn(self, wanted: float, seconds: float) -> None:
@@ -171,19 +171,19 @@ class AlleyFigure:
 
 
 def _eased(speed: float, left: float, seconds: float) -> float:
-    """Speed [m/s] after a time [s] in which `left` [m] is to be gone."""
+    """Return the speed [m/s] after a time step [s] with a remaining distance [m]."""
     wanted = min(max(_EAGER * left, -_FASTEST), _FASTEST)
     change = _PUSH * seconds
     return speed + min(max(wanted - speed, -change), change)
 
 
 def _animator_below(node: SceneNode) -> Animator | None:
-    """What moves the model that stands on a node or on a child of it."""
+    """Return the animator of the model at a node or at a child of it."""
     animators = node.world.motion.animators
     return next((animators[each.index] for each in (node, *node.children) if each.index in animators), None)
 
 
 def _machine_below(world: World, node: SceneNode) -> StateMachine | None:
-    """What decides what the model does that stands on a node or on a child of it."""
+    """Return the state machine of the model at a node or at a child of it."""
     machines = world.motion.machines
     return next((machines[each.index] for each in (node, *node.children) if each.index in machines), None)

@@ -33,7 +33,7 @@ _PARTS = ("head", "hand_left", "hand_right")
 """Parts of a person that move a body."""
 _UNTRACKED: Mapping[str, F8 | None] = dict.fromkeys(_PARTS)
 _EYES = np.array([0.0, 1.70, 0.0])
-"""Where the subject's eyes are unless a display's own tracker gives them [m]."""
+"""Position of the subject's eyes without a tracker of the display [m]."""
 
 _BALL = 0.022
 """Radius of the tapping ball [m]."""
@@ -50,7 +50,7 @@ _THREAT_FROM, _THREAT_BALL, _G = 2.2, 0.16, 9.81
 _TOUCH, _TOUCH_BALL = "cord_touch", 0.012
 """Entity whose force field makes the cord be felt; radius of the ball that touches [m]."""
 _SWING_HZ, _SWING_DAMPING, _SWING_PER_M_S = 0.8, 1.1, 0.35
-"""Of the cord: frequency, damping [1/s], and angle a sideways speed of its ends sets off [rad s/m]."""
+"""Swing of the cord: frequency [Hz], damping [1/s], angle per lateral speed of its ends [rad s/m]."""
 
 
 class AvatarCord(TouchScene):
@@ -245,12 +245,12 @@ class AvatarCord(TouchScene):
 
 
 def _parts(where: BodyPose, at_ns: int) -> Mapping[str, F8 | None]:
-    """Head and hands at a time, None where nobody knows."""
+    """Return head and hands at a time, None where unknown."""
     return {role: where(role, at_ns) for role in _PARTS}
 
 
 def _mirrored(parts: Mapping[str, F8 | None]) -> Mapping[str, F8 | None]:
-    """The same with left and right exchanged: what a mirror that one stands before shows of oneself."""
+    """Return the parts with left and right exchanged, as in a mirror in front of the person."""
     flip = np.diag([-1.0, 1.0, 1.0, 1.0])
     other = {"hand_left": "hand_right", "hand_right": "hand_left"}
     swapped = {role: parts[other.get(role, role)] for role in parts}

@@ -1,4 +1,4 @@
-"""The nodes of haptic bodies: where the loop moves a body, its entity goes."""
+"""Nodes of haptic bodies: entities follow the poses of the loop."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class BodyNodes:
         self._nodes = [world.find(name) for name in entities]
 
     def follow(self, poses: NDArray[Any]) -> None:
-        """Put every node where its body is.
+        """Set the pose of every node to that of its body.
 
         Args:
             poses: Position [m] and quaternion xyzw of each body, world, shape [bodies, 7]; a body the loop has not
@@ -40,7 +40,7 @@ class BodyNodes:
 
 
 def _place(node: SceneNode, position: F8, orientation: F8) -> None:
-    """Set the pose of a node in the world, whatever it hangs on."""
+    """Set the world pose of a node under any parent."""
     parent = node.parent
     if parent is not None and parent.parent is not None:
         inverse = np.zeros((4, 4))

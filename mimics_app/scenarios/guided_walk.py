@@ -16,11 +16,11 @@ __all__ = ["GuidedWalk"]
 
 _POINT = "point"
 _GESTURES = {4: "beckon", 5: _POINT}
-"""What the avatar's model does in a step, by the number of the deed; in all others it stands and looks."""
+"""Gesture of the avatar's model by the number of the action; none for the others."""
 _LONGEST = 0.1
-"""Time between two frames at most [s]: after a pause nobody leaps."""
+"""Longest time step [s]: the figures must not leap after a pause."""
 _SET_OUT = (TrialState.APPROACH, TrialState.READY)
-"""Before the person acts everybody stands where the walk begins."""
+"""States in which the figures stand where the walk begins."""
 
 
 class GuidedWalk(TouchScene):
@@ -57,7 +57,7 @@ class GuidedWalk(TouchScene):
         self._move(orders.view.state, min(max(seconds, 0.0), _LONGEST))
 
     def _move(self, state: TrialState, seconds: float) -> None:
-        """What the task says is gone to while the person acts; what comes after a trial is the scene's to say."""
+        """Move the figures: to the start before the travel, to the task's positions during it."""
         person, avatar = self._person, self._avatar
         if state in _SET_OUT:
             person.put(self._places["walk.person"])

@@ -1,4 +1,4 @@
-"""The mark over what is to be reached for next in a scene that has no code of its own."""
+"""The mark over the next target in a scene without code of its own."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class NextStation:
             node.visible = bool(stations)
 
     def follow(self, hip_world: F8) -> None:
-        """Go on where the hand [m] has reached the station, and hover over the one that is next."""
+        """Advance to the next station where the hand [m] has reached the present one, and place the mark over it."""
         if not self._marks or not self._stations:
             return
         name = self._stations[self._number]

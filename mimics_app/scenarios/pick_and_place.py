@@ -31,7 +31,7 @@ _HELP = "help"
 """Id of the effect that guides the hand, where the scene has one."""
 
 _HELP_STEP = 0.03
-"""The guiding effect follows what it guides to in steps of this [m]: a new parameter block each."""
+"""Step in which the guiding effect follows its target [m]: each needs a new parameter block."""
 
 _HELP_STIFFNESS = f"effects.{_HELP}.stiffness"
 
@@ -109,7 +109,7 @@ class PickAndPlace(Scenario):
             Sight(
                 time=snapshot.t_ns * 1e-9,
                 hand=triple(snapshot.hip_world),
-                thing=triple(snapshot.poses[self._row]),
+                body=triple(snapshot.poses[self._row]),
                 held=snapshot.held_body == self._row,
             )
         )
@@ -119,7 +119,7 @@ class PickAndPlace(Scenario):
         return {} if self._guided_to is None else {f"effects.{_HELP}.position": triple(self._guided_to)}
 
     def _guide(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
-        """Let the guiding effect pull to the thing, then to above the mark; while it is off it stays where it was."""
+        """Let the guiding effect pull to the object, then above the mark; while it is off its target is unchanged."""
         stiffness = orders.haptic.get(_HELP_STIFFNESS)
         if isinstance(stiffness, int | float):
             self._helps = float(stiffness) > 0.0
@@ -137,7 +137,7 @@ class PickAndPlace(Scenario):
         return self._objects.body_entities.index(self._carry.body)
 
     def _show_hand(self, snapshot: HapticSnapshot) -> None:
-        """The hand where it is; its fingers at the sides of what they hold, else as far closed as they are pressed."""
+        """Place the hand at the HIP, its fingers at the sides of the held body, else closed by the grasp force."""
         self._hand_node.set_position(snapshot.hip_world)
         hand = self._hand
         closing = min(1.0, snapshot.grasp / hand.closing_force)
@@ -148,7 +148,7 @@ class PickAndPlace(Scenario):
             finger.set_position((side * gap, 0.0, 0.0))
 
     def _show_mark(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
-        """The mark as large as what counts as placed; it lights up once the thing is over it."""
+        """Scale the mark to the radius that counts as placed, and highlight it while the object is above it."""
         within = orders.visual.get("mark")
         if isinstance(within, int | float):
             self._picker.within = float(within)
@@ -163,7 +163,7 @@ class PickAndPlace(Scenario):
                 _dress(node, self._world, "mark_reached" if over else "mark", f"{self._carry.to}_")
 
     def _show_obstacles(self, count: int) -> None:
-        """The first `count` entities called obstacle_1, obstacle_2 and so on."""
+        """Show the first `count` entities named obstacle_1, obstacle_2 and so on."""
         number = 1
         while f"obstacle_{number}" in self._world:
             node = self._world.find(f"obstacle_{number}")
@@ -180,7 +180,7 @@ def _carry_of(scene: Scene) -> CarrySpec:
 
 
 def _half_height(objects: SceneObjects, row: int) -> float:
-    """From the middle of a body to its surface, by its first shape [m]."""
+    """Return the distance from the centre of a body to its surface, by its first shape [m]."""
     shapes = objects.rows.shapes
     shape = next(shapes[i] for i in range(len(shapes)) if shapes[i]["body"] == row)
     size = shape["size"]

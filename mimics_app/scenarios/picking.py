@@ -1,4 +1,4 @@
-"""How a person picks something up and sets it down: what the hand goes for next, judged by what is seen and held."""
+"""Plan of a simulated person who picks an object up and sets it down: target of the hand, step by step."""
 
 from __future__ import annotations
 
@@ -14,43 +14,44 @@ __all__ = ["Picker", "Sight"]
 
 
 _HOVER = 0.10
-"""Height above the thing from which the hand goes down on it [m]."""
+"""Height above the object from which the hand descends [m]."""
 _OVER_THE_MARK = 0.05
-"""Height above where it will lie at which the thing is carried over to the mark [m]."""
+"""Height above its final position at which the object is carried to the mark [m]."""
 _FAR = 0.08
-"""Farther than this the hand rises before it crosses over to the thing [m]."""
+"""Horizontal distance from which the hand rises before it moves to the object [m]."""
 _ABOVE = 0.010
-"""This near to the upright line the hand goes down [m]; twice as far off it rises again."""
+"""Horizontal distance from the object within which the hand descends; at twice this distance it rises again [m]."""
 _AROUND = 0.012
-"""This near to the middle of the thing the hand closes [m]."""
+"""Distance from the object's centre at which the hand closes [m]."""
 _LANDED = 0.004
-"""The thing lies when its middle is no higher than this above where it should be [m]."""
+"""Height of the object's centre above its final position up to which it counts as set down [m]."""
 _CLOSING_S = 0.7
-"""How long the hand closes before it lifts [s]."""
+"""Time of closing before the hand lifts [s]."""
 _GIVES_UP_S = 2.0
-"""A hand that closed for so long and holds nothing opens and begins again [s]."""
+"""Time of closing without a grip after which the hand opens and starts again [s]."""
 _OPENING_S = 0.6
+"""Time of opening before it starts again [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Sight:
-    """What the person goes by in one frame.
+    """What the simulated person perceives in one frame.
 
     Attributes:
-        time: [s]
-        hand: Between the fingertips [m].
-        thing: Middle of what is to be carried [m].
-        held: The fingers hold it.
+        time: Time [s].
+        hand: Point between the fingertips [m].
+        body: Centre of the object to be carried [m].
+        held: Whether the fingers hold it.
     """
 
     time: float
     hand: Vec3
-    thing: Vec3
+    body: Vec3
     held: bool
 
 
 class _Step(Enum):
-    ABOVE = auto()  # over the thing
+    ABOVE = auto()  # over the object
     DOWN = auto()  # onto it
     CLOSE = auto()  # round it
     LIFT = auto()  # up with it
@@ -65,9 +66,9 @@ class Picker:
     """The plan of one person, step by step.
 
     Args:
-        mark: Where the thing is to lie: a place on the surface [m].
-        half_height: Of the thing: from the surface to its middle when it lies [m].
-        within: Largest level distance of its middle from the mark [m].
+        mark: Target position of the object on the surface [m].
+        half_height: Height of the object's centre above the surface it lies on [m].
+        within: Largest horizontal distance of its centre from the mark [m].
     """
 
     def __init__(self, mark: Vec3, half_height: float, within: float) -> None:
@@ -79,7 +80,7 @@ class Picker:
         self._picked: Vec3 = mark
 
     def aim(self, seen: Sight) -> Aim:
-        """What to do in this frame."""
+        """Return the target of the hand in this frame."""
         following = self._following(seen)
         if following is not self._step:
             self._step, self._since = following, seen.time
@@ -93,13 +94,13 @@ class Picker:
         return _RULES[self._step](self, seen)
 
     def _after_above(self, seen: Sight) -> _Step:
-        near = _level(seen.hand, seen.thing) <= _ABOVE
-        return _Step.DOWN if near and seen.hand[1] < seen.thing[1] + 1.3 * _HOVER else _Step.ABOVE
+        near = _level(seen.hand, seen.body) <= _ABOVE
+        return _Step.DOWN if near and seen.hand[1] < seen.body[1] + 1.3 * _HOVER else _Step.ABOVE
 
     def _after_down(self, seen: Sight) -> _Step:
-        if math.dist(seen.hand, seen.thing) <= _AROUND:
+        if math.dist(seen.hand, seen.body) <= _AROUND:
             return _Step.CLOSE
-        return _Step.ABOVE if _level(seen.hand, seen.thing) > 2.0 * _ABOVE else _Step.DOWN
+        return _Step.ABOVE if _level(seen.hand, seen.body) > 2.0 * _ABOVE else _Step.DOWN
 
     def _after_close(self, seen: Sight) -> _Step:
         waited = seen.time - self._since
@@ -111,18 +112,18 @@ class Picker:
         return _Step.OVER if seen.hand[1] >= self._carry_height - 0.02 else _Step.LIFT
 
     def _after_over(self, seen: Sight) -> _Step:
-        return _Step.LOWER if _level(seen.thing, self._mark) <= 0.5 * self.within else _Step.OVER
+        return _Step.LOWER if _level(seen.body, self._mark) <= 0.5 * self.within else _Step.OVER
 
     def _after_lower(self, seen: Sight) -> _Step:
-        if _level(seen.thing, self._mark) > 0.9 * self.within:
+        if _level(seen.body, self._mark) > 0.9 * self.within:
             return _Step.OVER
-        return _Step.OPEN if seen.thing[1] - self._lying <= _LANDED else _Step.LOWER
+        return _Step.OPEN if seen.body[1] - self._lying <= _LANDED else _Step.LOWER
 
     def _after_open(self, seen: Sight) -> _Step:
         return _Step.OPEN if seen.held else _Step.AWAY
 
     def _after_away(self, seen: Sight) -> _Step:
-        return _Step.AWAY if _level(seen.thing, self._mark) <= self.within else _Step.ABOVE
+        return _Step.AWAY if _level(seen.body, self._mark) <= self.within else _Step.ABOVE
 
     def _after_again(self, seen: Sight) -> _Step:
         return _Step.ABOVE if seen.time - self._since >= _OPENING_S else _Step.AGAIN
@@ -132,14 +133,14 @@ class Picker:
         return self._lying + _OVER_THE_MARK
 
     def _target(self, seen: Sight) -> Vec3:
-        (x, y, z), mark = seen.thing, self._mark
+        (x, y, z), mark = seen.body, self._mark
         if self._step is _Step.ABOVE:
             high = y + _HOVER
-            if _level(seen.hand, seen.thing) > _FAR and seen.hand[1] < high:
+            if _level(seen.hand, seen.body) > _FAR and seen.hand[1] < high:
                 return seen.hand[0], high + 0.05, seen.hand[2]
             return x, high, z
         if self._step in (_Step.DOWN, _Step.CLOSE):
-            return seen.thing
+            return seen.body
         if self._step is _Step.LIFT:
             return self._picked[0], self._carry_height, self._picked[2]
         if self._step in (_Step.OVER, _Step.AWAY):
@@ -166,5 +167,5 @@ _RULES: dict[_Step, Callable[[Picker, Sight], _Step]] = {
 
 
 def _level(a: Vec3, b: Vec3) -> float:
-    """Distance seen from above [m]."""
+    """Return the horizontal distance [m]."""
     return math.hypot(a[0] - b[0], a[2] - b[2])

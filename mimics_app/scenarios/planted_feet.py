@@ -16,7 +16,7 @@ from mimics_app.world.motion.reach import Chain, LimbReach
 __all__ = ["PlantedFeet"]
 
 _KNEE_AHEAD = np.array([0.0, 0.0, 1.0])
-"""Where knees point to from the hip, in the frame of a model [m]."""
+"""Direction of the knees from the hip, in the frame of a model [m]."""
 
 
 class PlantedFeet:

@@ -1,4 +1,4 @@
-"""What scenarios of the robot share: its parameter block, and reading a scene's components."""
+"""Functions shared by scenarios with the robot: its parameter block, places of entities, start of a trial."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = ["Places", "Vec3", "robot_block", "start_at", "triple"]
 
 
 def robot_block(scene: Scene) -> NDArray[Any]:
-    """A SCENE record of the scene's robot, controller, ball and limits, shape [1]."""
+    """Return a SCENE record of the scene's robot, controller, ball and limits, shape [1]."""
     robot = scene.one(Robot)[1]
     return scene_from_components(
         robot,
@@ -36,13 +36,13 @@ def robot_block(scene: Scene) -> NDArray[Any]:
 
 
 def _planned(admittance: Admittance, scene: Scene) -> Admittance:
-    """Admittance control in the form the planner chose, where the scene leaves it open."""
+    """Return the admittance control, in the form chosen by the planner where the scene leaves it open."""
     chosen = scene.methods.get("admittance form", {})
     return msgspec.structs.replace(admittance, **chosen) if admittance.form == "auto" else admittance
 
 
 class Places(Mapping[str, Vec3]):
-    """Where the entities of a scene are [m], looked up when asked: a task names few of them."""
+    """Positions of the entities of a scene [m], computed on access: a task names few of them."""
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
@@ -58,9 +58,9 @@ class Places(Mapping[str, Vec3]):
 
 
 def start_at(scene: Scene, point_world: NDArray[np.float64]) -> tuple[tuple[float, ...], Home | None]:
-    """How a trial is begun at a point of the world [m]: the joints there, and the path there where it is by world PD.
+    """Return the joints at a trial's start point in the world [m], and its target for world PD control, if used.
 
-    Further points of contact stay where the middle of their joints has them.
+    Further points of contact remain at the centre of their joints' ranges.
     """
     reach = Reach(scene.one(Robot)[1])
     start = reach.from_world(point_world)
@@ -72,5 +72,5 @@ def start_at(scene: Scene, point_world: NDArray[np.float64]) -> tuple[tuple[floa
 
 
 def triple(values: NDArray[np.float64]) -> Vec3:
-    """Three numbers as plain ones."""
+    """Return three numbers of an array as Python floats."""
     return float(values[0]), float(values[1]), float(values[2])

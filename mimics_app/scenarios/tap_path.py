@@ -1,4 +1,4 @@
-"""How the tapping ball moves: down to a place, up again, and on to rest over the next."""
+"""Motion of the tapping ball: down to a place, up again, and to rest above the next."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ import math
 __all__ = ["Tap", "ball_motion"]
 
 Tap = tuple[int, str, float, float, int]
-"""When it touches [ns], "cord", "back" or "stomach", share of the cord's length, around it [rad], number."""
+"""Time of the touch [ns], "cord", "back" or "stomach", share of the cord's length, angle around it [rad], number."""
 
 _HOVER, _FALL_S = 0.09, 0.14
-"""The ball rests so far over what it taps [m], and takes so long down and up again [s]."""
+"""Height of the resting ball above the surface [m], and duration of its way down or up [s]."""
 _QUICK = 0.35
-"""Share of the time between two touches that each fall has at most: the rest is for the path between the places."""
+"""Largest share of the time between two touches for each way down or up; the rest is for the path between them."""
 
 
 def ball_motion(since_s: float, until_s: float) -> tuple[float, float]:
-    """Where the tapping ball is between two touches; without a jump of place or speed.
+    """Return the position of the tapping ball between two touches, continuous in position and velocity.
 
     Args:
         since_s: Since the touch before [s]; infinite where there was none.
@@ -34,6 +34,6 @@ def ball_motion(since_s: float, until_s: float) -> tuple[float, float]:
 
 
 def _eased(share: float) -> float:
-    """From 0 to 1 over a share of 0 to 1, at rest at both ends."""
+    """Return a smooth step from 0 to 1, with zero slope at both ends."""
     share = min(max(share, 0.0), 1.0)
     return share * share * (3.0 - 2.0 * share)

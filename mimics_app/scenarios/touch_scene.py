@@ -1,4 +1,4 @@
-"""A scene that needs no code of its own: bodies move their entities, the ball is where the hand is, paths are seen."""
+"""Scenario of scenes without code of their own: bodies move entities, the ball follows the HIP, paths are shown."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _WAY_STEP = 0.005
 _PATH_SIDES = 8
 _RINGS_PER_PIECE = 16
 _INSIDE = 0.97
-"""Share of the joint range that a simulated person is sent into."""
+"""Share of the joint range that a simulated person uses."""
 
 
 class TouchScene(Scenario):
@@ -106,7 +106,7 @@ class TouchScene(Scenario):
         return 0 if name is None else self._reach.descriptor.contacts.index(name)
 
     def _stations(self) -> list[NDArray[np.float64]]:
-        """Where the simulated person goes in turn [m]."""
+        """Return the stations of the simulated person in order [m]."""
         patient = self._scene.first(Patient)
         names = patient.visits if patient is not None else ()
         paths = [entity for entity, _, _ in self._scene.components(HapticPath)]
@@ -123,7 +123,7 @@ class TouchScene(Scenario):
         return list(curve.point(curve.parameter_at(np.linspace(0.0, curve.length, count))))
 
     def _reachable(self, point: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The point itself, or where the robot can get to on the path to it [m]."""
+        """Return the point itself, or the reachable point nearest to it in joint space [m]."""
         robot, limits = self._robot, self._reach.limits
         q, _ = self._reach.joints(self._reach.from_world(point))
         x = self._reach.points(_inside(q, np.array(limits.lowest), np.array(limits.highest)))[0]

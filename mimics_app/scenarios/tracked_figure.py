@@ -1,4 +1,4 @@
-"""A person's model that does what head and hands of somebody do, and what a cord is fixed to on its body."""
+"""A person's model that follows the tracked head and hands of a person, with attachment points for a cord."""
 
 from __future__ import annotations
 
@@ -22,31 +22,31 @@ __all__ = ["TrackedFigure"]
 Parts = Mapping[str, F8 | None]
 
 _LEAST_STANDING, _MOST_STANDING = 1.2, 2.1
-"""Eyes of people who stand are between these heights [m]; beyond, a tracker is at fault or somebody sits."""
+"""Range of the eye height of standing people [m]; beyond, the tracker is at fault or the person sits."""
 _FADE_S = 0.5
-"""In which a body goes over from idling to what is tracked, and back [s]."""
+"""Crossfade between idling and tracking [s]."""
 _STEP_FREE = 0.15
-"""The head goes this far over the ground before the feet go with it [m]."""
+"""Horizontal displacement of the head that the feet do not follow [m]."""
 _STOMACH, _BACK = ("chest", 1.0), ("upperChest", -1.0)
-"""Joint at whose height the cord is fixed, and whether to its front or its back."""
+"""Joint at whose height the cord is attached, and its side: front (1) or back (-1)."""
 _SUNK = 0.012
-"""The end of the cord lies so far below the surface, so that its rim is not seen [m]."""
+"""Depth of the cord's end below the surface, which hides its rim [m]."""
 _PATCH = 0.04
-"""Vertices this near to a joint's height and to the middle are its surface [m]."""
+"""Distance from the joint's height and from the median plane within which vertices form its surface [m]."""
 _HIDDEN = 1e-3
-"""Size of a head that is not to be seen."""
+"""Scale of a hidden head."""
 _TURNED = np.diag([-1.0, 1.0, -1.0])
-"""The model's axes in a person's: it looks along +z, a person along -z."""
+"""Rotation between the model's frame, which looks along +z, and a person's, which looks along -z."""
 
 
 class TrackedFigure:
-    """One person's model of a scene. Nobody tracked: it idles; a hand that is not tracked does as in idling.
+    """A person's model in a scene. Without tracking it idles; an untracked hand moves as in idling.
 
     Args:
-        scene: For errors.
-        world: Where the model stands.
-        entity: That shows it.
-        standing: Height of its eyes as long as nobody is tracked [m].
+        scene: The scene, for error messages.
+        world: The world of the model.
+        entity: Entity that shows it.
+        standing: Height of its eyes before any tracking [m].
 
     Raises:
         SceneError: the entity is missing, or its model is no person's.
@@ -78,17 +78,17 @@ class TrackedFigure:
 
     @property
     def stomach(self) -> F8:
-        """Where a cord leaves its stomach, world [m], float64 [3]."""
+        """Attachment point of a cord at its stomach, world [m], float64 [3]."""
         return self._place(*self._sockets["stomach"])
 
     @property
     def back(self) -> F8:
-        """The same of its back."""
+        """Attachment point of a cord at its back, world [m], float64 [3]."""
         return self._place(*self._sockets["back"])
 
     @property
     def head(self) -> F8:
-        """Its eyes, world [m], float64 [3]."""
+        """Midpoint of its eyes, world [m], float64 [3]."""
         return self._place(self._bones.slots["head"], self._eyes)
 
     def show(self, visible: bool) -> None:
@@ -132,13 +132,13 @@ class TrackedFigure:
         animator.place(transforms)
 
     def _measure(self, eyes: F8 | None) -> None:
-        """A person is as tall as when standing straightest."""
+        """Scale the model to the largest eye height of the standing person."""
         if eyes is not None and _LEAST_STANDING <= eyes[1, 3] <= _MOST_STANDING:
             self._standing = max(self._standing, float(eyes[1, 3]))
             self.scale = self._standing / self._eye_height
 
     def _stand(self, eyes: F8 | None) -> F8:
-        """ground_from_model: below the eyes as the model rests; feet go with a head that goes farther than it leans."""
+        """Return ground_from_model: below the eyes at rest, moved with a head displaced beyond `_STEP_FREE`."""
         stands = np.eye(4)
         stands[:3, :3] = self.scale * _TURNED
         rest = self._rest.places[self._bones.slots["head"]] + self._eyes
@@ -151,7 +151,7 @@ class TrackedFigure:
         return stands
 
     def _trackers(self, ground_from_model: F8, eyes: F8, parts: Parts) -> Trackers:
-        """What is known as places and turns of the model's joints, in its frame."""
+        """Return the tracked poses as positions and rotations of the model's joints, in its frame."""
         turn = _TURNED.T @ eyes[:3, :3] @ _TURNED
         place = _inside(ground_from_model, self.scale, eyes[:3, 3]) - turn @ self._eyes
         hands: list[F8 | None] = []
@@ -165,7 +165,7 @@ class TrackedFigure:
         return Trackers(np.concatenate([place, quaternion_of(turn)]), *hands)
 
     def _socket(self, bone: str, side: float) -> tuple[int, F8]:
-        """Joint a place on the body's surface goes with, and its offset from that as the model rests [m]."""
+        """Return the joint of an attachment point on the body's surface, and its offset at rest [m]."""
         slot = self._bones.slots.get(bone, self._bones.slots["spine"])
         joint = self._rest.places[slot]
         points = self._surface()
@@ -180,7 +180,7 @@ class TrackedFigure:
         return np.vstack([mesh.positions.astype(np.float64) for body in bodies for mesh in body.meshes.values()])
 
     def _place(self, slot: int, offset: F8) -> F8:
-        """A place that goes with a joint, world [m]; the offset is in the model's axes as it rests."""
+        """Return the position of a point fixed to a joint, world [m]; the offset is in the model's axes at rest."""
         inside = self._chain.places[slot] + turn_vector(
             self._chain.turns[slot], turn_vector(turned_back(self._rest.turns[slot]), offset)
         )
@@ -201,7 +201,7 @@ def _person(scene: Scene, world: World, entity: str) -> tuple[Animator, Humanoid
 
 
 def _eyes(rest: Chain, bones: HumanoidMap) -> F8:
-    """Middle of the eyes from the joint of the head [m], [3]; of a mean head where a model has none."""
+    """Return the midpoint of the eyes from the head's joint [m], [3]; an average one without eyes."""
     both = [rest.places[bones.slots[eye]] for eye in ("leftEye", "rightEye") if eye in bones.slots]
     if len(both) < 2:
         return np.array([0.0, 0.08, 0.09])
@@ -209,7 +209,7 @@ def _eyes(rest: Chain, bones: HumanoidMap) -> F8:
 
 
 def _palm(rig: Rig, rest: Chain, side: str) -> F8:
-    """Turn of a hand from how it rests to fingers ahead and the palm down, in the model's frame, [3, 3]."""
+    """Return the rotation of a hand from rest to fingers ahead and palm down, in the model's frame, [3, 3]."""
     names = [f"{side}{part}" for part in ("Hand", "MiddleProximal", "ThumbProximal")]
     if not all(name in rig.names for name in names):
         return np.eye(3)
@@ -227,5 +227,5 @@ def _axes(along: F8, aside: F8) -> F8:
 
 
 def _inside(frame: F8, scale: float, place: F8) -> F8:
-    """A place in a frame that is turned and sized, [3]."""
+    """Return a point in a rotated and scaled frame, [3]."""
     return np.asarray(frame[:3, :3].T @ (place - frame[:3, 3]) / scale**2)

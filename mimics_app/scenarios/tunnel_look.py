@@ -1,4 +1,4 @@
-"""One tunnel in the picture: its wall, a line along its middle, and what a task changes of how it looks."""
+"""Appearance of one tunnel: its wall, its bisector, and their changes by a task."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ __all__ = ["TunnelLook"]
 
 _BISECTOR_SIDES = 8
 _FEWEST_SIDES, _THINNEST = 6, 3
-"""Facets round the wall, and round the bisector, in the coarsest form."""
+"""Facets round the wall, and round the bisector, in the coarsest level of detail."""
 
 _FORMS = 4
 """Levels of detail of a tube beside the finest."""
 
 _SCALE_STEP = 0.01
-"""The wall is built anew when its radius scale changed by this much [-]; less is not seen."""
+"""Change of the radius scale at which the wall is rebuilt [-]; less is not visible."""
 
 
 @dataclass(frozen=True, eq=False)
 class TubeForm:
-    """A tube about the curve in one level of detail, and how far it may lie from the finest one [m]."""
+    """A tube about the curve in one level of detail, and its largest deviation from the finest one [m]."""
 
     mesh: MeshData
     error: float
@@ -134,7 +134,7 @@ class TunnelLook:
         return forms
 
     def _fewest_rings(self, radius: Callable[[F8], F8], most: int, error: float) -> tuple[int, float]:
-        """How few rings, halving, keep the tube's middle and width within an error [m], and how far off they are."""
+        """Return the smallest number of rings within an error of curve and radius, by halving, and its error [m]."""
         every, found = self._stations(most), (most, 0.0)
         place, wide = self._curve.point(every), radius(every)
         while found[0] > 1:

@@ -1,4 +1,4 @@
-"""From a parameter's value to what it changes: SCENE fields, scenario parameters, the mixer, the task itself."""
+"""Mapping of parameter values to their targets: SCENE fields, scenario parameters, the mixer, the task itself."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ TARGET_GROUPS = ("haptic", "visual", "audio", "task")
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """New values by where they go; names without the first word of `MapSpec.to`."""
+    """New values by target group; names without the first word of `MapSpec.to`."""
 
     haptic: Mapping[str, object] = field(default_factory=dict)
     visual: Mapping[str, object] = field(default_factory=dict)
@@ -40,12 +40,12 @@ class Settings:
 
 
 def task_targets() -> tuple[str, ...]:
-    """What a parameter may change of the task itself."""
+    """Return the names that a parameter may change of the task itself."""
     return ("time_limit_s", "rest_s", "block", *(name for kind in task_kinds() for name in kind.targets))
 
 
 def build_action_space(spec: TaskSpec) -> ActionSpace:
-    """The limits of a scene's parameters, as learning sees them; defaults have been filled in (`fill_defaults`)."""
+    """Return the action space of a task whose defaults have been filled in (`fill_defaults`)."""
     return ActionSpace(
         Parameter(
             name,
@@ -65,22 +65,22 @@ def build_action_space(spec: TaskSpec) -> ActionSpace:
 
 
 def build_learning_space(spec: TaskSpec) -> ActionSpace:
-    """What a learning system may choose: the action space without what the therapist has vetoed."""
+    """Return the action space of a learning system: without the parameters that the therapist has vetoed."""
     return ActionSpace(p for p in build_action_space(spec) if not spec.parameters[p.name].veto)
 
 
 def haptic_field(target: MapSpec) -> str:
-    """Dotted name of the haptic field a map writes without a table, "" where it does not."""
+    """Return the dotted name of the haptic field that a map writes without a table, "" for none."""
     group, _, name = target.to.partition(".")
     return name if group == "haptic" and target.table is None and target.scale != 0.0 else ""
 
 
 def fill_defaults(spec: TaskSpec, value_of: Callable[[str], float]) -> TaskSpec:
-    """Give every parameter without a default the value the scene itself has, drawn into its limits.
+    """Set the default of every parameter without one to the scene's value, clipped to its limits.
 
     Args:
         spec: The task.
-        value_of: The scene's value of a haptic field by dotted name, e.g. "tunnel.stiffness".
+        value_of: Function that returns the scene's value of a haptic field, e.g. "tunnel.stiffness".
     """
     parameters = dict(spec.parameters)
     for name, parameter in parameters.items():
@@ -93,7 +93,7 @@ def fill_defaults(spec: TaskSpec, value_of: Callable[[str], float]) -> TaskSpec:
 
 
 def map_value(value: float, parameter: ParameterSpec, target: MapSpec) -> float | str:
-    """The value of one target: affine, or from its table (numbers interpolated, words at the nearest step)."""
+    """Return the value of one target: affine, or from its table (numbers interpolated, words of the nearest step)."""
     if target.table is None:
         return target.offset + target.scale * value
     last = len(target.table) - 1
@@ -108,7 +108,7 @@ def map_value(value: float, parameter: ParameterSpec, target: MapSpec) -> float 
 
 
 def settings_for(spec: TaskSpec, values: Mapping[str, float]) -> Settings:
-    """What the named parameter values change, by group."""
+    """Return the target values of parameter values, by group."""
     groups: dict[str, dict[str, Any]] = {group: {} for group in TARGET_GROUPS}
     for name, value in values.items():
         parameter = spec.parameters[name]

@@ -1,4 +1,4 @@
-"""The current values of the adaptable parameters, and how they move: at trial borders, or smoothly inside a trial."""
+"""Present values of the adaptable parameters, and their changes: between trials, or at a rate inside a trial."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ __all__ = ["Adaptation"]
 
 
 class Adaptation:
-    """Values now, values aimed at, and actions that wait for their trial.
+    """Present values, target values, and actions that wait for their trial.
 
-    What the trial list says of a trial holds for that trial only: the next one begins with the session's values again,
-    which are the defaults and whatever actions made of them. So a condition means the same wherever it is drawn.
+    Values of the trial list hold for their trial only: the next one begins with the session's values again, the
+    defaults as changed by actions. So a condition means the same wherever it is drawn.
 
-    A parameter with a `rate` moves towards its aim by at most rate * dt; one without changes at the next trial border.
+    A parameter with a `rate` moves to its target by at most rate * dt; one without changes between trials.
 
     Attributes:
-        values: What holds now, by name.
+        values: Present values by name.
         clipped: Names clipped by the last `take`, for the log.
     """
 
@@ -33,11 +33,11 @@ class Adaptation:
 
     @property
     def aims(self) -> Mapping[str, float]:
-        """The values the parameters are moving to."""
+        """Target values of the parameters."""
         return self._aims
 
     def take(self, action: TaskAction) -> None:
-        """Aim at an action's values now, or keep them for its trial."""
+        """Set the targets to an action's values, or keep these for its trial."""
         allowed, self.clipped = self._space.clip(action)
         if allowed.at_trial is None:
             self._session.update(allowed.values)
@@ -46,11 +46,11 @@ class Adaptation:
             self._waiting.setdefault(allowed.at_trial, {}).update(allowed.values)
 
     def begin_trial(self, number: int, values: Mapping[str, float]) -> None:
-        """Set everything at a trial border: the session's values, the trial list's, the actions that waited for it.
+        """Set all values for a trial: the session's, the trial list's, those of the actions that waited for it.
 
         Args:
-            number: Of the trial, 0 first. Actions for earlier trials that never began are applied too.
-            values: From the trial list.
+            number: Number of the trial, 0 first. Actions for earlier trials that never began are applied too.
+            values: Values of the trial list.
         """
         allowed, self.clipped = self._space.clip(TaskAction(values))
         self._aims = {**self._session, **allowed.values}
@@ -60,14 +60,14 @@ class Adaptation:
         self.values = dict(self._aims)
 
     def upcoming(self, number: int) -> dict[str, float]:
-        """The session's values as they will be when a trial begins, the trial list's own aside."""
+        """Return the session's values at the beginning of a trial, without those of the trial list."""
         values = dict(self._session)
         for due in sorted(trial for trial in self._waiting if trial <= number):
             values.update(self._waiting[due])
         return values
 
     def step(self, seconds: float) -> None:
-        """Move the values that may change inside a trial by `seconds` [s] of their rate."""
+        """Move the values that may change inside a trial towards their targets for a time [s]."""
         for parameter in self._space:
             aim, value = self._aims[parameter.name], self.values[parameter.name]
             reach = parameter.rate * seconds

@@ -1,4 +1,4 @@
-"""Whether the robot has come to the start of a trial and stays there."""
+"""Detection of the robot's arrival at the start of a trial."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["Arrival"]
 
 
 class Arrival:
-    """Joint error small for long enough, while the robot follows its controller."""
+    """Arrival: the joint errors are within tolerance for the hold time, while the robot follows its controller."""
 
     def __init__(self, spec: StartSpec, start_joints: tuple[float, ...]) -> None:
         self._spec = spec
@@ -19,7 +19,7 @@ class Arrival:
         self._since_ns: int | None = None
 
     def restart(self) -> None:
-        """An approach begins."""
+        """Reset at the beginning of an approach."""
         self._since_ns = None
 
     def reached(self, seen: Observation) -> bool:

@@ -1,4 +1,4 @@
-"""The trials of a session as they are lived: which one is under way, how often it was begun, and the rows it left."""
+"""Trials and attempts of a session: the present one, and the rows of the finished ones."""
 
 from __future__ import annotations
 
@@ -30,20 +30,20 @@ class Attempts:
     """Counts trials and attempts, and writes a row at the end of each attempt.
 
     Attributes:
-        number: Of the current trial, 0 first; -1 before the first.
-        attempt: At the current trial, 1 first.
-        begun: Attempts over the whole session.
-        tally: Of the travel, once the person was let go.
-        rows: Of the attempts so far.
-        score: Points of the newest trial that has some.
+        number: Number of the current trial, 0 first; -1 before the first.
+        attempt: Number of the attempt at it, 1 first.
+        begun: Number of attempts in the session.
+        tally: Measures of the travel, once it has begun.
+        rows: Rows of the attempts so far.
+        score: Score of the last trial that has one.
 
     Args:
         plan: The trials.
-        score: Weights; None for a task in which nothing earns points.
-        most_attempts: At one trial.
+        score: Weights; None for a task without a score.
+        most_attempts: Largest number of attempts at a trial.
         on_row: Called with each row.
-        plays: The kinds of the task.
-        counts: What they call trials that reached their goal.
+        plays: The task's kinds.
+        counts: Their names for the number of trials that reached their goal.
         first: Trial to begin with, 0 first.
     """
 
@@ -84,7 +84,7 @@ class Attempts:
 
     @property
     def which(self) -> str:
-        """The current trial in a person's words: practice, or which of those that count."""
+        """Caption of the current trial: practice, or its number among those that count."""
         if self.trial.practice:
             return "Practice"
         counted = [trial for trial in self.plan if not trial.practice]
@@ -98,18 +98,18 @@ class Attempts:
 
     @property
     def attempts_left(self) -> bool:
-        """Whether the current trial may be begun once more."""
+        """Whether another attempt at the current trial is allowed."""
         return self.attempt < self._most
 
     @property
     def trial_over(self) -> bool:
-        """Whether the current trial reached its goal or its time, or was given up."""
+        """Whether the current trial reached its goal or its time limit, or has no attempts left."""
         if self._open or not self.rows:
             return False
         return self.rows[-1]["outcome"] != ABORTED or not self.attempts_left
 
     def prefer(self, block: int) -> None:
-        """The next trial is the first one left of a block, 1 first; 0, or a block that is over, leaves the order."""
+        """Let the first remaining trial of a block, 1 first, be next; 0 or a finished block keeps the order."""
         ahead = self.number + 1
         names = list(dict.fromkeys(trial.block for trial in self.plan))
         if not 1 <= block <= len(names):
@@ -121,7 +121,7 @@ class Attempts:
             self.plan = (*self.plan[:ahead], *left)
 
     def begin(self, now_ns: int) -> bool:
-        """Begin the current trial again, or the next one where the current is over; True for a new trial."""
+        """Begin the next attempt, at the next trial where the current is over; return True for a new trial."""
         fresh = self.begun == 0 or self.trial_over
         if fresh:
             self.number += 1
@@ -134,13 +134,13 @@ class Attempts:
         return fresh
 
     def let_go(self, seen: Observation) -> None:
-        """The travel begins with this frame."""
+        """Begin the travel with this frame."""
         self.tally = Tally(seen, self._plays)
         for play in self._plays:
             play.let_go(seen)
 
     def end(self, outcome: str, cause: str, parameters: Mapping[str, float], now_ns: int) -> None:
-        """Write the row of the attempt under way; nothing when there is none."""
+        """Write the row of the attempt under way, if any."""
         if not self._open:
             return
         row = self._row(outcome, cause, parameters, now_ns)
@@ -151,7 +151,7 @@ class Attempts:
         self._on_row(row)
 
     def trial_result(self, values: Mapping[str, float], now_ns: int) -> TrialResult:
-        """The attempt that just ended at its goal or its time, for a learning system."""
+        """Return the result of the attempt that just finished or timed out, for a learning system."""
         row = self.rows[-1]
         finished = row["outcome"] == FINISHED
         performance = float(finished) if row["score"] is None else row["score"] / 100.0
@@ -160,11 +160,10 @@ class Attempts:
         )
 
     def result(self, now_ns: int) -> dict[str, Any]:
-        """Totals of the session: its `TrialCounts`, and the totals of `tasks.score.session_result`.
+        """Return the totals of the session: its `TrialCounts`, and the totals of `tasks.score.session_result`.
 
-        Those are over travels that came to their goal or their time; practice only where there is nothing else. Where
-        none has ended yet, the one under way, or cut off by the session's end, is measured as it stands. `counted`
-        says which of these it was.
+        The latter are over trials that finished or timed out, over practice only where there is nothing else, and over
+        the one under way or cut off by the session's end where none has ended. `counted` states which.
         """
         cut_off = [row for row in self.rows if row["cause"] == SESSION_ENDED and row["time_s"] > 0.0]
         if self._open and self.tally is not None:
@@ -195,11 +194,11 @@ class Attempts:
         }
 
     def _points(self, measures: Mapping[str, object], outcome: str) -> float | None:
-        """The score of a row; None where it would compare with nothing."""
+        """Return the score of a row; None where the attempt was aborted or the task has none."""
         if self._score_spec is None or outcome == ABORTED:
             return None
         return trial_points(self._score_spec, measures, finished=outcome == FINISHED)
 
     def _blank(self) -> dict[str, Any]:
-        """Measures of an attempt in which nobody was let go: the same columns."""
+        """Return the measures of an attempt without travel, with the same columns."""
         return asdict(Measures()) | {column: None for play in self._plays for column in play.measures}

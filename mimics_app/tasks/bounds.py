@@ -1,4 +1,4 @@
-"""Types of numbers that the structs of a task share beside those of every component, with their limits."""
+"""Bounded number types of the structs of a task, beside those of all components."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Steps = Annotated[float, Meta(ge=0.0, le=1e12)]
 """A difference of a parameter, in a unit that the file chooses."""
 
 Tolerance = Annotated[float, Meta(gt=0.0, le=100.0)]
-"""Of a joint [m, rad]."""
+"""Tolerance of a joint [m, rad]."""
 
 Values = Annotated[dict[str, Figure], Meta(max_length=1000)]
 """Values of parameters by name."""

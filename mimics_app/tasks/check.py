@@ -1,4 +1,4 @@
-"""What types cannot say about a task: limits that agree, names that exist, numbers that are finite."""
+"""Checks of a task beyond its types: consistent limits, existing names, finite numbers."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ _MAX_TRIALS = 10_000
 
 
 def check_task(spec: TaskSpec, pointer: str = "/task", file: str = "") -> list[Issue]:
-    """Every fault of a task's meaning.
+    """Return the faults of a task beyond its types.
 
     Args:
         spec: The task, of the right types already. A trial file it names is checked by `tasks.trial_file`.
         pointer: JSON pointer of the task in its file.
         file: The file, as the user wrote it.
     """
-    faults: list[_Fault] = []
+    faults: list[Fault] = []
     for name, parameter in spec.parameters.items():
         faults += _check_parameter(parameter, f"{pointer}/parameters/{escape(name)}")
     for i, trigger in enumerate(spec.triggers):
@@ -54,7 +54,7 @@ def check_task(spec: TaskSpec, pointer: str = "/task", file: str = "") -> list[I
 
 
 def check_blocks(spec: TaskSpec, blocks: list[BlockSpec], pointer: str, file: str) -> list[Issue]:
-    """Every fault of a trial list, inline or from its own file, against the task's parameters."""
+    """Return the faults of a trial list, inline or from its own file, against the task's parameters."""
     faults: list[Fault] = []
     for b, block in enumerate(blocks):
         for t, trial in enumerate(block.trials):
@@ -65,14 +65,14 @@ def check_blocks(spec: TaskSpec, blocks: list[BlockSpec], pointer: str, file: st
 
 
 _TABLES = {"shapes": SHAPE, "bodies": BODY, "effects": EFFECT, "tunnels": TUNNEL}
-"""Tables of haptic objects whose rows have names."""
+"""Tables of haptic objects with named rows."""
 
 _OWN_TUNNEL = {name for name in TUNNEL.names or () if TUNNEL[name] == np.float64}
-"""Single numbers of a tunnel."""
+"""Scalar fields of a tunnel."""
 
 
 def object_of_target(name: str) -> str | None:
-    """Entity of a haptic target such as "bodies.apple.mass"; None for another name, or where that is no number."""
+    """Return the entity of a haptic target such as "bodies.apple.mass"; None for other names and non-scalars."""
     table, *middle = name.split(".")
     field = middle.pop() if middle else ""
     dtype = _TABLES.get(table)
@@ -84,15 +84,11 @@ def object_of_target(name: str) -> str | None:
 
 
 def haptic_targets() -> set[str]:
-    """Names a parameter may change in the haptic scene: what its user feels, and numbers of the task's own tunnel.
+    """Return the haptic names that a parameter may change: feel, and scalars of the task's own tunnel.
 
-    Beside them numbers of its objects, see `object_of_target`. Never a limit of the loop.
+    Scalars of objects are checked by `object_of_target`. Limits of the loop are never among them.
     """
     return {name for name, _ in FEEL} | {f"tunnel.{name}" for name in _OWN_TUNNEL}
-
-
-_Fault = tuple[str, str, str]
-"""(pointer, what, fix)"""
 
 
 def _check_parameter(parameter: ParameterSpec, pointer: str) -> Iterator[Fault]:

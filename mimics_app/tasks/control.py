@@ -1,4 +1,4 @@
-"""Which controller drives the robot in each state of a trial."""
+"""Controller of the robot in each state of a trial."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ _FREE = (TrialState.READY, TrialState.TRAVEL)
 
 
 class RobotControl:
-    """Approach: PD to the start. Ready and travel: the person leads. Stopped: off. Otherwise, or paused: hold it.
+    """Approach: PD to the start. Ready, travel: the person moves the robot. Stopped: off. Otherwise, or paused: hold.
 
-    Holding between trials carries the arm, and nothing moves a hand that rests.
+    Holding between trials supports the arm without moving it.
     """
 
     def __init__(self, home: Home, feel: Controller = Controller.ADMITTANCE) -> None:
@@ -28,7 +28,7 @@ class RobotControl:
         self._before = self._controller, self._target
 
     def enter(self, state: TrialState, q: tuple[float, ...]) -> None:
-        """A state begins with the joints at q [m or rad]."""
+        """Begin a state with the joints at q [m or rad]."""
         held_before = self._holding
         self._holding = state not in (TrialState.APPROACH, TrialState.STOPPED, *_FREE)
         if state is TrialState.STOPPED:
@@ -48,9 +48,9 @@ class RobotControl:
         self._controller, self._target = Controller.JOINT_PD, q
 
     def go_on(self) -> None:
-        """What was wanted before the pause is wanted again."""
+        """Restore controller and target of before the pause."""
         self._controller, self._target = self._before
 
     def wanted(self) -> Mapping[str, object]:
-        """SCENE fields as they should be now."""
+        """Return the present SCENE fields of the controller."""
         return {"controller": int(self._controller), "target": self._target}

@@ -1,4 +1,4 @@
-"""Before the first trial of a session in a window: time to read the page of keys, then a count down to the go."""
+"""Countdown before the first trial of a session in a window, after the page of keys."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from mimics_app.contracts.trial_state import TrialState
 __all__ = ["Countdown"]
 
 _READING_S = 6.0
-"""How long the page of keys is read unless somebody begins sooner [s]: ten short lines."""
+"""Time to read the page of keys, ten short lines, unless a key ends it [s]."""
 
 _BEGIN = frozenset({"enter", "h", "mouse_left", "pad_a"})
 """Keys and buttons that end the reading."""
 
 
 class Countdown:
-    """Times the ready state until somebody was let go for the first time; of every other state it asks nothing.
+    """Timer of the ready state until the first travel; without effect in other states.
 
     Args:
-        seconds: To count [s]; 0: there is neither reading nor a count.
-        introduced: Somebody at a window is shown the page of keys.
+        seconds: Length of the countdown [s]; 0: neither reading time nor countdown.
+        introduced: The page of keys is shown in a window.
 
     Attributes:
-        until_s: Earliest time of the go in the present state [s]; 0 where nothing is counted.
-        reading: The page of keys is read; the count comes after it.
-        count: Seconds still to go, rounded up; 0 before and after the count.
+        until_s: Earliest time of the go cue in the present state [s]; 0 without a countdown.
+        reading: The page of keys is shown; the countdown follows.
+        count: Seconds left, rounded up; 0 before and after the countdown.
     """
 
     def __init__(self, seconds: float, *, introduced: bool) -> None:
@@ -37,7 +37,7 @@ class Countdown:
         self.count = 0
 
     def see(self, state: TrialState, elapsed_s: float, pressed: Sequence[str]) -> None:
-        """One frame, `elapsed_s` [s] after its state began."""
+        """Take a frame, `elapsed_s` [s] after the beginning of its state."""
         self.until_s, self.reading, self.count = 0.0, False, 0
         if state is TrialState.TRAVEL:
             self._seconds = 0.0

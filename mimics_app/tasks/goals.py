@@ -1,4 +1,4 @@
-"""When a trial is finished: every goal met at once, each held for its time."""
+"""Goals of a task: a trial is finished when all are met at once, each for its hold time."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ __all__ = ["Goals"]
 
 
 class Goals:
-    """The goals of a task, and since when each holds.
+    """The goals of a task, and the time since which each holds.
 
     Args:
         specs: The goals.
-        plays: For each of them the kind of task it is of; None for the task's own.
+        plays: Kind of task of each goal; None for the task's own.
     """
 
     def __init__(self, specs: Sequence[GoalSpec], plays: Sequence[KindPlay | None]) -> None:
@@ -26,7 +26,7 @@ class Goals:
         self._since_ns: list[int | None] = [None] * len(self._specs)
 
     def restart(self) -> None:
-        """Forget what held: a travel begins."""
+        """Reset at the beginning of a travel."""
         self._since_ns = [None] * len(self._specs)
 
     def met(self, seen: Observation, travelled_s: float) -> bool:

@@ -1,4 +1,4 @@
-"""The line the task shows the person: of its state, or of a trigger."""
+"""The line of text shown to the person: of the state, or of a trigger."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ _WITHOUT_SCORE: Mapping[TrialState, str] = {
     TrialState.TIMEOUT: "Time is over",
     TrialState.DONE: "Finished",
 }
-"""The same where trials earn no points."""
+"""Lines that differ for a task without a score."""
 
 _AT_POINTER: Mapping[TrialState, str] = {
     TrialState.APPROACH: "Moving to the start",
     TrialState.STOPPED: "Stopped: {cause}. R goes on",
 }
-"""The same where no robot is attached."""
+"""Lines that differ without a robot."""
 
 _GO_S = 1.5
-"""How long the travel's message stays [s]; then the person has the picture to themselves."""
+"""Time for which the travel's message is shown [s]."""
 
 
 def built_in_messages(*, with_score: bool, by_pointer: bool) -> Mapping[StateName, str]:
-    """The lines of a task that writes none of its own; without a score they promise no points."""
+    """Return the built-in lines of the states; without a score they mention no points."""
     lines = {**BUILT_IN, **({} if with_score else _WITHOUT_SCORE), **(_AT_POINTER if by_pointer else {})}
     return {state.value: text for state, text in lines.items()}
 
@@ -50,9 +50,9 @@ def built_in_messages(*, with_score: bool, by_pointer: bool) -> Mapping[StateNam
 def state_message(
     state: TrialState, texts: Mapping[StateName, str], elapsed_s: float, fields: Mapping[str, str], prompt: str = ""
 ) -> str:
-    """The line of a state, `elapsed_s` [s] after it began, or what is to be done next in it.
+    """Return the line of a state, `elapsed_s` [s] after its beginning, or the prompt of the next step.
 
-    Only the named fields are filled in; other braces stay.
+    Only the named fields are replaced; other braces remain.
     """
     text = texts.get(state.value, "")
     if state is TrialState.TRAVEL and elapsed_s >= _GO_S:
@@ -63,14 +63,14 @@ def state_message(
 
 
 def cause_words(cause: int) -> str:
-    """A TripCause as a person reads it: "stop key"."""
+    """Return a TripCause in words, e.g. "stop key"."""
     if cause not in set(TripCause) or cause == TripCause.NONE:
         return "safety stop"
     return TripCause(cause).name.lower().replace("_", " ")
 
 
 class Announcement:
-    """A message of a trigger covers the state's own line until its time is over."""
+    """A trigger's message, which replaces the state's line for a time."""
 
     def __init__(self) -> None:
         self._text = ""
@@ -81,9 +81,9 @@ class Announcement:
         self._text, self._until_ns = text, until_ns
 
     def put_off(self, paused_ns: int) -> None:
-        """It stays so much longer [ns]."""
+        """Extend its time [ns]."""
         self._until_ns += paused_ns
 
     def line(self, now_ns: int, otherwise: str) -> str:
-        """What is read now."""
+        """Return the line to be shown now."""
         return self._text if now_ns < self._until_ns else otherwise

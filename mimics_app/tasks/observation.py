@@ -1,4 +1,4 @@
-"""What one frame looks like to a task: the snapshot's numbers it needs, and the contacts since the last frame."""
+"""Observation of a task in one frame: values of the snapshot, and the contacts since the last frame."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ _MOVABLE = (SafetyState.READY, SafetyState.ACTIVE, SafetyState.DEGRADED)
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """The ball touches or leaves something.
+    """Begin or end of a contact of the ball.
 
     Attributes:
-        t_ns: When.
-        begins: True for touching.
-        force: [N] at the touch.
+        t_ns: Time [ns].
+        begins: True at the begin.
+        force: Force at the begin [N].
     """
 
     t_ns: int
@@ -39,11 +39,11 @@ class Observation:
     """One frame.
 
     Attributes:
-        snapshot: All that the loop publishes.
-        now_ns: Of the frame.
+        snapshot: The newest snapshot of the loop.
+        now_ns: Time of the frame [ns].
         latched: The loop is in SAFE_STOP or E_STOP.
         movable: The robot follows its controller.
-        soft_start_over: The force is fully let through.
+        soft_start_over: The force has its full scale.
         cause: TripCause.
         q: Joints [m, rad, m].
         ball_world: Its centre [m].
@@ -54,9 +54,9 @@ class Observation:
         touching: The ball is in the wall now.
         contacts: Since the last frame, oldest first.
         grasp: Grasp force [N].
-        bodies: Middle of each haptic body by name [m].
+        bodies: Centre of each haptic body by name [m].
         held: Name of the body in the hand; "" for none.
-        crushed: Name of the body in the hand once it was pressed too hard; "" for none.
+        crushed: Name of the body in the hand that was pressed too hard; "" for none.
         pressed: Names of keys and buttons that went down since the last frame.
     """
 
@@ -82,12 +82,12 @@ class Observation:
 
 
 def observe(snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int, bodies: Sequence[str] = ()) -> Observation:
-    """Take what a task needs from the newest snapshot and the EVENT records since the last frame, shape [n].
+    """Return the observation of a frame.
 
     Args:
-        snapshot: The newest one.
-        events: Since the last frame.
-        now_ns: Of the frame.
+        snapshot: The newest snapshot.
+        events: EVENT records since the last frame, shape [n].
+        now_ns: Time of the frame [ns].
         bodies: Names of the haptic bodies in the order of their rows.
     """
     contacts = tuple(

@@ -1,4 +1,4 @@
-"""Sends only what changed: parameters of the renderers as they were last ordered."""
+"""Filter of the parameters sent to the renderers: changes only."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ __all__ = ["Changes"]
 
 
 class Changes:
-    """Remembers what was sent under each name."""
+    """Last value sent under each name."""
 
     def __init__(self) -> None:
         self._sent: dict[str, object] = {}
 
     def since_last(self, wanted: Mapping[str, object]) -> dict[str, object]:
-        """The part of `wanted` that differs from what was sent before; it counts as sent."""
+        """Return the values that differ from those sent before; they count as sent."""
         changed = {name: value for name, value in wanted.items() if self._sent.get(name, _NEVER) != value}
         self._sent.update(changed)
         return changed

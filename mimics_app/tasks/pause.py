@@ -1,4 +1,4 @@
-"""Whether the task is halted because somebody requested it, and until when."""
+"""Pause of the task, switched by keys."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ _KEYS = frozenset({"p", "pad_start"})
 _NEVER_IN = (TrialState.STOPPED, TrialState.DONE)
 
 PAUSED = "Paused. P goes on"
-"""What the person reads meanwhile."""
+"""Line shown during a pause."""
 
 
 class Pause:
-    """Watches the keys.
+    """State of the pause.
 
     Attributes:
-        on: Whether the task is halted now.
+        on: Whether the task is halted.
     """
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Makes the `task` block part of every scene file: imported once by whoever loads scenes."""
+"""Registration of the `task` block as a section of scene files, on import, with its checks."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ if TYPE_CHECKING:
 __all__ = ["check_section", "task_of"]
 
 _WITHOUT_A_TASK = TaskSpec(goals=[DurationGoal(seconds=60.0)], time_limit_s=120.0)
-"""What is done in a scene that says nothing and has no tunnel to travel: a minute of whatever one likes."""
+"""Task of a scene without a task and without a tunnel: one minute of free movement."""
 
 
 def task_of(scene: Scene) -> TaskSpec:
-    """The task of a scene; without one to travel its tunnel, or to be there for a minute."""
+    """Return the task of a scene; by default to travel its tunnel, else one minute of free movement."""
     return scene.section(TaskSpec) or (TaskSpec() if scene.components(Tunnel) else _WITHOUT_A_TASK)
 
 
 def check_section(spec: TaskSpec, scene: Scene) -> list[Issue]:
-    """Faults of a scene's task: its own, those of its trial file, and sounds the scene does not have."""
+    """Return the faults of a scene's task: its own, those of its trial file, and missing sounds or objects."""
     issues = [scene.issue(issue.pointer, issue.what, issue.fix) for issue in check_task(spec)]
     kinds = [issue for kind in task_kinds() for issue in kind.check_scene(spec, scene)]
     return [*issues, *kinds, *_check_sounds(spec, scene), *_check_names(spec, scene), *_check_trial_file(spec, scene)]
@@ -53,7 +53,7 @@ def _check_sounds(spec: TaskSpec, scene: Scene) -> list[Issue]:
 
 
 def _check_names(spec: TaskSpec, scene: Scene) -> list[Issue]:
-    """Objects and tunnels whose parameters the task changes must be there."""
+    """Check that the objects and tunnels whose parameters the task changes exist."""
     everything = {entity.id for entity in scene.entities}
     tunnels = {entity.id for entity in scene.entities if "tunnel" in entity.components}
     issues = []
@@ -81,7 +81,7 @@ def _check_trial_file(spec: TaskSpec, scene: Scene) -> list[Issue]:
 
 
 def _check_board(hud: Hud, pointer: str, scene: Scene) -> list[Issue]:
-    """A scene shows cards that there are."""
+    """Check that the cards that a scene shows exist."""
     known = [*CARDS, *(card for kind in task_kinds() for card in kind.cards)]
     return [
         scene.issue(f"{pointer}/show/{i}", f'"{name}" is not possible here', nearest(name, known))

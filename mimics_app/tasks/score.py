@@ -16,9 +16,9 @@ def trial_points(spec: ScoreSpec, row: Mapping[str, object], *, finished: bool) 
 
         100 * sum(weight_i * marks_i) / sum(weight_i), marks_i falling linearly from 1 at `best` to 0 at `worst`
 
-    A measure that the task does not take (a path error where no path is given) counts in neither sum. Smoothness that
-    cannot be judged (nothing moved) counts as 0 marks. A trial that did not reach its goal earns the points times the
-    share of the path it came, so that a short unfinished travel cannot beat a finished one.
+    A measure that does not apply (a path error without a path) counts in neither sum. Undefined smoothness (without
+    movement) counts as 0 marks. The points of a trial that did not reach its goal are multiplied by its progress, so
+    that a short unfinished travel cannot beat a finished one.
 
     Args:
         spec: The weights.
@@ -39,12 +39,12 @@ def _is_taken(measure: Measure, row: Mapping[str, object]) -> bool:
 
 
 def _value(measure: Measure, row: Mapping[str, object]) -> float:
-    """The measure; -inf for a smoothness that cannot be judged."""
+    """Return the measure; -inf for an undefined smoothness."""
     return -math.inf if row.get(measure.column) is None else _number(row, measure.column)
 
 
 def part_marks(part: ScorePartSpec, value: float) -> float:
-    """Marks 0-1 of one measure; beyond `best` no more than 1, beyond `worst` no less than 0."""
+    """Return the marks of one measure, linear between `worst` (0) and `best` (1) and limited to this range."""
     if math.isinf(value):
         return 1.0 if (value > 0.0) == (part.best > part.worst) else 0.0
     return min(max((part.worst - value) / (part.worst - part.best), 0.0), 1.0)
@@ -54,8 +54,8 @@ def session_result(rows: Sequence[Mapping[str, object]]) -> dict[str, float]:
     """Totals over the trial rows that count, under the keys of `mimics run --json`.
 
     Returns:
-        The mean score, then the total of each measure (a mean or a sum over the rows, see `Measure`). What no row has
-        is left out.
+        The mean score, then the total of each measure (a mean or a sum over the rows, see `Measure`). Measures without
+        a value in any row are left out.
     """
     totals: dict[str, float] = {}
     for column, total, sums in [("score", "score", False), *((m.column, m.total, m.sums) for m in MEASURES)]:

@@ -1,4 +1,4 @@
-"""The flow of a trial: which state follows which, and when.
+"""The state machine of a trial.
 
 approach --arrived--> ready --soft start over--> travel --goal--> finished --> rest --> approach of the next trial
    |                    |                          `--time over--> timeout -----^ `--> done after the last one
@@ -17,20 +17,20 @@ __all__ = ["Conditions", "next_state"]
 
 @dataclass(frozen=True, slots=True)
 class Conditions:
-    """What the next state depends on.
+    """Inputs of a transition.
 
     Attributes:
         elapsed_s: Time in the present state [s].
-        latched: A safety stop holds.
-        arrived: The robot has stayed at the start long enough.
-        go: Soft start over and the start cue shown long enough.
+        latched: A safety stop is latched.
+        arrived: The robot has stayed at the start for the hold time.
+        go: The soft start is over and the start cue was shown for its time.
         goal: All goals are met.
         start_limit_s: Longest approach, and longest soft start [s].
         time_limit_s: Longest travel [s].
-        result_s: How long a result is shown [s].
-        rest_s: Pause [s].
-        trial_over: The current trial reached its goal or its time, or was given up.
-        attempts_left: The current trial may be begun again.
+        result_s: Time for which a result is shown [s].
+        rest_s: Rest between trials [s].
+        trial_over: The current trial reached its goal or its time limit, or has no attempts left.
+        attempts_left: Another attempt at the current trial is allowed.
         trials_left: Another trial follows.
     """
 
@@ -49,7 +49,7 @@ class Conditions:
 
 
 def next_state(state: TrialState, seen: Conditions) -> TrialState:
-    """The state of the next frame; the same one when nothing happened. A goal met at the limit counts as met."""
+    """Return the next state, or the same one. A goal met at the time limit counts as met."""
     if state is TrialState.DONE:
         return state
     if seen.latched:

@@ -1,4 +1,4 @@
-"""A task as a therapist wants it: easier or harder than the scene's, with so many trials that count."""
+"""Adjustments of a task by the therapist: easier or harder than the scene's, with a given number of trials."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ __all__ = ["Difficulty", "eased", "with_trials"]
 Difficulty = Literal["easier", "usual", "harder"]
 
 _SHARE = 0.5
-"""Of the way from the scene's value to the easiest or hardest one [-]."""
+"""Share of the range from the scene's value to the easiest or hardest one [-]."""
 
 
 def eased(spec: TaskSpec, difficulty: Difficulty) -> TaskSpec:
-    """The task with every parameter that says what is harder moved half-way to its easy or hard end.
+    """Return the task with every parameter of known difficulty moved half-way to its easy or hard end.
 
     Args:
         spec: The task; its defaults have been filled in, its trial file has been read.
-        difficulty: What is wanted.
+        difficulty: The difficulty.
     """
     if difficulty == "usual":
         return spec
@@ -44,14 +44,14 @@ def eased(spec: TaskSpec, difficulty: Difficulty) -> TaskSpec:
 
 
 def with_trials(spec: TaskSpec, count: int, seed: int) -> TaskSpec:
-    """The task with so many trials that count: the session's own in their order, again from its beginning where short.
+    """Return the task with a given number of counting trials: the first of the session's, repeated where too few.
 
-    Practice stays as it is. The order is drawn from the seed, as that of the whole session is, and then listed.
+    Practice is unchanged. The order is drawn from the seed, as that of the whole session, and then listed.
 
     Args:
         spec: The task; its trial file has been read.
-        count: How many; 0 leaves the task as it is.
-        seed: Of the session.
+        count: Number of trials; 0 leaves the task as it is.
+        seed: Seed of the session.
     """
     blocks = trial_blocks(spec)
     in_a_round = sum(len(block.trials) * block.repetitions for block in blocks if not block.practice)
@@ -67,7 +67,7 @@ def with_trials(spec: TaskSpec, count: int, seed: int) -> TaskSpec:
 
 
 def _first(plan: list[Trial], count: int) -> list[Trial]:
-    """All practice, and of the others so many."""
+    """Return all practice, and the first `count` of the other trials."""
     numbers = [trial.number for trial in plan if not trial.practice][:count]
     return [trial for trial in plan if trial.practice or trial.number in numbers]
 
@@ -95,7 +95,7 @@ def _trial_moved(trial: TrialSpec, parameters: Mapping[str, ParameterSpec], dire
 
 
 def _moved(parameter: ParameterSpec, value: float, direction: int) -> float:
-    """A value half-way to the end that is harder (direction 1) or easier (-1), on the parameter's grid."""
+    """Return a value moved half-way to the harder (direction 1) or easier (-1) end, on the parameter's grid."""
     if parameter.harder == 0:
         return value
     end = parameter.max if parameter.harder * direction > 0 else parameter.min

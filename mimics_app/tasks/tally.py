@@ -1,4 +1,4 @@
-"""What is measured while the person travels: time, path error, contacts, force, smoothness, and what its kinds add."""
+"""Measures of a travel: time, path error, contacts, force, smoothness, and those of the task's kinds."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ __all__ = ["Measures", "Tally"]
 
 @dataclass(frozen=True, slots=True)
 class Measures:
-    """One travel in numbers.
+    """Measures of one travel.
 
     Attributes:
         time_s: Duration [s].
-        path_error_rms_m: Root of the time mean of the squared distance from the task's path [m]; None: it has none.
-        path_error_max_m: Largest distance [m]; None likewise.
-        contacts: Contacts begun, and the one that lasted when the travel began.
+        path_error_rms_m: Root mean square distance over time from the task's path [m]; None without a path.
+        path_error_max_m: Largest distance [m]; None without a path.
+        contacts: Number of contacts, including one that lasted when the travel began.
         contact_time_s: Time in contact [s].
-        smoothness: SPARC [-], negative; None where nothing moved.
+        smoothness: SPARC [-], negative; None without movement.
         force_mean_n: Time mean of the force felt [N].
         force_peak_n: Largest force felt [N].
-        progress: Farthest share of the path to the goal; None: the task has no path.
+        progress: Largest progress, 0-1; None where the task has none.
         path_m: Length of the hand's path [m].
     """
 
@@ -46,13 +46,13 @@ class Measures:
 
 
 class Tally:
-    """Gathers one travel, frame by frame. Contacts come at the loop's 1 kHz, the rest at the frames' rate.
+    """Accumulator of one travel, frame by frame. Contacts have the loop's resolution of 1 ms, the rest that of frames.
 
-    Means are integrals by the trapezoidal rule, so that uneven frames do not weigh more than they last.
+    Means are integrals by the trapezoidal rule, so that frames are weighted by their duration.
 
     Args:
-        first: The frame in which the person was let go.
-        plays: The kinds of the task, which measure beside it.
+        first: First frame of the travel.
+        plays: The task's kinds, with measures of their own.
     """
 
     def __init__(self, first: Observation, plays: Sequence[KindPlay] = ()) -> None:
@@ -75,7 +75,7 @@ class Tally:
 
     @property
     def begin_ns(self) -> int:
-        """When the travel began [ns]."""
+        """Time at which the travel began [ns]."""
         return self._begin_ns
 
     @property
@@ -89,7 +89,7 @@ class Tally:
         return self._contacts
 
     def add(self, seen: Observation) -> None:
-        """Take the next frame; one that is no later than the last adds its contacts only."""
+        """Take the next frame; of one that is not later than the last, only its contacts."""
         for contact in seen.contacts:
             self._take_contact(contact)
         if not seen.contacts and not seen.touching:
@@ -109,7 +109,7 @@ class Tally:
         self._last, self._last_ns = seen, seen.now_ns
 
     def pause(self, now_ns: int, paused_ns: int) -> None:
-        """A frame that does not count, `paused_ns` after the one before it."""
+        """Take a frame of a pause, `paused_ns` after the one before it, which does not count."""
         self._close_contact(self._last_ns)
         self._paused_ns += paused_ns
         self._last_ns = now_ns
@@ -122,14 +122,14 @@ class Tally:
         self._largest_distance = max(self._largest_distance or 0.0, seen.distance)
 
     def row(self) -> dict[str, Any]:
-        """The measures of the task's own and of its kinds, by column of the trial table."""
+        """Return all measures by column of the trial table."""
         columns = asdict(self.measures())
         for play in self._plays:
             columns |= play.measures
         return columns
 
     def measures(self) -> Measures:
-        """The travel so far; a contact that lasts counts up to the last frame."""
+        """Return the measures so far; a contact in progress counts up to the last frame."""
         open_ns = 0 if self._touching_since_ns is None else max(0, self._last_ns - self._touching_since_ns)
         seconds = self.time_s
         return Measures(

@@ -51,7 +51,7 @@ StateName = Literal["approach", "ready", "travel", "finished", "timeout", "abort
 
 
 class MapSpec(Component, frozen=True):
-    """Where the value of a parameter goes: offset + scale * value, or an entry of a table."""
+    """Target of a parameter's value: offset + scale * value, or an entry of a table."""
 
     to: Annotated[
         str,
@@ -89,7 +89,7 @@ class ParameterSpec(Component, frozen=True):
         Meta(description="Largest change per second [unit/s] inside a trial; 0: changes only between trials."),
     ] = 0.0
     unit: Annotated[str, Meta(description="Unit of the value; '-' for none.")] = "-"
-    kind: Annotated[ActionKind, Meta(description="What it changes, for whoever chooses among actions.")] = "difficulty"
+    kind: Annotated[ActionKind, Meta(description="What it changes, for a learning system.")] = "difficulty"
     harder: Annotated[
         Literal[-1, 0, 1],
         Meta(description="1: larger values make the task harder; -1: smaller ones do; 0: neither."),
@@ -186,7 +186,7 @@ Deed = SoundDeed | MessageDeed | ActionDeed
 
 
 class TriggerSpec(Component, frozen=True):
-    """When something happens, do something."""
+    """A condition, and the actions carried out when it occurs."""
 
     when: Annotated[TriggerCondition, Meta(description="The condition.")]
     do: Annotated[list[Deed], Meta(max_length=100, description="What to do, in order.")]
@@ -227,7 +227,7 @@ class BlockSpec(Component, frozen=True):
 
 
 class StartSpec(Component, frozen=True):
-    """How the robot is brought to the start of a trial."""
+    """Approach of the robot to the start of a trial."""
 
     tolerance: Annotated[
         Annotated[tuple[Tolerance, ...], Meta(min_length=1, max_length=8)],
@@ -287,14 +287,14 @@ _OWN_MEASURES = (
 )
 
 MEASURES = (*_OWN_MEASURES, *(measure for kind in task_kinds() for measure in kind.measures))
-"""What may count in a score, of the task's own and of its kinds, in the order of the trial table."""
+"""Measures that may count in a score, the task's own and those of its kinds, in the order of the trial table."""
 
 
 class _ScoreBase(Component, frozen=True):
     """Weights of the score 0-100; see tasks.score for the formula."""
 
     def part(self, name: str) -> ScorePartSpec:
-        """How the measure of that part counts."""
+        """Return weight and limits of a part."""
         part: ScorePartSpec = getattr(self, name)
         return part
 
@@ -319,7 +319,7 @@ else:
 
 
 class _TaskBase(Component, frozen=True):
-    """What the person is to do, how often, and how it is scored."""
+    """The task of the person: goals, trials, adaptation and score."""
 
     title: Annotated[str, Meta(description="Shown to the person.")] = ""
     parameters: Annotated[dict[str, ParameterSpec], Meta(description="What can be adapted, by name.")] = field(

@@ -1,6 +1,7 @@
-"""The task manager of D2.1 Figure 1: takes the person's input and the robot's state, says what every renderer is to do.
+"""The task manager of D2.1 Figure 1: from the person's input and the robot's state to the orders of the renderers.
 
-One `step` a frame. All time comes in as `now_ns`, all chance from the seed, so that a replay gives the same trials.
+One `step` per frame. Time is given as `now_ns`, random numbers come from the seed, so that a replay gives the same
+trials.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ __all__ = ["TaskManager"]
 
 
 def _ignore(*_: object) -> None:
-    """Nobody listens."""
+    """Do nothing."""
 
 
 class TaskManager:
@@ -56,14 +57,14 @@ class TaskManager:
 
     Args:
         spec: The scene's task; its trial file, if it names one, has been read (`tasks.trial_file.resolve_trials`).
-        context: What it must know of the scene.
-        seed: Of the session; decides the order of the trials.
+        context: Data of the scene.
+        seed: Seed of the session; determines the order of the trials.
         on_trial: Called with the row of each attempt at its end (columns: `tasks.attempts.Row`).
         on_event: Called with a kind ("state", "action", "clipped", "session_end") and its data, for the journal.
         first_trial: Trial to begin with, 0 first; those before it are left out.
 
     Raises:
-        UsageError: the session has no such trial.
+        UsageError: The session has no such trial.
     """
 
     def __init__(
@@ -112,12 +113,12 @@ class TaskManager:
 
     @property
     def values(self) -> Mapping[str, float]:
-        """The adaptable parameters as they are now, each in its unit."""
+        """Present values of the adaptable parameters, each in its unit."""
         return dict(self._adaptation.values)
 
     @property
     def state(self) -> TrialState:
-        """Where the current trial stands."""
+        """State of the current trial."""
         return self._state
 
     @property
@@ -143,13 +144,13 @@ class TaskManager:
         events: NDArray[Any],
         now_ns: int,
     ) -> TaskOrders:
-        """One frame: `events` are the EVENT records since the last one, shape [n]; `now_ns` never falls."""
+        """Process one frame: `events` are the EVENT records since the last one, shape [n]; `now_ns` never decreases."""
         seen = replace(observe(snapshot, events, now_ns, self._bodies), pressed=vr.pressed)
         if action is not None:
             self._take(action, now_ns)
         self._result = None
         if self._pauses(seen):
-            return self._orders(self._stand_still(now_ns), ())
+            return self._orders(self._hold(now_ns), ())
         for play in self._plays.values():
             seen = play.see(seen, self._settings.task)
         self._seen = seen
@@ -159,7 +160,7 @@ class TaskManager:
         return self._orders(seen, tuple(sounds))
 
     def end_session(self, now_ns: int) -> None:
-        """Somebody ends the session before the task is done: write the row of an attempt under way."""
+        """End the session before the task is done, with the row of an attempt under way."""
         self._on_event("session_end", {"t_ns": now_ns})
         self._attempts.end(ABORTED, SESSION_ENDED, self._adaptation.values, now_ns)
         self._state = TrialState.DONE
@@ -178,8 +179,8 @@ class TaskManager:
                 self._control.go_on()
         return self._pause.on
 
-    def _stand_still(self, now_ns: int) -> Observation:
-        """Put off whatever is due by the time since the last frame; what is seen is the last frame that counted."""
+    def _hold(self, now_ns: int) -> Observation:
+        """Postpone all deadlines by the time since the last frame; return the observation of before the pause."""
         assert self._seen is not None and self._entered_ns is not None
         paused_ns = now_ns - self._last_ns
         self._last_ns = now_ns
@@ -194,7 +195,7 @@ class TaskManager:
         return replace(self._seen, now_ns=now_ns, pressed=())
 
     def _advance(self, seen: Observation) -> tuple[TrialState | None, TrialState | None]:
-        """Let time pass and go to the state that follows; the states (left, entered) in this frame."""
+        """Advance the adaptation and the state machine; return the states (left, entered) in this frame."""
         if self._entered_ns is None:
             self._last_ns = seen.now_ns
             self._enter(TrialState.APPROACH, seen)
@@ -210,7 +211,7 @@ class TaskManager:
         return left, following
 
     def _look(self, seen: Observation) -> Conditions:
-        """Watch the robot in the present state and say what matters for the next one."""
+        """Observe the robot in the present state and return the conditions of the next one."""
         elapsed = self._elapsed_s(seen.now_ns)
         goal = False
         if self._state is TrialState.TRAVEL and self._attempts.tally is not None:
@@ -233,7 +234,7 @@ class TaskManager:
         )
 
     def _leave(self, state: TrialState, following: TrialState, seen: Observation) -> None:
-        """Write the attempt's row where the next state ends it."""
+        """Write the attempt's row if the next state ends it."""
         values = self._adaptation.values
         if following is TrialState.STOPPED:
             self._cause = seen.cause
@@ -283,7 +284,7 @@ class TaskManager:
             self._on_event("clipped", {"t_ns": now_ns, "names": list(self._adaptation.clipped)})
 
     def _do(self, deed: Deed, seen: Observation) -> list[SoundEvent]:
-        """Carry out a trigger's deed; the sounds it starts."""
+        """Carry out a trigger's action and return the sounds it starts."""
         if isinstance(deed, MessageDeed):
             self._announcement.show(deed.text, seen.now_ns + round(deed.seconds * 1e9))
         elif isinstance(deed, ActionDeed):
@@ -318,7 +319,7 @@ class TaskManager:
         )
 
     def _step_result(self, now_ns: int) -> TrialResult | None:
-        """Of a step inside the trial, where a kind of task has steps and one ended in this frame."""
+        """Return the result of a step inside the trial that ended in this frame, if the task's kind has steps."""
         if self._state is not TrialState.TRAVEL:
             return None
         for play in self._plays.values():
@@ -368,11 +369,11 @@ class TaskManager:
         return Board(cards, line, alarm=self._state is TrialState.STOPPED, count=self._countdown.count)
 
     def _left_s(self, view: TaskView) -> float | None:
-        """Time left of the travel [s]; None outside of one."""
+        """Return the time left of the travel [s]; None outside of one."""
         return max(0.0, self._length_s() - view.elapsed_s) if self._state is TrialState.TRAVEL else None
 
     def _play_of(self, part: object) -> KindPlay | None:
-        """The kind of task that a goal or a condition is of; None for the task's own."""
+        """Return the kind of task of a goal or a condition; None for the task's own."""
         for kind in task_kinds():
             if isinstance(part, (*kind.goals, *kind.conditions)):
                 return self._plays.get(kind.name)
@@ -382,11 +383,11 @@ class TaskManager:
         return 0.0 if self._entered_ns is None else max(0, now_ns - self._entered_ns) / 1e9
 
     def _time_limit_s(self) -> float:
-        """The trial's own limit, else what a parameter says, else the task's [s]."""
+        """Return the trial's own limit, else a parameter's, else the task's [s]."""
         return self._setting(self._attempts.trial.time_limit_s, "time_limit_s", self._spec.time_limit_s)
 
     def _length_s(self) -> float:
-        """How long a trial without a path takes: as long as its goals need, at most its limit [s]."""
+        """Return the duration of a trial without a path: that of its goals, at most its limit [s]."""
         asked = max((goal.seconds for goal in self._spec.goals if isinstance(goal, DurationGoal)), default=0.0)
         return min(asked, self._time_limit_s()) if asked > 0.0 else self._time_limit_s()
 

@@ -1,4 +1,4 @@
-"""A task and what it knows of its scene as plain objects of JSON, as a recording keeps them, and back."""
+"""Conversion of a task and its context to plain JSON objects for a recording, and back."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class _TaskRecord(msgspec.Struct):
 
 
 def task_record(spec: TaskSpec, context: TaskContext) -> dict[str, Any]:
-    """A task and what it knows of its scene. Of the places only those are kept that the task names."""
+    """Return the record of a task and its context, with only those places that the task names."""
     plain = msgspec.to_builtins(spec)
     known = set(context.places)
     places = {name: context.places[name] for name in dict.fromkeys(_texts(plain)) if name in known}
@@ -30,7 +30,7 @@ def task_record(spec: TaskSpec, context: TaskContext) -> dict[str, Any]:
 
 
 def task_of_record(record: Mapping[str, Any]) -> tuple[TaskSpec, TaskContext]:
-    """The same again.
+    """Return the task and the context of a record.
 
     Raises:
         ValueError: It is no such record, or names a kind of task that is not installed.

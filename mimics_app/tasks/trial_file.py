@@ -1,4 +1,4 @@
-"""A list of trials in a file of its own, so that one scene serves many protocols."""
+"""Trial files: lists of trials apart from the scene, so that one scene serves many protocols."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _Blocks = Annotated[list[BlockSpec], msgspec.Meta(min_length=1)]
 
 
 def resolve_trials(spec: TaskSpec, folder: Path, root: Path | None = None) -> TaskSpec:
-    """The same task with its trial file, if it names one, read.
+    """Return the task with its trial file, if any, read.
 
     Args:
         spec: The task.
@@ -41,7 +41,7 @@ def resolve_trials(spec: TaskSpec, folder: Path, root: Path | None = None) -> Ta
 
 
 def resolve_files(spec: TaskSpec, folder: Path, root: Path | None = None) -> TaskSpec:
-    """The same task with its trial file read, and what its kinds have in files of their own.
+    """Return the task with its trial file and the files of its kinds read.
 
     Args:
         spec: The task.
@@ -61,7 +61,11 @@ def resolve_files(spec: TaskSpec, folder: Path, root: Path | None = None) -> Tas
 
 
 def find_trial_file(name: str, folder: Path, root: Path | None = None) -> Path:
-    """Where a trial file lies; SceneError when there is none, or it lies outside the root."""
+    """Return the path of a trial file.
+
+    Raises:
+        SceneError: It is missing, or lies outside the root.
+    """
     try:
         return find_file(name, folder, root or folder)
     except PathFault as fault:

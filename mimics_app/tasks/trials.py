@@ -1,4 +1,4 @@
-"""The trials of a session in the order they are done: blocks, repetitions, and orders drawn from the session's seed."""
+"""The trials of a session in their order: blocks, repetitions, and orders drawn from the session's seed."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ __all__ = [
 ]
 
 _SHORTEST_TRIAL_S = 5.0
-"""Way to the start, travel, result and rest of a trial take at least this long [s]."""
+"""Shortest time of approach, travel, result and rest of a trial [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """One trial as it will be done.
+    """One planned trial.
 
     Attributes:
         number: 0 first, over the whole session.
@@ -75,7 +75,7 @@ def plan_trials(blocks: Sequence[BlockSpec], seed: int) -> list[Trial]:
 
 
 def check_first_trial(number: int, count: int) -> None:
-    """Refuse to begin with a trial that a session of `count` trials has not; the first has number 1.
+    """Check the number of the first trial, 1 first, in a session of `count` trials.
 
     Raises:
         UsageError: There is no such trial.
@@ -85,9 +85,9 @@ def check_first_trial(number: int, count: int) -> None:
 
 
 def repeated(spec: TaskSpec, seconds: float) -> TaskSpec:
-    """The task with so many repetitions of its last block that counts that it cannot be over before a time [s].
+    """Return the task with its last counting block repeated so often that it lasts at least a given time [s].
 
-    For a learning system, which goes on as long as the session does.
+    For a learning system, which continues as long as the session.
     """
     blocks = list(trial_blocks(spec))
     last = max((i for i, block in enumerate(blocks) if not block.practice), default=None)
@@ -99,7 +99,7 @@ def repeated(spec: TaskSpec, seconds: float) -> TaskSpec:
 
 
 def trial_blocks(spec: TaskSpec) -> list[BlockSpec]:
-    """The blocks of a task whose trial file has been read."""
+    """Return the blocks of a task whose trial file has been read."""
     if isinstance(spec.trials, str):
         raise TypeError(f'trial file "{spec.trials}" has not been read; call tasks.trial_file.resolve_trials first')
     return spec.trials

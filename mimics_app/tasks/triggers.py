@@ -1,4 +1,4 @@
-"""When something happens, do something: the triggers of a task."""
+"""Triggers of a task: conditions, and the actions carried out when they occur."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ __all__ = ["Moment", "Triggers"]
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """One frame as triggers see it.
+    """Inputs of the triggers in one frame.
 
     Attributes:
         state: TrialState of the trial after this frame.
         entered: The state that began in this frame, or None.
         left: The state that ended in this frame, or None.
         pressed: Keys and buttons that went down.
-        seen: The robot.
+        seen: The observation.
     """
 
     state: TrialState
@@ -42,11 +42,11 @@ class Moment:
 
 
 class Triggers:
-    """The triggers of a task, and which of them have gone off in this trial.
+    """The triggers of a task, with those of a progress that have fired in this trial.
 
     Args:
         specs: The triggers.
-        plays: For each of them the kind of task its condition is of; None for the task's own.
+        plays: Kind of task of each condition; None for the task's own.
     """
 
     def __init__(self, specs: Sequence[TriggerSpec], plays: Sequence[KindPlay | None]) -> None:
@@ -55,11 +55,11 @@ class Triggers:
         self._passed: set[int] = set()
 
     def restart(self) -> None:
-        """A trial begins: progress may be crossed again."""
+        """Reset at the beginning of an attempt: progress may be crossed again."""
         self._passed.clear()
 
     def due(self, moment: Moment) -> list[Deed]:
-        """Deeds of this frame, in the order of the scene file. Call once per frame."""
+        """Return the actions of this frame in the order of the scene file. Call once per frame."""
         return [deed for i, spec in enumerate(self._specs) if self._goes_off(i, spec.when, moment) for deed in spec.do]
 
     def _goes_off(self, i: int, when: Component, moment: Moment) -> bool:

@@ -57,7 +57,7 @@ def test_losses_are_reported_once_counted_and_in_the_report(run, capsys):
     for name in ("gust", "pull"):
         assert sum(f'the force field of "{name}" gave a number that is not finite' in line for line in lines) == 1
     report = Path(answer["report"]).read_text(encoding="utf-8")
-    assert "330 pairs of shapes near each other, for want of room" in report
+    assert "330 pairs of shapes near each other, for lack of capacity" in report
     assert "the force field of effect 2" in report
     assert main(["replay", answer["run_dir"]]) == 0
 

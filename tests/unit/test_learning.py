@@ -98,6 +98,32 @@ def test_an_explorer_tries_the_looks_but_not_before_their_time() -> None:
     assert (np.diff(changed) >= 3).all()
 
 
+def test_a_reward_is_of_the_value_that_held_not_of_one_that_was_chosen_too_early() -> None:
+    """The dwell time keeps the look at 2; only trials with it are rewarded, so it is the one to be preferred."""
+    look = Parameter("look", 2.0, 0.0, 2.0, step=1.0, kind="appearance", dwell_s=1000.0)
+    agent = Agent("random", ActionSpace([RADIUS, look]), 3)
+    agent._changed_ns["look"] = 0
+    seen = TrialResult(0, 0, "finished", 0.5, 0.5, values={"radius": 1.0, "look": 2.0})
+    for trial in range(40):
+        action = agent.choose(NOBODY, seen, 1.0, trial * 10**9)
+        assert action is None or "look" not in action.values
+    chosen = [agent._arms[0].act()[0] for _ in range(200)]
+    assert np.mean(np.array(chosen) == 2.0) > 0.9
+
+
+@pytest.mark.parametrize("name", ["linucb", "thompson", "q", "sarsa", "actor_critic"])
+def test_a_trial_without_a_reward_teaches_nothing(name: str) -> None:
+    policies = [build_policy(name) for _ in range(2)]
+    rewarded, unknown = np.full(1, 0.9), np.full(1, np.nan)
+    for policy in policies:
+        policy.begin(np.full(1, 0.5), np.random.default_rng(2))
+        policy.learn(Outcome(policy.act().demand, rewarded, unknown, unknown, rewarded))
+    before = {key: np.array(value) for key, value in vars(policies[0]).items() if key in ("_table", "_sums", "_values")}
+    policies[0].learn(Outcome(policies[0].act().demand, rewarded, unknown, unknown, unknown))
+    for key, value in before.items():
+        np.testing.assert_array_equal(vars(policies[0])[key], value)
+
+
 def test_a_veto_leaves_it_alone() -> None:
     agent = Agent("random", ActionSpace([LOOK]), 1)
     for trial in range(20):

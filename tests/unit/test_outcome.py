@@ -16,7 +16,7 @@ from mimics_app.app.play.journey_log import JourneyLog, read_journey
 from mimics_app.app.play.outcome import result_content
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import UsageError
-from mimics_app.recording.history import EarlierRun, earlier_runs
+from mimics_app.recording.history import EarlierRun, earlier_runs, recent_runs
 from mimics_app.recording.report_front import front_of
 from mimics_app.recording.run import Run
 from mimics_app.recording.trial_table import table_text
@@ -100,6 +100,28 @@ def test_history_is_of_the_same_scene_and_participant_oldest_first(tmp_path: Pat
     assert (found[0].completed, found[0].trials, found[0].score, found[0].time_s) == (1, 2, 50.0, 3.0)
     assert found[1].time_s is None
     assert earlier_runs(tmp_path / "nowhere", "tunnel", "P1") == []
+
+
+def test_history_is_in_the_order_of_the_sessions_whatever_the_wall_clock_was_set_to(tmp_path: Path) -> None:
+    """The clock is set back by an hour after the second session; a folder was given another name, one has no clock."""
+    task = {"completed": 1, "trials": 1, "score": 50.0, "time_s": 3.0}
+    begun = {
+        "20260101T090000Z_old": None,
+        "P1_second_day": {"utc": "2026-01-02T08:00:00+00:00", "monotonic_ns": 9 * 10**12, "boot": "a"},
+        "20260102T100000Z_a": {"utc": "2026-01-03T10:00:00+00:00", "monotonic_ns": 4 * 10**12, "boot": "b"},
+        "20260102T091500Z_b": {"utc": "2026-01-03T09:15:00+00:00", "monotonic_ns": 5 * 10**12, "boot": "b"},
+        "20260102T093000Z_c": {"utc": "2026-01-03T09:30:00+00:00", "monotonic_ns": 6 * 10**12, "boot": "b"},
+    }
+    for name, clock in begun.items():
+        folder = write_run(tmp_path, name, "tunnel", "P1", task)
+        header = json.loads((folder / "session.json").read_text())
+        (folder / "session.json").write_text(json.dumps({**header, **({"clock": clock} if clock else {})}))
+    assert [run.folder.name for run in earlier_runs(tmp_path, "tunnel", "P1")] == list(begun)
+    last = tmp_path / list(begun)[3]
+    assert [run.folder.name for run in earlier_runs(tmp_path, "tunnel", "P1", before=last)] == list(begun)[:3]
+    assert [run.folder.name for run in recent_runs(tmp_path, 2)] == list(begun)[:2:-1]
+    (tmp_path / "renamed").mkdir()
+    assert earlier_runs(tmp_path, "tunnel", "P1", before=tmp_path / "renamed") == [], "without a clock it is the oldest"
 
 
 def test_a_session_that_could_not_say_its_end_counts_with_the_trials_it_left(tmp_path: Path) -> None:

@@ -187,6 +187,13 @@ def test_attempts_are_reported_apart_by_the_parameter_blocks(folder: Path) -> No
     assert attempts[0].title == "Practice · wavy <1> · finished · score 81 of 100"
 
 
+def test_a_sound_whose_tick_is_null_is_of_no_contact(tmp_path: Path) -> None:
+    write_synthetic_run(tmp_path, 4.0)
+    with (tmp_path / "events.jsonl").open("a") as events:
+        events.write('{"source":"app","kind":"sound","tick":null}\n')
+    assert contact_rows(Run.open(tmp_path)) == []
+
+
 def test_contacts_meet_their_frame_and_their_sound(folder: Path) -> None:
     rows = contact_rows(Run.open(folder))
     assert len(rows) > 20

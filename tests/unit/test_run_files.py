@@ -238,7 +238,7 @@ def test_stream_without_our_columns_is_named(tmp_path: Path) -> None:
     schema = pa.schema([pa.field("t", pa.float64())])
     with pa.ipc.new_stream(tmp_path / "haptic.arrows", schema) as writer:
         writer.write_batch(pa.record_batch([pa.array([1.0])], schema=schema))
-    assert any("what its columns are cannot be read" in problem for problem in Run.open(tmp_path).problems())
+    assert any("its description of the columns cannot be read" in problem for problem in Run.open(tmp_path).problems())
     with pytest.raises(SceneError, match="no run folder"):
         Run.open(tmp_path.parent / "nothing")
 

@@ -52,7 +52,9 @@ def test_a_table_is_read_on_its_grid_with_holes_where_rows_are_missing(tmp_path:
         ("ecg\n1\n2\n", "holds the time"),
         ("t_s,ecg\n0,1\n1,2\n0.5,3\n", "backwards"),
         ("t_s,ecg\n0,1\n", "fewer than two rows"),
-        ("t_s,ecg\n0,1\n1,many\n", "numbers is no numbers"),
+        ("t_s,ecg\n0,1\n1,many\n", "more than numbers"),
+        ("t_s,ecg\n0,1\n1e-9,2\n2e-9,2\n100,3\n", "1e-09 s apart over 100 s"),
+        ("t_s,ecg\n0,1\n1e-300,2\n2e-300,2\n1,3\n", "1e-300 s apart"),
     ],
 )
 def test_a_table_that_is_wrong_says_how(text: str, what: str, tmp_path: Path) -> None:
@@ -60,6 +62,13 @@ def test_a_table_that_is_wrong_says_how(text: str, what: str, tmp_path: Path) ->
     path.write_text(text)
     with pytest.raises(SceneError, match=what):
         read_signal_file(path)
+
+
+def test_a_column_that_is_there_twice_counts_once(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("t_s,ecg,ECG\n0,1,9\n1,2,9\n3,3,9\n")
+    (signal,) = read_signal_file(path)
+    np.testing.assert_array_equal(signal.values, [1.0, 2.0, 3.0])
 
 
 def test_edf_is_read_by_its_library(tmp_path: Path) -> None:
@@ -95,6 +104,13 @@ def test_a_gap_is_not_filled_and_what_comes_twice_is_dropped() -> None:
     assert (grid.faults.repeats, grid.faults.dropped) == (1, 100)
     assert np.isnan(whole[200:500]).all()
     np.testing.assert_array_equal(whole[500:], values)
+
+
+@pytest.mark.parametrize("hours", [1, -1])
+def test_a_source_whose_clock_is_set_goes_on(hours: int) -> None:
+    grid = Grid("ecg", 1000.0)
+    blocks = [grid.take(hour * 3600 * SECOND + i * SECOND // 10, np.ones(100)) for hour in (0, hours) for i in range(9)]
+    assert all(block is not None and len(block.values) == 100 for block in blocks)
 
 
 @pytest.mark.parametrize("ppm", [100.0, -100.0])
@@ -155,6 +171,49 @@ def test_an_amplifier_at_a_line(binary: bool) -> None:
     np.testing.assert_allclose(values[250:], wave[250:, 0])
     assert (source.faults["ecg"].gaps, source.faults["ecg"].lost) == (1, 150)
     assert source.damaged > 0
+    source.close()
+    emulator.unplug()
+
+
+def test_an_amplifier_that_counts_from_the_beginning_again_is_heard() -> None:
+    emulator = AmplifierEmulator(["ecg"], 100.0, binary=True)
+    emulator.skip(100_000)
+    source = opened(emulator)
+    emulator.send(np.ones((50, 1)))
+    until(source, 50)
+    emulator.skip(-emulator._number)
+    emulator.send(np.full((200, 1), 2.0))  # faster than it measures: some overlap what was there
+    values = np.concatenate([block.values for block in until(source, 100)])
+    np.testing.assert_array_equal(values[np.isfinite(values)][:100], np.full(100, 2.0))
+    source.close()
+    emulator.unplug()
+
+
+def test_a_count_or_a_header_that_lost_bytes_changes_nothing() -> None:
+    emulator = AmplifierEmulator(["ecg", "eda"], 100.0, binary=False)
+    source = opened(emulator)
+    emulator.send(np.ones((50, 2)))
+    emulator.babble(b"3000000000,9,9\n# rate=10 channels=ecg\n7\n")
+    emulator.send(np.ones((50, 2)))
+    values = np.concatenate([block.values for block in until(source, 100)])
+    np.testing.assert_array_equal(values, np.ones(100))
+    assert source.faults["ecg"].gaps == source.faults["ecg"].repeats == 0
+    assert not source.lost
+    source.close()
+    emulator.unplug()
+
+
+def test_an_amplifier_that_states_other_channels_ends_and_says_so() -> None:
+    emulator = AmplifierEmulator(["ecg", "eda"], 100.0, binary=False)
+    source = opened(emulator)
+    emulator.send(np.ones((50, 2)))
+    until(source, 50)
+    emulator.babble(b"# rate=100 channels=ecg\n# rate=100 channels=ecg\n7,1\n")
+    end = time.monotonic() + 20.0
+    while not source.lost and time.monotonic() < end:
+        assert source.read(time.monotonic_ns()) == ()
+        time.sleep(0.005)
+    assert "other channels" in source.lost
     source.close()
     emulator.unplug()
 

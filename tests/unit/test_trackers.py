@@ -335,6 +335,14 @@ def test_a_tape_gives_back_every_bit(tmp_path: Path) -> None:
     assert caught.value.issues[0].pointer == "line 1"
 
 
+@pytest.mark.parametrize("rotation", ["[0,0,0,0]", "[0,0,0,1e200]"])
+def test_a_tape_with_a_rotation_that_is_none_is_refused(tmp_path: Path, rotation: str) -> None:
+    file = tmp_path / "tape.jsonl"
+    file.write_text(f'{{"sensor":"1","t_ns":0,"position":[0,0,0],"rotation":{rotation}}}\n')
+    with pytest.raises(SceneError, match="unit quaternion"):
+        read_tape(file)
+
+
 def test_the_hub_brings_sensors_into_the_room_and_falls_back_to_whoever_still_sees() -> None:
     person, pointer = ScriptedPerson("p", SEED), PointerTracker("desk")
     seen = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)

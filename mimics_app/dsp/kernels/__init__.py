@@ -1,3 +1,3 @@
-"""Compiled inner loops of the signal processing: arrays in, arrays out."""
+"""Compiled inner loops of the signal processing."""
 
 __all__: list[str] = []

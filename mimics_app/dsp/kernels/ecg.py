@@ -1,10 +1,10 @@
-"""Causal R peaks, sample by sample: band-pass, short-time energy, and a threshold that knows the rhythm.
+"""Causal R-peak detection, sample by sample: band-pass, short-time energy, adaptive threshold, rhythm model.
 
-The energy of the QRS band is compared with a level between those of the last beats and of what lies between them; the
-level is high just after a beat and sinks until the next one is due, so that a T wave or a burst of noise in mid-cycle
-must be as strong as a beat, while a weak beat that comes in time is taken. As far as noise comes near the beats and the
-rhythm is steady, when a peak comes counts for more than how strong it is. Electrodes that move spoil the lower band of
-the QRS, muscles the upper one: the band is the lower one, and goes over to the upper one where beats stand out there
+The energy of the QRS band is compared with a threshold between the signal level and the noise level. The threshold is
+high just after a beat and decays until the next one is due, so that a T wave or a burst of noise in mid-cycle must be
+as strong as a beat, while a weak beat in time is accepted. As the noise level approaches the signal level in a steady
+rhythm, the timing of a peak counts for more than its amplitude. Electrode motion disturbs the lower band of the QRS,
+muscle noise the upper one: the lower band is used, with a crossfade to the upper one where the beats stand out there
 and not below. After Pan & Tompkins, IEEE TBME 32(3), 1985, with the time-dependent threshold of Engelse & Zeelenberg,
 Computers in Cardiology, 1979.
 """
@@ -40,42 +40,45 @@ __all__ = ["ECG_STATE", "find_beats"]
     HIGH2,
     HIGH4,
     UPPER,
-) = range(21)
-ECG_STATE = 21
-"""Length of the state vector: levels of beats and of noise, sample of the last beat, the candidate and its energy, mean
-RR, running sum of squares, best refused candidate, samples seen, last good input, NaN in a row, whether the levels are
-learnt, candidates kept until then, mean share by which intervals differ from the usual one, sample of the last beat of
-the rhythm itself, means of second and fourth power of the lower band and of the upper one, share of the upper one in
-what is looked at."""
+    BEGIN,
+) = range(22)
+ECG_STATE = 22
+"""Length of the state vector: signal level and noise level, sample of the last beat, candidate and its energy, mean RR,
+running sum of squares, best rejected candidate, samples seen, last valid input, consecutive NaN, whether the levels are
+learnt, candidates kept until then, mean relative deviation of the intervals, sample of the rhythm model's last beat,
+means of the second and fourth power of the lower and of the upper band, share of the upper band in the filtered signal,
+sample at which the learning phase began."""
 
 _NEVER = 10.0
-"""So long ago counts the last beat where there was none [s]."""
+"""Time since the last beat that is assumed before the first one [s]."""
 
 _USUAL_RR, _LONGEST_RR = 0.8, 1.2
-"""The interval expected where none is known, and the longest that is believed of the first one [s]."""
+"""Expected interval while none is known, and upper limit of the first one [s]."""
 
 _NOISE_CAP = 0.8
-"""A refused peak counts for the level of noise with this share of the level of beats at most."""
+"""Largest contribution of a rejected peak to the noise level, as a share of the signal level."""
 
 _REFRACTORY = 0.36
-"""A peak within this time of a beat [s] is its T wave and no missed beat (Pan & Tompkins)."""
+"""A peak within this time of a beat [s] is its T wave, not a missed beat (Pan & Tompkins)."""
 
 _FASTEST_RR, _MISSED_RR = 0.25, 1.7
-"""An interval is believed from this time [s] on, and below so many mean ones: else a beat was made up or missed."""
+"""Range of plausible intervals: from this time [s] to this multiple of the mean; beyond, a beat is false or missed."""
 
 _DOUBTFUL_SHARE, _DOUBTFUL_RR = 0.05, 2.0
-"""An interval that is not believed moves the mean by this share, and counts as so long at most [s]."""
+"""Weight of an implausible interval in the mean, and upper limit of its length [s]."""
 
 _TINY = 1e-12
 """Keeps a ratio of levels finite [mV]."""
+_STILL = 1e-9
+"""Energy of a flat line: no candidate lies below [mV]."""
 _MOST_GAIN = 8.0
-"""Of the upper band, which gets the size of the lower one."""
+"""Largest gain that scales the upper band to the amplitude of the lower one."""
 _FOLLOW = 0.1
-"""Weight of a new interval in how unsteady the rhythm is."""
+"""Weight of a new interval in the mean relative deviation."""
 _LEAST_FACTOR = 0.1
-"""The threshold stays so far of the way to the beats above the noise, however well a peak is in time."""
+"""Smallest threshold between the noise level (0) and the signal level (1), however well a peak is in time."""
 _MOST_UNSTEADY = 0.5
-"""An interval differs from the usual one by at most this share of it."""
+"""Upper limit of the relative deviation of one interval."""
 
 
 @kernel
@@ -91,22 +94,22 @@ def find_beats(
     tuning: Floats,
     out: Floats,
 ) -> int:
-    """Take samples and write beats.
+    """Process samples and write the beats found.
 
     Args:
         x: New samples, shape [n]; NaN where the sensor gave none.
-        sos: Band-passes, lower and upper, second order sections, shape [2, s, 6].
-        z: Their state, shape [2, s, 2].
+        sos: Lower and upper band-pass as second order sections, shape [2, s, 6].
+        z: Filter states, shape [2, s, 2].
         state: See ECG_STATE.
-        ring: The last band-passed samples and their squares' window, shape [2, m].
-        kept: Candidates of the first seconds, shape [k, 2]: sample and energy.
-        rate: [Hz]
-        delays: Of the band-passes [samples], shape [2].
+        ring: Ring buffer of band-passed samples, shape [1, m].
+        kept: Candidates of the learning phase, shape [k, 2]: sample and energy.
+        rate: Sampling rate [Hz].
+        delays: Group delays of the band-passes [samples], shape [2].
         tuning: See `ecg.TUNING`.
-        out: Beats, shape [b, 3]: sample of the R peak, sample at which it is known, its energy over the noise's.
+        out: Beats, shape [b, 3]: sample of the R peak, sample at which it is known, its energy over the noise level.
 
     Returns:
-        How many beats were written.
+        Number of beats written.
     """
     window, hold, dead, learn = tuning[0] * rate, tuning[1] * rate, tuning[2] * rate, tuning[3] * rate
     w, m, count = int(window), ring.shape[1], 0
@@ -116,10 +119,13 @@ def find_beats(
             state[MISSING] += 1.0
             value = state[HELD]
         else:
-            if state[MISSING] > 0.5 * rate or state[N] == 0.0:
+            if state[MISSING] > 0.5 * rate or state[MISSING] == state[N]:
                 settle_sections(value, sos[0], z[0])
                 settle_sections(value, sos[1], z[1])
-                state[LAST] = -1.0 if state[N] == 0.0 else state[N]
+                if state[LEARNT] == 0.0:
+                    state[LAST], state[BEGIN], state[KEPT] = -1.0, state[N], 0.0
+                else:
+                    state[LAST] = state[N]
             state[MISSING] = 0.0
             state[HELD] = value
         value = _blend(run_sections(value, sos[0], z[0]), run_sections(value, sos[1], z[1]), state, rate, tuning)
@@ -138,9 +144,9 @@ def find_beats(
 
 @kernel
 def _blend(low: float, high: float, state: Floats, rate: float, tuning: Floats) -> float:
-    """What is looked at: the lower band, or as much of the upper one as beats stand out there and not below.
+    """Return the filtered signal: a crossfade from the lower band to the upper one where beats stand out only there.
 
-    Beats stand out where the fourth power is large beside the second: rare and high, unlike noise (kurtosis).
+    Beats are rare and high, noise is not: the measure is the kurtosis, the mean fourth power over the squared second.
     """
     weight = 1.0 / (tuning[25] * rate)
     for power, value in ((LOW2, low), (HIGH2, high)):
@@ -151,7 +157,7 @@ def _blend(low: float, high: float, state: Floats, rate: float, tuning: Floats) 
     above = state[HIGH4] / max(state[HIGH2] * state[HIGH2], _TINY * _TINY)
     share = min(max((tuning[26] - below) / (tuning[26] - tuning[27]), 0.0), 1.0)
     share *= min(max((above / max(below, _TINY) - tuning[28]) / (tuning[29] - tuning[28]), 0.0), 1.0)
-    if state[N] < tuning[3] * rate:
+    if state[N] - state[BEGIN] < tuning[3] * rate:
         share = 0.0
     state[UPPER] += (share - state[UPPER]) / (tuning[30] * rate)
     gain = min(np.sqrt(state[LOW2] / max(state[HIGH2], _TINY * _TINY)), _MOST_GAIN)
@@ -174,24 +180,24 @@ def _follow(
     out: Floats,
     count: int,
 ) -> int:
-    """Follow the energy to its next peak and judge it; beats written so far."""
-    if energy > state[CAND_V]:
+    """Track the energy to its next peak and classify it; return the number of beats written so far."""
+    if energy > max(state[CAND_V], _STILL):
         state[CAND_V], state[CAND_T] = energy, n
     elif state[CAND_V] > 0.0 and (energy < tuning[4] * state[CAND_V] or n - state[CAND_T] > hold):
         t, v = int(state[CAND_T]), state[CAND_V]
         state[CAND_V] = 0.0
-        if n < learn:
+        if n - state[BEGIN] < learn:
             _keep(t, v, state, kept)
         else:
             count = _judge(t, v, n, state, ring, dead, delay, tuning, rate, out, count)
-    if n >= learn and state[LEARNT] == 0.0:
+    if n - state[BEGIN] >= learn and state[LEARNT] == 0.0:
         count = _learn(n, state, ring, kept, dead, delay, tuning, rate, out, count)
     if state[RR] > 0.0 and state[BACK_V] > 0.0 and n - state[LAST] > tuning[5] * state[RR]:
         threshold = state[NPK] + tuning[6] * (state[SPK] - state[NPK])
         if state[BACK_V] > threshold:
             count = _accept(int(state[BACK_T]), state[BACK_V], n, state, ring, delay, tuning, rate, out, count)
         state[BACK_V] = 0.0
-    if n - max(state[LAST], learn) > 2.0 * rate:  # nothing for so long: the signal became smaller
+    if n - max(state[LAST], state[BEGIN] + learn) > 2.0 * rate:  # no beat for so long: the amplitude has dropped
         state[SPK] *= 1.0 - tuning[12] / rate
     return count
 
@@ -217,11 +223,12 @@ def _learn(
     out: Floats,
     count: int,
 ) -> int:
-    """Take levels from the first seconds and judge their candidates again."""
-    state[LEARNT] = 1.0
+    """Set both levels from the candidates of the learning phase and classify these again; a flat line restarts it."""
     k = int(state[KEPT])
     if k == 0:
+        state[BEGIN] = n
         return count
+    state[LEARNT] = 1.0
     sizes = np.sort(kept[:k, 1])
     state[SPK], state[NPK] = tuning[13] * sizes[max(k - 2, 0)], 0.5 * sizes[k // 2]
     for j in range(k):
@@ -243,7 +250,7 @@ def _judge(
     out: Floats,
     count: int,
 ) -> int:
-    """Take a peak of the energy as a beat, or as noise."""
+    """Classify a peak of the energy as a beat or as noise."""
     since = t - state[LAST] if state[LAST] >= 0.0 else _NEVER * rate
     if since < dead:
         return count
@@ -261,7 +268,7 @@ def _judge(
 
 @kernel
 def _off(t: float, share: float, state: Floats) -> float:
-    """How far a peak is from where the rhythm has a beat, as a share of the usual interval."""
+    """Return the offset of a peak from the nearest expected beat, as a share of the mean interval."""
     if state[RR] == 0.0:
         return share - 1.0
     since = (t - state[PHASE]) / state[RR]
@@ -270,7 +277,7 @@ def _off(t: float, share: float, state: Floats) -> float:
 
 @kernel
 def _trust(state: Floats, tuning: Floats) -> float:
-    """How much the rhythm counts, 0 to 1: not where beats stand out, or where the intervals have been unlike."""
+    """Return the weight of the rhythm, 0 to 1: 0 where beats stand out clearly or the intervals are irregular."""
     clear = state[SPK] / max(state[NPK], _TINY)
     noisy = min(max((tuning[16] - clear) / (tuning[16] - tuning[17]), 0.0), 1.0)
     return noisy * max(1.0 - state[UNSTEADY] / tuning[20], 0.0)
@@ -278,7 +285,7 @@ def _trust(state: Floats, tuning: Floats) -> float:
 
 @kernel
 def _rhythm(off: float, state: Floats, tuning: Floats) -> float:
-    """What the threshold is raised by for a peak so far from a beat of the rhythm; less than 0 in time."""
+    """Return what the threshold is raised by for a peak at an offset from the expected beat; negative in time."""
     return _trust(state, tuning) * tuning[18] * (0.5 - np.exp(-((off / tuning[19]) ** 2)))
 
 
@@ -295,7 +302,7 @@ def _accept(
     out: Floats,
     count: int,
 ) -> int:
-    """Write a beat: its R peak is the largest deflection in the window of its energy."""
+    """Write a beat and update the levels; its R peak is the largest deflection in the window of its energy."""
     m, best, at = ring.shape[1], -1.0, t
     for j in range(max(t - int(tuning[0] * rate), 0, n - m + 1), t + 1):
         if abs(ring[0, j % m]) > best:
@@ -326,7 +333,7 @@ def _accept(
 
 @kernel
 def _entrain(t: int, state: Floats, tuning: Floats) -> None:
-    """Let the rhythm follow a beat that is near one of its own; one that is not says nothing, until there are many."""
+    """Adjust the rhythm model to a beat near an expected one; any other beat only counts as irregular."""
     off = _off(t, 1.0, state)
     if abs(off) < tuning[22]:
         near = max(np.floor((t - state[PHASE]) / state[RR] + 0.5), 1.0)

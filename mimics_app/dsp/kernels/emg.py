@@ -1,4 +1,4 @@
-"""EMG: band-pass, moving RMS, onset by a double threshold over a baseline that follows the quiet muscle."""
+"""EMG: band-pass, moving RMS, onset by a double threshold (level and duration) over an adaptive baseline."""
 
 from __future__ import annotations
 
@@ -9,40 +9,49 @@ from mimics_app.dsp.kernels.sections import Floats, run_sections
 
 __all__ = ["EMG_STATE", "find_onsets"]
 
-N, SUM, BASE, SPREAD, ABOVE, ACTIVE, BELOW, HELD, SINCE, TOTAL = range(10)
-EMG_STATE = 10
-"""Samples seen, running sum of squares, mean and spread of the quiet envelope, samples above in a row, whether active,
-samples below in a row, last good input, when the envelope rose, sum of the envelope (integrated EMG)."""
+N, SUM, BASE, SPREAD, ABOVE, ACTIVE, BELOW, HELD, SINCE, TOTAL, LEARNT = range(11)
+EMG_STATE = 11
+"""Samples seen, running sum of squares, mean and spread of the envelope at rest, consecutive samples above the
+threshold, whether active, consecutive samples below, last valid input, sample at which the envelope rose, sum of the
+envelope (integrated EMG), samples of signal from which the baseline was learnt."""
 
-_WINDOW, _ONSET, _SETTLES, _RELEASE = 0.05, 0.025, 0.2, 0.1
-"""Of the envelope; above before it is an onset; at the start until the envelope means something; below before it ends
-[s]."""
+_WINDOW, _ONSET, _SETTLES, _RELEASE, _LEARN = 0.05, 0.025, 0.2, 0.1, 1.0
+"""Window of the envelope; time above the threshold before an onset counts; settling time of the filter at the start;
+time below before the activity ends; signal from which the first baseline is learnt, settling included [s]."""
 
 _SPREADS, _RISE = 6.0, 0.3
-"""An onset lies so many spreads and this share of the baseline above the baseline."""
+"""The threshold lies so many spreads plus this share of the baseline above the baseline."""
 
 _LAG = 0.2
-"""Of the window, by which the envelope rises later than the muscle."""
+"""Delay of the envelope's rise behind the muscle, as a share of the window."""
+
+_FOLLOW = 0.5
+"""Rate at which the baseline follows the envelope of the muscle at rest [1/s]."""
+
+_STILL = 1e-9
+"""RMS below which the line is flat: no electrode is attached [mV]."""
 
 
 @kernel
 def find_onsets(
     x: Floats, sos: Floats, z: Floats, state: Floats, ring: Floats, rate: float, out: Floats, envelope: Floats
 ) -> int:
-    """Follow the envelope.
+    """Compute the envelope and write the onsets found.
+
+    Neither missing samples nor a flat line move the baseline: else any signal after them would count as activity.
 
     Args:
-        x: Samples [mV], shape [n].
+        x: Samples [mV], shape [n]; NaN where the sensor gave none.
         sos: Band-pass, shape [s, 6].
-        z: Its state, shape [s, 2].
+        z: Filter state, shape [s, 2].
         state: See EMG_STATE.
-        ring: The last band-passed samples, shape [m], at least a second.
-        rate: [Hz]
-        out: Onsets, shape [k, 3]: sample of the onset, sample at which it is known, envelope then.
+        ring: Ring buffer of band-passed samples, shape [m], at least a second.
+        rate: Sampling rate [Hz].
+        out: Onsets, shape [k, 3]: sample of the onset, sample at which it is known, envelope at that time.
         envelope: RMS of the last 50 ms, shape [n].
 
     Returns:
-        How many onsets were written.
+        Number of onsets written.
     """
     w, m, count = max(int(_WINDOW * rate), 2), ring.shape[0], 0
     least = _ONSET * rate
@@ -58,12 +67,9 @@ def find_onsets(
         rms = np.sqrt(state[SUM] / w)
         envelope[i] = rms
         state[TOTAL] += rms / rate
-        if n < _SETTLES * rate:
-            continue
-        if n < rate:
-            share = 1.0 / (n - _SETTLES * rate + 1.0)
-            state[BASE] += share * (rms - state[BASE])
-            state[SPREAD] += share * (abs(rms - state[BASE]) - state[SPREAD])
+        signal = rms > _STILL and not np.isnan(x[i])
+        if state[LEARNT] < _LEARN * rate:
+            _learn(rms, signal, state, rate)
             continue
         if rms > state[BASE] + _SPREADS * state[SPREAD] + _RISE * state[BASE]:
             state[BELOW] = 0.0
@@ -80,6 +86,23 @@ def find_onsets(
             state[BELOW] += 1.0
             if state[BELOW] > _RELEASE * rate:
                 state[ACTIVE] = 0.0
-                state[BASE] += 0.5 / rate * (rms - state[BASE])
-                state[SPREAD] += 0.5 / rate * (abs(rms - state[BASE]) - state[SPREAD])
+                if signal:
+                    _adapt(rms, _FOLLOW / rate, state)
     return count
+
+
+@kernel
+def _learn(rms: float, signal: bool, state: Floats, rate: float) -> None:
+    """Let the first baseline be the mean of the envelope, once the filter has settled."""
+    if signal:
+        settled = state[LEARNT] - _SETTLES * rate
+        state[LEARNT] += 1.0
+        if settled >= 0.0:
+            _adapt(rms, 1.0 / (settled + 1.0), state)
+
+
+@kernel
+def _adapt(rms: float, share: float, state: Floats) -> None:
+    """Move the baseline and its spread to the envelope by a share of the difference."""
+    state[BASE] += share * (rms - state[BASE])
+    state[SPREAD] += share * (abs(rms - state[BASE]) - state[SPREAD])

@@ -1,4 +1,4 @@
-"""Second order sections, a sample at a time."""
+"""Second order sections (biquads), one sample at a time."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Floats = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
 
 @kernel
 def run_sections(value: float, sos: Floats, z: Floats) -> float:
-    """One sample through second order sections [s, 6] with state [s, 2]."""
+    """Return one sample filtered by second order sections [s, 6] with state [s, 2]."""
     for s in range(sos.shape[0]):
         y = sos[s, 0] * value + z[s, 0]
         z[s, 0] = sos[s, 1] * value - sos[s, 4] * y + z[s, 1]
@@ -24,7 +24,7 @@ def run_sections(value: float, sos: Floats, z: Floats) -> float:
 
 @kernel
 def settle_sections(value: float, sos: Floats, z: Floats) -> None:
-    """Set the state to where a constant input would have brought it."""
+    """Set the state to its steady state for a constant input."""
     for s in range(sos.shape[0]):
         gain = (sos[s, 0] + sos[s, 1] + sos[s, 2]) / (1.0 + sos[s, 4] + sos[s, 5])
         y = gain * value

@@ -1,4 +1,4 @@
-"""Skin responses and breaths: turning points of a filtered signal, found by how far it has gone back."""
+"""Skin conductance responses and breaths: extrema of a filtered signal, confirmed by its return from them."""
 
 from __future__ import annotations
 
@@ -11,46 +11,46 @@ __all__ = ["TURN_STATE", "find_breaths", "find_responses"]
 
 N, RISING, LOW, LOW_T, HIGH, HIGH_T, SIZE, HELD, MISSING, LAST_T = range(10)
 TURN_STATE = 10
-"""Samples seen, whether it rises, last trough and when, last crest and when, usual size, last good input, NaN in a row,
-the trough before."""
+"""Samples seen, whether the signal rises, last trough and its sample, last crest and its sample, mean depth of a
+breath, last valid input, consecutive NaN, sample of the trough before (0: unknown)."""
 
 _BEGINS = 0.3
-"""A response begins when the signal has risen by this share of the least amplitude."""
+"""Rise at which a response begins, as a share of the smallest amplitude."""
 
 _SLOWEST_RISE = 6.0
-"""A rise that takes longer before it shows is a drift [s]."""
+"""A rise that takes longer to reach it is a drift [s]."""
 
 _BACK, _LEAST_BACK = 0.02, 0.03
-"""A response has peaked when the signal has gone back by this share of it, and of the least amplitude."""
+"""Return that confirms the peak of a response: the larger of a share of it and a share of the smallest amplitude."""
 
 _SHORTEST_RESPONSE, _LONGEST_RESPONSE = 0.3, 8.0
-"""From onset to peak [s]."""
+"""Range of the rise time, from onset to peak [s]."""
 
 _WAY_BACK = 0.2
-"""Of the usual breath, by which the signal goes back before it has turned."""
+"""Return that confirms an extremum, as a share of the mean depth of a breath."""
 
 _NOTHING = 1e-9
-"""Least return, of a signal that is still [its unit]."""
+"""Smallest return, in a signal at rest [its unit]."""
 
 _SHORTEST_PHASE, _SHORTEST_BREATH, _LONGEST_BREATH = 0.2, 0.8, 20.0
-"""Of one direction, and of a whole breath [s]."""
+"""Shortest in-breath or out-breath, shortest and longest whole breath [s]."""
 
 _SIZE_SHARE, _LARGEST_BREATH = 0.25, 3.0
-"""A breath moves the usual size by this share, and counts as so many usual ones at most."""
+"""Weight of a breath in the mean depth, and upper limit of its depth in mean ones."""
 
 _PAUSE, _FADE = 10.0, 0.2
-"""After so long without a breath [s] the usual size falls by this share a second."""
+"""After this time without a breath [s] the mean depth decays by this share a second."""
 
 
 @kernel
 def _held(value: float, state: Floats, sos: Floats, z: Floats, rate: float) -> float:
-    """The sample, or the last good one where there is none; after a long gap the filter begins anew."""
+    """Return the sample, or the last valid one where it is missing; at the first one and after a long gap, restart."""
     if np.isnan(value):
         state[MISSING] += 1.0
         return state[HELD]
-    if state[N] == 0.0 or state[MISSING] > rate:
+    if state[MISSING] == state[N] or state[MISSING] > rate:
         settle_sections(value, sos, z)
-        state[RISING], state[LOW], state[HIGH] = 0.0, np.inf, -np.inf
+        state[RISING], state[LOW], state[HIGH], state[LAST_T] = 0.0, np.inf, -np.inf, 0.0
     state[MISSING], state[HELD] = 0.0, value
     return value
 
@@ -59,20 +59,20 @@ def _held(value: float, state: Floats, sos: Floats, z: Floats, rate: float) -> f
 def find_responses(
     x: Floats, sos: Floats, z: Floats, state: Floats, rate: float, least: float, out: Floats, smooth: Floats
 ) -> int:
-    """SCRs: rises of at least `least` [uS] within 0.3 to 6 s.
+    """Write the SCRs found: rises of at least `least` [uS] within 0.3 to 8 s.
 
     Args:
         x: Samples [uS], shape [n].
         sos: Low-pass, shape [s, 6].
-        z: Its state, shape [s, 2].
+        z: Filter state, shape [s, 2].
         state: See TURN_STATE.
-        rate: [Hz]
+        rate: Sampling rate [Hz].
         least: Smallest amplitude [uS].
         out: SCRs, shape [k, 4]: sample of the peak, sample at which it is known, amplitude, sample of the onset.
         smooth: The low-passed signal, shape [n].
 
     Returns:
-        How many were written.
+        Number of SCRs written.
     """
     count = 0
     for i in range(x.shape[0]):
@@ -102,19 +102,19 @@ def find_responses(
 
 @kernel
 def find_breaths(x: Floats, sos: Floats, z: Floats, state: Floats, rate: float, out: Floats) -> int:
-    """Breaths: a trough, a crest and the next trough, each followed by a return of a fifth of the usual size.
+    """Write the breaths found: trough, crest and next trough, each confirmed by a return of a fifth of the mean depth.
 
     Args:
         x: Samples, shape [n].
         sos: Band-pass, shape [s, 6].
-        z: Its state, shape [s, 2].
+        z: Filter state, shape [s, 2].
         state: See TURN_STATE.
-        rate: [Hz]
+        rate: Sampling rate [Hz].
         out: Breaths, shape [k, 5]: sample of the trough that ends it, sample at which it is known, depth, length of the
             in-breath and of the whole [samples].
 
     Returns:
-        How many were written.
+        Number of breaths written.
     """
     count = 0
     for i in range(x.shape[0]):

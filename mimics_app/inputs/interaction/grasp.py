@@ -1,4 +1,4 @@
-"""Grasp force from a button, a wheel, keys, or a trigger."""
+"""Grasp force from the mouse, keys, or a gamepad trigger."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ _TRIGGER_DEAD_ZONE = 0.05
 _HOLD_KEY = "g"
 _HOLD_BUTTON = "left"
 _BUTTON_SHARE = 0.5
-"""A mouse button has no pressure: held down it stands for a firm but easy grip, this share of the largest."""
+"""Grasp force of the mouse button, as a share of the largest: a firm but easy grip."""
 _MORE, _LESS = ("page_up", "equal", "kp_add"), ("page_down", "minus", "kp_subtract")
 
 
 class GraspControl:
-    """What the hand would press with [N], from 0 to `full`.
+    """Grasp force from 0 to `full` [N].
 
-    The wheel, + and - set a level that stays; the left mouse button, G and the triggers squeeze beyond it while they
+    The wheel, + and - set a level that remains; the left mouse button, G and the triggers squeeze beyond it while they
     are pressed: the button up to half the largest force, G up to all of it.
 
     Args:
         full: Largest grasp force [N].
-        step: One wheel notch or key press [N].
-        rise: Force gained per second while G is held [N/s]; it falls as fast.
+        step: Change by one wheel notch or key press [N].
+        rise: Rate of rise and fall of the force by button and G [N/s].
     """
 
     def __init__(self, full: float, step: float | None = None, rise: float | None = None) -> None:
@@ -36,7 +36,7 @@ class GraspControl:
         self._button = False
 
     def read(self, window: WindowFrame, seconds: float) -> float:
-        """Grasp force [N] after one frame of `seconds` [s]."""
+        """Return the grasp force [N] after one frame of `seconds` [s]."""
         for event in window.events:
             if event.kind == "wheel":
                 self._change(event.y)
@@ -53,7 +53,7 @@ class GraspControl:
         return max(self._level, self._squeeze, self._trigger(window))
 
     def _squeeze_towards(self, force: float, seconds: float) -> None:
-        """Go towards a force [N] as fast as a hand does."""
+        """Move the squeeze towards a force [N] at the limited rate."""
         most = self._rise * seconds
         self._squeeze += min(max(force - self._squeeze, -most), most)
 

@@ -1,4 +1,4 @@
-"""The frontal plane a flat pointing device moves in, and how far the hand reaches there."""
+"""The frontal plane in which a flat pointing device moves, and the reach of the hand in it."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from mimics_app.contracts.input_port import Ray
 __all__ = ["FrontalPlane"]
 
 _GRAZING = 0.02
-"""Smallest |cosine| between ray and normal (1.1 degrees off the plane): nearer to it one pixel is metres."""
+"""Smallest |cosine| between ray and normal (1.1 degrees off the plane): below it a pixel covers metres."""
 
 _SHORTEST = 1e-9
-"""A direction shorter than this has none."""
+"""Length below which a direction is undefined."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +22,7 @@ class FrontalPlane:
     """A rectangle in the world.
 
     Attributes:
-        centre: Its middle [m].
+        centre: Centre [m].
         right: Unit vector to the person's right.
         up: Unit vector, perpendicular to right.
         half_width: Reach to either side [m].
@@ -36,9 +36,9 @@ class FrontalPlane:
     half_height: float = 0.2
 
     def meet(self, ray: Ray | None) -> Vec3 | None:
-        """Where a ray meets the plane, drawn back into reach [m]; None when it never does, or only at a grazing angle.
+        """Return the intersection of a ray with the plane, clamped to the rectangle [m].
 
-        Behind the eye does not count.
+        None without one in front of the camera, or at a grazing angle.
         """
         if ray is None:
             return None
@@ -56,23 +56,23 @@ class FrontalPlane:
         return self.clamp(_plus(origin, direction, distance / length))
 
     def clamp(self, point: Vec3) -> Vec3:
-        """The point of the rectangle nearest to a point [m]."""
+        """Return the point of the rectangle nearest to a point [m]."""
         offset = _minus(point, self.centre)
         x = min(max(_dot(offset, self.right), -self.half_width), self.half_width)
         y = min(max(_dot(offset, self.up), -self.half_height), self.half_height)
         return self.at(x, y)
 
     def at(self, x: float, y: float) -> Vec3:
-        """The point x [m] to the right and y [m] above the centre."""
+        """Return the point x [m] to the right and y [m] above the centre."""
         return _plus(_plus(self.centre, self.right, x), self.up, y)
 
     def through(self, point: Vec3) -> FrontalPlane:
-        """The same rectangle moved along its normal until it contains a point's depth."""
+        """Return the rectangle moved along its normal to the depth of a point."""
         normal = _cross(self.right, self.up)
         return replace(self, centre=_plus(self.centre, normal, _dot(_minus(point, self.centre), normal)))
 
     def move(self, point: Vec3, x: float, y: float) -> Vec3:
-        """A point moved by x [m] to the right and y [m] up, drawn back into reach."""
+        """Return a point moved by x [m] to the right and y [m] up, clamped to the rectangle."""
         return self.clamp(_plus(_plus(point, self.right, x), self.up, y))
 
 

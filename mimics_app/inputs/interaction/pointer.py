@@ -17,19 +17,19 @@ _ARROWS = {"left": (-1.0, 0.0), "right": (1.0, 0.0), "down": (0.0, -1.0), "up": 
 _SLOW_KEYS = ("left_shift", "right_shift")
 _STOP = (("key", "space"), ("pad", "b"))
 _LONGEST_FRAME_S = 0.1
-"""A frame that took longer moves the cursor only this far: after a stall it must not leap."""
+"""Longest frame that the cursor moves through [s]: it must not leap after a stall."""
 
 
 @dataclass(frozen=True, slots=True)
 class StickResponse:
-    """How far a stick must go, and how steeply it answers.
+    """Response curve of a gamepad stick.
 
-    The dead zone is a disc, not a cross, so that a diagonal push stays diagonal; beyond it the answer begins at 0
-    without a jump and reaches 1 at the rim.
+    The dead zone is a disc, not a cross, so that a diagonal push stays diagonal; beyond it the response rises
+    continuously from 0 to 1 at the rim.
 
     Attributes:
         dead_zone: Deflection that counts as none, 0 to below 1.
-        exponent: 1 answers in proportion; larger is finer near the middle.
+        exponent: 1: linear; larger: finer near the centre.
     """
 
     dead_zone: float = 0.15
@@ -42,7 +42,7 @@ class StickResponse:
             raise ValueError(f"exponent is {self.exponent}, must be above 0")
 
     def answer(self, x: float, y: float) -> tuple[float, float]:
-        """Velocity as a share of the largest, length at most 1, for a deflection with axes in [-1, 1]."""
+        """Return the velocity as a share of the largest, length at most 1, for a deflection in [-1, 1]^2."""
         deflection = math.hypot(x, y)
         if not deflection > self.dead_zone:
             return 0.0, 0.0
@@ -52,11 +52,11 @@ class StickResponse:
 
 @dataclass(frozen=True, slots=True)
 class PointerSettings:
-    """How the devices answer.
+    """Settings of the pointing device.
 
     Attributes:
-        speed: Of the cursor with an arrow key held or a stick at its rim [m/s].
-        slow: Factor on it while Shift is held.
+        speed: Speed of the cursor with an arrow key held or a stick at its rim [m/s].
+        slow: Factor on the speed while Shift is held.
         stick: Dead zone and response curve.
         grasp_full: Largest grasp force [N].
     """
@@ -70,15 +70,15 @@ class PointerSettings:
 class Pointer:
     """A `PointerSource` for a person at a window.
 
-    The mouse points: the cursor is where its ray meets the plane. Where the scene requests something, the plane lies at
-    the depth of that, so that a flat device reaches everything that is to be reached. Arrow keys and sticks move: the
-    cursor travels at a speed, within reach. Whichever acts last has it. Space or gamepad B requests a stop in the frame
-    it goes down, and for as long as it is held. Nobody is there (`active` False) before the first movement.
+    The mouse is absolute: the cursor is where its ray meets the plane. The plane lies at the depth of the present
+    target, so that a flat device reaches every target. Arrow keys and sticks are relative: they move the cursor at a
+    speed, within reach. The last one used counts. Space or gamepad B requests a stop in the frame it is pressed and as
+    long as it is held. `active` is False before the first movement.
 
     Args:
-        plane: Where the cursor can be.
-        ray_from_window: The view's ray through a place of the window.
-        settings: How the devices answer.
+        plane: Plane of the cursor.
+        ray_from_window: Ray of the view through a point of the window.
+        settings: Speeds, response curve and grasp force.
     """
 
     def __init__(
@@ -95,20 +95,20 @@ class Pointer:
         self._last_ns: int | None = None
 
     def read(self, window: WindowFrame, now_ns: int) -> PointerState:
-        """The pointing device after this frame's events."""
+        """Return the state of the pointing device after this frame's events."""
         seconds = self._frame_seconds(now_ns)
         stop = self._take_events(window)
         self._move(window, seconds)
         return PointerState(self._cursor, self._grasp.read(window, seconds), self._active, stop)
 
     def aim(self, aim: Aim | None) -> None:
-        """Move the plane to the depth of what is to be done; the cursor goes with it."""
+        """Move the plane, with the cursor, to the depth of the target."""
         if aim is not None:
             self._plane = self._plane.through(aim.target_world)
             self._cursor = self._plane.clamp(self._cursor)
 
     def hold_at(self, point_world: Vec3) -> None:
-        """Rest the cursor here [m] until the person moves it; a resting mouse does not pull it back."""
+        """Hold the cursor at a point [m] until the person moves it; a mouse at rest does not pull it back."""
         self._cursor = self._plane.clamp(point_world)
 
     def _take_events(self, window: WindowFrame) -> bool:
@@ -138,7 +138,7 @@ class Pointer:
             self._stop_held.discard(name)
 
     def _aim(self, place: tuple[float, float] | None) -> None:
-        """Only the last place of a frame counts; one that meets no plane leaves the cursor where it is."""
+        """Move the cursor to the last mouse position of a frame, unless its ray misses the plane."""
         point = self._plane.meet(self._ray(*place)) if place else None
         if point is not None:
             self._cursor, self._active = point, True

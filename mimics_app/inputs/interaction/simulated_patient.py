@@ -1,4 +1,4 @@
-"""A simulated person as a source of input. The person itself lives in the haptic device and acts through its sensor."""
+"""A simulated person as a pointing device; the model of the person is in the haptic device and acts on its sensor."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ __all__ = ["SimulatedPatient"]
 
 
 class SimulatedPatient:
-    """Says that somebody is there, and what they see there is to do; how they do it is decided in the device.
+    """Passes the target of the scene to the simulated person in the device, which decides on the movement.
 
     Args:
-        intent: False: the person takes the handle but wants nothing.
-        follows_path: The device was given a path to follow; else the person acts only while there is something to do.
+        intent: False: the person holds the handle passively.
+        follows_path: The device was given a path to follow; else the person acts only while there is a target.
     """
 
     def __init__(self, *, intent: bool = True, follows_path: bool = True) -> None:
@@ -24,7 +24,7 @@ class SimulatedPatient:
         self._aim: Aim | None = None
 
     def read(self, window: WindowFrame, now_ns: int) -> PointerState:
-        """Active whenever the person has an intent and something to do.
+        """Return the target; active while the person has an intent and a path or target.
 
         The grasp is 1 where the hand is to close, else 0: the force comes from the device's own profile.
         """
@@ -35,9 +35,9 @@ class SimulatedPatient:
         return PointerState(aim.target_world, 1.0 if aim.close else 0.0, active)
 
     def hold_at(self, point_world: Vec3) -> None:
-        """Keep the point, so that a recorded pointer never names a place nobody was at."""
+        """Keep the point as the target while there is no other."""
         self._point = point_world
 
     def aim(self, aim: Aim | None) -> None:
-        """Take what the scene requests; it is seen from the next frame on."""
+        """Take the target of the scene; it counts from the next frame on."""
         self._aim = aim

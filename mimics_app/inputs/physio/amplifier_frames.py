@@ -1,4 +1,4 @@
-"""What a serial amplifier sends: lines of text, or binary frames. A reader takes either, and goes on after loss.
+"""The two protocols of a serial amplifier, lines of text and binary frames, with one reader that resynchronises.
 
 Lines, ASCII, one sample of every channel each:
 
@@ -9,7 +9,7 @@ The header comes first and again at least every two seconds. The number in front
 
 Binary, little endian:
 
-    A5 5A | kind u8 | count u8 | number u32 | payload | CRC-16/CCITT of all between the marks and itself
+    A5 5A | kind u8 | count u8 | number u32 | payload | CRC-16/CCITT from kind to payload
 
     kind 1, header: count = channels, payload = rate f32, then for each channel 8 bytes of name in ASCII, filled with 0
     kind 2, samples: count = samples, number = of the first of them, payload = count * channels f32
@@ -32,36 +32,36 @@ _HEADER_KIND, _SAMPLES_KIND = 1, 2
 _NAME = 8
 _MOST_CHANNELS = 16
 _LONGEST = 4096
-"""Bytes without a whole frame or line after which the first of them cannot be the beginning of one."""
+"""Bytes without a whole frame or line after which the first of them is dropped."""
 _NUMBERS = 1 << 32
 
 
 @dataclass(frozen=True, slots=True)
 class Samples:
-    """Samples in a row: number of the first, values of shape [n, channels]."""
+    """Consecutive samples: count of the first, values of shape [n, channels]."""
 
     number: int
     values: NDArray[np.float64]
 
 
 def text_header(rate: float, channels: tuple[str, ...]) -> bytes:
-    """The header line."""
+    """Return the header line."""
     return f"# rate={rate:g} channels={','.join(channels)}\n".encode("ascii")
 
 
 def text_sample(number: int, values: NDArray[np.float64]) -> bytes:
-    """A line of one sample."""
+    """Return the line of one sample."""
     return (f"{number % _NUMBERS}," + ",".join(f"{value:.6g}" for value in values) + "\n").encode("ascii")
 
 
 def binary_header(rate: float, channels: tuple[str, ...]) -> bytes:
-    """The header frame."""
+    """Return the header frame."""
     names = b"".join(name.encode("ascii")[:_NAME].ljust(_NAME, b"\0") for name in channels)
     return _sealed(_HEAD.pack(_HEADER_KIND, len(channels), 0) + struct.pack("<f", rate) + names)
 
 
 def binary_samples(number: int, values: NDArray[np.float64]) -> bytes:
-    """A frame of samples [n, channels], at most 255."""
+    """Return the frame of samples [n, channels], n at most 255."""
     return _sealed(_HEAD.pack(_SAMPLES_KIND, len(values), number % _NUMBERS) + values.astype("<f4").tobytes())
 
 
@@ -70,12 +70,14 @@ def _sealed(body: bytes) -> bytes:
 
 
 class AmplifierReader:
-    """Bytes as they come, of either protocol.
+    """Parser of the byte stream, of either protocol.
+
+    A header that differs from the first one is taken when it comes twice in succession: a line has no checksum.
 
     Attributes:
-        rate: [Hz], 0 before a header came.
-        channels: Names as the amplifier gives them, () before.
-        damaged: Frames and lines that could not be read.
+        rate: Sampling rate [Hz], 0 before the first header.
+        channels: Names as the amplifier states them, () before the first header.
+        damaged: Number of frames and lines that could not be read.
     """
 
     def __init__(self) -> None:
@@ -83,9 +85,10 @@ class AmplifierReader:
         self.channels: tuple[str, ...] = ()
         self.damaged = 0
         self._bytes = bytearray()
+        self._differing: tuple[float, list[str]] | None = None
 
     def feed(self, data: bytes) -> list[Samples]:
-        """Take bytes; samples that are whole now. Those before the first header are left out."""
+        """Take bytes and return the samples that are complete; those before the first header are dropped."""
         self._bytes += data
         found: list[Samples] = []
         while self._bytes:
@@ -101,7 +104,7 @@ class AmplifierReader:
         return found
 
     def _binary(self) -> tuple[int, Samples | None]:
-        """The frame at the beginning: bytes used, 0 while it is not whole."""
+        """Read the frame at the beginning: bytes consumed (0 while it is incomplete) and its samples."""
         data = self._bytes
         if len(data) < len(_MARK) + _HEAD.size:
             return 0, None
@@ -109,12 +112,9 @@ class AmplifierReader:
         if data[1] != _MARK[1] or kind not in (_HEADER_KIND, _SAMPLES_KIND):
             return self._lost()
         if kind == _SAMPLES_KIND and not self.channels:
-            size = 0
-        else:
-            size = 4 + _NAME * count if kind == _HEADER_KIND else 4 * count * len(self.channels)
-        end = len(_MARK) + _HEAD.size + size
-        if kind == _SAMPLES_KIND and not self.channels:
             return 1, None  # its length is not known yet
+        size = 4 + _NAME * count if kind == _HEADER_KIND else 4 * count * len(self.channels)
+        end = len(_MARK) + _HEAD.size + size
         if len(data) < end + 2:
             return 0, None
         body = bytes(data[len(_MARK) : end])
@@ -129,7 +129,7 @@ class AmplifierReader:
         return end + 2, Samples(number, values)
 
     def _lost(self) -> tuple[int, None]:
-        """Go on at the next mark or line."""
+        """Count a damaged frame and resynchronise: the bytes up to the next mark or line."""
         self.damaged += 1
         places = (self._bytes.find(_MARK, 1), self._bytes.find(b"\n", 1) + 1)
         return min((place for place in places if place > 0), default=len(self._bytes)), None
@@ -150,10 +150,10 @@ class AmplifierReader:
             return end + 1, None
 
     def _parse(self, text: str) -> Samples | None:
-        """A line.
+        """Read a line: its samples, None of a header.
 
         Raises:
-            ValueError: It is none.
+            ValueError: It is neither a header nor a sample.
         """
         if text.startswith("#"):
             words = dict(word.split("=", 1) for word in text[1:].split() if "=" in word)
@@ -163,11 +163,16 @@ class AmplifierReader:
             return None
         number, *values = text.split(",")
         if len(values) != len(self.channels):
-            raise ValueError("another number of channels than the header says")
+            raise ValueError("the number of values differs from that of the channels")
         return Samples(int(number) % _NUMBERS, np.array([[float(value) for value in values]]))
 
     def _announce(self, rate: float, channels: list[str]) -> None:
         if not 1.0 <= rate <= 20_000.0 or not 1 <= len(channels) <= _MOST_CHANNELS or not all(channels):
             self.damaged += 1
             return
-        self.rate, self.channels = float(rate), tuple(channels)
+        differs = bool(self.channels) and (rate, tuple(channels)) != (self.rate, self.channels)
+        if differs and self._differing != (rate, channels):
+            self.damaged += 1
+            self._differing = rate, channels
+            return
+        self.rate, self.channels, self._differing = float(rate), tuple(channels), None

@@ -1,4 +1,4 @@
-"""Body signals from boards that BrainFlow knows: board:NAME, e.g. board:SYNTHETIC_BOARD, optionally @PORT."""
+"""Body signals from boards of the library BrainFlow: board:NAME, e.g. board:SYNTHETIC_BOARD, optionally @PORT."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ _CHANNELS = {
     "emg": "get_emg_channels",
 }
 _TO_MILLIVOLT = {"ecg": 1e-3, "emg": 1e-3}
-"""BrainFlow gives microvolts."""
+"""Factor from BrainFlow's microvolts."""
 
 
 class BoardSource(LiveSignals):
     """The first channel of each kind of signal a board has.
 
     Args:
-        address: Name of a board id of BrainFlow, after an "@" the port it is at.
+        address: Name of a BrainFlow board id, optionally "@" and its serial port.
 
     Raises:
-        UsageError: brainflow is not installed, or knows no such board.
-        DeviceError: The board cannot be had, or has no body signal.
+        UsageError: brainflow is not installed, or has no such board.
+        DeviceError: The board cannot be opened, or has no body signal.
     """
 
     def __init__(self, address: str) -> None:
@@ -50,22 +50,24 @@ class BoardSource(LiveSignals):
         try:
             BoardShim.disable_board_logger()
             self._columns = _columns(BoardShim, BrainFlowError, number)
+            if not self._columns:
+                raise DeviceError(f'the board "{name}" has no channel of a body signal')
             self._rate = float(BoardShim.get_sampling_rate(number))
             self._board: Any = BoardShim(number, parameters)
             self._board.prepare_session()
             self._board.start_stream(45_000)
-        except ImportError as error:  # it looks for its shared library by what newer setuptools have no more
+        except ImportError as error:  # it finds its shared library by pkg_resources, which newer setuptools lack
             raise UsageError(f"brainflow cannot be loaded: {error}", 'pip install "setuptools<81"') from error
         except BrainFlowError as error:
-            raise DeviceError(f'the board "{name}" cannot be had: {error}', "is it on, and on which port?") from error
-        if not self._columns:
-            raise DeviceError(f'the board "{name}" has no channel of a body signal')
+            raise DeviceError(
+                f'the board "{name}" cannot be opened: {error}', "is it on, and on which port?"
+            ) from error
         self._grids = {signal: Grid(signal, self._rate) for signal in self._columns}
         self._start_ns: int | None = None
         self._count = 0
 
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
-        """What has come; the board's samples are taken one after the other from the first read on."""
+        """Return the samples received since the last read; their times count from the first read."""
         rows = np.asarray(self._board.get_board_data(), float)
         if rows.size == 0:
             return ()
@@ -79,13 +81,13 @@ class BoardSource(LiveSignals):
         return tuple(block for block in blocks if block is not None)
 
     def close(self) -> None:
-        """End the stream."""
+        """Stop the stream and close the board."""
         self._board.stop_stream()
         self._board.release_session()
 
 
 def _columns(shim: Any, failure: type[Exception], number: int) -> dict[str, int]:
-    """Row of each signal in the board's data; a board says by an error that it has none of a kind."""
+    """Return the row of each signal in the board's data; BrainFlow raises for signals the board lacks."""
     columns: dict[str, int] = {}
     for name, ask in _CHANNELS.items():
         try:

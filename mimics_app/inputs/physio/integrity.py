@@ -1,4 +1,4 @@
-"""Keeps a live signal honest: gaps become NaN, what comes twice is dropped, drift is followed; all is counted."""
+"""Integrity of live signals: gaps become NaN, repeated samples are dropped, clock drift is followed; all is counted."""
 
 from __future__ import annotations
 
@@ -14,25 +14,28 @@ from mimics_app.contracts.messages import Experience, SignalBlock
 __all__ = ["Faults", "Grid", "LiveSignals"]
 
 _JITTER_S = 0.04
-"""Blocks come this much early or late without being a gap or a repetition [s]."""
+"""Deviation of a block's time stamp that is neither a gap nor a repetition [s]."""
 _LONGEST_GAP_S = 60.0
-"""A longer gap is not filled: the signal begins anew."""
+"""Deviation beyond which the grid restarts: a long gap, or the source's clock was set [s]."""
 _FOLLOW = 0.02
 """Share of a block's lateness by which the grid follows it: at 100 ppm it stays less than a millisecond behind."""
 _SETTLED_S = 5.0
+"""Time after which the drift is reported [s]."""
+_RATE_SETTLED_S = 30.0
+"""Time after which the rate is checked [s]."""
 _RATE_OFF = 0.02
-"""A signal that comes faster or slower than its stated rate by more than this share has another rate."""
+"""Relative deviation of the measured rate from the stated one above which it is wrong."""
 
 
 @dataclass(slots=True)
 class Faults:
-    """What was wrong with one signal so far.
+    """Faults of one signal so far.
 
     Attributes:
-        gaps, lost: How often samples were missing, and how many.
-        repeats, dropped: How often samples came twice or late, and how many were dropped for it.
-        drift_ppm: How much faster the amplifier's clock runs than ours.
-        wrong_rate: The signal does not come at the rate it states.
+        gaps, lost: Number of gaps, and of samples missing in them.
+        repeats, dropped: Number of blocks that overlapped earlier ones, and of samples dropped for it.
+        drift_ppm: Drift of the amplifier's clock against the session's, positive where it runs faster.
+        wrong_rate: The measured rate differs from the stated one.
     """
 
     gaps: int = 0
@@ -44,14 +47,14 @@ class Faults:
 
 
 class Grid:
-    """The regular grid of one signal.
+    """The regular time grid of one signal.
 
     Args:
-        name: Of the signal.
-        rate: Stated [Hz].
+        name: Name of the signal.
+        rate: Stated sampling rate [Hz].
 
     Attributes:
-        faults: So far.
+        faults: Faults so far.
     """
 
     def __init__(self, name: str, rate: float) -> None:
@@ -64,10 +67,10 @@ class Grid:
         self.faults = Faults()
 
     def take(self, t_ns: int, values: NDArray[np.float64]) -> SignalBlock | None:
-        """Samples that the source stamped with a time, as they belong on the grid; None where none is left.
+        """Place time-stamped samples on the grid; None where none is left.
 
         Args:
-            t_ns: Of the first of them, on the session's clock.
+            t_ns: Time of the first of them on the session's clock [ns].
             values: Shape [n].
         """
         if not len(values):
@@ -76,7 +79,7 @@ class Grid:
             self._start_ns, self._first_ns = float(t_ns), t_ns
         late = (t_ns - self._start_ns) / SECOND_NS - self._count / self._rate
         self._received += len(values)
-        if late > _LONGEST_GAP_S:
+        if abs(late) > _LONGEST_GAP_S:
             self.faults.gaps += 1
             self._start_ns, self._count, late = float(t_ns), 0, 0.0
         elif late > _JITTER_S:
@@ -96,26 +99,27 @@ class Grid:
         return SignalBlock(self._name, self._rate, block_ns, values) if len(values) else None
 
     def _follow(self, late: float, t_ns: int) -> None:
-        """Let the grid follow the source's clock, and say by how much it runs off ours."""
+        """Let the grid follow the source's clock, and measure its drift and rate."""
         step = _FOLLOW * late
         self._start_ns = (self._start_ns or 0.0) + step * SECOND_NS
         self._followed += step
         elapsed = (t_ns - self._first_ns) / SECOND_NS
         if elapsed > _SETTLED_S:
             self.faults.drift_ppm = -1e6 * self._followed / elapsed
-            self.faults.wrong_rate = abs(self._received / elapsed / self._rate - 1.0) > _RATE_OFF and elapsed > 30.0
+            off = abs(self._received / elapsed / self._rate - 1.0)
+            self.faults.wrong_rate = off > _RATE_OFF and elapsed > _RATE_SETTLED_S
 
 
 class LiveSignals:
-    """What sources of a real person's signals have in common: a grid for each signal, by name."""
+    """Base class of the sources of live signals: a grid for each signal, by name."""
 
     def __init__(self) -> None:
         self._grids: dict[str, Grid] = {}
 
     @property
     def faults(self) -> Mapping[str, Faults]:
-        """Of each signal so far."""
+        """Faults of each signal so far, by its name."""
         return {name: grid.faults for name, grid in self._grids.items()}
 
     def feel(self, experience: Experience) -> None:
-        """A real person needs no such message."""
+        """Do nothing: only simulated bodies react to the movement."""

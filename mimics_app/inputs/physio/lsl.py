@@ -1,7 +1,7 @@
-"""Body signals from streams of the lab streaming layer (LSL): lsl:NAME takes every stream of that name or type.
+"""Body signals from a stream of the lab streaming layer (LSL), by its name or type: lsl:NAME.
 
-Channels are known by their labels in the stream's description, else by the stream's type. Times are those of the
-sender, corrected by the measured offset of its clock; the offsets are kept.
+Channels are identified by their labels in the stream's description, else by the stream's type. Time stamps are those
+of the sender, corrected by the measured offset of its clock; the offsets are kept.
 """
 
 from __future__ import annotations
@@ -24,31 +24,34 @@ if TYPE_CHECKING:
 __all__ = ["LslSource", "find_stream"]
 
 _PATIENCE_S = 5.0
-"""How long a stream that was found may take to describe itself [s]."""
+"""Time-out of a stream's description and of its first clock offset [s]."""
 
 _ANSWER_S = 3.0
-"""How long a stream is waited for [s]: the library asks every 0.5 s, further apart from time to time."""
+"""Time-out of the search for a stream [s]: the library repeats its query every 0.5 s, later at longer intervals."""
 
 _AT_ONCE_S = 0.3
-"""A wait that is longer than this [s] is announced."""
+"""Time-out of the first search [s]; a longer wait is announced."""
 
 _MOST = 4096
+"""Samples taken in one read."""
 _GLANCE_S = 0.002
+"""Time-out of a clock offset within a session [s]."""
 _ASK_OFFSET_NS = 5 * SECOND_NS
+"""Period in which the clock offset is measured [ns]."""
 
 
 def _say_nothing(text: str) -> None:
-    """Nobody is there."""
+    """Discard the line."""
 
 
 class LslSource(LiveSignals):
-    """Every channel of a stream that is a body signal.
+    """The body signals of one stream.
 
     Args:
-        name: Of the stream, or its type.
+        name: Name of the stream, or its type.
 
     Attributes:
-        offsets: Clock of the sender less ours [s], as measured, newest last.
+        offsets: Measured offsets from the sender's clock to this machine's [s], newest last.
 
     Raises:
         UsageError: pylsl is not installed.
@@ -76,7 +79,7 @@ class LslSource(LiveSignals):
         self._measure_offset(_PATIENCE_S)
 
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
-        """What has come."""
+        """Return the samples received since the last read."""
         if now_ns >= self._ask_ns:
             self._ask_ns = now_ns + _ASK_OFFSET_NS
             self._measure_offset(_GLANCE_S)
@@ -91,23 +94,23 @@ class LslSource(LiveSignals):
         return tuple(block for block in blocks if block is not None)
 
     def close(self) -> None:
-        """Let the stream go."""
+        """Close the stream."""
         self._inlet.close_stream()
 
     def _measure_offset(self, patience_s: float) -> None:
-        """Note the offset of the sender's clock; later ones are there at once, the library measures on its own."""
+        """Append the offset of the sender's clock; after the first one the library measures in the background."""
         try:
             self.offsets.append(float(self._inlet.time_correction(patience_s)))
         except (self._pylsl.util.TimeoutError, RuntimeError):
-            return  # the sender is away; the old offset stands
+            return  # the sender does not answer; the last offset remains valid
 
 
 def find_stream(name: str, tell: Callable[[str], None] = _say_nothing) -> StreamInfo:
-    """The first stream of that name or type that answers.
+    """Return the first stream of a name or type that answers.
 
     Args:
-        name: Of the stream, or its type.
-        tell: Is called with a line before a wait.
+        name: Name of the stream, or its type.
+        tell: Called with a line of text before a wait.
 
     Raises:
         UsageError: pylsl is not installed.
@@ -128,7 +131,7 @@ def find_stream(name: str, tell: Callable[[str], None] = _say_nothing) -> Stream
 
 
 def _columns(info: object) -> dict[str, int]:
-    """Column of each body signal."""
+    """Return the column of each body signal."""
     channel = info.desc().child("channels").child("channel")  # type: ignore[attr-defined]
     labels = []
     for _ in range(info.channel_count()):  # type: ignore[attr-defined]
@@ -147,6 +150,6 @@ def _columns(info: object) -> dict[str, int]:
 def _library() -> ModuleType:
     try:
         import pylsl
-    except (ImportError, RuntimeError) as error:  # the second: its shared library is not there
+    except (ImportError, RuntimeError) as error:  # RuntimeError: the package without its shared library
         raise UsageError("LSL needs pylsl, which is not installed", 'pip install "mimics_app[lsl]"') from error
     return pylsl

@@ -1,4 +1,4 @@
-"""The movement of the hand as signals: what a device measures takes the path of what a body does."""
+"""The movement of the hand as signals beside those of the body."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from mimics_app.contracts.messages import Experience, SignalBlock
 __all__ = ["Movement"]
 
 _RATE = 60.0
-"""Of the frames, nominal [Hz]."""
+"""Nominal frame rate [Hz]."""
 
 
 class Movement:
-    """A `SignalSource` of "speed" [m/s] and "power" [W], one sample a frame, of the frame before."""
+    """A `SignalSource` of "speed" [m/s] and "power" [W]: one sample a frame, that of the previous frame."""
 
     def __init__(self) -> None:
         self._last: Experience | None = None
 
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
-        """The newest sample of each."""
+        """Return the newest sample of each signal."""
         last, self._last = self._last, None
         if last is None:
             return ()

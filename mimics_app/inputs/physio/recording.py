@@ -1,6 +1,6 @@
-"""Files of body signals: CSV, EDF and WFDB, each read as signals on a regular grid.
+"""Files of body signals: CSV, EDF and WFDB, each read as signals on a regular time grid.
 
-What a file has no samples for is not-a-number there. Nothing is made up between two samples.
+Missing samples are NaN; nothing is interpolated.
 """
 
 from __future__ import annotations
@@ -19,8 +19,12 @@ from mimics_app.contracts.messages import Experience, SignalBlock
 
 __all__ = ["FileSource", "Recorded", "name_of_channel", "read_signal_file"]
 
-_MOST_BYTES = 4 << 30
 _LONGEST_S = 7 * 24 * 3600.0
+"""Longest recording [s]."""
+_HIGHEST_RATE = 20_000.0
+"""Highest sampling rate [Hz]."""
+_MOST_SAMPLES = 1 << 28
+"""Longest grid: 74 h at 1 kHz, 2 GiB."""
 
 _NAMES = (
     ("ecg", r"ecg|ekg|^ml?i+$|^v[1-6]$|^av[rlf]$|^i{1,3}$|lead"),
@@ -37,9 +41,9 @@ class Recorded:
 
     Attributes:
         name: "ecg", "gsr", "emg" or "resp".
-        rate: [Hz]
-        start_s: Time of the first sample, as the file gives the time [s].
-        values: In the unit of the signal, shape [n]; NaN where there is none.
+        rate: Sampling rate [Hz].
+        start_s: Time of the first sample as stated in the file [s].
+        values: Samples in the unit of the signal, shape [n]; NaN where missing.
     """
 
     name: str
@@ -49,17 +53,17 @@ class Recorded:
 
 
 def name_of_channel(label: str) -> str:
-    """Which signal a channel is by its label in a file; "" for none of ours."""
+    """Return the body signal that a channel label stands for, "" for none."""
     plain = label.strip().lower()
     return next((name for name, pattern in _NAMES if re.search(pattern, plain)), "")
 
 
 def read_signal_file(path: Path) -> list[Recorded]:
-    """Every body signal of a file; where a file has two of a kind, the first.
+    """Read the body signals of a file; of several channels of one signal, the first.
 
     Raises:
-        SceneError: It is not there, cannot be read, or has no body signal.
-        UsageError: What reads its format is not installed.
+        SceneError: The file is missing, cannot be read, or has no body signal.
+        UsageError: The library that reads its format is not installed.
     """
     found = reader_of(path)(path)
     signals: dict[str, Recorded] = {}
@@ -72,10 +76,10 @@ def read_signal_file(path: Path) -> list[Recorded]:
 
 
 def reader_of(path: Path) -> Callable[[Path], list[Recorded]]:
-    """What reads a file that is there, by its name.
+    """Return the reader of an existing file, by the extension of its name.
 
     Raises:
-        SceneError: It is not there, or of no format that holds body signals.
+        SceneError: The file is missing, or its format is not one of body signals.
     """
     if not path.exists():
         raise SceneError(Issue(str(path), "", "there is no such file"))
@@ -89,7 +93,7 @@ def reader_of(path: Path) -> Callable[[Path], list[Recorded]]:
 
 
 def _read_csv(path: Path) -> list[Recorded]:
-    """Columns with names; `t_s` is the time of each row [s]."""
+    """Read a table with named columns; `t_s` is the time of each row [s]."""
     import pyarrow as pa
     from pyarrow import csv
 
@@ -99,12 +103,12 @@ def _read_csv(path: Path) -> list[Recorded]:
     except (pa.ArrowException, OSError) as error:
         raise SceneError(Issue(str(path), "", f"it cannot be read: {first_line(error)}")) from error
     columns: dict[str, NDArray[np.float64]] = {}
-    for label in table.column_names:
+    for i, label in enumerate(table.column_names):
         try:
-            columns[label.strip().lower()] = table[label].cast(pa.float64()).to_numpy()
+            columns.setdefault(label.strip().lower(), table.column(i).cast(pa.float64()).to_numpy())
         except (pa.ArrowException, ValueError) as error:
             if name_of_channel(label) or label.strip().lower() in _TIMES:
-                raise SceneError(Issue(str(path), f"/{label}", "a column of numbers is no numbers")) from error
+                raise SceneError(Issue(str(path), f"/{label}", "the column holds more than numbers")) from error
     times = next((columns[name] for name in _TIMES if name in columns), None)
     if times is None:
         raise SceneError(Issue(str(path), "", "no column holds the time", "add a column t_s in seconds"))
@@ -113,7 +117,7 @@ def _read_csv(path: Path) -> list[Recorded]:
 
 
 def _on_grid(path: Path, name: str, times: NDArray[np.float64], values: NDArray[np.float64]) -> Recorded:
-    """Rows on the regular grid of their times; places without a row are NaN, of two rows of one the first."""
+    """Place rows on the regular grid of their times: NaN without a row, of several rows of one place the first."""
     keep = np.isfinite(times)
     times, values = times[keep], values[keep]
     if len(times) < 2:
@@ -124,9 +128,13 @@ def _on_grid(path: Path, name: str, times: NDArray[np.float64], values: NDArray[
         raise SceneError(Issue(str(path), "", f"time runs backwards in row {row}", "sort the rows by time"))
     usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
     if usual <= 0.0 or times[-1] - times[0] > _LONGEST_S:
-        raise SceneError(Issue(str(path), "", "the times of its rows cannot be those of a recording"))
+        raise SceneError(Issue(str(path), "", "its rows have all the same time, or last more than a week"))
     regular = steps[np.abs(steps - usual) < 0.3 * usual]  # printed times are rounded: their mean is not
-    rate = _plain_rate(1.0 / float(np.mean(regular)))
+    rate = 1.0 / (float(np.mean(regular)) if len(regular) else usual)
+    if not rate <= _HIGHEST_RATE or (times[-1] - times[0]) * rate >= _MOST_SAMPLES:
+        what = f"its rows are {usual:g} s apart over {times[-1] - times[0]:g} s"
+        raise SceneError(Issue(str(path), "", what, f"at most {_HIGHEST_RATE:g} Hz, and {_MOST_SAMPLES} samples"))
+    rate = _plain_rate(rate)
     places = np.round((times - times[0]) * rate).astype(np.int64)
     grid = np.full(int(places[-1]) + 1, np.nan)
     grid[places[::-1]] = values[::-1]
@@ -134,7 +142,7 @@ def _on_grid(path: Path, name: str, times: NDArray[np.float64], values: NDArray[
 
 
 def _plain_rate(rate: float) -> float:
-    """The rate an amplifier was set to: whole hertz where that is as good as exact."""
+    """Return the nominal rate: whole hertz where the estimate agrees with it to 0.02 %."""
     whole = round(rate)
     return float(whole) if whole and abs(rate / whole - 1.0) < 2e-4 else rate
 
@@ -178,10 +186,10 @@ def _read_wfdb(path: Path) -> list[Recorded]:
 
 
 class FileSource:
-    """A file at the session's pace; after its end nothing more comes.
+    """Playback of a file in session time; after its end there are no more samples.
 
     Args:
-        signals: Of the file.
+        signals: The signals of the file.
     """
 
     def __init__(self, signals: list[Recorded]) -> None:
@@ -191,7 +199,7 @@ class FileSource:
         self._start_ns: int | None = None
 
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
-        """Samples that are due."""
+        """Return the samples due since the last read."""
         if self._start_ns is None:
             self._start_ns = now_ns
         blocks = []
@@ -206,7 +214,7 @@ class FileSource:
         return tuple(blocks)
 
     def feel(self, experience: Experience) -> None:
-        """A recorded person feels nothing."""
+        """Do nothing: a recorded body does not react to the movement."""
 
     def close(self) -> None:
         """Nothing is open."""

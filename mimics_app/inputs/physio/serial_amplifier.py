@@ -1,4 +1,4 @@
-"""Body signals from an amplifier at a serial port: serial:PORT or serial:PORT@BAUD; its protocols: amplifier_frames."""
+"""Body signals from an amplifier at a serial port: serial:PORT or serial:PORT@BAUD; protocols: `amplifier_frames`."""
 
 from __future__ import annotations
 
@@ -15,22 +15,30 @@ __all__ = ["SerialAmplifier"]
 
 _BAUD = 230_400
 _PATIENCE_NS = 3 * SECOND_NS
+"""Time-out of the first header [ns]."""
 _NUMBERS = 1 << 32
+"""Modulus of the sample count."""
 _SILENT_NS = 2 * SECOND_NS
+"""Time without samples after which the amplifier is taken as lost [ns]."""
+_JUMP_S = 2.0
+"""Larger jumps of the sample count are accepted only when the next samples continue them [s]."""
 
 
 class SerialAmplifier(LiveSignals):
-    """An amplifier that counts its samples: its count says when each was, and what was lost.
+    """An amplifier that counts its samples: the count gives the time of each, and what was lost.
+
+    An amplifier that is switched off and on counts from 0 again, and a damaged line may hold any count: a large jump is
+    accepted when the next samples continue it, and the time then counts from there.
 
     Args:
         address: PORT or PORT@BAUD.
-        clock: Of the session.
+        clock: The session's clock.
 
     Attributes:
-        lost: Why nothing comes any more, "" while it does. Signals then end; the session goes on.
+        lost: Why there are no more samples, "" while there are. The session continues without them.
 
     Raises:
-        DeviceError: The port cannot be had, or says nothing that an amplifier would.
+        DeviceError: The port cannot be opened, or no header of an amplifier arrives.
     """
 
     def __init__(self, address: str, clock: Clock | None = None) -> None:
@@ -49,30 +57,33 @@ class SerialAmplifier(LiveSignals):
         self._reader = AmplifierReader()
         self._early: list[Samples] = []
         self._columns: dict[str, int] = {}
-        self._first: tuple[int, int] | None = None
-        self._turns = 0
-        self._newest = 0
+        self._doubted: Samples | None = None
+        self._start_ns: int | None = None
+        self._place = self._next = 0
         self._heard_ns = 0
         self.lost = ""
         self._await_header(port)
 
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
-        """What has come."""
+        """Return the samples received since the last read."""
         pieces, self._early = self._early + self._receive(), []
+        if (self._reader.rate, self._reader.channels) != self._header:
+            self.lost = "the amplifier now states another rate or other channels; start the session again"
+            return ()
         if pieces:
             self._heard_ns, self.lost = now_ns, ""
         elif self._heard_ns and now_ns - self._heard_ns > _SILENT_NS:
             self.lost = "the amplifier is silent"
-        blocks = [block for piece in pieces for block in self._place(piece, now_ns)]
-        return tuple(blocks)
+        accepted = [good for piece in pieces for good in self._accept(piece)]
+        return tuple(block for piece in accepted for block in self._blocks(piece, now_ns))
 
     @property
     def damaged(self) -> int:
-        """Frames and lines that could not be read."""
+        """Number of frames and lines that could not be read."""
         return self._reader.damaged
 
     def close(self) -> None:
-        """Let the port go."""
+        """Close the port."""
         self._port.close()
 
     def _receive(self) -> list[Samples]:
@@ -82,16 +93,30 @@ class SerialAmplifier(LiveSignals):
             self.lost = f"the amplifier is gone: {error}"
             return []
 
-    def _place(self, piece: Samples, now_ns: int) -> list[SignalBlock]:
-        """Samples at the time their number says."""
-        if self._first is None:
-            self._first = piece.number, now_ns - round(len(piece.values) / self._reader.rate * SECOND_NS)
-            self._newest = piece.number
-        if piece.number < self._newest - _NUMBERS // 2:
-            self._turns += 1
-        self._newest = piece.number
-        ahead = piece.number + self._turns * _NUMBERS - self._first[0]
-        t_ns = self._first[1] + round(ahead / self._reader.rate * SECOND_NS)
+    def _jump(self, piece: Samples) -> int:
+        """Return the number of samples between the expected count and that of a piece; negative for a repetition."""
+        return (piece.number - self._next + _NUMBERS // 2) % _NUMBERS - _NUMBERS // 2
+
+    def _accept(self, piece: Samples) -> list[Samples]:
+        """Return the pieces whose count is accepted with this one."""
+        doubted, self._doubted = self._doubted, None
+        if self._start_ns is None or abs(self._jump(piece)) <= _JUMP_S * self._reader.rate:
+            return [piece]
+        if doubted is not None and piece.number == (doubted.number + len(doubted.values)) % _NUMBERS:
+            return [doubted, piece]
+        self._doubted = piece
+        return []
+
+    def _blocks(self, piece: Samples, now_ns: int) -> list[SignalBlock]:
+        """Return the samples as blocks at the time given by their count."""
+        rate, jump = self._reader.rate, self._jump(piece)
+        if self._start_ns is None or abs(jump) > _JUMP_S * rate:
+            self._start_ns, self._place = now_ns - round(len(piece.values) / rate * SECOND_NS), 0
+        else:
+            self._place += jump
+        t_ns = self._start_ns + round(self._place / rate * SECOND_NS)
+        self._place += len(piece.values)
+        self._next = (piece.number + len(piece.values)) % _NUMBERS
         columns = self._columns.items()
         found = (self._grids[name].take(t_ns, np.ascontiguousarray(piece.values[:, i])) for name, i in columns)
         return [block for block in found if block is not None]
@@ -106,6 +131,7 @@ class SerialAmplifier(LiveSignals):
                     f'no amplifier is at "{port}": {self.lost or "no header came"}', "check port, speed and protocol"
                 )
             self._clock.sleep_until_ns(self._clock.now_ns() + 5_000_000)
+        self._header = self._reader.rate, self._reader.channels
         for i, label in enumerate(self._reader.channels):
             name = name_of_channel(label)
             if name and name not in self._columns:

@@ -1,4 +1,4 @@
-"""Where body signals come from, by an address: sim:PRESET, file:PATH, lsl:NAME, serial:PORT, board:NAME.
+"""Sources of body signals by their address: sim:PRESET, file:PATH, lsl:NAME, serial:PORT, board:NAME.
 
 An installed package adds a kind by an entry point of the group `mimics_app.signal_sources`: its name before the colon,
 its object called with (rest of the address, seed).
@@ -54,16 +54,16 @@ def _board(address: str, seed: int) -> SignalSource:
 
 
 KINDS: dict[str, _Opener] = {"sim": _simulated, "file": _file, "lsl": _lsl, "serial": _serial, "board": _board}
-"""What comes with the product."""
+"""Built-in kinds of sources."""
 
 
 def open_source(address: str, seed: int) -> SignalSource:
-    """Open what an address names.
+    """Open the source of an address.
 
     Raises:
-        UsageError: It names no kind of source, or one that cannot be.
-        DeviceError: The source cannot be had.
-        SceneError: The file is none, or wrong.
+        UsageError: The address names no kind of source, or an option it does not have.
+        DeviceError: The source is not available.
+        SceneError: The file is missing or cannot be read.
     """
     kind, rest = _split(address)
     if kind in KINDS:
@@ -73,11 +73,11 @@ def open_source(address: str, seed: int) -> SignalSource:
 
 
 def look_for_source(address: str, tell: Callable[[str], None]) -> None:
-    """Refuse what `open_source` would for want of a file, a port or a stream; nothing is opened.
+    """Check that the file, port or stream of an address exists; nothing is opened.
 
     Args:
-        address: What names the source.
-        tell: Is called with a line before a wait.
+        address: Address of the source.
+        tell: Called with a line of text before a wait.
 
     Raises:
         UsageError, DeviceError, SceneError: As `open_source`.
@@ -122,10 +122,10 @@ def _installed() -> dict[str, EntryPoint]:
 
 
 def _split(address: str) -> tuple[str, str]:
-    """Kind and rest of an address, of a kind that there is.
+    """Split an address into kind and rest.
 
     Raises:
-        UsageError: There is none, or the rest is missing.
+        UsageError: There is no such kind, or the rest is missing.
     """
     kind, _, rest = address.partition(":")
     if kind in KINDS and kind != "sim" and not rest:

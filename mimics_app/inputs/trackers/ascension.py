@@ -1,6 +1,6 @@
-"""Ascension Flock of Birds: binary records of six words of 14 bits, the first byte of each marked by its top bit.
+"""Ascension Flock of Birds: binary records of six words of 14 bits, the first byte marked by its phasing bit (bit 7).
 
-Position and angles ("Y"): x, y, z as shares of 36 inch, then turns about z, y, x as shares of 180 degrees.
+Position and angles ("Y"): x, y, z as shares of 36 inch, then rotations about z, y, x as shares of 180 degrees.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ _PHASE = 0x80
 
 
 class FlockParser:
-    """Finds whole records by their phasing bit: one that is too short or too long is dropped, and the next one counts.
+    """Parser of the byte stream, synchronised by the phasing bit; records that are too short or too long are dropped.
 
     Attributes:
-        rejected: Records that were not whole.
+        rejected: Number of incomplete records.
     """
 
     def __init__(self) -> None:
@@ -29,7 +29,7 @@ class FlockParser:
         self.rejected = 0
 
     def feed(self, data: bytes, t_ns: int) -> list[TrackerSample]:
-        """Take bytes that arrived at a time [ns]; returns what is whole now."""
+        """Take bytes that arrived at a time [ns] and return the complete reports."""
         found = []
         for byte in data:
             if byte & _PHASE:
@@ -48,7 +48,7 @@ class FlockParser:
 
 
 def flock_record(position: tuple[float, float, float], angles: tuple[float, float, float]) -> bytes:
-    """The record of a place [m] and turns about z, y, x [deg], for emulators."""
+    """Return the record of a position [m] and rotations about z, y, x [deg], for emulators."""
     shares = [value / _RANGE_M for value in position] + [angle / 180.0 for angle in angles]
     record = bytearray()
     for share in shares:

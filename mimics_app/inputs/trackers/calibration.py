@@ -1,4 +1,4 @@
-"""From a tracker's own frame into the room: its axes and unit, then a similarity found from points touched in both."""
+"""Calibration of a tracker: axes and unit of its frame, and a similarity fitted to points touched in the room."""
 
 from __future__ import annotations
 
@@ -18,21 +18,22 @@ UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 """Metres per unit of a device."""
 
 LEAST_POINTS = 4
-"""Points that a calibration needs: three fit a plane exactly and hide every mistake."""
+"""Smallest number of points: three lie in a plane, fit exactly and hide every mistake."""
 
 _FLAT = 1e-3
-"""Share of the points' largest spread that their smallest must have to be in space and not in a plane."""
+"""Smallest ratio of the points' smallest spread to the largest: below it they lie in a plane."""
 _UPSIDE_DOWN = math.cos(math.radians(120.0))
+"""Cosine between the tracker's up and the room's below which the tracker is upside down."""
 
 
 def axis_map(text: str) -> F8:
-    """Rotation from a device's axes to the room's, as "x,-z,y": room x is the device's x, y its -z, z its y.
+    """Return the rotation from a device's axes to the room's, e.g. "x,-z,y": room x is its x, y its -z, z its y.
 
     Returns:
         float64 [3, 3].
 
     Raises:
-        UsageError: an axis is missing, or the three make a mirror image: then one sign is wrong.
+        UsageError: An axis is missing, or the three are left-handed: then one sign is wrong.
     """
     names = {"x": 0, "y": 1, "z": 2}
     rows = [part.strip() for part in text.split(",")]
@@ -44,21 +45,21 @@ def axis_map(text: str) -> F8:
     if len(rows) != 3 or abs(float(np.linalg.det(matrix))) < 0.5:
         raise UsageError(f'"{text}" names no three axes', 'write them like "x,-z,y"')
     if np.linalg.det(matrix) < 0.0:
-        raise UsageError(f'the axes "{text}" make a mirror image of the room', "turn the sign of one of them")
+        raise UsageError(f'the axes "{text}" make a mirror image of the room', "change the sign of one of them")
     return matrix
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Calibration:
-    """Similarity from a tracker's frame, its axes and unit mapped already, into the room.
+    """Similarity from a tracker's frame, with axes and unit already mapped, to the room's.
 
     Attributes:
         rotation: float64 [3, 3].
         scale: Room metres per tracker metre.
         translation: [m], float64 [3].
-        residual_m: Root mean square of what is left at the points [m].
-        worst_m: Of the worst point [m].
-        fault: What is suspicious about it, "" where nothing is.
+        residual_m: Root mean square residual at the points [m].
+        worst_m: Largest residual [m].
+        fault: Suspected fault of the calibration, "" for none.
     """
 
     rotation: F8
@@ -70,11 +71,11 @@ class Calibration:
 
     @classmethod
     def none(cls) -> Calibration:
-        """The tracker's frame is the room's."""
+        """Return the identity."""
         return cls(np.eye(3), 1.0, np.zeros(3))
 
     def apply(self, pose: F8) -> F8:
-        """room_from_sensor of a pose in the tracker's frame, float64 [4, 4]; the scale moves, it does not deform."""
+        """Return room_from_sensor of a pose in the tracker's frame, float64 [4, 4]; only the translation is scaled."""
         moved = np.eye(4)
         moved[:3, :3] = self.rotation @ pose[:3, :3]
         moved[:3, 3] = self.scale * (self.rotation @ pose[:3, 3]) + self.translation
@@ -82,18 +83,18 @@ class Calibration:
 
 
 def fit_room(seen: Sequence[Sequence[float]] | F8, room: Sequence[Sequence[float]] | F8) -> Calibration:
-    """The similarity of least squares (Umeyama 1991).
+    """Fit the similarity of least squares (Umeyama 1991).
 
     Args:
         seen: Points as the tracker reports them [m], shape [n, 3], n >= 4, not in one plane.
         room: The same points in the room [m].
 
     Raises:
-        UsageError: too few points, or all in a plane: a mirror image would fit as well.
+        UsageError: Too few points, or all in a plane: a mirror image would fit as well.
     """
     a, b = np.asarray(seen, np.float64).reshape(-1, 3), np.asarray(room, np.float64).reshape(-1, 3)
     if len(a) != len(b) or len(a) < LEAST_POINTS:
-        raise UsageError(f"{min(len(a), len(b))} points calibrate no tracker", f"touch at least {LEAST_POINTS}")
+        raise UsageError(f"{min(len(a), len(b))} points are too few to calibrate", f"touch at least {LEAST_POINTS}")
     centre_a, centre_b = a.mean(axis=0), b.mean(axis=0)
     da, db = a - centre_a, b - centre_b
     spread = np.linalg.svd(db, compute_uv=False)
@@ -106,7 +107,7 @@ def fit_room(seen: Sequence[Sequence[float]] | F8, room: Sequence[Sequence[float
 
 
 def _fit(a: F8, b: F8, u: F8, s: F8, vt: F8, sign: float) -> Calibration:
-    """The best similarity of one handedness; `sign` is of the smallest singular value."""
+    """Return the best similarity of one handedness, given by the sign of the smallest singular value."""
     signs = np.array([1.0, 1.0, sign])
     rotation = (u * signs) @ vt
     centre_a, centre_b = a.mean(axis=0), b.mean(axis=0)

@@ -1,4 +1,4 @@
-"""Serial trackers that are not there: a pseudo terminal that answers like one and is no faster than its line."""
+"""Emulated serial trackers: a pseudo terminal with the protocol and the line speed of the device."""
 
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ from mimics_app.inputs.trackers.scripted_person import PERSON_SENSORS, person_at
 __all__ = ["EmulatedLine", "emulated_fastrak", "emulated_flock"]
 
 _BITS = 10
-"""On the line for a byte: start, eight, stop."""
+"""Bits on the line per byte: start, eight, stop."""
 _NS = 1_000_000_000
 
 Records = Callable[[float], bytes]
-"""Time [s] -> what is reported then."""
+"""Time [s] -> record reported at that time."""
 
 
 class EmulatedLine:
     """A tracker at the other end of a pseudo terminal; its `port` is opened like a serial line.
 
     Args:
-        records: What it reports.
-        start: Byte that makes it report continuously.
-        stop: Byte that ends that.
+        records: Function that makes the records.
+        start: Byte that starts continuous reports.
+        stop: Byte that ends them.
         once: Byte that requests one report.
-        baud: [bit/s]; a record goes out no faster than the line would carry it.
-        rate: Reports a second.
-        lose: Share of bytes that are lost on the way.
-        seed: Of which.
+        baud: Line speed [bit/s]; a record takes as long as the line would.
+        rate: Reports per second.
+        lose: Share of bytes that are lost.
+        seed: Seed of the losses.
 
     Attributes:
         port: Name of the terminal's other end.
-        sent: What was reported so far, whole records by the time they left [ns].
+        sent: Records reported so far, with the time they were sent [ns].
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class EmulatedLine:
         self._thread.start()
 
     def close(self) -> None:
-        """End, and take the terminal away."""
+        """Stop the thread and close the terminal."""
         self._closing.set()
         self._thread.join()
         os.close(self._own)
@@ -103,7 +103,7 @@ class EmulatedLine:
         return due
 
     def _report(self) -> int:
-        """Write a report when the line has carried it; returns when it is free again [ns]."""
+        """Write a report when the line has transmitted it; return the time at which the line is free again [ns]."""
         begun = self._clock.now_ns()
         data = self._records(begun / _NS)
         self._clock.sleep_until_ns(begun + len(data) * self._byte_ns)
@@ -117,7 +117,7 @@ class EmulatedLine:
 def emulated_fastrak(
     *, stations: int = 1, baud: int = 115200, rate: float = 120.0, lose: float = 0.0, seed: int = 1
 ) -> EmulatedLine:
-    """A Fastrak on a scripted person: station 1 the head, then chest and hands; centimetres."""
+    """Emulate a Fastrak on a scripted person: station 1 the head, then chest and hands; centimetres."""
 
     def records(t_s: float) -> bytes:
         report = b""
@@ -130,7 +130,7 @@ def emulated_fastrak(
 
 
 def emulated_flock(*, baud: int = 115200, rate: float = 120.0, lose: float = 0.0, seed: int = 1) -> EmulatedLine:
-    """A bird on a scripted person's right hand, 0.9 m around the middle of its reach."""
+    """Emulate a bird on a scripted person's right hand, within 0.9 m of the centre of its range."""
 
     def records(t_s: float) -> bytes:
         (x, y, z), angles = person_at("hand_right", t_s, seed)

@@ -1,4 +1,4 @@
-"""Head and hands as a headset knows them: sensors `head`, `hand_left` and `hand_right`, in the room."""
+"""Head and hands as tracked by a headset: sensors `head`, `hand_left` and `hand_right`, in the room's frame."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ __all__ = ["HeadsetTracker"]
 
 
 class HeadsetTracker(TrackerSource):
-    """Asks the display of the session once a frame; one that knows nothing of a person reports nothing.
+    """Tracker that polls the display of the session once a frame; a display without tracking reports nothing.
 
     Args:
-        name: As the scene calls it.
+        name: Name in the scene.
     """
 
     def __init__(self, name: str) -> None:
@@ -23,7 +23,7 @@ class HeadsetTracker(TrackerSource):
         self._newest_ns = -1
 
     def listen_to(self, ask: Callable[[], Sequence[TrackerSample]]) -> None:
-        """Take reports from here, each with the time its pose is predicted for."""
+        """Set the function that returns the display's reports, each with the time its pose is predicted for."""
         self._ask = ask
 
     def start(self, sink: TrackerSink) -> None:

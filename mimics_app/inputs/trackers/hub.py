@@ -1,4 +1,4 @@
-"""All trackers of a session in one room: who reports, what each sensor is, and where it is at a time."""
+"""The trackers of a session in one frame: roles of their sensors, and poses at any time."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ __all__ = ["Placed", "TrackerHub"]
 
 
 _UPSIDE_DOWN = -0.5
-"""Cosine between a head's up and the room's below which nobody stands or lies: 120 degrees."""
+"""Cosine between a head's up and the room's below which its sensor is upside down: 120 degrees."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Placed:
-    """A tracker with its place in the room.
+    """A tracker and its placement in the room.
 
     Attributes:
-        source: What reports.
-        roles: Role by sensor: "head", "hand_left"; sensors not named play none.
+        source: The tracker.
+        roles: Role by sensor: "head", "hand_left"; other sensors are ignored.
         axes: Rotation from its axes to the room's, float64 [3, 3].
-        unit: Metres per unit of what it reports beyond its own conversion.
-        calibration: From there into the room.
-        offset: sensor_from_part: where the part of the body is from its sensor, float64 [4, 4].
+        unit: Metres per unit of its reports, beyond its own conversion.
+        calibration: Similarity from there to the room's frame.
+        offset: sensor_from_part: pose of the body part in the frame of its sensor, float64 [4, 4].
     """
 
     source: TrackerSource
@@ -47,11 +47,11 @@ class Placed:
 
 
 class TrackerHub:
-    """Where head and hands are; asked by displays and avatars, each for the time it needs.
+    """Poses of head and hands for displays and avatars, each at the time it needs.
 
     Args:
-        trackers: In order of precedence: the first that knows a role gives it.
-        tape: Keeps every report in the order of arrival, None for no tape.
+        trackers: In order of precedence: the first that has reported a role determines it.
+        tape: Recorder of all reports in the order of arrival; None: no tape.
     """
 
     def __init__(self, trackers: Sequence[Placed] = (), tape: TapeWriter | None = None) -> None:
@@ -62,11 +62,11 @@ class TrackerHub:
 
     @property
     def roles(self) -> tuple[str, ...]:
-        """All that some tracker has, in their order."""
+        """All roles of the trackers, in their order."""
         return tuple(dict.fromkeys(role for each in self._trackers for role in each.roles.values()))
 
     def take_problems(self) -> list[str]:
-        """What has gone wrong with trackers since the last call, a line each; each is reported once."""
+        """Return the problems of trackers since the last call, one line each; each is reported once."""
         for each in self._trackers:
             self._note(each, each.source.problem or each.calibration.fault)
         new = [what for what, taken in self._problems.items() if not taken]
@@ -78,20 +78,18 @@ class TrackerHub:
             self._problems.setdefault(f"tracker {tracker.source.name}: {problem}", False)
 
     def _doubt(self, tracker: Placed, role: str, found: TrackedPose) -> None:
-        """Remember what cannot be right about where a part of the body is said to be."""
+        """Note an implausible pose of a body part."""
         if found.capped and not found.stale:
-            least_ms = MAX_PREDICTION_NS // 1_000_000
-            self._note(
-                tracker, f"the {role} is requested past {least_ms} ms after a report; it is predicted no farther"
-            )
+            limit_ms = MAX_PREDICTION_NS // 1_000_000
+            self._note(tracker, f"the {role} is needed more than {limit_ms} ms after a report; prediction ends there")
         if role == "head" and found.pose[1, 1] < _UPSIDE_DOWN:
-            self._note(tracker, "the head is upside down: turn its sensor over, or correct `axes` or its `offset`")
+            self._note(tracker, "the head is upside down: rotate its sensor, or correct `axes` or its `offset`")
 
     def start(self) -> None:
-        """Begin to listen.
+        """Start all trackers.
 
         Raises:
-            DeviceError: a tracker cannot be had; those begun before it are stopped.
+            DeviceError: A tracker is not available; those started before it are stopped.
         """
         begun: list[TrackerSource] = []
         try:
@@ -104,28 +102,28 @@ class TrackerHub:
             raise
 
     def see(self, frame: WindowFrame) -> None:
-        """What happened at the window, for those that follow mouse and gamepad."""
+        """Pass the window's events to the trackers that follow mouse and gamepad."""
         for each in self._trackers:
             if isinstance(each.source, PointerTracker):
                 each.source.see(frame)
 
     def listen_to(self, display: Callable[[], Sequence[TrackerSample]]) -> None:
-        """What the display itself knows of head and hands, for those that report it."""
+        """Pass the display's own tracking of head and hands to the trackers that report it."""
         for each in self._trackers:
             if isinstance(each.source, HeadsetTracker):
                 each.source.listen_to(display)
 
     def poll(self, now_ns: int) -> None:
-        """Once a frame."""
+        """Poll all trackers; call once a frame."""
         for each in self._trackers:
             each.source.poll(now_ns)
 
     def pose(self, role: str, at_ns: int) -> TrackedPose | None:
-        """room_from_part of a role at a time [ns]; None where no tracker has reported it yet."""
+        """Return room_from_part of a role at a time [ns]; None where no tracker has reported it yet."""
         stale: TrackedPose | None = None
         for number, each in enumerate(self._trackers):
             if stale is not None and isinstance(each.source, ScriptedPerson):
-                continue  # a person who was there does not go on as one who is not
+                continue  # a person whose tracking is lost does not continue as the scripted one
             for sensor in (sensor for sensor, played in each.roles.items() if played == role):
                 track = self._tracks.get((number, sensor))
                 found = None if track is None else track.pose(at_ns)
@@ -139,12 +137,12 @@ class TrackerHub:
         return stale
 
     def head(self, at_ns: int) -> F8 | None:
-        """room_from_head for displays, float64 [4, 4]; of a stale one its last place."""
+        """Return room_from_head for displays, float64 [4, 4]; the last pose where it is stale."""
         found = self.pose("head", at_ns)
         return None if found is None else found.pose
 
     def stop(self) -> None:
-        """End all of them."""
+        """Stop all trackers and close the tape."""
         for each in self._trackers:
             each.source.stop()
         if self._tape is not None:
@@ -158,7 +156,7 @@ class TrackerHub:
 
 
 def _place(tracker: Placed, pose: F8) -> F8:
-    """From what a device reports into the room."""
+    """Return room_from_part of a pose that a device reported."""
     mapped = np.eye(4)
     mapped[:3, :3] = tracker.axes @ pose[:3, :3] @ tracker.axes.T
     mapped[:3, 3] = tracker.unit * (tracker.axes @ pose[:3, 3])

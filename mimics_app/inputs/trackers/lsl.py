@@ -1,4 +1,4 @@
-"""Poses by the lab streaming layer (extra `lsl`): a stream of seven numbers a sensor, x y z qx qy qz qw."""
+"""Poses by the lab streaming layer (extra `lsl`): a stream of seven channels per sensor, x y z qx qy qz qw."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _LOOK_S = 0.05
 
 
 class LslTracker(ThreadedTracker):
-    """One stream; its sensors are called "1", "2" and so on, seven channels each.
+    """Tracker of one stream; its sensors are called "1", "2" and so on, seven channels each.
 
     Args:
-        name: As the scene calls it.
+        name: Name in the scene.
         address: Name of the stream.
-        clock: The session's.
+        clock: The session's clock.
     """
 
     def __init__(self, name: str, address: str, clock: Clock | None = None) -> None:
@@ -58,4 +58,4 @@ class LslTracker(ThreadedTracker):
         t_ns = self._clock.now_ns()
         for first in range(0, len(values), POSE_NUMBERS):
             pose = [float(value) for value in values[first : first + POSE_NUMBERS]]
-            self._pass_pose(str(first // POSE_NUMBERS + 1), pose, t_ns, sink, round(stamp * 1e9))
+            self._deliver_pose(str(first // POSE_NUMBERS + 1), pose, t_ns, sink, round(stamp * 1e9))

@@ -1,4 +1,4 @@
-"""Poses by OSC over UDP: /pose/SENSOR x y z qx qy qz qw, as motion-capture bridges send rigid bodies and joints."""
+"""Poses by OSC over UDP: /pose/SENSOR x y z qx qy qz qw, as sent by bridges of motion-capture systems."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ _LOOK_S = 0.05
 
 
 class OscTracker(ThreadedTracker):
-    """Everything that arrives at a port; the sensor is what follows /pose/, e.g. "subject/wrist_left".
+    """Tracker of the messages at a port; the sensor's name follows /pose/, e.g. "subject/wrist_left".
 
     Args:
-        name: As the scene calls it.
+        name: Name in the scene.
         address: [HOST:]PORT to listen at; port 0: any.
-        clock: The session's.
+        clock: The session's clock.
 
     Attributes:
-        port: That it listens on, after `start`.
+        port: Number of the port, after `start`.
     """
 
     def __init__(self, name: str, address: str, clock: Clock | None = None) -> None:
@@ -42,7 +42,7 @@ class OscTracker(ThreadedTracker):
             # The blocking server answers in the thread that reads: no thread per message.
             self._server = BlockingOSCUDPServer(self._place, self._dispatcher)
         except OSError as error:
-            what = f"no OSC can be heard at {self._place[0]}:{self._place[1]}: {error.strerror or error}"
+            what = f"OSC cannot be received at {self._place[0]}:{self._place[1]}: {error.strerror or error}"
             raise DeviceError(what, "give another port") from None
         self.port = int(self._server.server_address[1])
 
@@ -60,4 +60,4 @@ class OscTracker(ThreadedTracker):
         if not address.startswith(_PREFIX) or not len(values) == len(numbers) == POSE_NUMBERS:
             self.rejected += 1
             return
-        self._pass_pose(address[len(_PREFIX) :], numbers, self._clock.now_ns(), sink)
+        self._deliver_pose(address[len(_PREFIX) :], numbers, self._clock.now_ns(), sink)

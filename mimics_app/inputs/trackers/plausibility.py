@@ -1,4 +1,4 @@
-"""Reports that cannot be: numbers that are none, places out of reach, leaps that nobody makes."""
+"""Plausibility of tracker reports: finite numbers, positions within range, steps that a person can make."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from mimics_app.contracts.tracker_port import TrackerSample
 __all__ = ["Plausibility"]
 
 _REACH = 20.0
-"""Farthest from a tracker's origin that is believed [m]."""
+"""Largest distance from a tracker's origin [m]."""
 _STEP_M = 0.30
-"""Most that a sensor moves between two reports [m]: 9 m/s at 30 Hz, which no hand does."""
+"""Largest displacement between two reports [m]: 9 m/s at 30 Hz, which no hand reaches."""
 _STEP_RAD = 1.0
-"""Most that it turns between two reports [rad]."""
+"""Largest rotation between two reports [rad]."""
 _FORGET_NS = 500_000_000
-"""After so long without a report [ns] it may be anywhere again."""
+"""Time without a report after which steps are not limited [ns]."""
 
 
 class Plausibility:
-    """Lets a sensor's reports through one by one.
+    """Filter of one sensor's reports.
 
-    The first report, and one after a leap, is held back until the next agrees with it: what line noise makes of a
-    record's form agrees with nothing.
+    The first report, and one after a leap, is dropped unless the next agrees with it: a record made of line noise
+    agrees with no other.
     """
 
     def __init__(self) -> None:
@@ -30,7 +30,7 @@ class Plausibility:
         self._waiting: TrackerSample | None = None
 
     def admits(self, sample: TrackerSample) -> bool:
-        """Whether this report is to be believed."""
+        """Whether this report is plausible."""
         if not _possible(sample):
             self._waiting = None
             return False

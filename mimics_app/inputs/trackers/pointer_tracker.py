@@ -1,4 +1,4 @@
-"""Head and hands by mouse, keys and gamepad, where there is no tracker: for trying a scene at a desk."""
+"""Head and hands by mouse and gamepad, for trying a scene without a tracker."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from mimics_app.inputs.trackers.polhemus import euler_quaternion
 __all__ = ["PointerTracker"]
 
 _LOOK_RAD = 0.6
-"""How far the pointer at the window's edge turns the head [rad]."""
+"""Rotation of the head with the pointer at the window's edge [rad]."""
 _STICK_M = 0.25
-"""How far a stick at its end moves a hand [m]."""
+"""Displacement of a hand with the stick at its end [m]."""
 _HANDS = {"hand_left": ("left_x", "left_y", -0.25), "hand_right": ("right_x", "right_y", 0.25)}
 
 
 class PointerTracker(TrackerSource):
-    """The pointer turns the head; the sticks of a gamepad move the hands before the body.
+    """The pointer rotates the head; the sticks of a gamepad move the hands in front of the body.
 
     Args:
-        name: As the scene calls it.
+        name: Name in the scene.
     """
 
     def __init__(self, name: str) -> None:
@@ -31,7 +31,7 @@ class PointerTracker(TrackerSource):
         self._sticks: dict[str, float] = {}
 
     def see(self, frame: WindowFrame) -> None:
-        """Take what happened at the window."""
+        """Take the events of the window."""
         for event in frame.events:
             if event.kind == "move":
                 self._look = (event.x, event.y)

@@ -1,7 +1,7 @@
-"""Polhemus Fastrak in ASCII, which InterSense devices speak too: records of 47 bytes, inches or centimetres.
+"""Polhemus Fastrak in ASCII, also used by InterSense devices: records of 47 bytes, inches or centimetres.
 
 A record is station "01", a space or an error letter, six numbers of seven characters (x y z, azimuth, elevation, roll
-in degrees), and CR LF. It has no check sum: only its form can be checked, and the next record.
+in degrees), and CR LF. It has no checksum: only its format can be checked, and its agreement with the next record.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ __all__ = ["RECORD_BYTES", "FastrakParser", "euler_quaternion", "fastrak_record"
 RECORD_BYTES = 47
 _FORM = re.compile(rb"0([1-4]) ((?: *-?\d{1,3}\.\d\d){6})\r\n")
 _MOST_WAITING = 4096
-"""Bytes kept without a whole record among them; then they are no Fastrak's."""
+"""Bytes kept without a complete record; then they are dropped."""
 
 
 class FastrakParser:
-    """Finds whole records in what arrives, however it is cut; of a broken one nothing is used.
+    """Parser of the byte stream; nothing of a damaged record is used.
 
     Args:
-        metres: Per unit of the device.
+        metres: Metres per unit of the device.
 
     Attributes:
-        rejected: Lines that were no record.
+        rejected: Number of lines that were not records.
     """
 
     def __init__(self, metres: float) -> None:
@@ -35,7 +35,7 @@ class FastrakParser:
         self.rejected = 0
 
     def feed(self, data: bytes, t_ns: int) -> list[TrackerSample]:
-        """Take bytes that arrived at a time [ns]; returns what is whole now."""
+        """Take bytes that arrived at a time [ns] and return the complete reports."""
         self._waiting += data
         found = []
         while (end := self._waiting.find(b"\n")) >= 0:
@@ -55,7 +55,7 @@ class FastrakParser:
         match = _FORM.fullmatch(line)
         if match is None or len(line) != RECORD_BYTES:
             return None
-        # Numbers stand in columns: a byte lost in one of them and gained in another shows in the points.
+        # Numbers are in columns: a byte lost in one and gained in another shifts the decimal points.
         columns = [line[3 + 7 * i : 10 + 7 * i] for i in range(6)]
         if any(column[4:5] != b"." for column in columns):
             return None
@@ -69,20 +69,20 @@ class FastrakParser:
 def fastrak_record(
     station: int, position: tuple[float, float, float], angles: tuple[float, float, float], metres: float
 ) -> bytes:
-    """The record of a station, for emulators.
+    """Return the record of a station, for emulators.
 
     Args:
         station: 1 to 4.
         position: [m].
         angles: Azimuth, elevation, roll [deg].
-        metres: Per unit of the device.
+        metres: Metres per unit of the device.
     """
     numbers = (*(value / metres for value in position), *angles)
     return b"0%d " % station + b"".join(b"%7.2f" % value for value in numbers) + b"\r\n"
 
 
 def euler_quaternion(azimuth: float, elevation: float, roll: float) -> tuple[float, float, float, float]:
-    """Quaternion x y z w of turns about z, then the new y, then the new x [deg]: both makers' convention."""
+    """Return the quaternion x y z w of rotations about z, the new y and the new x [deg], as both makers define them."""
     a, e, r = (math.radians(angle) / 2.0 for angle in (azimuth, elevation, roll))
     ca, sa, ce, se, cr, sr = math.cos(a), math.sin(a), math.cos(e), math.sin(e), math.cos(r), math.sin(r)
     return (

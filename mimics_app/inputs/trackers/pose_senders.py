@@ -1,4 +1,4 @@
-"""What sends poses to the trackers under test: a motion-capture system by OSC, and a VRPN server."""
+"""Senders of poses for tests of the trackers: a motion-capture system by OSC, and a VRPN server."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ _LOOK_S = 0.05
 
 
 class OscSender:
-    """Sends poses: stands in for a motion-capture system.
+    """Sender of poses in place of a motion-capture system.
 
     Args:
-        port: Where to, on this machine unless set otherwise.
-        host: Which.
+        port: Port of the receiver.
+        host: Host of the receiver, this machine by default.
     """
 
     def __init__(self, port: int, host: str = "127.0.0.1") -> None:
@@ -38,24 +38,24 @@ class OscSender:
     def send(
         self, sensor: str, position: tuple[float, float, float], rotation: tuple[float, float, float, float]
     ) -> None:
-        """Report a pose."""
+        """Send a pose."""
         self._client.send_message("/pose/" + sensor, [*map(float, position), *map(float, rotation)])
 
     def close(self) -> None:
-        """Free the socket."""
+        """Close the socket."""
         self._client._sock.close()
 
 
 class VrpnServer:
-    """Sends poses to every client: stands in for a tracker or a motion-capture system.
+    """Server that sends poses to every client, in place of a tracker or a motion-capture system.
 
     Args:
-        tracker: Its name.
-        port: To listen on; 0: any.
-        host: To listen at; this machine alone unless set otherwise.
+        tracker: Name of the tracker.
+        port: Port to listen at; 0: any.
+        host: Address to listen at, this machine alone by default.
 
     Attributes:
-        port: That it listens on.
+        port: Number of the port.
     """
 
     def __init__(self, tracker: str, port: int = 0, host: str = "127.0.0.1") -> None:
@@ -74,7 +74,7 @@ class VrpnServer:
         rotation: tuple[float, float, float, float],
         t_ns: int,
     ) -> None:
-        """Report a pose to all clients; one that is gone is forgotten."""
+        """Send a pose to all clients; one that is gone is removed."""
         message = pack(0, 0, pose_body(sensor, position, rotation), t_ns)
         for client in list(self._clients):
             try:
@@ -85,11 +85,11 @@ class VrpnServer:
 
     @property
     def clients(self) -> int:
-        """How many are connected."""
+        """Number of connected clients."""
         return len(self._clients)
 
     def close(self) -> None:
-        """Let go of all clients."""
+        """Close all connections."""
         self._closing.set()
         self._thread.join()
         self._listening.close()

@@ -1,4 +1,4 @@
-"""A person who is not there: where head, trunk and hands are at any time, the same for the same seed."""
+"""A scripted person: poses of head, trunk and hands as functions of time and seed."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from mimics_app.inputs.trackers.polhemus import euler_quaternion
 __all__ = ["PERSON_SENSORS", "ScriptedPerson", "person_at"]
 
 PERSON_SENSORS = ("head", "chest", "hand_left", "hand_right")
-"""Sensors of a person's upper body, by role."""
+"""Sensors of the upper body, by role."""
 
 _REST = {"head": (0.0, 1.70, 0.0), "chest": (0.0, 1.35, 0.04), "hand_left": (-0.25, 1.05, -0.30)}
 _REST |= {"hand_right": (0.25, 1.05, -0.30)}
 _SWAY = {"head": 0.03, "chest": 0.02, "hand_left": 0.12, "hand_right": 0.12}
-"""How far each moves to either side of its rest [m]."""
+"""Amplitude of each sensor's motion about its rest position [m]."""
 _TURN_DEG = {"head": 25.0, "chest": 10.0, "hand_left": 30.0, "hand_right": 30.0}
 _PERIOD_NS = 8_333_333
-"""Of its reports: 120 Hz [ns]."""
+"""Period of the reports: 120 Hz [ns]."""
 
 
 def person_at(sensor: str, t_s: float, seed: int) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """Where a sensor is in the room.
+    """Return the pose of a sensor in the room.
 
     Args:
-        sensor: Of `PERSON_SENSORS`.
+        sensor: One of `PERSON_SENSORS`.
         t_s: Time [s].
-        seed: Of who it is.
+        seed: Seed of the person.
 
     Returns:
-        Position [m]; turns about up, across and forward [deg].
+        Position [m]; rotations about up, across and forward [deg].
     """
     chance = np.random.default_rng((seed, PERSON_SENSORS.index(sensor)))
     phase, rate = chance.uniform(0.0, 2.0 * math.pi, 6), chance.uniform(0.15, 0.45, 6)
@@ -43,11 +43,11 @@ def person_at(sensor: str, t_s: float, seed: int) -> tuple[tuple[float, float, f
 
 
 class ScriptedPerson(TrackerSource):
-    """Reports a person's upper body at 120 Hz of the session's own time, whichever clock that is.
+    """Tracker that reports a scripted upper body at 120 Hz of session time, on any clock.
 
     Args:
-        name: As the scene calls it.
-        seed: Of who it is.
+        name: Name in the scene.
+        seed: Seed of the person.
     """
 
     def __init__(self, name: str, seed: int) -> None:
@@ -62,14 +62,14 @@ class ScriptedPerson(TrackerSource):
     def poll(self, now_ns: int) -> None:
         if self._sink is None:
             return
-        # Only what a track would keep of a long pause is made up for.
+        # After a long pause only the reports that a track keeps are made up.
         self._done_ns = max(self._done_ns, now_ns - now_ns % _PERIOD_NS - 64 * _PERIOD_NS)
         while self._done_ns + _PERIOD_NS <= now_ns:
             self._done_ns += _PERIOD_NS
             for sensor in PERSON_SENSORS:
                 place, (yaw, pitch, roll) = person_at(sensor, self._done_ns * 1e-9, self._seed)
                 x, y, z, w = euler_quaternion(yaw, pitch, roll)
-                # The convention turns about z, y, x; a person turns about y, x, z.
+                # The convention rotates about z, y, x; a person turns about y, x, z.
                 self._sink(TrackerSample(sensor, self._done_ns, place, (y, z, x, w), self._done_ns))
 
     def stop(self) -> None:

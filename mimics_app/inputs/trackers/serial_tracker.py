@@ -1,4 +1,4 @@
-"""Trackers on a serial line: a thread that reads what there is, a parser, and what is believed of it."""
+"""Trackers on a serial line: a thread that reads, and a parser per device."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mimics_app.inputs.trackers.threaded_tracker import ThreadedTracker
 __all__ = ["SerialTracker", "fastrak", "flock_of_birds"]
 
 _PATIENCE_S = 0.05
-"""How long a read waits for the first byte."""
+"""Time-out of a read [s]."""
 
 
 class _Parser(Protocol):
@@ -25,16 +25,16 @@ class _Parser(Protocol):
 
 
 class SerialTracker(ThreadedTracker):
-    """One device on a port; see `fastrak` and `flock_of_birds`.
+    """One device on a serial port; see `fastrak` and `flock_of_birds`.
 
     Args:
-        name: As the scene calls it.
-        port: Of the line, e.g. /dev/ttyUSB0.
-        baud: [bit/s].
-        parser: Of its records.
-        begin: What is written to make it report continuously.
-        end: What makes it stop.
-        clock: The session's.
+        name: Name in the scene.
+        port: Serial port, e.g. /dev/ttyUSB0.
+        baud: Line speed [bit/s].
+        parser: Parser of its records.
+        begin: Command that starts continuous reports.
+        end: Command that stops them.
+        clock: The session's clock.
     """
 
     def __init__(
@@ -77,20 +77,20 @@ class SerialTracker(ThreadedTracker):
                 self.problem = f"the line is gone: {error}"
                 return
             if data:
-                self._hand_on(data, sink)
+                self._parse(data, sink)
 
-    def _hand_on(self, data: bytes, sink: TrackerSink) -> None:
+    def _parse(self, data: bytes, sink: TrackerSink) -> None:
         for sample in self._parser.feed(data, self._clock.now_ns()):
-            self._pass_on(sample, sink)
+            self._deliver(sample, sink)
         self.rejected += self._parser.rejected - self._broken
         self._broken = self._parser.rejected
 
 
 def fastrak(name: str, port: str, baud: int = 115200, clock: Clock | None = None) -> SerialTracker:
-    """A Polhemus Fastrak, set to report in centimetres and text, continuously."""
+    """Return a Polhemus Fastrak, set to continuous reports in centimetres and text."""
     return SerialTracker(name, port, baud, FastrakParser(UNITS["cm"]), b"F\ru\rC\r", b"c\r", clock)
 
 
 def flock_of_birds(name: str, port: str, baud: int = 115200, clock: Clock | None = None) -> SerialTracker:
-    """An Ascension Flock of Birds of one bird, set to stream position and angles."""
+    """Return an Ascension Flock of Birds with one bird, set to stream position and angles."""
     return SerialTracker(name, port, baud, FlockParser(), b"Y@", b"B", clock)

@@ -1,8 +1,9 @@
-"""Tapes of trackers: every report as a line of JSON, and playing them back to the last bit."""
+"""Tapes of trackers: recording of every report as a line of JSON, and playback to the last bit."""
 
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import IO
 
@@ -14,7 +15,10 @@ from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, Tracke
 __all__ = ["TapeTracker", "TapeWriter", "read_tape"]
 
 _LARGEST = 512 << 20
-"""Longest tape that is read [bytes]: some ten hours of one person at 120 Hz."""
+"""Largest tape that is read [bytes]: some ten hours of one person at 120 Hz."""
+
+_UNIT = 0.1
+"""Largest deviation of a quaternion's length from 1."""
 
 
 class _Line(msgspec.Struct, forbid_unknown_fields=True):
@@ -26,34 +30,34 @@ class _Line(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class TapeWriter:
-    """Writes what passes through it. Numbers are written so that they are read back to the last bit.
+    """Recorder of reports. Numbers are written so that they are read back to the last bit.
 
     Args:
-        file: New, or written over.
+        file: The tape; an existing one is overwritten.
     """
 
     def __init__(self, file: Path) -> None:
         self._file: IO[bytes] = file.open("wb")
 
     def take(self, sample: TrackerSample) -> None:
-        """Keep a report."""
+        """Write a report."""
         line = _Line(sample.sensor, sample.t_ns, sample.position, sample.rotation, sample.device_ns)
         self._file.write(msgspec.json.encode(line) + b"\n")
 
     def close(self) -> None:
-        """Finish the file."""
+        """Close the file."""
         self._file.close()
 
 
 def read_tape(file: Path) -> list[TrackerSample]:
-    """All reports of a tape, in their order; a last line that was cut off is left out.
+    """Read the reports of a tape in their order; a last line that was cut off is left out.
 
     Raises:
-        SceneError: no such file, or a line that is no report.
+        SceneError: The file is missing, or a line is not a report.
     """
     try:
         if file.stat().st_size > _LARGEST:
-            raise SceneError(Issue(str(file), "", "is longer than any tape"))
+            raise SceneError(Issue(str(file), "", f"has more than {_LARGEST >> 20} MB"))
         lines = file.read_bytes().splitlines(keepends=True)
     except OSError as error:
         raise SceneError(Issue(str(file), "", f"cannot be read: {error.strerror}")) from None
@@ -65,19 +69,21 @@ def read_tape(file: Path) -> list[TrackerSample]:
             if number == len(lines) and not line.endswith(b"\n"):
                 break
             raise SceneError(Issue(str(file), f"line {number}", f"is no report of a tracker: {error}")) from None
+        if not abs(math.hypot(*read.rotation) - 1.0) <= _UNIT:
+            raise SceneError(Issue(str(file), f"line {number}", "its rotation is no unit quaternion"))
         samples.append(TrackerSample(read.sensor, read.t_ns, read.position, read.rotation, read.device_ns))
     return samples
 
 
 class TapeTracker(TrackerSource):
-    """Plays a tape on the session's time: a report comes with the frame after its own time.
+    """Tracker that plays a tape in session time: a report is delivered with the frame after its own time.
 
     Args:
-        name: As the scene calls it.
+        name: Name in the scene.
         file: The tape.
 
     Raises:
-        SceneError: see `read_tape`.
+        SceneError: See `read_tape`.
     """
 
     def __init__(self, name: str, file: Path) -> None:
@@ -94,7 +100,7 @@ class TapeTracker(TrackerSource):
         if self._sink is None or not self._samples:
             return
         if self._begun_ns is None:
-            # A tape of a live session counts from its first report, one of the virtual clock from zero already.
+            # A tape of a live session starts at its first report, one of the virtual clock at zero.
             first = self._samples[0].t_ns
             self._begun_ns = 0 if first < 1_000_000_000 else first - now_ns
         while self._next < len(self._samples) and self._samples[self._next].t_ns - self._begun_ns <= now_ns:

@@ -1,4 +1,4 @@
-"""What trackers with a line of their own have in common: a thread that reads, what is believed of it, and the end."""
+"""Base class of trackers with a connection of their own: reading thread, plausibility check, orderly end."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ POSE_NUMBERS = 7
 """x, y, z [m], and a quaternion x, y, z, w."""
 
 _SHORTEST, _LONGEST = 0.9, 1.1
-"""Length that a unit quaternion may have on a line."""
+"""Range of a received unit quaternion's length."""
 
 
 class ThreadedTracker(TrackerSource):
     """A tracker that is opened, read by a thread until it is stopped, and closed.
 
     Args:
-        name: As the scene calls it.
-        clock: The session's.
+        name: Name in the scene.
+        clock: The session's clock.
     """
 
     def __init__(self, name: str, clock: Clock | None = None) -> None:
@@ -37,15 +37,19 @@ class ThreadedTracker(TrackerSource):
 
     @abstractmethod
     def _open(self) -> None:
-        """Open the line; a DeviceError where it cannot be had."""
+        """Open the connection.
+
+        Raises:
+            DeviceError: It is not available.
+        """
 
     @abstractmethod
     def _read(self, sink: TrackerSink) -> None:
-        """Pass on what comes until `_stopping` is set or the line is lost; the latter is a `problem`."""
+        """Deliver reports until `_stopping` is set or the connection is lost; the latter sets `problem`."""
 
     @abstractmethod
     def _close(self) -> None:
-        """Close the line, after the thread."""
+        """Close the connection, after the thread has ended."""
 
     def start(self, sink: TrackerSink) -> None:
         self._open()
@@ -53,7 +57,7 @@ class ThreadedTracker(TrackerSource):
         self._thread.start()
 
     def poll(self, now_ns: int) -> None:
-        """It has a thread."""
+        """Do nothing: the thread reads."""
 
     def stop(self) -> None:
         self._stopping.set()
@@ -61,21 +65,21 @@ class ThreadedTracker(TrackerSource):
             self._thread.join()
             self._close()
 
-    def _pass_on(self, sample: TrackerSample, sink: TrackerSink) -> None:
-        """Hand a report on, or count it where it is not believed."""
+    def _deliver(self, sample: TrackerSample, sink: TrackerSink) -> None:
+        """Pass a plausible report to the sink; count any other."""
         if self._believed.setdefault(sample.sensor, Plausibility()).admits(sample):
             sink(sample)
         else:
             self.rejected += 1
 
-    def _pass_pose(
+    def _deliver_pose(
         self, sensor: str, pose: Sequence[float], t_ns: int, sink: TrackerSink, device_ns: int | None = None
     ) -> None:
-        """The same of `POSE_NUMBERS` numbers, whose quaternion is made a unit one, or is none."""
+        """Deliver a pose of `POSE_NUMBERS` numbers with its quaternion normalised; count one that is none."""
         x, y, z, qx, qy, qz, qw = pose
         length = math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw)
         if not _SHORTEST < length < _LONGEST:
             self.rejected += 1
             return
         rotation = (qx / length, qy / length, qz / length, qw / length)
-        self._pass_on(TrackerSample(sensor, t_ns, (x, y, z), rotation, device_ns), sink)
+        self._deliver(TrackerSample(sensor, t_ns, (x, y, z), rotation, device_ns), sink)

@@ -1,4 +1,4 @@
-"""The last seconds of one sensor, and where it is at any time: between two reports, or a little after the last."""
+"""History of one sensor, with interpolation between two reports and prediction after the last one."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from mimics_app.maths.poses import interpolate_pose, pose_from_parts
 __all__ = ["KEPT", "Track"]
 
 KEPT = 1024
-"""Reports kept: four seconds at 240 Hz."""
+"""Length of the history: four seconds at 240 Hz."""
 
 _LEAST_STEP_NS = 1_000_000
-"""Two reports nearer to each other [ns] give no velocity: a burst of a late bus."""
+"""Shortest interval between two reports that gives a velocity [ns]: a late bus delivers bursts."""
 
 
 class Track:
-    """A ring with one writer, the source's thread, and readers that never wait: a slot is written before it counts."""
+    """Ring buffer with one writer, the source's thread, and readers that never wait: the count follows the slot."""
 
     def __init__(self) -> None:
         self._slots: list[TrackerSample | None] = [None] * KEPT
@@ -31,7 +31,7 @@ class Track:
         return self._slots[(self._count - 1) % KEPT] if self._count else None
 
     def add(self, sample: TrackerSample) -> None:
-        """Take a report; one that is older than the last is left out."""
+        """Take a report; one that is not newer than the last is dropped."""
         last = self.newest
         if last is not None and sample.t_ns <= last.t_ns:
             return
@@ -39,10 +39,10 @@ class Track:
         self._count += 1
 
     def pose(self, at_ns: int) -> TrackedPose | None:
-        """Where the sensor is.
+        """Return the pose at a time.
 
-        Between two reports it is interpolated. After the last it goes on as it went, straight and turning evenly, for
-        `MAX_PREDICTION_NS` at most; farther ahead it stays where that ends, and the pose says so.
+        Between two reports it is interpolated. After the last one it is extrapolated at constant linear and angular
+        velocity, for at most `MAX_PREDICTION_NS`; beyond, the pose remains there and is marked as capped.
 
         Args:
             at_ns: Session time [ns].
@@ -72,7 +72,7 @@ class Track:
         return TrackedPose(interpolate_pose(_matrix(before), _matrix(newest), share), age, stale, capped)
 
     def _before(self, at_ns: int) -> TrackerSample | None:
-        """The last report at or before a time."""
+        """Return the last report at or before a time."""
         count = self._count
         for back in range(1, min(count, KEPT - 1) + 1):
             sample = self._slots[(count - back) % KEPT]
@@ -81,7 +81,7 @@ class Track:
         return None
 
     def _after(self, before: TrackerSample) -> TrackerSample:
-        """The report that followed one."""
+        """Return the report after a given one."""
         count = self._count
         following = before
         for back in range(1, min(count, KEPT - 1) + 1):

@@ -24,16 +24,16 @@ __all__ = ["VrpnTracker"]
 
 _PATIENCE_S = 3.0
 _LOOK_S = 0.05
-"""How often a waiting thread asks whether it is to end [s]."""
+"""Period in which a waiting thread checks whether to end [s]."""
 
 
 class VrpnTracker(ThreadedTracker):
-    """One tracker of a server; its sensors are called by their numbers.
+    """One tracker of a server; its sensors are named by their numbers.
 
     Args:
-        name: As the scene calls it.
+        name: Name in the scene.
         address: TRACKER@HOST[:PORT].
-        clock: The session's.
+        clock: The session's clock.
     """
 
     def __init__(self, name: str, address: str, clock: Clock | None = None) -> None:
@@ -93,4 +93,4 @@ class VrpnTracker(ThreadedTracker):
             self.rejected += 1
             return
         sensor, numbers = pose
-        self._pass_pose(str(sensor), numbers, t_ns, sink, message.t_ns)
+        self._deliver_pose(str(sensor), numbers, t_ns, sink, message.t_ns)

@@ -1,4 +1,4 @@
-"""VRPN's messages over TCP: 24 bytes of header, big-endian, bodies padded to eight; types and senders are announced.
+"""VRPN's messages over TCP: big-endian header of 24 bytes, bodies padded to eight; types and senders are announced.
 
 The protocol has no authentication, so our own server listens to this machine alone unless set otherwise.
 """
@@ -31,12 +31,12 @@ SENDER_DESCRIPTION, TYPE_DESCRIPTION = -1, -2
 _HEADER = struct.Struct(">iIIii4x")
 _POSE = struct.Struct(">ii7d")
 _LARGEST = 1 << 16
-"""Longest message that is read [bytes]; a pose has 88."""
+"""Largest message that is read [bytes]; a pose has 88."""
 
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """One message: time on the sender's clock [ns], number of the sender, of the type, and the body."""
+    """One message: time on the sender's clock [ns], number of the sender, number of the type, body."""
 
     t_ns: int
     sender: int
@@ -50,7 +50,7 @@ class Message:
 
     @property
     def pose(self) -> tuple[int, tuple[float, ...]] | None:
-        """Sensor, and x y z x y z w; None where the body is no pose."""
+        """Sensor, and position x y z with quaternion x y z w; None where the body is not a pose."""
         if len(self.body) != _POSE.size:
             return None
         sensor, _, *numbers = _POSE.unpack(self.body)
@@ -58,36 +58,36 @@ class Message:
 
 
 def pack(sender: int, kind: int, body: bytes, t_ns: int) -> bytes:
-    """A whole message."""
+    """Return a message with its header."""
     seconds, rest = divmod(t_ns, 1_000_000_000)
     header = _HEADER.pack(_HEADER.size + len(body), seconds & 0xFFFFFFFF, rest // 1000, sender, kind)
     return header + body + bytes(-len(body) % 8)
 
 
 def announcement(what: int, number: int, name: str) -> bytes:
-    """Announce the name of a sender or a type."""
+    """Return the message that announces the name of a sender or a type."""
     text = name.encode() + b"\0"
     return pack(number, what, struct.pack(">i", len(text)) + text, 0)
 
 
 def pose_body(sensor: int, position: tuple[float, float, float], rotation: tuple[float, float, float, float]) -> bytes:
-    """Body of a pose."""
+    """Return the body of a pose message."""
     return _POSE.pack(sensor, 0, *position, *rotation)
 
 
 class MessageReader:
-    """Cuts what arrives into messages.
-
-    Raises:
-        ValueError: what arrives is no VRPN: the line cannot be trusted any more.
-    """
+    """Parser of the byte stream."""
 
     def __init__(self) -> None:
         self._waiting = bytearray()
         self._greeted = False
 
     def feed(self, data: bytes) -> list[Message]:
-        """Take bytes; returns the messages that are whole now."""
+        """Take bytes and return the complete messages.
+
+        Raises:
+            ValueError: The stream is not VRPN, or is damaged beyond resynchronisation.
+        """
         self._waiting += data
         if not self._greeted:
             if len(self._waiting) < len(COOKIE):
@@ -106,7 +106,7 @@ class MessageReader:
             return None
         length, seconds, micros, sender, kind = _HEADER.unpack_from(self._waiting)
         if not _HEADER.size <= length <= _LARGEST:
-            raise ValueError(f"a message of {length} bytes cannot be")
+            raise ValueError(f"a message of {length} bytes is out of range")
         whole = _HEADER.size + (length - _HEADER.size + 7) // 8 * 8
         if len(self._waiting) < whole:
             return None
@@ -116,6 +116,6 @@ class MessageReader:
 
 
 def open_socket(connection: socket.socket) -> socket.socket:
-    """No waiting for more before a message goes out: pieces of 24 bytes would wait 40 ms for each other."""
+    """Disable Nagle's algorithm, with which small messages would wait 40 ms for each other, and return the socket."""
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     return connection

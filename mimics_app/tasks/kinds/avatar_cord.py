@@ -1,4 +1,4 @@
-"""The avatar at the other end of a cord: baseline, taps, a threat, where one feels to be, questions; per condition."""
+"""The experiment with the avatar and the cord: baseline, taps, threat, localisation probe, questions, per condition."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ if TYPE_CHECKING:
 __all__ = ["HALF_FRAME_NS", "KIND", "AvatarCordKind"]
 
 _AHEAD_NS = 2 * FRAME_NS
-"""A tap to be felt is ordered so long before it is due [ns]: whoever drives the vibrator has the time to be exact."""
+"""Lead time of a tactile event's order, for the driver of the vibrator [ns]."""
 HALF_FRAME_NS = 8_500_000
-"""A touch is shown by the frame that is nearest to it: of frames 16 and 17 ms apart, half of the longer [ns]."""
+"""Half of the longer frame, of 16 and 17 ms: a touch is shown by the frame nearest to it [ns]."""
 _LEAST_SCALES = ("ownership", "agency", "touch", "location", "control")
 
 
@@ -161,14 +161,14 @@ class AvatarCordPlay(KindPlay):
         return min(max((now_ns - begun) / max(1.0, self._condition.duration_s * SECOND_NS), 0.0), 1.0)
 
     def _next_tap(self) -> tuple[int, str, float, float, int] | None:
-        """The tap that is under way or comes next: when it touches [ns], where, and its number; None outside."""
+        """Return the present or next tap: time of the touch [ns], place, share, angle, number; None without one."""
         if self._phase is not _Phase.TAPS or self._begin_ns is None or not self._taps:
             return None
         tap = self._taps[min(self._shown, len(self._taps) - 1)]
         return self._begin_ns + tap.seen_ns, tap.place, tap.share, tap.theta, tap.number
 
     def _order_taps(self, now_ns: int) -> None:
-        """Order what is felt ahead of its time, and log what this frame shows."""
+        """Order tactile events ahead of their time, and log the taps shown in this frame."""
         assert self._begin_ns is not None
         by_felt = sorted(self._taps, key=lambda tap: (tap.felt_ns, tap.number))
         while self._ordered < len(by_felt) and self._begin_ns + by_felt[self._ordered].felt_ns <= now_ns + _AHEAD_NS:
@@ -177,7 +177,7 @@ class AvatarCordPlay(KindPlay):
         while self._shown < len(self._taps):
             tap = self._taps[self._shown]
             due = self._begin_ns + tap.seen_ns
-            # The frame nearest to the touch shows it: half a frame early or late at most.
+            # The frame nearest to the touch shows it: at most half a frame early or late.
             if now_ns + HALF_FRAME_NS < due:
                 return
             error_ms = (now_ns - due) * 1e-6
@@ -214,7 +214,7 @@ class AvatarCordPlay(KindPlay):
 
 
 def _column(name: str, what: str, *, sums: bool = False) -> Measure:
-    """A column that counts in no score; the session's total is its mean over the trials, or its sum."""
+    """Return a measure without weight in the score; its total is the mean over the trials, or the sum."""
     return Measure(name, name, what, ScorePartSpec(weight=0.0, best=1.0, worst=0.0), total=name, sums=sums)
 
 
@@ -267,7 +267,7 @@ class AvatarCordKind(TaskKind):
                     yield f"{pointer}/trials/{b}/trials/{t}/label", what, f"known: {', '.join(section.conditions)}"
 
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
-        """Taps on a cord need one."""
+        """Check the questionnaire file, and that a scene with a condition that shows the cord has one."""
         section = spec.section(self.name)
         if not isinstance(section, AvatarCordSpec):
             return []

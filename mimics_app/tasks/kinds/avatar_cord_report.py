@@ -1,4 +1,4 @@
-"""The experiment with the cord in the report: what was answered, and how well taps kept their time."""
+"""The experiment with the cord in the report: answers, and timing of the taps."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["AvatarCordSection"]
 
 
 class AvatarCordSection(ReportSection):
-    """Runs whose trials have answers."""
+    """Section of runs with trials of the experiment."""
 
     heading = "Connection to an avatar"
     colours = "The handle path, where the subject held the robot, is blue."

@@ -1,6 +1,6 @@
 """The experiment of the avatar at the other end of a cord (D2.1 3.4.1), as a scene file declares it: nothing is coded.
 
-A condition is what a trial is like; trials name conditions by their label, and the blocks of the task order them.
+Trials name their condition by its label; the blocks of the task order them.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _Label = Annotated[str, Meta(min_length=1, max_length=64)]
 
 
 class TapsSpec(Component, frozen=True):
-    """When and where taps come: at irregular times drawn from the session's seed."""
+    """Places and intervals of the taps; the intervals are irregular, drawn from the session's seed."""
 
     least_s: Annotated[float, Meta(ge=0.2, le=10.0, description="Shortest time between two [s]")] = 0.5
     most_s: Annotated[float, Meta(ge=0.2, le=60.0, description="Longest [s]")] = 2.0
@@ -61,7 +61,7 @@ class ThreatSpec(Component, frozen=True):
 
 
 class ConditionSpec(Component, frozen=True):
-    """What a trial is like. What is left out is as in everyday life: no delay, a cord of the scene's own size."""
+    """A condition. Omitted fields are as in everyday life: no delay, a cord of the scene's own size."""
 
     mode: Annotated[
         TapMode,
@@ -115,14 +115,14 @@ class QuestionnaireSpec(Component, frozen=True):
 
 
 class ProbeSpec(Component, frozen=True):
-    """Where do you feel you are? A mark on the floor is moved there, from oneself (0 m) towards the avatar."""
+    """Localisation probe: the subject moves a mark to where they feel they are, from themselves (0 m) to the avatar."""
 
     step_m: Annotated[float, Meta(ge=0.01, le=1.0, description="Of one press [m]")] = 0.05
     starts: Annotated[Literal["self", "avatar", "random"], Meta(description="Where the mark is at first")] = "random"
 
 
 class SubjectModel(Component, frozen=True):
-    """What a simulated subject feels: ownership falls with the offset between seen and felt, and with distance."""
+    """Simulated subject, whose ownership falls with the offset between seen and felt taps, and with distance."""
 
     window_ms: Annotated[float, Meta(gt=0.0, le=2000.0, description="Offset at which ownership is down to 1/e")] = 300.0
     motor_window_ms: Annotated[float, Meta(gt=0.0, le=2000.0, description="The same of movements")] = 250.0

@@ -1,4 +1,4 @@
-"""One thing carried to a mark: what happens to it frame by frame, and where it falls from next."""
+"""State of the carried object, frame by frame, and the place it falls from."""
 
 from __future__ import annotations
 
@@ -15,16 +15,17 @@ from mimics_app.tasks.observation import Observation
 __all__ = ["Carried", "CarriedFrame", "Stage"]
 
 _LOST_S = 2.0
+"""Time outside the permitted box after which the object falls again [s]."""
 _NEAR = 0.02
-"""A hand this near to the middle of the thing may close on it [m]."""
+"""Distance from the object's centre at which the hand may close [m]."""
 _SHARE_OF_REACH = 0.3
-"""Of the path that is done when the thing is in the hand."""
+"""Progress when the object is in the hand."""
 _FIRST_SPAWN = 2
-"""Bodies begin with spawn 1: where the scene has them."""
+"""First spawn number after that of the scene's own placement, 1."""
 
 
 class Stage(StrEnum):
-    """What the person is to do next."""
+    """Next step of the person."""
 
     REACH = "reach"
     CLOSE = "close"
@@ -34,20 +35,20 @@ class Stage(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class CarriedFrame:
-    """What a frame means for the thing carried.
+    """State of the carried object in one frame.
 
     Attributes:
-        placed: It lies at its mark, let go.
-        drops: How often it was lost while carried, in this attempt.
-        bruises: How often it was pressed too hard, in this attempt.
-        bruised: That happened since the last frame.
-        gripped: It came into the hand since the last frame.
+        placed: It lies at its mark, released.
+        drops: Number of times it was lost while carried, in this attempt.
+        bruises: Number of times it was pressed too hard, in this attempt.
+        bruised: It was pressed too hard since the last frame.
+        gripped: It was gripped since the last frame.
         dropped: It was lost since the last frame.
         held: It is in the hand.
-        grasp_error: Of the grasp force from what is right, while it is held [N].
+        grasp_error: Deviation of the grasp force from the right range, while it is held [N].
         progress: Share of the path, 0-1.
-        distance: Level distance from the straight path [m], while it is held.
-        stage: What the person is to do next.
+        distance: Horizontal distance from the straight path [m], while it is held.
+        stage: Next step of the person.
     """
 
     placed: bool = False
@@ -64,15 +65,15 @@ class CarriedFrame:
 
 
 class Carried:
-    """Follows the thing through the attempts of a session.
+    """The carried object through the attempts of a session.
 
     Args:
-        spec: What is carried where.
-        target: Where the mark is [m].
-        seed: Of the session; decides the places it falls from.
+        spec: Section of the task.
+        target: Position of the mark [m].
+        seed: Seed of the session; determines the places it falls from.
 
     Attributes:
-        within: Largest level distance from the mark that counts as placed now [m].
+        within: Largest horizontal distance from the mark that counts as placed [m].
     """
 
     def __init__(self, spec: CarrySpec, target: Vec3, seed: int) -> None:
@@ -95,16 +96,16 @@ class Carried:
 
     @property
     def orders(self) -> Mapping[str, object]:
-        """Haptic fields that put the thing where it was last dropped from the sky; empty before."""
+        """Haptic fields of the last place the object fell from; empty before the first."""
         return self._orders
 
     def begin_attempt(self) -> None:
-        """Let it fall anew."""
+        """Reset the counts and let the object fall from a new place."""
         self._restart()
         self._fall()
 
     def see(self, seen: Observation) -> CarriedFrame | None:
-        """What a frame means for it; None while the loop has not placed it."""
+        """Take a frame and return the object's state; None while the loop has not placed it."""
         place = seen.bodies.get(self._spec.body)
         if place is None:
             return None
@@ -139,7 +140,7 @@ class Carried:
         return 0.0 <= above <= self._spec.height and _level(place, self._target) <= self.within
 
     def _stage(self, hand: Vec3, place: Vec3, *, held: bool, at_mark: bool) -> Stage:
-        if at_mark:  # what lies there is not to be taken again: the hand stays open until the attempt ends
+        if at_mark:  # a placed object is not gripped again: the hand stays open until the attempt ends
             return Stage.OPEN
         if held:
             return Stage.CARRY
@@ -157,7 +158,7 @@ class Carried:
         return _SHARE_OF_REACH + (1.0 - _SHARE_OF_REACH) * min(max(share, 0.0), 0.99)
 
     def _off_line(self, place: Vec3) -> float:
-        """Level distance from the straight path between where it was picked up and the mark [m]."""
+        """Return the horizontal distance from the straight path between pick-up and mark [m]."""
         if self._picked_at is None:
             return 0.0
         (x0, _, z0), (x1, _, z1) = self._picked_at, self._target
@@ -198,7 +199,7 @@ class Carried:
 
 
 def _level(a: Vec3, b: Vec3) -> float:
-    """Distance seen from above [m]."""
+    """Return the horizontal distance [m]."""
     return math.hypot(a[0] - b[0], a[2] - b[2])
 
 

@@ -33,13 +33,13 @@ PROMPTS: Mapping[Stage, str] = {
     Stage.CARRY: "Carry it to the mark",
     Stage.OPEN: "Open your hand",
 }
-"""What the person is to do next."""
+"""Line of text of each stage."""
 
 _AT_POINTER: Mapping[Stage, str] = {
     Stage.CLOSE: "Close your hand: turn the wheel up",
     Stage.OPEN: "Open your hand: turn the wheel down",
 }
-"""The same with what to do at the mouse."""
+"""Lines that differ for the mouse."""
 
 
 class PlacedGoal(Component, frozen=True, tag="placed", tag_field="kind"):
@@ -58,13 +58,13 @@ class CarryCondition(Component, frozen=True, tag="carry", tag_field="kind"):
 
 
 def carry_of(spec: TaskSpec) -> CarrySpec | None:
-    """The task's `carry` section, or None."""
+    """Return the task's `carry` section, or None."""
     section = spec.section("carry")
     return section if isinstance(section, CarrySpec) else None
 
 
 class _CarryPlay(KindPlay):
-    """Counts drops and bruises, and how well the grasp force fits, while the thing is carried."""
+    """Counts drops and bruises, and measures the grasp error while the object is carried."""
 
     def __init__(self, spec: CarrySpec, carried: Carried, *, by_pointer: bool = False) -> None:
         self._spec = spec
@@ -182,7 +182,7 @@ class CarryTask(TaskKind):
             yield f"{pointer}/carry/grip/least", what, "lower it"
 
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
-        """Entities that the section names must be there."""
+        """Check that the entities named in the section exist."""
         carry = carry_of(spec)
         if carry is None:
             return []

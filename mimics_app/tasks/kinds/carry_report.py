@@ -1,4 +1,4 @@
-"""Carrying in the report: where the thing was taken and set down, and how it was gripped."""
+"""Carrying in the report: where the object was taken and released, and the grasp force."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ __all__ = ["CarrySection"]
 
 
 class CarrySection(ReportSection):
-    """Path of the empty hand blue, that of the hand with the thing in it orange, the mark green.
+    """Path of the empty hand blue, that of the hand with the object orange, the mark green.
 
     Facts under "carry": body, row, mark_world [m], within_m, grasp_n [N].
     """
 
     heading = "Carrying"
-    colours = "The path of the empty hand is blue, that of the hand with the thing in it orange, the mark green."
+    colours = "The path of the empty hand is blue, that of the hand with the object orange, the mark green."
     path_error = "distance from the straight line"
     from_floor = True
 
@@ -74,6 +74,6 @@ class CarrySection(ReportSection):
 
 
 def _is_held(attempt: ReportedAttempt, facts: Mapping[str, Any]) -> NDArray[np.bool_]:
-    """Where the thing was in the hand, shape [n]."""
+    """Return where the object was in the hand, shape [n]."""
     held: NDArray[np.bool_] = attempt.samples["held_body"] == float(facts["carry"]["row"])
     return held

@@ -20,7 +20,7 @@ class BoxSpec(Component, frozen=True):
 
 
 class GripSpec(Component, frozen=True):
-    """Grasp forces that are right for the thing carried; how far the hand leaves them is the grasp error."""
+    """Right grasp forces for the carried object; the deviation from them is the grasp error."""
 
     least: Annotated[Force, Meta(description="Below it is about to slip [N]")] = 0.0
     most: Annotated[PositiveForce, Meta(description="Above it is pressed needlessly [N]")] = 1e3

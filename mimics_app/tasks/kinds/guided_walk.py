@@ -1,4 +1,4 @@
-"""Guided walk (D2.1 3.4.2): an avatar under a learning system brings a person to a place by what it does."""
+"""Guided walk (D2.1 3.4.2): an avatar under a learning system brings a person to a place by its actions."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ __all__ = ["KIND", "NEAREST", "GuidedWalkPlay", "GuidedWalkSpec"]
 Condition = Literal["intimate", "social", "random"]
 
 NEAREST: dict[str, float] = {"intimate": 0.38, "social": 1.2, "random": 0.38}
-"""How near the avatar may come in each condition [m]: Kastanis & Slater, ACM TAP 9(1), 2012."""
+"""Smallest distance of the avatar in each condition [m]: Kastanis & Slater, ACM TAP 9(1), 2012."""
 
 _WORDS = ("approaches", "steps back", "walks round you", "waits", "beckons", "points")
 _WALKING = 0.8
-"""Speed of a person who leads by the hand, at full deflection [m/s]."""
+"""Walking speed at full deflection of the hand [m/s]."""
 _DEFLECTION = 0.1
-"""Displacement of the hand from where the trial began that is full deflection [m]."""
+"""Full deflection of the hand from where the trial began [m]."""
 _DEAD = 0.015
-"""Smaller displacements are none [m]."""
+"""Dead zone of the deflection [m]."""
 
 
 class GuidedWalkSpec(Component, frozen=True):
@@ -60,11 +60,11 @@ class AtThePlace(Component, frozen=True, tag="at_the_place", tag_field="kind"):
 
 
 class GuidedWalkPlay(KindPlay):
-    """One walk after the other.
+    """The walks of a session.
 
     Args:
-        spec: Of the scene.
-        seed: Of walkers and of the random condition.
+        spec: Section of the task.
+        seed: Seed of the walkers and of the random condition.
     """
 
     def __init__(self, spec: GuidedWalkSpec, seed: int) -> None:
@@ -92,7 +92,7 @@ class GuidedWalkPlay(KindPlay):
         return replace(seen, progress=progress)
 
     def travel(self, seen: Observation, seconds: float) -> None:
-        """The hand walks all the time; what is simulated, and the avatar, go on in steps."""
+        """Advance the walk: by the hand in every frame; simulated walker and avatar in steps."""
         if self._spec.walker == "hand":
             self._walk_by_hand(seen, seconds)
         self._since += seconds
@@ -135,13 +135,13 @@ class GuidedWalkPlay(KindPlay):
         self._walker.x = float(np.clip(place, self._alley.low, self._alley.high))
 
     def _glide(self, seconds: float) -> None:
-        """What is shown follows the steps smoothly."""
+        """Move the shown places smoothly towards those of the last step."""
         share = min(seconds / 0.4, 1.0)
         walker, guide = self._shown
         self._shown = (walker + share * (self._walker.x - walker), guide + share * (self._guide.x - guide))
 
     def _end_step(self) -> None:
-        """The step is over: what it came to is reported, and the next one begins with what is wanted now."""
+        """End the step with its result, after the actions of the avatar and of the simulated walker."""
         deed = Deed(int(self._rng.integers(6))) if self._spec.condition == "random" else self._wanted
         self._guide.do(deed, self._walker.x)
         if self._spec.walker == "simulated":

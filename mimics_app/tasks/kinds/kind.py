@@ -1,8 +1,8 @@
-"""What a kind of task is: what it adds to the task block of a scene file, and how it plays.
+"""Protocol of a kind of task: its additions to the task block of a scene file, and its behaviour in a session.
 
-The manager, the score, the board and the trial table know kinds by these two classes only. A kind is offered as an
-entry point of the group `mimics_app.task_kinds` (name: the kind's, object: an instance of `TaskKind`). Everything here
-but `TaskKind.open` has a default, so a kind writes down what it has and nothing else.
+Manager, score, board and trial table use kinds through these two classes only. A kind is an entry point of the group
+`mimics_app.task_kinds` (name: the kind's, object: an instance of `TaskKind`). All methods but `TaskKind.open` have
+defaults, so a kind defines only what it has.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ Values = Mapping[str, float | None]
 
 
 class ScorePartSpec(Component, frozen=True):
-    """How one measure counts: full marks at `best`, none at `worst`, linear between."""
+    """Weight and limits of one measure: full marks at `best`, none at `worst`, linear between."""
 
     weight: Annotated[Factor, Meta(description="Share of the score, relative to the other weights.")]
     best: Annotated[Figure, Meta(description="Value that earns full marks, in the measure's unit.")]
@@ -47,11 +47,11 @@ class ScorePartSpec(Component, frozen=True):
 
 @dataclass(frozen=True, slots=True)
 class StepResult:
-    """What a step inside a trial came to.
+    """Result of a step inside a trial.
 
     Attributes:
-        reward: What the task finds it worth.
-        observed: Where things stand after it, by name.
+        reward: Reward by the task.
+        observed: State after the step, by name.
     """
 
     reward: float
@@ -65,9 +65,9 @@ class Measure:
     Attributes:
         column: Its name in the trial table, with the unit, e.g. "grasp_error_n".
         part: Its name in the scene's `task.score`.
-        what: In words, with the unit, for the schema and the report.
-        default: How it counts where the scene does not say.
-        total: Its name among the session's totals, "" where it has none there.
+        what: Description with the unit, for the schema and the report.
+        default: Weight and limits in the score unless the scene states them.
+        total: Its name among the session's totals, "" for none.
         sums: Whether the total is a sum over the trials; a mean otherwise.
     """
 
@@ -84,65 +84,65 @@ class KindPlay:
 
     @property
     def orders(self) -> Mapping[str, object]:
-        """Haptic fields by dotted name as this kind wants them now; unchanged values cost nothing."""
+        """Present haptic fields of this kind by dotted name; unchanged values cost nothing."""
         return {}
 
     @property
     def visual(self) -> Mapping[str, object]:
-        """Parameters of the scenario by name as this kind wants them now; unchanged values cost nothing."""
+        """Present parameters of the scenario by name; unchanged values cost nothing."""
         return {}
 
     def take_touches(self) -> tuple[TactileEvent, ...]:
-        """Taps to be felt that were ordered since the last call."""
+        """Return the tactile events ordered since the last call."""
         return ()
 
     def take_events(self) -> Sequence[tuple[str, Mapping[str, object]]]:
-        """Lines for the journal since the last call: kind and data."""
+        """Return the lines for the journal since the last call: kind and data."""
         return ()
 
     @property
     def step(self) -> StepResult | None:
-        """Of a step inside the trial that ended in this frame, for a learning system; asked once, after `travel`."""
+        """Result of a step that ended in this frame, for a learning system; read once, after `travel`."""
         return None
 
     @property
     def words(self) -> Mapping[str, str]:
-        """What stands for {NAME} in messages."""
+        """Replacements of {NAME} in messages."""
         return {}
 
     @property
     def prompt(self) -> str:
-        """What the person is to do next, "" for nothing to say; may hold {NAME} of `words`."""
+        """Line of text on the next step, "" for none; may contain {NAME} of `words`."""
         return ""
 
     @property
     def measures(self) -> Values:
-        """The travel so far: a value for each column of `TaskKind.measures`."""
+        """Measures of the travel so far: a value for each column of `TaskKind.measures`."""
         return {}
 
     def begin_trial(self, label: str, number: int) -> None:
-        """Another trial follows, of this condition; called before its first `begin_attempt`."""
+        """Begin a trial of a condition; called before its first `begin_attempt`."""
 
     def begin_attempt(self) -> None:
-        """The robot moves to the start of an attempt."""
+        """Begin an attempt: the robot moves to the start."""
 
     def let_go(self, seen: Observation) -> None:
-        """The travel begins with this frame."""
+        """Begin the travel with this frame."""
 
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
-        """Take a frame; the same one with `progress` and `distance` as this kind means them.
+        """Take a frame and return it with `progress` and `distance` as defined by this kind.
 
         Args:
-            seen: What came from the loop.
-            settings: Numbers of the task that parameters have changed, by name (see `TaskKind.targets`).
+            seen: Observation from the loop.
+            settings: Values of the task set by parameters, by name (see `TaskKind.targets`).
         """
         return seen
 
     def pause(self, paused_ns: int) -> None:
-        """A frame of a pause, so long after the one before [ns]: what is due is due so much later."""
+        """Take a frame of a pause: postpone deadlines by the time since the previous frame [ns]."""
 
     def travel(self, seen: Observation, seconds: float) -> None:
-        """A frame of the travel that lasted so long [s]; called after `see`."""
+        """Take a frame of the travel with its duration [s]; called after `see`."""
 
     def holds(self, goal: Component, seen: Observation) -> bool:
         """Whether a goal of this kind is met in this frame, its hold time aside."""
@@ -158,7 +158,7 @@ class KindPlay:
 
 
 class TaskKind(ABC):
-    """What a kind adds to the task block of a scene file, and how it is begun.
+    """A kind of task: its additions to the task block of a scene file.
 
     Attributes:
         name: As an entry point, and of its `section` in the task block.
@@ -213,7 +213,7 @@ class TaskKind(ABC):
         return spec.section(self.name) is not None or any(isinstance(goal, self.goals) for goal in spec.goals)
 
     def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
-        """What types cannot say about a task of this kind; `pointer` is the task's. Called for every task."""
+        """Yield the faults of a task of this kind beyond its types; `pointer` is the task's. Called for every task."""
         return iter(())
 
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:

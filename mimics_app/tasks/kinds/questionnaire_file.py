@@ -1,4 +1,4 @@
-"""A questionnaire in a file of its own: published statements that a lab may use and nobody may ship."""
+"""Questionnaires in files of their own, for published statements that may be used but not distributed."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def read_questionnaire(name: str, folder: Path, root: Path) -> QuestionnaireSpec
 
 
 def check_questionnaire(questions: QuestionnaireSpec) -> list[tuple[str, str, str]]:
-    """Pointer within it, what is wrong, and what to do."""
+    """Return the faults of a questionnaire: pointer within it, what is wrong, what to do."""
     faults = []
     if questions.least >= questions.most:
         faults.append(("/most", "is no more than least", "give the scale's upper end"))

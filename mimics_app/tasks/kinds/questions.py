@@ -1,4 +1,4 @@
-"""Asking in the picture: where one feels to be, then statements one after the other; a person answers, or a model."""
+"""Localisation probe and questionnaire in the picture, answered by a person or by a model."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ __all__ = ["Answer", "Asking", "felt_ownership"]
 
 _LEFT, _RIGHT, _TAKE = ({"left", "pad_dpad_left"}, {"right", "pad_dpad_right"}, {"enter", "pad_a", "mouse_left"})
 _WEIGHTS = {"ownership": 1.0, "touch": 0.9, "location": 0.8, "agency": 0.7, "control": -0.8, "other": 0.0}
-"""How much of what a simulated subject feels shows in its answers, by what a statement measures; a control statement
-is one that nobody should agree to."""
+"""Weight of the felt ownership in the answers of a simulated subject, by the scale of a statement; control statements
+are those without expected agreement."""
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What was answered: "probe" or the id of an item, its value, and after how long [s]."""
+    """An answer: "probe" or the id of an item, its scale and value, and the response time [s]."""
 
     item: str
     scale: str
@@ -34,10 +34,10 @@ class Answer:
 
 
 def felt_ownership(model: SubjectModel, condition: ConditionSpec) -> float:
-    """Ownership that the model feels under a condition, 0 to 1.
+    """Return the ownership that the model feels under a condition, 0 to 1.
 
-    Taps felt `window` apart from being seen count 1/e (visuo-tactile integration: Shimada 2009 finds the drop at some
-    300 ms); so do movements; the farther the avatar, the less.
+    It falls to 1/e at an offset of `window_ms` between seen and felt taps (visuo-tactile integration: Shimada 2009
+    finds the drop at some 300 ms), likewise with the delay of movements, and with the avatar's distance.
     """
     apart_ms = {
         "synchronous": 0.0,
@@ -60,13 +60,13 @@ class Asking:
 
     Args:
         spec: The experiment.
-        condition: Of the trial.
-        chance: Of orders, beginnings and simulated answers; the trial's own.
-        simulated: True where the model answers.
-        distance: Of the avatar [m].
+        condition: Condition of the trial.
+        chance: Random numbers of the trial, for orders, initial values and simulated answers.
+        simulated: Whether the model answers.
+        distance: Distance of the avatar [m].
 
     Attributes:
-        answers: So far.
+        answers: Answers so far.
     """
 
     spec: AvatarCordSpec
@@ -95,12 +95,12 @@ class Asking:
 
     @property
     def mark_m(self) -> float | None:
-        """Where the mark of the probe is, from oneself towards the avatar [m]; None while no probe is asked."""
+        """Position of the probe's mark, from the subject towards the avatar [m]; None without a probe."""
         return self._value if self._left and isinstance(self._left[0], ProbeSpec) else None
 
     @property
     def text(self) -> str:
-        """What the person reads."""
+        """Text shown to the person."""
         if self.done:
             return ""
         asked = self._left[0]
@@ -112,12 +112,12 @@ class Asking:
         return f"{asked.text}\ndisagree  {scale.replace('+0', '0')}  agree    (left, right, Enter)"
 
     def step(self, pressed: tuple[str, ...], seconds: float) -> list[Answer]:
-        """Take a frame's presses; the answers given in it."""
+        """Take the keys of a frame and return the answers given in it."""
         if self.done:
             return []
         self._since += seconds
         if self.simulated:
-            return [self._answer(self._made_up())] if self._since >= self.spec.simulated.reaction_s else []
+            return [self._answer(self._simulated_value())] if self._since >= self.spec.simulated.reaction_s else []
         given = []
         for name in pressed:
             if name in _TAKE and not self.done:
@@ -154,8 +154,8 @@ class Asking:
         asked = self.spec.asked
         return float((asked.least + asked.most) // 2) if asked else 0.0
 
-    def _made_up(self) -> float:
-        """What the model answers: noise of its own for every statement."""
+    def _simulated_value(self) -> float:
+        """Return the model's answer, with noise for every statement."""
         asked, model = self._left[0], self.spec.simulated
         if isinstance(asked, ProbeSpec):
             drift = 0.35 * self._felt * self.distance + self.chance.gauss(0.0, 0.05)

@@ -1,4 +1,4 @@
-"""Every kind of task there is: the built-in ones, and those of installed packages."""
+"""Registry of the kinds of task: the built-in ones, and those of installed packages."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ _BUILT_IN: tuple[TaskKind, ...] = (tunnel.KIND, carry.KIND, avatar_cord.KIND, gu
 
 @cache
 def task_kinds() -> tuple[TaskKind, ...]:
-    """All kinds, the built-in ones first, then plug-ins by name.
+    """Return all kinds, the built-in ones first, then plug-ins by name.
 
-    A plug-in that cannot be imported, or that is named like another kind, is left out and said on stderr once; scenes
+    A plug-in that cannot be imported, or has the name of another kind, is left out and reported on stderr once; scenes
     that need it then fail with its name.
     """
     kinds = {kind.name: kind for kind in _BUILT_IN}
     for point in sorted(entry_points(group=ENTRY_POINT_GROUP)):
         try:
             kind = point.load()
-        except Exception as error:  # noqa: BLE001  whatever a stranger's module raises
+        except Exception as error:  # noqa: BLE001  any error of a plug-in
             sys.stderr.write(f'mimics: the task kind "{point.name}" cannot be imported: {error}\n')
             continue
         if point.name in kinds:
@@ -39,5 +39,5 @@ def task_kinds() -> tuple[TaskKind, ...]:
 
 
 def report_sections() -> tuple[ReportSection, ...]:
-    """What the kinds add to reports, plug-ins first: they know their own runs better than a built-in kind does."""
+    """Return the report sections of the kinds, plug-ins first: the first section that takes a run describes it."""
     return tuple(kind.report for kind in reversed(task_kinds()) if kind.report is not None)

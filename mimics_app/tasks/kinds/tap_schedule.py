@@ -1,4 +1,4 @@
-"""The taps of a trial: when each is seen and felt, where, all from the session's seed."""
+"""Schedule of a trial's taps, seen and felt, from the session's seed."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class Tap:
 
     Attributes:
         number: Within the trial, 0 first.
-        seen_ns: When the ball touches, from the taps' beginning [ns].
-        felt_ns: When it is felt, likewise [ns].
+        seen_ns: Time of the ball's touch from the beginning of the taps [ns].
+        felt_ns: Time at which it is felt, likewise [ns].
         place: "cord", "back" or "stomach".
         felt_at: Vibrator that is driven.
         share: Of the cord's length, where `place` is "cord".
@@ -39,13 +39,13 @@ class Tap:
 
 
 def plan_taps(taps: TapsSpec, condition: ConditionSpec, seed: int, trial: int) -> list[Tap]:
-    """All taps of a trial; the same seed and trial give the same taps on every machine.
+    """Plan the taps of a trial; the same seed and trial give the same taps on every machine.
 
     Args:
-        taps: When and where.
-        condition: How seen and felt belong together.
-        seed: Of the session.
-        trial: Its number.
+        taps: Times and places.
+        condition: Relation of seen and felt taps.
+        seed: Seed of the session.
+        trial: Number of the trial.
     """
     chance = random.Random(f"taps {seed} {trial}")
     gaps = _gaps(taps, condition, chance)
@@ -67,7 +67,7 @@ def plan_taps(taps: TapsSpec, condition: ConditionSpec, seed: int, trial: int) -
 
 
 def _gaps(taps: TapsSpec, condition: ConditionSpec, chance: random.Random) -> list[float]:
-    """Times between the taps that fit into the condition's duration [s]; the first counts from the beginning."""
+    """Return the intervals between the taps within the condition's duration [s]; the first from the beginning."""
     if condition.mode == "none":
         return []
     gaps, left = list[float](), condition.duration_s - max(0.0, abs(condition.visuo_tactile_ms) * 1e-3)

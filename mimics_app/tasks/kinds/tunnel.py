@@ -27,7 +27,7 @@ __all__ = ["KIND", "ProgressGoal", "TunnelTask", "has_tunnel", "own_tunnel"]
 
 _PROMPT = "Lead the ball through the tunnel to its end"
 _UNDER_WAY = 0.1
-"""Share of the path from which nobody needs a prompt [-]."""
+"""Progress from which no prompt is shown [-]."""
 
 
 class ProgressGoal(Component, frozen=True, tag="progress", tag_field="kind"):
@@ -70,7 +70,7 @@ class TunnelTask(TaskKind):
         return "tunnel" in offers or super().takes(spec, offers)
 
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
-        """A share of a tunnel's length is no goal without a tunnel; all such goals are of one that is there."""
+        """Check that progress goals name one existing tunnel."""
         named = {f"/task/goals/{i}/tunnel": goal.tunnel for i, goal in self._own_goals(spec)}
         known = [entity for entity, _, _ in scene.components(Tunnel)]
         issues = [
@@ -99,10 +99,10 @@ class TunnelTask(TaskKind):
 
 
 def own_tunnel(scene: Scene) -> str:
-    """Entity of the tunnel that the scene's task is about: the one its goals name, else the first.
+    """Return the entity of the task's own tunnel: the one its goals name, else the first.
 
     Raises:
-        SceneError: the scene has no tunnel.
+        SceneError: The scene has no tunnel.
     """
     task = scene.sections.get("task")
     goals = getattr(task, "goals", ())
@@ -111,7 +111,7 @@ def own_tunnel(scene: Scene) -> str:
 
 
 def has_tunnel(scene: Scene) -> bool:
-    """True where there is a tunnel, or one is written down wrong: what is wrong with it is said at its own place."""
+    """Whether there is a tunnel, valid or not: faults of a tunnel are reported at its own pointer."""
     return scene.has(Tunnel) or any(
         "tunnel" in entity.get("components", {}) for entity in scene.document.get("entities", ())
     )

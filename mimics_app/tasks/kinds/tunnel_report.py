@@ -37,7 +37,7 @@ class TunnelSection(ReportSection):
         return [*walls, Curve(bisector, "bisector", "centre line of the tunnel")]
 
     def words(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Word]:
-        """The mouths, named where neither wall nor path runs."""
+        """Return the captions of both ends, outside the walls and the path."""
         if attempt.tunnel is None:
             return ()
         bisector = attempt.tunnel.bisector_world[:, :2]
@@ -61,7 +61,7 @@ class TunnelSection(ReportSection):
 
 
 def _walls(tunnel: TunnelShape) -> tuple[F8, F8]:
-    """Outline of a tube in the frontal plane: the bisector moved by its radius to both sides of its projection."""
+    """Return both outlines of a tube in the frontal plane: the projected bisector offset by the radius."""
     centre = tunnel.bisector_world[:, :2]
     along = np.gradient(centre, axis=0)
     length = np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-12)[:, None]

@@ -1,6 +1,6 @@
-"""A walker who keeps their distance, and a guide who may come near: proxemics along an alley.
+"""Models of a walker and of a guide along an alley, by proxemics.
 
-The walker's numbers come from what is published of people, and were set before any guide had learnt anything:
+The walker's parameters are from publications and were fixed before any learning:
 
 - personal space of 0.45 to 1.2 m among strangers (Hall, The Hidden Dimension, 1966); people leave 0.4 to 0.6 m between
   themselves and a virtual person who stands, and step away from one who walks into that space (Bailenson et al., Pers
@@ -9,8 +9,8 @@ The walker's numbers come from what is published of people, and were set before 
 - a step of a walker is about half a metre, one that gives way about a third;
 - a stranger's gesture is followed now and then and ever less: between a tenth and a third of the time at first.
 
-One step of either is two seconds. Whoever stands too near is answered by going away from them along the alley, so a
-guide moves a walker by approaching from behind, or draws them by beckoning from the front.
+One step of either lasts two seconds. A walker moves away from a guide within their personal space, so a guide moves a
+walker by approaching from behind, or by beckoning from the front.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ __all__ = ["STEP_S", "Alley", "Deed", "Guide", "Walker"]
 STEP_S = 2.0
 """Length of a step [s]."""
 _GUIDE_STEP = 0.4
-"""How far the guide goes in a step [m]."""
+"""Length of the guide's step [m]."""
 _PASSING = 1.3
-"""Distance at which the guide stands after it went round the walker [m]."""
+"""Distance of the guide after it went round the walker [m]."""
 _YIELD = 0.35
 """Mean step of a walker who gives way [m]."""
 _SWAY = 0.05
-"""Standard deviation of where a standing walker is from step to step [m]."""
+"""Standard deviation of a standing walker's displacement per step [m]."""
 _TIRES = 0.985
-"""Share of a gesture's effect that is left the next time."""
+"""Factor on the effect of gestures after each one (habituation)."""
 
 
 class Deed(IntEnum):
-    """What a guide can do in a step."""
+    """Actions of a guide."""
 
     APPROACH = 0
     RETREAT = 1
@@ -62,8 +62,8 @@ class Walker:
     """One simulated walker.
 
     Args:
-        rng: All chance comes from it.
-        alley: Where they are.
+        rng: Source of all random numbers.
+        alley: The alley.
 
     Attributes:
         x: Along the alley [m].
@@ -78,7 +78,7 @@ class Walker:
         self._yield = float(np.clip(rng.normal(_YIELD, 0.1), 0.1, 0.6))
 
     def answer(self, guide: float, deed: Deed) -> None:
-        """One step with the guide at a place [m] that does something."""
+        """Take one step with the guide's position [m] and action."""
         gap, away = abs(self.x - guide), np.sign(self.x - guide) or 1.0
         move = _SWAY * self._rng.standard_normal()
         if gap < self.space:
@@ -93,15 +93,15 @@ class Walker:
 
 
 class Guide:
-    """The avatar: it does what it is ordered to, no nearer than it may.
+    """The avatar, which keeps a smallest distance.
 
     Args:
-        alley: Where it is.
-        nearest: How near it may come [m].
+        alley: The alley.
+        nearest: Smallest distance from the walker [m].
 
     Attributes:
-        x: Along the alley [m].
-        deed: What it does in this step.
+        x: Position along the alley [m].
+        deed: Action in this step.
     """
 
     def __init__(self, alley: Alley, nearest: float) -> None:
@@ -110,7 +110,7 @@ class Guide:
         self.deed = Deed.WAIT
 
     def do(self, deed: Deed, walker: float) -> None:
-        """One step, with the walker at a place [m]."""
+        """Take one step with an action and the walker's position [m]."""
         self.deed = deed
         side = np.sign(self.x - walker) or -1.0
         if deed is Deed.APPROACH:

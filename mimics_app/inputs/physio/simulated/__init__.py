@@ -1,3 +1,3 @@
-"""A simulated person's body: what is latent in one module, the raw signals in another. Import submodules by name."""
+"""A simulated person's body: latent state, raw signals, and the source that plays them. Import submodules by name."""
 
 __all__: list[str] = []

@@ -1,8 +1,8 @@
-"""The latent person: skill, arousal, valence, effort and fatigue under a task, for any number of people at once.
+"""Latent state of simulated people: skill, arousal, valence, effort and fatigue under a task, vectorised over people.
 
-What comes out is a `Drive`, the slow quantities that a body's signals follow; the signals themselves are made in
-`simulated.signals`, which shares no number with this module. A closed loop with such a person shows that a method works
-on what was assumed here. It is no clinical evidence.
+The result is a `Drive`, the slow quantities that the body signals follow; `simulated.signals` synthesises the signals
+and shares no constant with this module. A closed loop with such a person shows that a method works under these
+assumptions. It is no clinical evidence.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ __all__ = ["FAMILIES", "Drive", "Family", "LatentPeople", "Traits", "draw_traits
 
 Family = Literal["linear", "saturating", "lagged", "blocked", "flipped"]
 FAMILIES: tuple[Family, ...] = ("linear", "saturating", "lagged", "blocked", "flipped")
-"""How the heart follows arousal: in proportion; up to a ceiling; late; hardly (beta blocker); inverted."""
+"""Response of the heart rate to arousal: proportional; saturating; delayed; damped (beta blocker); inverted."""
 
 _NON_RESPONDERS = 0.12
 """Share of people whose body does not show arousal; 10-15 % do not respond electrodermally (Dawson, Schell & Filion,
@@ -29,17 +29,17 @@ _EFFORT_ON_S, _EFFORT_OFF_S = 35.0, 50.0
 """Time constants of the heart rate at the onset and the end of work [s]: 30-60, recovery slower (Linnarsson, Acta
 Physiol Scand Suppl 415, 1974)."""
 _SLOPE = 5.0
-"""Arousal rises by tanh(slope * (demand - skill))."""
+"""Slope of the arousal aimed at, tanh(slope * (demand - skill))."""
 _FULL_POWER = 1.5
-"""Mechanical power of an arm on a light robot that is hard work for it [W]."""
+"""Mechanical power of an arm on a light robot that counts as full effort [W]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Traits:
-    """What distinguishes people, each of shape [n].
+    """Individual parameters of people, each of shape [n].
 
     Attributes:
-        skill: Demand at which the task is just right, 0 to 1.
+        skill: Demand at which the task is a challenge, 0 to 1.
         learning: Skill gained per minute of being challenged.
         heart_rest: [1/min]; 60 to 90 at rest (Nunan, Sandercock & Brodie, PACE 33, 2010).
         heart_arousal: Rise from rest to full arousal [1/min]; mental stress 5 to 20 (Kirschbaum et al., 1993).
@@ -70,7 +70,7 @@ class Traits:
 
 
 def draw_traits(rng: np.random.Generator, n: int, family: Family = "linear", skill: float = 0.5) -> Traits:
-    """People of a family around a mean skill; about one in eight does not respond."""
+    """Draw people of a family around a mean skill; about one in eight is a non-responder."""
 
     def normal(mean: float, deviation: float, low: float, high: float) -> F8:
         return np.clip(rng.normal(mean, deviation, n), low, high)
@@ -100,7 +100,7 @@ def draw_traits(rng: np.random.Generator, n: int, family: Family = "linear", ski
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """What the signals follow in one second, each of shape [n].
+    """Slow quantities that drive the signals for one second, each of shape [n].
 
     Attributes:
         heart_rate: Mean [1/min].
@@ -108,11 +108,11 @@ class Drive:
         breath_rate: [1/min]
         breath_depth: 1 at rest.
         conductance: Tonic [uS].
-        responses: SCRs to expect per minute.
+        responses: Expected SCRs per minute.
         response: Their amplitude [uS].
         muscle: Activity, 0 to 1.
         fatigue: Of the muscle, 0 to 1.
-        motion: Speed of the hand [m/s], which shakes electrodes.
+        motion: Speed of the hand [m/s], which causes motion artefacts.
     """
 
     heart_rate: F8
@@ -127,19 +127,19 @@ class Drive:
     motion: F8
 
     def one(self, i: int) -> Drive:
-        """The drive of one person, still as arrays, of shape [1]."""
+        """Return the drive of one person, as arrays of shape [1]."""
         return Drive(*(getattr(self, each.name)[i : i + 1] for each in fields(self)))
 
 
 class LatentPeople:
-    """People through a session.
+    """The latent state of people through a session.
 
     Args:
-        traits: Of each of them, shape [n].
-        family: How their hearts follow arousal.
+        traits: Individual parameters, shape [n].
+        family: Response of their heart rate to arousal.
 
     Attributes:
-        skill, arousal, valence, effort, fatigue: As they are now, shape [n]; for a scorer, never for an estimator.
+        skill, arousal, valence, effort, fatigue: Present state, shape [n]; for a scorer, never for an estimator.
     """
 
     def __init__(self, traits: Traits, family: Family = "linear") -> None:
@@ -152,13 +152,13 @@ class LatentPeople:
         self._seconds = 0.0
 
     def step(self, seconds: float, demand: F8, power: F8, acting: F8) -> None:
-        """Let time pass.
+        """Advance the state.
 
         Args:
-            seconds: [s], at most a few: the dynamics are taken as constant over them.
-            demand: Of the task, 0 to 1, shape [n]; NaN: there is none, as at rest.
-            power: Mechanical [W], shape [n].
-            acting: Whether the person is let act, 0 or 1, shape [n].
+            seconds: Step [s], at most a few: inputs are constant over it.
+            demand: Demand of the task, 0 to 1, shape [n]; NaN at rest.
+            power: Mechanical power [W], shape [n].
+            acting: Whether the person may act, 0 or 1, shape [n].
         """
         asked = np.isfinite(demand) & (acting > 0.0)
         gap = np.where(asked, np.nan_to_num(demand) - self.skill + 0.2 * self.fatigue, 0.0)
@@ -175,7 +175,7 @@ class LatentPeople:
         self._seconds += seconds
 
     def drive(self, motion: F8) -> Drive:
-        """What the signals follow now; `motion` is the speed of the hand [m/s], shape [n]."""
+        """Return the present drive; `motion` is the speed of the hand [m/s], shape [n]."""
         traits, excited = self.traits, np.clip(self.arousal, 0.0, 1.0)
         felt = self._in_heart
         if self._family == "saturating":

@@ -1,7 +1,7 @@
-"""Raw ECG, GSR, EMG and breath at 1 kHz from the slow drive of one person: clean shapes, then all that spoils them.
+"""Synthesis of raw ECG, GSR, EMG and breathing at 1 kHz from the slow drive of one person, with disturbances.
 
-Made a second at a time; the pieces fit. What truly happened (beats, responses, bursts) is kept for those who score
-detectors, and is no part of what a session reads.
+The signals are made second by second and are continuous. The ground truth (beats, responses, bursts) is kept for
+scoring detectors; a session does not read it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ RATE = 1000
 SIGNALS = ("ecg", "gsr", "emg", "resp")
 
 _WAVES = ((-0.17, 0.025, 0.12), (-0.026, 0.010, -0.12), (0.0, 0.011, 1.05), (0.028, 0.010, -0.22), (0.26, 0.045, 0.28))
-"""P, Q, R, S, T of a normal beat: place from the R peak [s], width [s], height [mV]; after McSharry et al., IEEE TBME
+"""P, Q, R, S, T of a normal beat: time from the R peak [s], width [s], height [mV]; after McSharry et al., IEEE TBME
 50(3), 2003."""
 _ECTOPIC = ((0.0, 0.035, 1.35), (0.07, 0.04, -0.55), (0.30, 0.07, -0.30))
 """A ventricular beat: no P, broad QRS, T against it."""
@@ -31,17 +31,17 @@ _RISE_S, _FALL_S = 0.75, 2.6
 
 @dataclass(frozen=True, slots=True)
 class Disturbance:
-    """What spoils the signals.
+    """Disturbances of the signals.
 
     Attributes:
-        ectopic: Share of beats that come early and broad.
-        wander: Of the ECG's baseline [mV].
-        mains: 50 Hz in the ECG [mV].
-        muscle: Of muscles in the ECG [mV].
-        white: Of the amplifier: share of each signal's size.
-        motion: Bursts in ECG and GSR per m/s of the hand's speed [mV, uS].
-        lead_off: Share of seconds without ECG and GSR contact.
-        rail: The ECG saturates at so many mV; 0: never.
+        ectopic: Share of ventricular ectopic beats.
+        wander: Baseline wander of the ECG [mV].
+        mains: 50 Hz interference in the ECG [mV].
+        muscle: Muscle noise in the ECG [mV].
+        white: Noise of the amplifier, as a share of each signal's size.
+        motion: Motion artefacts in ECG and GSR per m/s of the hand's speed [mV, uS].
+        lead_off: Share of seconds without contact of the ECG and GSR electrodes.
+        rail: Saturation level of the ECG [mV]; 0: none.
     """
 
     ectopic: float = 0.0
@@ -56,7 +56,7 @@ class Disturbance:
 
 @dataclass
 class Truth:
-    """What happened, in seconds since the start: R peaks, ectopic ones, SCR peaks, EMG onsets, in-breaths."""
+    """Ground truth in seconds since the start: R peaks, ectopic ones, SCR peaks, EMG onsets, in-breaths."""
 
     beats: list[float] = field(default_factory=list)
     ectopic: list[float] = field(default_factory=list)
@@ -69,12 +69,12 @@ class SignalGenerator:
     """The four signals of one person.
 
     Args:
-        rng: All chance comes from it.
-        disturbance: What spoils them.
+        rng: Source of all random numbers.
+        disturbance: Disturbances of the signals.
 
     Attributes:
-        truth: What happened so far.
-        seconds: Made so far.
+        truth: Ground truth so far.
+        seconds: Seconds made so far.
     """
 
     def __init__(self, rng: np.random.Generator, disturbance: Disturbance | None = None) -> None:
@@ -93,7 +93,7 @@ class SignalGenerator:
         self._off = 0
 
     def second(self, drive: Drive) -> dict[str, F8]:
-        """The next second of each of SIGNALS, shape [RATE]; `drive` is of one person."""
+        """Return the next second of each of SIGNALS, shape [RATE]; `drive` is of one person."""
         t = self.seconds + np.arange(RATE) / RATE
         breath = self._breathe(drive, t)
         ecg = self._heart(drive, t, breath)
@@ -110,7 +110,7 @@ class SignalGenerator:
         return {"ecg": ecg, "gsr": gsr, "emg": emg, "resp": resp}
 
     def _breathe(self, drive: Drive, t: F8) -> F8:
-        """Breath in [-1, 1], in-breath shorter than out-breath; notes where an in-breath begins."""
+        """Return the breathing in [-1, 1], in-breath shorter than out-breath, and note where an in-breath begins."""
         rate = float(drive.breath_rate[0]) / 60.0 * (1.0 + 0.06 * self._rng.standard_normal())
         phase = self._phase + 2.0 * np.pi * rate * np.arange(1, RATE + 1) / RATE
         turns = np.floor(phase / (2.0 * np.pi)) > np.floor((phase - 2.0 * np.pi * rate / RATE) / (2.0 * np.pi))
@@ -119,7 +119,7 @@ class SignalGenerator:
         return -np.cos(phase + 0.35 * np.sin(phase))
 
     def _heart(self, drive: Drive, t: F8, breath: F8) -> F8:
-        """Beats of their shape, with baseline, mains and muscle."""
+        """Return the ECG: beats, baseline wander, mains, muscle noise."""
         while self._beats[-1][0] < t[-1] + 1.0:
             self._plan_beat(drive, float(breath[-1]))
         ecg = np.zeros(RATE)
@@ -147,7 +147,7 @@ class SignalGenerator:
         )
 
     def _plan_beat(self, drive: Drive, breath: float) -> None:
-        """The beat after the last one: breath (RSA), slow waves, chance, and now and then an early one."""
+        """Add the next beat: respiratory sinus arrhythmia, slow waves, random variation, ectopic beats."""
         rr = 60.0 / float(drive.heart_rate[0])
         rmssd = 1e-3 * float(drive.variability[0])
         self._slow += 0.12 * (0.0 - self._slow) + 0.35 * rmssd * self._rng.standard_normal()
@@ -160,7 +160,7 @@ class SignalGenerator:
             self._beats.append((last + step, False))
 
     def _skin(self, drive: Drive, t: F8) -> F8:
-        """Tonic level and responses."""
+        """Return the skin conductance: tonic level and SCRs."""
         for _ in range(self._rng.poisson(float(drive.responses[0]) / 60.0)):
             onset = float(t[0] + self._rng.random())
             if not self._responses or onset - self._responses[-1][0] > 1.5:
@@ -179,7 +179,7 @@ class SignalGenerator:
         return gsr + self._bad.white * self._rng.standard_normal(RATE)
 
     def _muscle(self, drive: Drive) -> F8:
-        """Interference pattern [mV]; a tired muscle fires slower."""
+        """Return the interference pattern [mV]; fatigue lowers its frequency."""
         slow = 0.55 + 0.3 * float(drive.fatigue[0])
         noise = self._rng.standard_normal(RATE)
         excited, self._coloured[:1] = _first_order(noise, slow, float(self._coloured[0]))
@@ -189,7 +189,7 @@ class SignalGenerator:
         return (0.004 + 0.25 * activity) * shaped + self._bad.white * 0.2 * self._rng.standard_normal(RATE)
 
     def _motion(self, speed: float) -> F8:
-        """Low-frequency shaking of electrodes that goes with the hand's speed."""
+        """Return the motion artefact: low-frequency noise in proportion to the hand's speed."""
         places = [self._shake]
         for kick in (self._rng.standard_normal(RATE // 50) * speed).tolist():
             places.append(0.8 * places[-1] + kick)
@@ -197,7 +197,7 @@ class SignalGenerator:
         return np.interp(np.arange(RATE) / 50.0, np.arange(len(places)), places)
 
     def _lose_contact(self, *signals: F8) -> None:
-        """Seconds without contact come in runs."""
+        """Replace the signals by NaN during lead-off, which lasts 4 s each time."""
         if self._off == 0 and self._bad.lead_off > 0.0 and self._rng.random() < self._bad.lead_off / 4.0:
             self._off = 4
         if self._off > 0:
@@ -207,13 +207,13 @@ class SignalGenerator:
 
 
 def _first_order(values: F8, keep: float, last: float) -> tuple[F8, float]:
-    """Each output keeps a share of the one before and takes the rest from its input; the outputs and the last one."""
-    from scipy.signal import lfilter  # takes its time to import: only who simulates a body pays for it
+    """Filter by a first-order low-pass that keeps a share of the last output; return the outputs and the last one."""
+    from scipy.signal import lfilter  # slow to import: only sessions with a simulated body need it
 
     out, _ = lfilter([1.0 - keep], [1.0, -keep], values, zi=[keep * last])
     return out, float(out[-1])
 
 
 _PEAK_S = float(np.log(_FALL_S / _RISE_S) * _FALL_S * _RISE_S / (_FALL_S - _RISE_S))
-"""When a response of these time constants peaks after its onset [s]."""
+"""Time from onset to peak of a response with these time constants [s]."""
 _PEAK = float(np.exp(-_PEAK_S / _FALL_S) - np.exp(-_PEAK_S / _RISE_S))

@@ -1,4 +1,4 @@
-"""The simulated person's body as a source of signals."""
+"""The body of a simulated person as a source of signals."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ __all__ = ["PRESETS", "Preset", "SimulatedBody"]
 
 @dataclass(frozen=True, slots=True)
 class Preset:
-    """A kind of person.
+    """A kind of simulated person.
 
     Attributes:
-        skill: Mean demand that is just right for them, 0 to 1.
-        family: How their heart follows arousal.
-        disturbance: What spoils their signals.
-        what: In words.
+        skill: Mean demand that is a challenge, 0 to 1.
+        what: Description.
+        family: Response of the heart rate to arousal.
+        disturbance: Disturbances of the signals.
     """
 
     skill: float
@@ -45,11 +45,11 @@ PRESETS: dict[str, Preset] = {
 
 
 class SimulatedBody:
-    """Signals of one person, second by second as the session goes on.
+    """Signals of one simulated person in session time, made second by second.
 
     Args:
         preset: Name of one of PRESETS.
-        seed: Of the session.
+        seed: Seed of the session.
 
     Raises:
         KeyError: There is no such preset.
@@ -66,14 +66,14 @@ class SimulatedBody:
         self._felt: list[Experience] = []
 
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
-        """Samples up to now."""
+        """Return the samples due since the last read."""
         if self._start_ns is None:
             self._start_ns = now_ns
         due = (now_ns - self._start_ns) * RATE // SECOND_NS
         blocks: list[SignalBlock] = []
         while self._taken < due:
             if self._taken % RATE == 0:
-                self._second = self._generator.second(self._live_a_second())
+                self._second = self._generator.second(self._next_drive())
             begin = self._taken % RATE
             end = min(RATE, begin + due - self._taken)
             t_ns = self._start_ns + self._taken * SECOND_NS // RATE
@@ -82,13 +82,13 @@ class SimulatedBody:
         return tuple(blocks)
 
     def feel(self, experience: Experience) -> None:
-        """The person goes through a frame."""
+        """Take what the person experienced in a frame."""
         self._felt.append(experience)
 
     def close(self) -> None:
         """Nothing is open."""
 
-    def _live_a_second(self) -> Drive:
+    def _next_drive(self) -> Drive:
         felt, self._felt = self._felt, []
         demands = [each.demand for each in felt if each.demand is not None]
         mean = np.array([np.mean(demands)]) if demands else np.array([np.nan])
