@@ -1,4 +1,4 @@
-"""Camera: an eye on a scene node."""
+"""Camera: a handle on the camera of a scene node."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ __all__ = ["Camera"]
 
 
 class Camera(Handle):
-    """Looks along the node's own -z, +y up; what it draws is described by a View that is made from it."""
+    """A camera looks along its node's -z with +y up; a View made from it describes one picture."""
 
     __slots__ = ()
 
     @property
     def vertical_fov(self) -> float:
-        """Full angle of view, bottom to top [rad]."""
+        """Full vertical angle of view [rad]."""
         return self._get("vertical_fov")
 
     @vertical_fov.setter
@@ -26,7 +26,7 @@ class Camera(Handle):
 
     @property
     def near(self) -> float:
-        """Nearest distance drawn [m]."""
+        """Distance of the near plane [m]."""
         return self._get("near")
 
     @near.setter
@@ -35,7 +35,7 @@ class Camera(Handle):
 
     @property
     def far(self) -> float:
-        """Farthest distance drawn [m]; may be infinite."""
+        """Distance of the far plane [m]; may be infinite."""
         return self._get("far")
 
     @far.setter

@@ -1,4 +1,4 @@
-"""What the nodes carry: bodies, lights, cameras and further components, as tables by entity index."""
+"""Component tables by entity index: bodies, lights, cameras and further components of the nodes."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ class Content:
     Attributes:
         bodies: `first` row and `count` of rows in `parts` of each Entity.
         parts: One row per SubEntity.
-        lights, cameras: Their settings.
-        occluders: Boxes inside a body, in its node's frame [m], that hide what is behind them: an author's word.
-        levels: Of bodies with several levels of detail: how many, and the least coverage of the picture for each.
+        lights, cameras: Settings of each light and camera.
+        occluders: Boxes inside bodies, in their nodes' frames [m], declared by the author to hide what is behind them.
+        levels: Number of levels of detail of a body with several, and the smallest coverage of the picture for each.
         tables: Further component tables by name, for scenarios and plug-ins.
     """
 
@@ -50,7 +50,7 @@ class Content:
         self._revision = 0
 
     def touch(self) -> None:
-        """Have the render list made anew at the frame's end."""
+        """Mark the render list stale: it is rebuilt at the frame's end."""
         self._stale = True
 
     def add_body(self, index: int, parts: Sequence[tuple[str, str]]) -> None:
@@ -68,15 +68,15 @@ class Content:
         """Show one of several levels of (mesh, material) parts on a node, by how much of the picture it covers.
 
         Args:
-            index: Of the node.
+            index: Entity index of the node.
             levels: Finest first, at most `MAX_LEVELS`.
-            coverages: Least share of the picture for each level, falling; below the last one nothing is shown.
+            coverages: Smallest share of the picture for each level, decreasing; nothing is shown below the last one.
 
         Raises:
-            ValueError: a body is there already, or a number does not fit.
+            ValueError: the node has a body already, or levels and coverages do not fit.
         """
         if not 0 < len(levels) == len(coverages) <= MAX_LEVELS or any(np.diff(coverages) >= 0.0):
-            raise ValueError(f"{len(levels)} levels of detail for coverages {list(coverages)}")
+            raise ValueError(f"{len(levels)} levels of detail need as many decreasing coverages, not {list(coverages)}")
         self.bodies.add(index, first=len(self.parts), count=sum(len(parts) for parts in levels))
         for level, parts in enumerate(levels):
             for mesh, material in parts:
@@ -86,10 +86,10 @@ class Content:
         self.touch()
 
     def add_light(self, index: int, kind: LightKind, settings: dict[str, object]) -> None:
-        """Let a light shine from a node.
+        """Put a light on a node.
 
         Raises:
-            ValueError: one is there already.
+            ValueError: the node has a light already.
             KeyError: a setting is not a column of the table.
         """
         values: dict[str, object] = {"colour": (1.0, 1.0, 1.0), "intensity": 1.0, "range": np.inf}
@@ -97,27 +97,28 @@ class Content:
         self.lights.add(index, kind=LIGHT_KINDS.index(kind), **(values | settings))
 
     def move_body(self, source: int, target: int) -> None:
-        """Hang a body on another node.
+        """Move a body, with its levels of detail and its occluder box, to another node.
 
         Raises:
             ValueError: a body is there already.
         """
         self.bodies.move(source, target)
-        if source in self.levels:
-            self.levels.move(source, target)
+        for table in (self.levels, self.occluders):
+            if source in table and target not in table:
+                table.move(source, target)
         owner = self.parts.owner[: len(self.parts)]
         owner[owner == source] = target
         self.touch()
 
     def drop(self, gone: NDArray[np.int32]) -> None:
-        """Forget everything these entities carried."""
+        """Remove all components of these entities."""
         for table in (self.lights, self.cameras, self.occluders, self.levels, *self.tables.values()):
             for index in gone.tolist():
                 table.remove(index)
         self.drop_bodies(gone)
 
     def drop_bodies(self, gone: NDArray[np.int32]) -> None:
-        """Stop showing bodies on these nodes, where there are any."""
+        """Remove the bodies of these nodes, where there are any."""
         with_body = [index for index in gone.tolist() if index in self.bodies]
         if not with_body:
             return
@@ -131,12 +132,12 @@ class Content:
         self.touch()
 
     def refresh(self, listed: RenderList | None, transforms: TransformTable, *, moved: bool) -> RenderList:
-        """The render list for this frame: `listed` again with new visibility, or a new one.
+        """Return the render list of this frame: `listed` with new visibility, or a new one.
 
         Args:
-            listed: The list of the last frame.
-            transforms: After its update.
-            moved: True when rows of `transforms` changed places.
+            listed: Render list of the last frame.
+            transforms: The Transform table, updated.
+            moved: True when the rows of `transforms` were reordered.
         """
         count = len(self.parts)
         if listed is None or moved or self._stale:

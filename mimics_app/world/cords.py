@@ -1,4 +1,4 @@
-"""Cords of a world as they are now: what a renderer gets of each, all of it live."""
+"""Cord: the live state of one cord of a world, which renderers read."""
 
 from __future__ import annotations
 
@@ -9,36 +9,36 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.maths.cord import Catenary, Ripple, Ripples, hang
 
-__all__ = ["MOST_TAPS", "Cord"]
+__all__ = ["MAX_TAPS", "Cord"]
 
 Colour = tuple[float, float, float]
 
-MOST_TAPS = 8
-"""Ripples at once; a ninth takes the place of the oldest."""
-_MOST_RIPPLE = 0.5
-"""Share of the radius that a ripple is high at most: at the whole of it the cord would be cut through."""
-_MOST_BEND = 0.95
-"""Radius times curvature at most: at 1 the surface folds over on the inside of the bend."""
-_OVER_S = 6.0
-"""After so long a ripple cannot be seen any more [s]."""
+MAX_TAPS = 8
+"""Largest number of ripples at once; a further one replaces the oldest."""
+_MAX_RIPPLE = 0.5
+"""Largest height of a ripple over the cord's radius: at 1 the cord would be cut through."""
+_MAX_BEND = 0.95
+"""Largest radius times curvature: at 1 the surface folds over on the inside of the bend."""
+_RIPPLE_LIFETIME_S = 6.0
+"""Time after which a ripple is invisible [s]."""
 
 
 @dataclass(eq=False)
 class Cord:
-    """One cord between two places.
+    """One cord between two points.
 
     Attributes:
-        ends: Where it is fixed, world [m], float64 [2, 3].
-        length: [m]; shorter than the distance between the ends it is taut.
-        radius: [m].
+        ends: Its fixed ends, world [m], float64 [2, 3].
+        length: Length [m]; the cord is taut where it is below the distance between the ends.
+        radius: Radius [m].
         colour: Linear RGB.
-        roughness: Of its surface.
+        roughness: Roughness of the surface.
         visible: False draws nothing.
-        swing: How far it is swung out of the vertical [rad].
-        waves: How ripples run.
+        swing: Angle of its plane to the vertical [rad].
+        waves: Propagation parameters of ripples.
         ball: Centre [m] and radius [m] of a ball that casts its shadow on the cord, float64 [4]; radius 0: none.
-        taps: Ripples: where, and when they began [s].
-        faults: What could not be as it was requested, each once.
+        taps: Ripples: distance along [m], angle around [rad], start [s], height [m].
+        faults: Requests that could not be met, each once.
     """
 
     ends: F8 = field(default_factory=lambda: np.array([[0.0, 1.0, 0.0], [0.0, 1.0, -1.0]]))
@@ -56,50 +56,50 @@ class Cord:
 
     @property
     def curve(self) -> Catenary:
-        """Its middle line now."""
+        """Centre line of the cord."""
         return hang(self.ends[0], self.ends[1], self.length, self.swing)
 
     @property
     def shown_radius(self) -> float:
-        """The radius that is drawn [m]: in a bend that is too sharp for it a smaller one, and a fault says so."""
+        """Drawn radius [m]: smaller, with a fault noted, where a bend is too sharp for it."""
         bend = self.curve.bend
-        if self.radius * bend <= _MOST_BEND:
+        if self.radius * bend <= _MAX_BEND:
             return self.radius
         self._note("the cord's bend is sharper than its radius: it is drawn thinner")
-        return _MOST_BEND / bend
+        return _MAX_BEND / bend
 
     def tap(self, s: float, theta: float, t_s: float, height: float) -> None:
         """Begin a ripple.
 
         Args:
-            s: Along the cord [m].
-            theta: Around it [rad], 0 towards the inside of its bend.
-            t_s: When [s].
-            height: Of the first crest [m].
+            s: Distance along the cord [m].
+            theta: Angle around it [rad], 0 towards the inside of its bend.
+            t_s: Start [s].
+            height: Height of the first crest [m].
         """
-        most = _MOST_RIPPLE * self.radius
-        if height > most:
+        limit = _MAX_RIPPLE * self.radius
+        if height > limit:
             self._note("a ripple is higher than the cord's radius allows: it is drawn lower")
-        self.taps = [*self.taps, (s, theta, t_s, min(height, most))][-MOST_TAPS:]
+        self.taps = [*self.taps, (s, theta, t_s, min(height, limit))][-MAX_TAPS:]
 
     def ripples(self, now_s: float) -> list[Ripple]:
-        """Those that have begun and may still be seen, at a time [s]."""
+        """Return the ripples that are visible at a time [s]."""
         return [
             Ripple(s, theta, now_s - begun, height)
             for s, theta, begun, height in self.taps
-            if 0.0 <= now_s - begun <= _OVER_S
+            if 0.0 <= now_s - begun <= _RIPPLE_LIFETIME_S
         ]
 
     def place(self, share: float, theta: float, gap: float = 0.0) -> tuple[F8, F8]:
-        """A place on the cord, or over it.
+        """Return a point on the cord, or above it.
 
         Args:
-            share: Of its length, 0 to 1.
-            theta: Around it [rad].
-            gap: Over its surface [m].
+            share: Position as a share of the length, 0 to 1.
+            theta: Angle around it [rad].
+            gap: Distance above the surface [m].
 
         Returns:
-            The place and the direction straight out of it, world [m], float64 [3] each.
+            The point [m] and the outward unit normal, world, float64 [3] each.
         """
         curve = self.curve
         s = share * curve.length
@@ -107,7 +107,7 @@ class Cord:
         return curve.point(s)[0] + (self.shown_radius + gap) * out, out
 
     def take_faults(self) -> list[str]:
-        """What could not be as it was requested since the last call, each reported once."""
+        """Return the faults noted since the last call."""
         new, self._reported = self.faults[self._reported :], len(self.faults)
         return new
 

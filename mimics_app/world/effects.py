@@ -1,4 +1,4 @@
-"""What is seen but is no body: billboards, emitters of particles and projectors on nodes, and the bursts set off."""
+"""Visual effects on nodes: billboards, particle emitters, projectors, and the bursts of emitters."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ Effect = Billboard | Particles | Projector
 
 @dataclass(frozen=True, eq=False)
 class Burst:
-    """Particles an emitter gave off when something happened.
+    """One burst of an emitter, started by an event.
 
     Attributes:
         emitter: Entity index of the emitter.
-        number: How many bursts it had before.
-        born_s: When it happened [s].
-        world_from_emitter: Where the emitter was then, T_world_from_node, float64 [4, 4].
+        number: Number of its earlier bursts.
+        born_s: Time of the event [s].
+        world_from_emitter: Pose of the burst, T_world_from_node at that time, float64 [4, 4].
     """
 
     emitter: int
@@ -35,16 +35,16 @@ class Burst:
 
 
 class Effects:
-    """Effects by the entity index of their node. The frame thread sets `time` and sets off bursts.
+    """Effects by the entity index of their node. The frame thread sets `time` and triggers bursts.
 
     Args:
-        graph: Names and places of the nodes.
+        graph: Names and transforms of the nodes.
 
     Attributes:
-        billboards, emitters, projectors: What the nodes carry; change them by `add` and `remove` only.
-        bursts: Those that may still be seen, oldest first.
-        time: Of the scene, of which everything that moves on its own is a function [s].
-        seed: Of everything random.
+        billboards, emitters, projectors: Effects of the nodes; change them by `add` and `remove` only.
+        bursts: Bursts that may still be visible, oldest first.
+        time: Scene time, which all animated effects are functions of [s].
+        seed: Seed of all random numbers.
         revision: Changes when an effect comes or goes.
     """
 
@@ -65,7 +65,7 @@ class Effects:
         return not (self.billboards or self.emitters or self.projectors)
 
     def add(self, index: int, effect: Effect) -> None:
-        """Let a node carry an effect, in the place of one of the same type."""
+        """Put an effect on a node; it replaces one of the same type."""
         if isinstance(effect, Billboard):
             self.billboards[index] = effect
         elif isinstance(effect, Particles):
@@ -75,7 +75,7 @@ class Effects:
         self.revision += 1
 
     def remove(self, indices: Iterable[int]) -> None:
-        """Forget what these nodes carried."""
+        """Remove the effects of these nodes."""
         for index in indices:
             carried = [table.pop(index, None) for table in (self.billboards, self.emitters, self.projectors)]
             self._bursts_of.pop(index, None)
@@ -83,15 +83,15 @@ class Effects:
         self.bursts = [burst for burst in self.bursts if burst.emitter in self.emitters]
 
     def seed_of(self, index: int) -> int:
-        """Seed of an emitter, unsigned 64 bits: from the scene's seed and the node's name, wherever it stands."""
+        """Seed of an emitter, unsigned 64 bits, from the scene's seed and the node's name alone."""
         return (self.seed << 32) % 2**64 | zlib.crc32(self._graph.name(index).encode())
 
     def trigger(self, cause: Trigger, position_world: tuple[float, float, float] | None = None) -> None:
-        """Have the emitters that wait for this give off a burst now.
+        """Start a burst of every emitter that waits for this event.
 
         Args:
-            cause: What happened.
-            position_world: Where [m]; None: where each emitter is.
+            cause: The event.
+            position_world: Position of the bursts [m]; None: that of each emitter.
         """
         self._forget_old()
         for index, emitter in self.emitters.items():
@@ -105,8 +105,8 @@ class Effects:
             self.bursts.append(Burst(index, number, self.time, pose))
 
     def _forget_old(self) -> None:
-        def seen(burst: Burst) -> bool:
+        def visible(burst: Burst) -> bool:
             emitter = self.emitters[burst.emitter]
             return self.time <= burst.born_s + emitter.spread + emitter.lifetime[1]
 
-        self.bursts = [burst for burst in self.bursts if seen(burst)]
+        self.bursts = [burst for burst in self.bursts if visible(burst)]

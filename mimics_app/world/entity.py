@@ -1,10 +1,10 @@
 """Entity and SubEntity: a visible body on a scene node.
 
-The word has two uses, and here they meet. In the tables (`store.py`) an *entity* is an identity: an index with a
-generation, to which components belong. In OGRE's vocabulary, which the handles speak, an *Entity* is a mesh on a
+The word has two uses. In the tables (`store.py`) an *entity* is an identity: an index with a
+generation, to which components belong. In OGRE's vocabulary, which the handles use, an *Entity* is a mesh on a
 node. One identity has one Transform row (seen as `SceneNode`) and at most one component of each type; the component
-"parts drawn here" is what an `Entity` handle shows, as `Light` and `Camera` show theirs. So `node.id == entity.id`:
-the node and what hangs on it are two views of one identity. For two Entities in one place make two child nodes.
+"parts drawn here" is accessed by an `Entity` handle, as `Light` and `Camera` access theirs. So `node.id == entity.id`:
+the node and its component are two views of one identity. For two Entities in one place make two child nodes.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class SubEntity:
 
     @property
     def visible(self) -> bool:
-        """Drawn while its node is shown."""
+        """True when it is drawn while its node is shown."""
         return bool(self.entity.world.content.parts.visible[self._row])
 
     @visible.setter
@@ -60,7 +60,7 @@ class SubEntity:
 
     @property
     def casts_shadow(self) -> bool:
-        """Drawn into shadow maps."""
+        """True when it is drawn into shadow maps."""
         return bool(self.entity.world.content.parts.casts_shadow[self._row])
 
     @casts_shadow.setter
@@ -82,13 +82,13 @@ class Entity(Handle):
 
     @property
     def subentities(self) -> list[SubEntity]:
-        """Its parts, in order."""
+        """SubEntities in order."""
         table = self.world.content.bodies
         return [SubEntity(self, number) for number in range(int(table.column("count")[table.row(self.index)]))]
 
     @property
     def visible(self) -> bool:
-        """True when one of its parts is; setting it sets all."""
+        """True when at least one part is visible; setting it sets all."""
         return any(part.visible for part in self.subentities)
 
     @visible.setter

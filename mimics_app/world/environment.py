@@ -1,4 +1,4 @@
-"""The sky, the haze, and the light that comes from everywhere."""
+"""Sky, fog and ambient light."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ BackdropKind = Literal["box", "dome", "plane"]
 
 @dataclass(frozen=True)
 class Fog:
-    """How much of what is far away is lost in haze.
+    """Fog: attenuation with distance.
 
     Attributes:
-        kind: Share that is seen at a distance s beyond `start`: exp(-(density s)^2), exp(-density s), or
+        kind: Transmittance at a distance s beyond `start`: exp(-(density s)^2), exp(-density s), or
             1 - density s.
-        density: [1/m].
-        start: Distance up to which nothing is lost [m].
-        colour: Linear RGB of the haze; None: the horizon's.
+        density: Density [1/m].
+        start: Distance at which the fog begins [m].
+        colour: Linear RGB of the fog; None: that of the horizon.
     """
 
     kind: FogKind = "squared"
@@ -32,15 +32,15 @@ class Fog:
 
 @dataclass(frozen=True)
 class Backdrop:
-    """Pictures laid over the sky, infinitely far away; where they are clear the sky's colours are seen.
+    """Textures over the sky, infinitely far away; the sky's colours show where they are transparent.
 
     Attributes:
-        kind: "box": six pictures as seen from inside, towards +x -x +y -y +z -z; +y and -y join the one towards -z
-            with their lower and upper edge; "dome": one picture of longitude along u (-z in its middle) and
-            latitude along v; "plane": one picture laid out at a height, which fades into the horizon.
+        kind: "box": six textures as seen from inside, towards +x -x +y -y +z -z; the lower edge of +y and the upper
+            edge of -y join the one towards -z; "dome": one texture, longitude along u (-z at its centre) and
+            latitude along v; "plane": one texture on a horizontal plane, which fades into the horizon.
         textures: Keys in `World.textures`, six or one.
-        height: Of the plane above the eye [m].
-        tile: Width of the picture on the plane [m].
+        height: Height of the plane above the camera [m].
+        tile: Width of one texture tile on the plane [m].
     """
 
     kind: BackdropKind
@@ -51,16 +51,16 @@ class Backdrop:
 
 @dataclass(frozen=True)
 class Sky:
-    """Colours are linear RGB.
+    """Sky colours, ambient light and fog; colours are linear RGB.
 
     Attributes:
-        zenith: Straight up.
-        horizon: At the horizon.
-        ground: Below it.
-        ambient: Factor on the light from all around on surfaces.
-        fog: The haze; None: as the picture's settings say.
-        backdrop: Pictures over the sky, or None.
-        scatter: Share of the sun's light that comes from all around, off haze and lit surroundings.
+        zenith: Colour straight up.
+        horizon: Colour at the horizon.
+        ground: Colour below the horizon.
+        ambient: Factor on the ambient light of surfaces.
+        fog: Fog; None: that of the picture's settings.
+        backdrop: Textures over the sky, or None.
+        scatter: Share of the sun's light that arrives from all directions, scattered by haze and surroundings.
     """
 
     zenith: Colour = (0.18, 0.30, 0.52)

@@ -1,4 +1,4 @@
-"""How far a world reaches: the box about what it shows."""
+"""Extent of a world: the bounding box of its visible bodies."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from mimics_app.world.world import World
 __all__ = ["Extent", "world_extent"]
 
 Extent = tuple[F8, F8]
-"""Least and greatest corner, world [m], float64 [3] each."""
+"""Minimum and maximum of an axis-aligned box, world [m], float64 [3] each."""
 
 _CORNERS = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 
 
 def world_extent(world: World, node: int | None = None) -> Extent | None:
-    """The axis-aligned box about what is visible; None where nothing is.
+    """Return the AABB of all that is visible; None where nothing is.
 
-    The corners of each mesh's own box are taken along, so that it may be larger than the tightest one.
+    It bounds the transformed corners of each mesh's own box, so it may be larger than the tightest box.
 
     Args:
-        world: After its update.
-        node: Entity index of a node: only what hangs on it counts, itself included; None: everything.
+        world: The world, updated.
+        node: Entity index of the node whose subtree counts; None: everything.
     """
     listed, hierarchy = world.subentities(), world.graph.hierarchy
-    least, greatest = np.full(3, np.inf), np.full(3, -np.inf)
+    low_world, high_world = np.full(3, np.inf), np.full(3, -np.inf)
     for number in np.flatnonzero(listed.visible).tolist():
         mesh = world.meshes.get(listed.mesh[number])
         if mesh is None or not len(mesh.positions):
@@ -37,5 +37,5 @@ def world_extent(world: World, node: int | None = None) -> Extent | None:
         low, high = world.mesh_bounds(listed.mesh[number])
         matrix = world.transforms.world[listed.row[number]]
         corners = (low + _CORNERS * (high - low)) @ matrix[:3, :3].T + matrix[:3, 3]
-        least, greatest = np.minimum(least, corners.min(axis=0)), np.maximum(greatest, corners.max(axis=0))
-    return (least, greatest) if np.all(least <= greatest) else None
+        low_world, high_world = np.minimum(low_world, corners.min(axis=0)), np.maximum(high_world, corners.max(axis=0))
+    return (low_world, high_world) if np.all(low_world <= high_world) else None

@@ -1,4 +1,4 @@
-"""The scene graph: names, structure and transforms of nodes. It knows nothing of what the nodes carry."""
+"""SceneGraph: names, hierarchy and transforms of nodes, without their components."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ _NONE = -1
 
 
 class SceneGraph:
-    """Nodes by entity index. `apply_edits` is the frame's end for everything structural.
+    """Nodes by entity index. `apply_edits` carries out structural edits at the frame's end.
 
     Attributes:
         store: Which entities are alive.
-        hierarchy: Who hangs on whom; up to date at once.
-        transforms: Rows parent first; in step with the hierarchy after `apply_edits`.
-        root: Index everything hangs on.
+        hierarchy: Parent and child links, always up to date.
+        transforms: Rows, parents first; in step with the hierarchy after `apply_edits`.
+        root: Index of the root node.
     """
 
     def __init__(self) -> None:
@@ -35,12 +35,12 @@ class SceneGraph:
         self._unsorted = False
         self._removals: list[EntityId] = []
         self.root = self.create("", _NONE)
-        # Detached nodes hang here, out of sight, so that every node keeps a row and every handle works.
+        # Invisible parent of detached nodes, so that every node keeps a row and every handle works.
         self._limbo = self.create("", self.root)
         self.transforms.set_visible(self._limbo, visible=False)
 
     def create(self, name: str, parent: int) -> int:
-        """Index of a new node on `parent`; it can be moved at once.
+        """Create a node below `parent` and return its index; it can be moved at once.
 
         Raises:
             ValueError: another node has that name.
@@ -58,7 +58,7 @@ class SceneGraph:
         return index
 
     def find(self, name: str) -> int:
-        """Index of the node of that name.
+        """Return the index of a node by name.
 
         Raises:
             KeyError: there is none; the message names the nearest.
@@ -81,24 +81,24 @@ class SceneGraph:
         return _NONE if parent == self._limbo else parent
 
     def is_detached(self, index: int) -> bool:
-        """True when the node, or one it hangs on, hangs on nothing."""
+        """True when the node or one of its ancestors is detached."""
         return self.hierarchy.is_inside(index, self._limbo)
 
     def reparent(self, child: int, parent: int) -> None:
-        """Hang a node on another; local transforms stay.
+        """Move a node, with its subtree, to another parent; local transforms stay.
 
         Raises:
-            ValueError: it is the root, or `parent` is the child itself or hangs below it.
+            ValueError: it is the root, or `parent` is the child itself or a descendant of it.
         """
         self._refuse_root(child)
         if self.hierarchy.is_inside(parent, child):
-            raise ValueError(f'node "{self.name(child)}" cannot hang on itself or on a node below it')
+            raise ValueError(f'node "{self.name(child)}" cannot be moved below itself')
         self.hierarchy.unlink(child)
         self.hierarchy.link(child, parent)
         self._unsorted = True
 
     def detach(self, index: int) -> None:
-        """Hang a node on nothing.
+        """Take a node off its parent; it and its subtree stay, invisible.
 
         Raises:
             ValueError: it is the root.
@@ -106,7 +106,7 @@ class SceneGraph:
         self.reparent(index, self._limbo)
 
     def queue_removal(self, index: int) -> None:
-        """Remove a node and all below it at the frame's end.
+        """Remove a node and its subtree at the frame's end.
 
         Raises:
             ValueError: it is the root.
@@ -115,7 +115,7 @@ class SceneGraph:
         self._removals.append(self.store.id_of(index))
 
     def apply_edits(self) -> NDArray[np.int32]:
-        """Carry out removals and bring the rows into order; returns the indices that are gone, int32 [n]."""
+        """Carry out removals and sort the rows, parents first; return the indices removed, int32 [n]."""
         gone = self._remove_queued()
         if self._unsorted:
             order = self.hierarchy.subtree(self.root, self.store.capacity)
@@ -140,7 +140,7 @@ class SceneGraph:
         parts = []
         for entity in self._removals:
             if not self.store.is_alive(entity):
-                continue  # went with a node above it
+                continue  # removed with an ancestor
             gone = self.hierarchy.subtree(entity.index, self.store.capacity)
             self.hierarchy.unlink(entity.index)
             for index in gone.tolist():

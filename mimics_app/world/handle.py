@@ -1,4 +1,4 @@
-"""What every handle has in common: it names an entity of a world and holds nothing else."""
+"""Handle: base of the thin references to one entity of a world."""
 
 from __future__ import annotations
 
@@ -41,18 +41,18 @@ class Handle:
 
     @property
     def index(self) -> int:
-        """Place of the entity in every table.
+        """Entity index, the key of every table.
 
         Raises:
-            StaleHandleError: it was removed.
+            StaleHandleError: the entity was removed.
         """
         return self.world.graph.store.index_of(self.id)
 
     @property
     def node(self) -> SceneNode:
-        """The scene node that carries this.
+        """The scene node of this entity.
 
         Raises:
-            StaleHandleError: it was removed.
+            StaleHandleError: the entity was removed.
         """
         return self.world.node(self.index)

@@ -1,4 +1,4 @@
-"""Who hangs on whom: linked lists of children as arrays by entity index."""
+"""Hierarchy of nodes: linked lists of children as arrays by entity index."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _FIRST_CAPACITY = 256
 
 
 class Hierarchy:
-    """Tree links; always up to date, whatever order the rows of the Transform table have."""
+    """Parent, child and sibling links, independent of the row order of the Transform table."""
 
     def __init__(self) -> None:
         self._parent = np.full(_FIRST_CAPACITY, _NONE, np.int32)
@@ -54,13 +54,13 @@ class Hierarchy:
             child = following
 
     def is_inside(self, index: int, ancestor: int) -> bool:
-        """True when `index` is `ancestor` or hangs somewhere below it."""
+        """True when `index` is `ancestor` or one of its descendants."""
         while index not in (_NONE, ancestor):
             index = int(self._parent[index])
         return index == ancestor
 
     def link(self, child: int, parent: int) -> None:
-        """Hang a node that hangs on nothing on `parent`, as its last child."""
+        """Append a node without parent to the children of `parent`."""
         last = int(self._last[parent])
         self._parent[child] = parent
         self._previous[child] = last
@@ -71,7 +71,7 @@ class Hierarchy:
         self._last[parent] = child
 
     def unlink(self, child: int) -> None:
-        """Take a node off its parent; its own children stay on it."""
+        """Take a node off its parent; it keeps its children."""
         parent, before, after = int(self._parent[child]), int(self._previous[child]), int(self._next[child])
         if parent == _NONE:
             return
@@ -86,7 +86,7 @@ class Hierarchy:
         self._parent[child] = self._previous[child] = self._next[child] = _NONE
 
     def subtree(self, index: int, capacity: int) -> NDArray[np.int32]:
-        """Indices of a node and everything below it, parents first, int32 [n]; capacity bounds n."""
+        """Return the indices of a subtree, parents first, int32 [n]; n is at most `capacity`."""
         order = np.empty(capacity, np.int32)
         return order[: preorder(index, self._parent, self._first, self._next, order)]
 

@@ -1,4 +1,4 @@
-"""Light: what shines from a scene node."""
+"""Light: a handle on the light of a scene node."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ LIGHT_KINDS: tuple[LightKind, ...] = ("directional", "point", "spot", "ambient")
 
 
 class Light(Handle):
-    """Directional and spot lights shine along the node's own -z."""
+    """Directional and spot lights shine along their node's -z."""
 
     __slots__ = ()
 
     @property
     def kind(self) -> LightKind:
-        """How it spreads."""
+        """Directional, point, spot or ambient."""
         table = self.world.content.lights
         return LIGHT_KINDS[table.column("kind")[table.row(self.index)]]
 
@@ -41,7 +41,7 @@ class Light(Handle):
 
     @property
     def intensity(self) -> float:
-        """Factor; for point and spot lights that at 1 m."""
+        """Intensity factor; at 1 m for point and spot lights."""
         return self._get("intensity")
 
     @intensity.setter
@@ -51,32 +51,32 @@ class Light(Handle):
 
     @property
     def range(self) -> float:
-        """Distance beyond which it is dark [m]; infinite where unlimited."""
+        """Cut-off distance [m]; infinite where unlimited."""
         return self._get("range")
 
     @property
     def inner_cone(self) -> float:
-        """Half angle of full strength of a spot [rad]."""
+        """Half angle of a spot's cone of full intensity [rad]."""
         return self._get("inner_cone")
 
     @property
     def outer_cone(self) -> float:
-        """Half angle where a spot ends [rad]."""
+        """Half angle of a spot's cone [rad]."""
         return self._get("outer_cone")
 
     @property
     def casts_shadow(self) -> bool:
-        """True when it is to have a shadow map."""
+        """True when it casts shadows."""
         return bool(self._get("casts_shadow"))
 
     @property
     def position_world(self) -> NDArray[np.float64]:
-        """Where it is [m], float64 [3]."""
+        """Position [m], float64 [3]."""
         return self.node.world_matrix()[:3, 3].copy()
 
     @property
     def direction_world(self) -> NDArray[np.float64]:
-        """Where it shines, unit, float64 [3]; as of the node's world matrix."""
+        """Direction of its light, unit, float64 [3]."""
         axis = -self.node.world_matrix()[:3, 2]
         direction: NDArray[np.float64] = axis / np.linalg.norm(axis)
         return direction

@@ -1,4 +1,4 @@
-"""What in a world shows a picture of the world itself; renderers draw those pictures, others see plain surfaces."""
+"""Mirrors, screens and insets: surfaces that show rendered views of the world itself."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ Colour = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class MirrorSurface:
-    """A node whose flat body mirrors.
+    """Mirror on the flat body of a node.
 
     Attributes:
-        resolution: Of its picture over that of the view.
+        resolution: Resolution of its texture over that of the view.
     """
 
     resolution: float = 1.0
@@ -31,12 +31,12 @@ class MirrorSurface:
 
 @dataclass(frozen=True)
 class ScreenSurface:
-    """A node whose body shows what a camera sees.
+    """Screen on the body of a node that shows the view of a camera.
 
     Attributes:
         camera: Name of the camera's node.
-        size: Of the picture [px].
-        every: Drawn anew in one frame of so many.
+        size: Size of its texture [px].
+        every: Rendered in one frame of this many.
     """
 
     camera: str
@@ -46,14 +46,14 @@ class ScreenSurface:
 
 @dataclass(frozen=True)
 class InsetView:
-    """A rectangle over the display that shows what a camera sees.
+    """Rectangle over the display that shows the view of a camera.
 
     Attributes:
         camera: Name of the camera's node.
-        rectangle: Left, bottom, width, height over those of the display.
-        mirrored: True with left and right exchanged.
-        every: Drawn anew in one frame of so many.
-        border: Width of the frame about it, in lines of 720.
+        rectangle: Left, bottom, width and height as shares of the display.
+        mirrored: True: left and right are exchanged.
+        every: Rendered in one frame of this many.
+        border: Width of its border in a display of 720 lines [px].
     """
 
     camera: str
@@ -64,53 +64,53 @@ class InsetView:
 
 
 def live_key(node: str) -> str:
-    """Name of the material, and key of its picture in `World.textures`, of a node that mirrors or is a screen."""
+    """Name of the material, and key in `World.textures`, of a node that is a mirror or a screen."""
     return f"live:{node}"
 
 
 def body_of(node: SceneNode) -> Entity | None:
-    """What is seen of a node: its own body, or the first one below it."""
+    """Return the body of a node, or the first one of its descendants."""
     if node.entity is not None:
         return node.entity
     return next((body for child in node.children if (body := body_of(child)) is not None), None)
 
 
 def show_mirror(node: SceneNode, tint: Colour = (1.0, 1.0, 1.0), resolution: float = 1.0) -> None:
-    """Have a node's body mirror; a flat sheet, which mirrors on the side its normals point to.
+    """Turn a node's flat body into a mirror, on the side its normals point to.
 
     Args:
-        node: Has a body and a name.
-        tint: Share of the light given back, linear RGB.
-        resolution: Of its picture over that of the view.
+        node: Node with a body and a name.
+        tint: Reflectance, linear RGB.
+        resolution: Resolution of its texture over that of the view.
     """
-    _wear(node, Material(live_key(node.name), "mirror", (*tint, 1.0), base_texture=live_key(node.name)))
+    _assign(node, Material(live_key(node.name), "mirror", (*tint, 1.0), base_texture=live_key(node.name)))
     node.world.mirrors[node.name] = MirrorSurface(resolution)
 
 
 def show_screen(node: SceneNode, screen: ScreenSurface, *, shines: bool = True, brightness: float = 1.0) -> None:
-    """Have a node's body show what a camera sees.
+    """Turn a node's body into a screen that shows the view of a camera.
 
     Args:
-        node: Has a body and a name.
-        screen: What is shown.
-        shines: True: by its own light; False: lit as its material is.
-        brightness: Factor on the picture's light.
+        node: Node with a body and a name.
+        screen: Camera, texture size and rate.
+        shines: True: emissive; False: lit as its material is.
+        brightness: Factor on the view's radiance.
     """
     body = body_of(node)
     if body is None:
         return
     was = node.world.materials[body.subentities[0].material]
     key = live_key(node.name)
-    placed = (_upright(was.uv_transforms[0]), *was.uv_transforms[1:])
-    paint = replace(was, name=key, base_texture=key, uv_transforms=placed, base_colour=(brightness,) * 3 + (1.0,))
+    transforms = (_flipped(was.uv_transforms[0]), *was.uv_transforms[1:])
+    paint = replace(was, name=key, base_texture=key, uv_transforms=transforms, base_colour=(brightness,) * 3 + (1.0,))
     if shines:
-        paint = Material(key, "unlit", paint.base_colour, base_texture=key, uv_transforms=placed)
-    _wear(node, paint)
+        paint = Material(key, "unlit", paint.base_colour, base_texture=key, uv_transforms=transforms)
+    _assign(node, paint)
     node.world.screens[node.name] = screen
 
 
-def _wear(node: SceneNode, material: Material) -> None:
-    """Give a node's body a material of its own, with a grey picture that a renderer puts its own in the place of."""
+def _assign(node: SceneNode, material: Material) -> None:
+    """Give a node's body its own material, with a grey placeholder texture that renderers replace."""
     body = body_of(node)
     if body is None:
         return
@@ -119,7 +119,7 @@ def _wear(node: SceneNode, material: Material) -> None:
     body.set_material(material.name)
 
 
-def _upright(placed: Affine) -> Affine:
-    """A drawn picture has its first row at the bottom."""
-    a, b, c, d, e, f = placed
+def _flipped(transforms: Affine) -> Affine:
+    """Flip a texture transform: the first row of a rendered texture is at the bottom."""
+    a, b, c, d, e, f = transforms
     return a, b, c, -d, -e, 1.0 - f

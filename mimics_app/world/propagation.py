@@ -1,4 +1,4 @@
-"""The compiled passes over the scene graph: poses in bulk, parents before children, world matrices in one sweep."""
+"""Compiled passes over the scene graph: preorder walk, world matrices, poses in bulk."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from mimics_app.contracts.kernel import kernel
 __all__ = ["preorder", "propagate", "store_poses"]
 
 
-_LEAST_LENGTH2, _MOST_LENGTH2 = 1e-280, 1e280
+_MIN_LENGTH2, _MAX_LENGTH2 = 1e-280, 1e280
 """Squared lengths of quaternions that can be scaled to 1 without losing digits."""
 
 
 @kernel
 def preorder(start: int, parent: I4, first_child: I4, next_sibling: I4, out: I4) -> int:
-    """Walk the subtree of `start`, each node before its children; no recursion, so that no depth can overflow.
+    """Walk the subtree of `start` in preorder, without recursion: no depth overflows the stack.
 
     Args:
-        start: Index of the first node.
+        start: Index of the subtree's root.
         parent: Per node, -1: none. Likewise `first_child` and `next_sibling`.
         first_child: First of each node's children.
         next_sibling: Next child of the same parent.
         out: Receives the indices.
 
     Returns:
-        How many there are.
+        Number of nodes.
     """
     count = 0
     node = start
@@ -57,17 +57,17 @@ def propagate(
     shown: U1,
     changed: U1,
 ) -> int:
-    """World matrices and visibility of every row that is dirty or hangs on a row that changed; rows parent first.
+    """Compute world matrices and visibility of all rows that are dirty or whose parent changed; rows parent first.
 
     Args:
         parent_row: Row of the parent, below the own row; -1: none. [n]
         translation: Local [m], [n, 3].
         rotation: Local, unit xyzw, [n, 4].
         scale: Local, [n, 3].
-        visible: The node's own switch, [n].
-        dirty: 1 where the local transform or switch was touched; all 0 afterwards. [n]
+        visible: Visibility flag of the node itself, [n].
+        dirty: 1 where the local transform or flag was set; all 0 afterwards. [n]
         world: T_world_from_node, [n, 4, 4], written where needed.
-        shown: Own switch and those of all ancestors, [n], likewise.
+        shown: Flags of the node and all its ancestors combined, [n], likewise.
         changed: 1 where this pass wrote, [n].
 
     Returns:
@@ -90,7 +90,7 @@ def propagate(
 def _place(row: int, parent: int, translation: F8, rotation: F8, scale: F8, world: F8) -> None:
     """World matrix of a row: that of its parent, if any, times T R S; its last row is 0 0 0 1 and stays so.
 
-    Written out in scalars: no matrix in between goes through memory, and no view of a row is made.
+    Written in scalars: no intermediate matrix in memory, no view of a row.
     """
     x, y, z, w = rotation[row, 0], rotation[row, 1], rotation[row, 2], rotation[row, 3]
     a, b, c = scale[row, 0], scale[row, 1], scale[row, 2]
@@ -113,24 +113,24 @@ def _place(row: int, parent: int, translation: F8, rotation: F8, scale: F8, worl
 
 @kernel
 def store_poses(rows: I4, translation: F8, rotation: F8, into: F8, into_rotation: F8, dirty: U1) -> int:
-    """Check and store the local poses of some rows in one pass; nothing is stored when one of them is wrong.
+    """Check and store the local poses of some rows; nothing is stored when one of them is invalid.
 
     Args:
-        rows: Where to, [n].
-        translation: [m], [n, 3].
-        rotation: xyzw of any length, [n, 4].
+        rows: Rows of the table, [n].
+        translation: Translations [m], [n, 3].
+        rotation: Quaternions xyzw of any length, [n, 4].
         into: The table's translations, [rows, 3].
         into_rotation: The table's rotations, unit with w >= 0, [rows, 4].
         dirty: 1 where stored, [rows].
 
     Returns:
-        -1, or the first line whose numbers are not finite or whose quaternion is no rotation.
+        -1, or the first pose with a number that is not finite or a quaternion of zero length.
     """
     for i in range(rows.shape[0]):
         x, y, z, w = rotation[i, 0], rotation[i, 1], rotation[i, 2], rotation[i, 3]
         size = abs(translation[i, 0]) + abs(translation[i, 1]) + abs(translation[i, 2])
         length2 = x * x + y * y + z * z + w * w
-        if not (_LEAST_LENGTH2 < length2 < _MOST_LENGTH2) or not (size < np.inf):
+        if not (_MIN_LENGTH2 < length2 < _MAX_LENGTH2) or not (size < np.inf):
             return i
     for i in range(rows.shape[0]):
         row = rows[i]

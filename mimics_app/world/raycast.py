@@ -1,4 +1,4 @@
-"""What a ray meets: every triangle of the world, exactly, the nearest first."""
+"""Ray casting: exact intersections of a ray with the triangles of the world."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ __all__ = ["RayHit", "cast_ray", "meet_triangles"]
 
 @dataclass(frozen=True, eq=False)
 class RayHit:
-    """Where a ray meets a body.
+    """Intersection of a ray with a body.
 
     Attributes:
         entity: Index of the node that carries the body.
         part: Number of the sub-entity in `World.subentities`.
         triangle: Number of the triangle in its mesh.
-        distance: Along the ray, in lengths of its direction.
-        point_world: [m], float64 [3].
+        distance: Distance along the ray, in lengths of its direction.
+        point_world: Point of intersection [m], float64 [3].
     """
 
     entity: int
@@ -32,14 +32,14 @@ class RayHit:
 
 
 def cast_ray(world: World, origin: F8, direction: F8) -> list[RayHit]:
-    """The first triangle the ray meets in each visible body, both sides of it, nearest first.
+    """Return the nearest intersection with each visible body, from both sides of a triangle, nearest body first.
 
-    Of several levels of detail the finest counts.
+    Only the finest level of detail is tested.
 
     Args:
-        world: After its update.
-        origin: World [m], [3].
-        direction: Of any length but 0, [3].
+        world: The world, updated.
+        origin: Origin, world [m], [3].
+        direction: Direction, world, of any length but 0, [3].
     """
     listed, hits = world.subentities(), []
     shown = np.flatnonzero((listed.visible != 0) & (listed.level == 0))
@@ -59,15 +59,15 @@ def cast_ray(world: World, origin: F8, direction: F8) -> list[RayHit]:
 
 
 def meet_triangles(origin: F8, direction: F8, corners: F8) -> F8:
-    """Distances to triangles along a ray, in lengths of its direction; infinite where it misses one.
+    """Return distances to triangles along a ray, in lengths of its direction; infinite where it misses one.
 
     Moeller and Trumbore 1997, "Fast, minimum storage ray/triangle intersection"; edges belong to the triangle, and
-    one that the ray lies in is missed.
+    a triangle in whose plane the ray lies is missed.
 
     Args:
-        origin: [3].
-        direction: [3].
-        corners: [n, 3, 3].
+        origin: Origin [m], [3].
+        direction: Direction, [3].
+        corners: Vertices of each triangle [m], [n, 3, 3].
     """
     first = corners[:, 0]
     along, across = corners[:, 1] - first, corners[:, 2] - first
@@ -84,7 +84,7 @@ def meet_triangles(origin: F8, direction: F8, corners: F8) -> F8:
 
 
 def _meet_mesh(matrix: F8, corners: F8, origin: F8, direction: F8) -> tuple[int, float] | None:
-    """The nearest triangle and its distance; None for a miss or a body that is squashed flat."""
+    """Return the nearest triangle and its distance; None for a miss or a singular world matrix."""
     if abs(np.linalg.det(matrix[:3, :3])) < np.finfo(np.float64).tiny:
         return None
     inverse = np.linalg.inv(matrix[:3, :3])
@@ -94,7 +94,7 @@ def _meet_mesh(matrix: F8, corners: F8, origin: F8, direction: F8) -> tuple[int,
 
 
 def _passes_sphere(matrix: F8, box: tuple[F8, F8], origin: F8, direction: F8) -> bool:
-    """Whether the ray comes near enough to meet what is in a box at all."""
+    """True when the ray meets the sphere about a mesh's box."""
     centre = matrix[:3, :3] @ (0.5 * (box[0] + box[1])) + matrix[:3, 3]
     radius = 0.5 * float(np.linalg.norm(box[1] - box[0]) * np.linalg.norm(matrix[:3, :3]))
     length = float(np.linalg.norm(direction))

@@ -1,4 +1,4 @@
-"""What a renderer draws: one line per SubEntity, as arrays."""
+"""Render list: one row per SubEntity, as arrays."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ __all__ = ["RenderList", "SubEntityTable"]
 
 @dataclass(frozen=True, eq=False)
 class RenderList:
-    """The SubEntities of the world as of the last update. `visible` is written anew by each `World.update`.
+    """SubEntities of the world as of the last update. Each `World.update` rewrites `visible`.
 
     Attributes:
-        row: Row of `World.transforms.world` each one moves with, int32 [n].
+        row: Row of its node in `World.transforms.world`, int32 [n].
         mesh: Key in `World.meshes`, per SubEntity.
         material: Key in `World.materials`, per SubEntity.
         visible: 1 where it and its node are shown, uint8 [n].
-        casts_shadow: 1 where it belongs into shadow maps, uint8 [n].
-        level: Level of detail it belongs to, 0 the finest; uint8 [n].
+        casts_shadow: 1 where it is drawn into shadow maps, uint8 [n].
+        level: Level of detail, 0 the finest; uint8 [n].
         entity: Entity index of the node, int32 [n].
-        revision: Changes when the list or a material or mesh name in it does: cache by it.
+        revision: Changes when the list or a material or mesh name in it does; key of caches.
     """
 
     row: NDArray[np.int32]
@@ -39,7 +39,7 @@ class RenderList:
 
 @dataclass(eq=False)
 class SubEntityTable:
-    """One row per SubEntity; rows of one Entity stand together. Grows at the end, closes holes in `compact`."""
+    """One row per SubEntity; rows of one Entity are contiguous. `compact` closes the holes of removed ones."""
 
     mesh: list[str] = field(default_factory=list)
     material: list[str] = field(default_factory=list)
@@ -53,7 +53,7 @@ class SubEntityTable:
         return len(self.mesh)
 
     def append(self, owner: int, mesh: str, material: str, level: int = 0) -> int:
-        """Add a visible, shadow-casting row of an entity index to a level of detail; returns it."""
+        """Append a visible, shadow-casting row of an entity index in a level of detail; return its number."""
         row = len(self.mesh)
         self.mesh.append(mesh)
         self.material.append(material)
@@ -67,7 +67,7 @@ class SubEntityTable:
         return row
 
     def compact(self) -> NDArray[np.int64]:
-        """Close the holes (owner -1); returns the rows that were kept, in order, int64 [n]."""
+        """Close the holes (owner -1) and return the old numbers of the rows kept, in order, int64 [n]."""
         kept = np.flatnonzero(self.owner[: len(self.mesh)] >= 0)
         self.mesh = [self.mesh[row] for row in kept]
         self.material = [self.material[row] for row in kept]

@@ -1,4 +1,4 @@
-"""SceneNode: a place in the scene graph. It knows transforms and structure, never content."""
+"""SceneNode: a handle on one node of the scene graph."""
 
 from __future__ import annotations
 
@@ -19,30 +19,30 @@ __all__ = ["Frame", "SceneNode"]
 
 Vector = Sequence[float] | F8
 Frame = Literal["parent", "own"]
-"""In which axes a movement is meant: the parent's, or the node's own."""
+"""Axes of a movement: the parent's, or the node's own."""
 
 _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
 class SceneNode(Handle):
-    """A thin handle on a row of the Transform table. Structural edits reach the table at the frame's end."""
+    """A node: transform, parent and children. Structural edits reach the Transform table at the frame's end."""
 
     __slots__ = ()
 
     @property
     def name(self) -> str:
-        """Its name, unique in the world, or "" for none."""
+        """Name, unique in the world, or "" for none."""
         return self.world.graph.name(self.index)
 
     @property
     def parent(self) -> SceneNode | None:
-        """The node it hangs on; None for the root and for detached nodes."""
+        """Parent node; None for the root and for detached nodes."""
         parent = self.world.graph.parent(self.index)
         return None if parent < 0 else self.world.node(parent)
 
     @property
     def children(self) -> list[SceneNode]:
-        """The nodes that hang on it, in the order they were attached."""
+        """Child nodes, in the order they were attached."""
         return [self.world.node(child) for child in self.world.graph.hierarchy.children(self.index)]
 
     def create_child(
@@ -52,7 +52,7 @@ class SceneNode(Handle):
         orientation: Vector = quat.IDENTITY,
         scale: Vector = (1.0, 1.0, 1.0),
     ) -> SceneNode:
-        """Make a node on this one: position [m], orientation xyzw, scale.
+        """Create a child node: position [m], orientation xyzw, scale.
 
         Raises:
             ValueError: the name is taken, or a number is not finite.
@@ -64,10 +64,10 @@ class SceneNode(Handle):
         return child
 
     def attach(self, what: SceneNode | Entity | Light | Camera) -> None:
-        """Hang a node, with all below it, or an object on this node. Local transforms stay as they are.
+        """Move a node with its subtree, or a body, light or camera, to this node. Local transforms stay.
 
         Raises:
-            ValueError: the node is this one or an ancestor of it, or an object of that kind is here already.
+            ValueError: the node is this one or an ancestor of it, or this node has an object of that kind already.
         """
         if isinstance(what, SceneNode):
             self.world.graph.reparent(what.index, self.index)
@@ -81,7 +81,7 @@ class SceneNode(Handle):
         what.id = self.id
 
     def detach(self) -> None:
-        """Take the node off its parent: it and all below it keep existing, unseen, until attached again.
+        """Take the node off its parent: it and its subtree stay, invisible, until attached again.
 
         Raises:
             ValueError: it is the root.
@@ -89,7 +89,7 @@ class SceneNode(Handle):
         self.world.graph.detach(self.index)
 
     def remove(self) -> None:
-        """Remove the node, what it carries and all below it at the frame's end; their handles are stale from then on.
+        """Remove the node, its components and its subtree at the frame's end; their handles are stale from then on.
 
         Raises:
             ValueError: it is the root.
@@ -97,28 +97,29 @@ class SceneNode(Handle):
         self.world.graph.queue_removal(self.index)
 
     def create_entity(self, mesh: str, material: str = "default") -> Entity:
-        """Show a mesh of the world here.
+        """Show a mesh of the world on this node.
 
         Raises:
             KeyError: the world has no such mesh or material; the message names the nearest.
-            ValueError: an Entity is here already.
+            ValueError: the node has an Entity already.
         """
         return self.world.show(self, [(mesh, material)])
 
     def create_light(self, kind: LightKind = "directional", **settings: object) -> Light:
-        """Let a light shine from here; settings as the columns of `Content.lights`.
+        """Put a light here; settings are columns of `Content.lights`.
 
         Raises:
-            ValueError: a light is here already.
+            ValueError: the node has a light already.
+            KeyError: a setting is not a column of the table.
         """
         self.world.content.add_light(self.index, kind, settings)
         return Light(self.world, self.id)
 
     def create_camera(self, vertical_fov: float = 0.8727, near: float = 0.05, far: float = 100.0) -> Camera:
-        """Put an eye here: angle of view [rad], nearest and farthest distance [m].
+        """Put a camera here: vertical angle of view [rad], distances of the near and far planes [m].
 
         Raises:
-            ValueError: a camera is here already.
+            ValueError: the node has a camera already.
         """
         self.world.content.cameras.add(self.index, vertical_fov=vertical_fov, near=near, far=far)
         return Camera(self.world, self.id)
@@ -170,7 +171,7 @@ class SceneNode(Handle):
         self.set_position(self.position + step)
 
     def rotate(self, turn: Vector, frame: Frame = "own") -> None:
-        """Turn by a quaternion xyzw, about the node's own axes or the parent's."""
+        """Rotate by a quaternion xyzw, about the node's own axes or the parent's."""
         now, by = self.orientation, quat.normalise_rows(np.asarray(turn, np.float64))
         if frame == "own":
             quat.multiply(now, by, now)
@@ -179,15 +180,15 @@ class SceneNode(Handle):
         self.set_orientation(now)
 
     def yaw(self, angle: float, frame: Frame = "own") -> None:
-        """Turn by an angle [rad] about +y: positive to the left."""
+        """Rotate by an angle [rad] about +y: positive to the left."""
         self.rotate(quat.about_axis(_Y, angle), frame)
 
     def pitch(self, angle: float, frame: Frame = "own") -> None:
-        """Turn by an angle [rad] about +x: positive looks up."""
+        """Rotate by an angle [rad] about +x: positive looks up."""
         self.rotate(quat.about_axis(_X, angle), frame)
 
     def roll(self, angle: float, frame: Frame = "own") -> None:
-        """Turn by an angle [rad] about +z: positive tilts to the left."""
+        """Rotate by an angle [rad] about +z: positive tilts to the left."""
         self.rotate(quat.about_axis(_Z, angle), frame)
 
     def scale(self, factor: float | Vector) -> None:
@@ -195,21 +196,21 @@ class SceneNode(Handle):
         self.set_scale(self.local_scale * np.asarray(factor, np.float64))
 
     def look_at(self, target_world: Vector, up: Vector = _Y) -> None:
-        """Turn so that the own -z points at a world point [m] and the own +y leans towards `up`.
+        """Rotate the node so that its -z points at a world point [m] and its +y leans towards `up`.
 
         Raises:
             ValueError: the target is where the node is.
         """
         here = self.world_matrix()
-        wanted = mat.look_at(here[:3, 3], target_world, up)[:3, :3]
+        goal = mat.look_at(here[:3, 3], target_world, up)[:3, :3]
         parent = self.parent
         if parent is not None:
             rotation = np.empty((4, 4))
             mat.compose_trs(np.zeros(3), decompose_trs(parent.world_matrix())[1], np.ones(3), rotation)
-            wanted = rotation[:3, :3].T @ wanted
-        turn = np.empty(4)
-        quat.from_matrix(wanted, turn)
-        self.set_orientation(turn)
+            goal = rotation[:3, :3].T @ goal
+        orientation = np.empty(4)
+        quat.from_matrix(goal, orientation)
+        self.set_orientation(orientation)
 
     def world_matrix(self) -> F8:
         """T_world_from_node as it is now, also before the frame's end; a copy, [4, 4]."""
@@ -217,7 +218,7 @@ class SceneNode(Handle):
 
     @property
     def visible(self) -> bool:
-        """The node's own switch; False hides everything below it too."""
+        """Visibility flag of the node itself; False hides its subtree too."""
         return self.world.transforms.is_visible(self.index)
 
     @visible.setter
@@ -226,15 +227,15 @@ class SceneNode(Handle):
 
     @property
     def entity(self) -> Entity | None:
-        """The visible body here, if any."""
+        """Body of this node, if any."""
         return Entity(self.world, self.id) if self.index in self.world.content.bodies else None
 
     @property
     def light(self) -> Light | None:
-        """The light here, if any."""
+        """Light of this node, if any."""
         return Light(self.world, self.id) if self.index in self.world.content.lights else None
 
     @property
     def camera(self) -> Camera | None:
-        """The camera here, if any."""
+        """Camera of this node, if any."""
         return Camera(self.world, self.id) if self.index in self.world.content.cameras else None

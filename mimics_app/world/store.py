@@ -1,4 +1,4 @@
-"""Identity of entities: an index that is used again, and a generation that separates the old user from the new one."""
+"""Identity of entities: an index that is reused, and a generation that counts its uses."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _FIRST_CAPACITY = 256
 
 @dataclass(frozen=True, slots=True)
 class EntityId:
-    """Which entity: `index` is its place in every table (int32), `generation` counts the uses of that place."""
+    """Identity of an entity: `index` is its key in every table (int32), `generation` counts the uses of that index."""
 
     index: int
     generation: int
@@ -26,7 +26,7 @@ class StaleHandleError(ReferenceError):
 
 
 class EntityStore:
-    """Hands out indices, newest free one first, and knows which are in use."""
+    """Allocator of entity indices, last freed first."""
 
     def __init__(self) -> None:
         self._generation = np.zeros(_FIRST_CAPACITY, np.int32)
@@ -44,7 +44,7 @@ class EntityStore:
         return self._used
 
     def create(self) -> EntityId:
-        """A new entity."""
+        """Allocate an entity."""
         if self._free:
             index = self._free.pop()
         else:
@@ -62,7 +62,7 @@ class EntityStore:
         self._free.append(index)
 
     def id_of(self, index: int) -> EntityId:
-        """The identity of whoever has this index now."""
+        """Return the identity that this index has now."""
         return EntityId(index, int(self._generation[index]))
 
     def is_alive(self, entity: EntityId) -> bool:
@@ -70,7 +70,7 @@ class EntityStore:
         return bool(self._alive[entity.index]) and int(self._generation[entity.index]) == entity.generation
 
     def index_of(self, entity: EntityId) -> int:
-        """The index of a living entity.
+        """Return the index of an entity that is alive.
 
         Raises:
             StaleHandleError: it was removed.

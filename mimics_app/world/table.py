@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from mimics_app.contracts.errors import nearest
 from mimics_app.world.store import grown
 
 __all__ = ["ComponentTable"]
@@ -49,7 +50,7 @@ class ComponentTable:
         return tuple(self._columns)
 
     def column(self, name: str) -> NDArray[Any]:
-        """One column, [rows, ...]; a view that is good until the next `add`."""
+        """One column, [rows, ...]; a view, valid until the next `add`."""
         return self._columns[name][: self._count]
 
     def row(self, index: int) -> int:
@@ -63,13 +64,16 @@ class ComponentTable:
         return int(self._rows[index])
 
     def add(self, index: int, **values: object) -> int:
-        """Give an entity a row, columns not named being zero; returns it.
+        """Append a row for an entity, zero in columns not named, and return its number.
 
         Raises:
             ValueError: it has one already.
+            KeyError: a name is not a column of the table.
         """
         if index in self:
             raise ValueError(f"entity {index} has that component already")
+        for name in values.keys() - self._columns.keys():
+            raise KeyError(f'no column "{name}"; {nearest(name, self._columns)}')
         row = self._count
         self._entities = grown(self._entities, row + 1, _NONE)
         self._rows = grown(self._rows, index + 1, _NONE)
@@ -82,7 +86,7 @@ class ComponentTable:
         return row
 
     def remove(self, index: int) -> None:
-        """Take an entity's row away, if it has one; the last row moves into the hole."""
+        """Remove the row of an entity, if it has one; the last row fills the hole."""
         if index not in self:
             return
         row, last = int(self._rows[index]), self._count - 1

@@ -24,12 +24,12 @@ class TransformTable:
     """Rows of translation [m], rotation (unit xyzw, w >= 0), scale, and the world matrices made of them.
 
     A new row is appended, so it comes after its parent; reparenting and removal sort the table anew at the frame's
-    end (`World.update`). Row numbers are good until `revision` changes; ask `rows` again then. The arrays are views:
-    write them through the setters, which mark what has to be computed again.
+    end (`World.update`). Row numbers are valid until `revision` changes; call `rows` again then. The arrays are views:
+    write them through the setters, which mark rows dirty.
 
     Attributes:
-        revision: Changes when rows change places.
-        updates: Counts updates, so that a reader of `changed` knows whether it missed one.
+        revision: Changes when rows are reordered.
+        updates: Number of updates, by which a reader of `changed` detects that it missed one.
     """
 
     def __init__(self) -> None:
@@ -95,7 +95,7 @@ class TransformTable:
 
     @property
     def touched(self) -> bool:
-        """True when something was set since the last update, so that `world` is behind."""
+        """True when a row was set since the last update, so that `world` is out of date."""
         return self._touched
 
     def rows(self, indices: NDArray[np.integer]) -> NDArray[np.int32]:
@@ -123,7 +123,7 @@ class TransformTable:
         x, y, z, w = map(float, value)
         length = math.hypot(x, y, z, w)
         if not 0.0 < length < math.inf:
-            raise ValueError("a zero or not finite quaternion is no rotation")
+            raise ValueError("a rotation needs a finite quaternion other than zero")
         length = length if w >= 0.0 else -length
         self._set_one(self._rotations, index, (x / length, y / length, z / length, w / length))
 
@@ -140,7 +140,7 @@ class TransformTable:
     ) -> None:
         """Set local translations [m], [n, 3], and rotations, xyzw of any length, [n, 4], in one pass.
 
-        For whole crowds of nodes every frame; nothing is set when a number is wrong.
+        For many nodes every frame; nothing is set when a number is invalid.
 
         Raises:
             ValueError: a number is not finite, a rotation is zero, or a shape does not fit.
@@ -158,7 +158,7 @@ class TransformTable:
         self._touched = True
 
     def set_scales(self, rows: NDArray[np.integer], scales: NDArray[np.floating]) -> None:
-        """Set local scales, [n, 3], in one pass; nothing is set when a number is wrong.
+        """Set local scales, [n, 3], in one pass; nothing is set when a number is invalid.
 
         Raises:
             ValueError: a number is not finite, or a shape does not fit.
@@ -171,7 +171,7 @@ class TransformTable:
         self._touched = True
 
     def set_visible(self, index: int, *, visible: bool) -> None:
-        """Switch one node, and what hangs on it, on or off."""
+        """Set the visibility flag of one node; False hides its subtree too."""
         self._set_one(self._visible, index, visible)
 
     def translation(self, index: int) -> F8:
@@ -187,7 +187,7 @@ class TransformTable:
         return self._scales[self._rows[index]].copy()
 
     def is_visible(self, index: int) -> bool:
-        """One entity's own switch."""
+        """Visibility flag of one entity itself."""
         return bool(self._visible[self._rows[index]])
 
     def append(self, index: int, parent: int) -> None:
@@ -248,7 +248,7 @@ class TransformTable:
         )
 
     def _set_one(self, array: NDArray[Any], index: int, value: object) -> None:
-        """By plain numbers: for one row, arrays cost more than what is done with them."""
+        """Write one row from plain numbers: building an array would cost more than the write."""
         row = self._rows[index]
         array[row] = value
         self._dirty[row] = 1
@@ -286,5 +286,5 @@ class TransformTable:
 def _finite(what: str, value: Sequence[float] | F8) -> tuple[float, float, float]:
     x, y, z = map(float, value)
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
-        raise ValueError(f"a {what} that is not finite")
+        raise ValueError(f"the {what} is not finite")
     return x, y, z

@@ -1,4 +1,4 @@
-"""The World: graph, content and assets of the running scene, and the frame's end at which edits reach the tables."""
+"""World: scene graph, components and assets of the running scene, updated at each frame's end."""
 
 from __future__ import annotations
 
@@ -33,21 +33,21 @@ DEFAULT_MATERIAL = "default"
 
 
 class World:
-    """Nodes, what they carry, and the meshes, materials and textures they show.
+    """Nodes, their components, and the meshes, materials and textures they show.
 
     Attributes:
         graph: Structure, names and transforms.
-        content: What the nodes carry.
-        effects: Billboards, particles and projectors on nodes, and the time they go by.
-        motion: Models that play clips and bodies that bend, and the time they go by.
+        content: Component tables.
+        effects: Billboards, particles and projectors on nodes, and their time.
+        motion: Animators of models, skinned and morphed bodies, and their time.
         meshes: By key; replace one with `replace_mesh` or change it through `open_mesh`, so that renderers see it.
-        meshes_published: How often one was replaced or changed.
+        meshes_published: Number of times a mesh was replaced or changed.
         materials: By key; change one with `set_material`.
         textures: By key.
-        techniques: Further techniques to draw materials, by the name a material calls them.
+        techniques: Further techniques of materials, by name.
         environment: The sky.
-        cords: By name of the node they begin at.
-        mirrors, screens, insets: What shows the world itself, by name of the node (`world.live_pictures`).
+        cords: By name of the node at their first end.
+        mirrors, screens, insets: Views of the world itself, by name of the node (`world.live_pictures`).
     """
 
     def __init__(self) -> None:
@@ -77,11 +77,11 @@ class World:
 
     @property
     def root(self) -> SceneNode:
-        """The node everything hangs on."""
+        """Root node of the scene graph."""
         return self.node(self.graph.root)
 
     def create_node(self, name: str = "", parent: SceneNode | None = None) -> SceneNode:
-        """Make a node on `parent` (default: the root).
+        """Create a node below `parent` (default: the root).
 
         Raises:
             ValueError: another node has that name.
@@ -89,7 +89,7 @@ class World:
         return self.node(self.graph.create(name, self.graph.root if parent is None else parent.index))
 
     def find(self, name: str) -> SceneNode:
-        """The node of that name.
+        """Return a node by name.
 
         Raises:
             KeyError: there is none; the message names the nearest.
@@ -101,7 +101,7 @@ class World:
         return name in self.graph
 
     def node(self, index: int) -> SceneNode:
-        """A handle of the node that has this entity index now."""
+        """Return a handle on the node that has this entity index now."""
         return SceneNode(self, self.graph.store.id_of(index))
 
     @property
@@ -131,7 +131,7 @@ class World:
         return computed
 
     def subentities(self) -> RenderList:
-        """What is to be drawn, as of the last update."""
+        """Return the render list as of the last update."""
         return self._render_list
 
     def show(self, node: SceneNode, parts: Sequence[tuple[str, str]]) -> Entity:
@@ -160,12 +160,12 @@ class World:
         self.set_mesh(name, mesh.validated())
 
     def set_mesh(self, name: str, mesh: MeshData) -> None:
-        """The same for data that is known to be right."""
+        """Put validated data under a mesh's key, or add it."""
         self._mesh_buffers.pop(name, None)
         self._publish(name, mesh)
 
     def open_mesh(self, name: str) -> MeshBuffer:
-        """The buffers of a mesh, to change it range by range from now on; the same ones until it is replaced.
+        """Return the buffers of a mesh, to change it range by range; the same ones until it is replaced.
 
         Raises:
             KeyError: the world has no such mesh; the message names the nearest.
@@ -180,23 +180,23 @@ class World:
         return self._mesh_buffers[name]
 
     def opened_mesh(self, name: str) -> MeshBuffer | None:
-        """The buffers of a mesh that somebody opened; None for one that stays as it is."""
+        """Return the buffers of a mesh that `open_mesh` opened; None for any other."""
         return self._mesh_buffers.get(name)
 
     def forget_motion(self, index: int) -> None:
-        """Have the model of a node play nothing and its body bend no more; meshes that were its own go with it."""
+        """Remove the animator and deformable body of a node, with the meshes made for them alone."""
         gone = self.motion.remove([index])
         for name in gone:
             self.meshes.pop(name, None)
         self.meshes_published += bool(gone)
 
     def mesh_bounds(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Corners of the box about a mesh in its node's frame, as it is bent now [m], [3] each."""
+        """Return the bounding box of a mesh in its node's frame, as deformed now: minimum and maximum [m], [3] each."""
         body = self.motion.body_of.get(name)
         return self.meshes[name].bounds if body is None else body.bounds
 
     def mesh_positions(self, name: str) -> NDArray[np.float64]:
-        """Vertices of a mesh in its node's frame, as it is bent now [m], float64 [n, 3]."""
+        """Return the vertices of a mesh in its node's frame, as deformed now [m], float64 [n, 3]."""
         mesh, body = self.meshes[name], self.motion.body_of.get(name)
         if body is None:
             return mesh.positions.astype(np.float64)
@@ -217,7 +217,7 @@ class World:
         _require(self.materials, "material", name)
 
     def _rewrite(self, name: str, buffer: MeshBuffer) -> int:
-        """Take over what a buffer holds, unless another mesh stands in its place by now."""
+        """Publish the mesh of a buffer, unless another mesh has replaced it; return the revision."""
         if self._mesh_buffers.get(name) is buffer:
             self._publish(name, buffer.mesh)
         return self.mesh_revision(name)

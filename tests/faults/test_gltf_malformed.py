@@ -113,7 +113,7 @@ CORPUS = {
         "/extras",
         "nested deeper",
     ),
-    "key_twice": (b'{"asset": {"version": "2.0", "version": "2.0"}}', "/asset/version", "stands here twice"),
+    "key_twice": (b'{"asset": {"version": "2.0", "version": "2.0"}}', "/asset/version", "is given twice"),
     "no_asset": (b"{}", "/asset", "is missing"),
     "version_1": (setting("/asset/version", "1.0"), "/asset/version", "only glTF 2"),
     "version_a_number": (setting("/asset/version", 2.0), "/asset/version", "only glTF 2"),
@@ -122,11 +122,11 @@ CORPUS = {
     "glb_truncated_in_chunk": (glb(square())[:-40], "", "is cut off"),
     "glb_version_1": (glb(square(), version=1), "", "GLB version 1"),
     "glb_length_too_great": (glb(square(), length=2**31), "", "is cut off"),
-    "glb_wrong_magic": (b"glTX" + glb(square())[4:], "", "is no GLB"),
+    "glb_wrong_magic": (b"glTX" + glb(square())[4:], "", "is not a GLB"),
     "glb_chunk_length": (
         glb(square())[:12] + struct.pack("<I", 2**32 - 1) + glb(square())[16:],
         "",
-        "chunk 0 claims 4294967295 bytes",
+        "chunk 0 declares 4294967295 bytes",
     ),
     "glb_first_chunk_binary": (
         b"glTF" + struct.pack("<IIII", 2, 24, 4, 0x004E4942) + b"\0\0\0\0",
@@ -141,7 +141,7 @@ CORPUS = {
     "glb_binary_too_short": (
         glb(IN_CHUNK, b"\0" * 8),
         "/buffers/0/byteLength",
-        "60 bytes are claimed, 8 are there",
+        "60 bytes are declared, 8 are present",
     ),
     "required_extension": (
         setting("/extensionsRequired", ["KHR_draco_mesh_compression"]),
@@ -155,8 +155,8 @@ CORPUS = {
     "scene_negative": (setting("/scene", -1), "/scene", "there is no "),
     "scene_a_truth": (setting("/scene", True), "/scene", "is not an index"),
     "node_of_a_scene_missing": (setting("/scenes/0/nodes", [9]), "/scenes/0/nodes/0", "there is no node 9"),
-    "node_twice_in_a_scene": (setting("/scenes/0/nodes", [0, 0]), "/scenes/0/nodes/1", "stands here twice"),
-    "scene_node_with_a_parent": (setting("/nodes", [{}, {"children": [0]}]), "/scenes/0/nodes/0", "is no top node"),
+    "node_twice_in_a_scene": (setting("/scenes/0/nodes", [0, 0]), "/scenes/0/nodes/1", "is listed twice"),
+    "scene_node_with_a_parent": (setting("/nodes", [{}, {"children": [0]}]), "/scenes/0/nodes/0", "is not a root node"),
     "node_its_own_child": (setting("/nodes/0/children", [0]), "/nodes/0", "part of a loop"),
     "loop_of_three": (
         setting("/nodes", [{"children": [1]}, {"children": [2]}, {"children": [0]}]),
@@ -207,7 +207,7 @@ CORPUS = {
     "camera_far_before_near": (
         setting("/cameras", [{"type": "perspective", "perspective": {"yfov": 1, "znear": 2, "zfar": 1}}]),
         "/cameras/0/perspective",
-        "no view",
+        "is not between",
     ),
     "light_of_no_kind": (
         setting("/extensions", LIGHTS),
@@ -220,7 +220,7 @@ CORPUS = {
         "must be an object",
     ),
     "no_primitives": (setting("/meshes/0/primitives", []), "/meshes/0/primitives", "has no primitive"),
-    "mode_9": (setting("/meshes/0/primitives/0/mode", 9), "/meshes/0/primitives/0/mode", "9 is no mode"),
+    "mode_9": (setting("/meshes/0/primitives/0/mode", 9), "/meshes/0/primitives/0/mode", "9 is not a mode"),
     "material_missing": (
         setting("/meshes/0/primitives/0/material", 0),
         "/meshes/0/primitives/0/material",
@@ -232,7 +232,7 @@ CORPUS = {
     "component_type_unknown": (
         setting("/accessors/0/componentType", 5130),
         "/accessors/0/componentType",
-        "is no component type",
+        "is not a component type",
     ),
     "component_type_missing": (
         spoiled(lambda d: d["accessors"][0].pop("componentType")),
@@ -275,7 +275,7 @@ CORPUS = {
     "buffer_shorter_than_claimed": (
         setting("/buffers/0/byteLength", 6000),
         "/buffers/0/byteLength",
-        "6000 bytes are claimed",
+        "6000 bytes are declared",
     ),
     "buffer_of_a_terabyte": (
         setting("/buffers/0/byteLength", 10**12),
@@ -322,7 +322,7 @@ CORPUS = {
     "indices_not_by_three": (
         setting("/accessors/1/count", 5),
         "/meshes/0/primitives/0/indices",
-        "5 corners are not a multiple of three",
+        "5 indices are not a multiple of three",
     ),
     "attribute_of_other_length": (
         spoiled(
@@ -361,7 +361,7 @@ CORPUS = {
     "absolute_path_encoded": (setting(BUFFER, "%2Fetc%2Fpasswd"), BUFFER, "is an absolute path"),
     "http_uri": (setting(BUFFER, "http://127.0.0.1:9/x.bin"), BUFFER, "nothing is fetched"),
     "file_uri": (setting(BUFFER, "file:///etc/passwd"), BUFFER, "nothing is fetched"),
-    "nul_in_a_name": (setting(BUFFER, "a%00.bin"), BUFFER, "is no file name"),
+    "nul_in_a_name": (setting(BUFFER, "a%00.bin"), BUFFER, "is not a file name"),
     "uri_a_number": (setting(BUFFER, 5), BUFFER, "must be a text"),
     "bad_base64": (setting(BUFFER, "data:application/octet-stream;base64,@@@@"), BUFFER, "is not base64"),
     "half_base64": (setting(BUFFER, "data:application/octet-stream;base64,AAA"), BUFFER, "is not base64"),
@@ -460,7 +460,7 @@ CORPUS = {
     "four_corners_without_indices": (
         setting("/meshes/0/primitives/0", {"attributes": {"POSITION": 0, "NORMAL": 0}}),
         "/meshes/0/primitives/0",
-        "4 corners are not a multiple of three",
+        "4 indices are not a multiple of three",
     ),
     "scale_of_1e30": (
         setting(f"{NODE}/scale", [1, 1e30, 1]),
@@ -474,6 +474,11 @@ CORPUS = {
     ),
     "scene_name_a_number": (setting("/scenes/0/name", 42), "/scenes/0/name", "must be a text"),
     "material_name_a_list": (setting("/materials", [{"name": []}]), "/materials/0/name", "must be a text"),
+    "component_a_number": (
+        setting(f"{NODE}/extras", {"mimics": {"components": {"light": 5}}}),
+        f"{NODE}/extras/mimics/components/light",
+        "must be an object",
+    ),
     "roughness_negative": (
         setting("/materials", [{"pbrMetallicRoughness": {"roughnessFactor": -1}}]),
         "/materials/0/pbrMetallicRoughness/roughnessFactor",

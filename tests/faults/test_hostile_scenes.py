@@ -51,7 +51,7 @@ def test_too_many_entities_are_refused_before_any_is_looked_at(tmp_path, monkeyp
     monkeypatch.setattr(source, "read_struct", lambda *_: pytest.fail("looked at the entities"))
     document = scene(*({"id": 5} for _ in range(MAX_ENTITIES + 1)))
     assert faults(write(tmp_path, document)) == [
-        "scene.json#/entities: 100001 entities are more than 100000; draw many alike as one model"
+        "scene.json#/entities: 100001 entities are more than 100000; merge equal ones into one model"
     ]
 
 
@@ -59,7 +59,7 @@ def test_prefabs_that_unfold_to_too_many_entities_are_refused_alone(tmp_path):
     tens = {f"p{i}": {"children": [{"id": f"c{k}", "prefab": f"p{i + 1}"} for k in range(10)]} for i in range(5)}
     document = scene({"id": "top", "prefab": "p0"}, prefabs={**tens, "p5": {"components": {"msh": {}}}})
     found = faults(write(tmp_path, document))
-    assert len(found) == 1 and "more than 100000 entities, prefabs unfolded" in found[0]
+    assert len(found) == 1 and "more than 100000 entities, prefabs expanded" in found[0]
 
 
 def test_too_many_shapes_of_one_object_are_refused_before_any_is_looked_at(tmp_path, monkeypatch):
@@ -78,7 +78,7 @@ LONG_LIST = f"expected a list [..] of length <= {MAX_SHAPES}"
 def test_too_many_components_of_a_kind_are_refused_before_they_are_checked(tmp_path):
     things = [thing(f"a{i}", haptic_object={"shapes": [{**SPHERE, "rotation": [0, 0, 0, 0]}]}) for i in range(1001)]
     found = reported(tmp_path, scene(*things))
-    assert found == ['scene.json#/entities: 1001 entities have a "haptic_object"; 1000 may']
+    assert found == ['scene.json#/entities: 1001 entities have a "haptic_object"; at most 1000 may']
 
 
 # --- very many faults -----------------------------------------------------------------------------------------------
@@ -104,7 +104,7 @@ def test_of_many_errors_the_first_hundred_are_reported_and_the_number_of_the_res
 def test_after_very_many_faults_no_more_are_looked_for(tmp_path):
     found = reported(tmp_path, wrong(MOST_SOUGHT + 500))
     assert len(found) == MOST_SOUGHT + 1
-    assert found[-1] == "scene.json: has more faults, which were not looked for"
+    assert found[-1] == "scene.json: has more faults, which were not searched for"
 
 
 def test_where_counting_stopped_the_number_of_the_rest_is_a_least_one(tmp_path, capsys):

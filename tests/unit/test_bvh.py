@@ -83,8 +83,9 @@ def test_what_was_recorded_is_done_by_a_model_of_another_size_and_rest(tmp_path:
         (lambda text: text.replace("OFFSET", "OFSET", 1), "line 4", "not understood"),
         (lambda text: text.replace("CHANNELS 6", "CHANNELS 5"), "line 5", "channels"),
         (lambda text: text.rsplit("\n", 3)[0], "", "ends too early"),
-        (lambda text: text.replace("Frame Time: 0.5", "Frame Time: 0"), "", "cannot be"),
+        (lambda text: text.replace("Frame Time: 0.5", "Frame Time: 0"), "", "out of range"),
         (lambda text: text.replace(" 95.000000 ", " nan ", 1), "", "numbers"),
+        (lambda text: text.replace("OFFSET 0 -2 0", "OFFSET 0 -1e308 0", 1), "line", "numbers"),
         (lambda text: text.replace("}", "", 1), "", "braces"),
     ],
 )

@@ -88,7 +88,7 @@ def test_what_follows_from_a_fault_is_not_reported_beside_it(tmp_path, capsys):
 
 @pytest.mark.parametrize(
     ("text", "advice"),
-    [('{"a": 1 // one\n}', "no comments"), ('{"a": 1,}', "take out the comma"), ('{"a": [1', "before every bracket"),
+    [('{"a": 1 // one\n}', "no comments"), ('{"a": 1,}', "remove the comma"), ('{"a": [1', "before every bracket"),
      ('{"a": 1 "b": 2}', "a comma or a closing"), ("{'a': 1}", 'write "'), ("{} {}", "last bracket")],
 )  # fmt: skip
 def test_a_text_that_is_no_json_is_met_with_advice(tmp_path, capsys, text, advice):

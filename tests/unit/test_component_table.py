@@ -38,6 +38,8 @@ def test_adding_twice_asking_for_nothing_and_moving_onto_another_are_refused():
         table.move(3, 4)
     with pytest.raises(KeyError):
         table.row(5)
+    with pytest.raises(KeyError, match='no column "valu"; did you mean "value"'):
+        table.add(5, valu=1)
     table.move(3, 1000)
     assert table.column("value")[table.row(1000)] == 1
     assert 3 not in table

@@ -10,7 +10,7 @@ import pytest
 
 from mimics_app.lab.visual.ripple import BENDS, crest_error, midway, straight
 from mimics_app.maths.cord import Ripple, Ripples, hang
-from mimics_app.world.cords import MOST_TAPS, Cord
+from mimics_app.world.cords import MAX_TAPS, Cord
 
 SEED = 11
 
@@ -143,12 +143,12 @@ def test_what_cannot_be_is_said_by_name_and_drawn_as_near_to_it_as_can_be() -> N
 
 def test_eight_taps_at_once_and_the_oldest_gives_way() -> None:
     cord = Cord()
-    for k in range(MOST_TAPS + 2):
+    for k in range(MAX_TAPS + 2):
         cord.tap(0.1 * k, 0.0, 0.1 * k, 0.001)
-    assert len(cord.taps) == MOST_TAPS
+    assert len(cord.taps) == MAX_TAPS
     assert cord.taps[0][2] == pytest.approx(0.2)
     assert cord.ripples(0.15) == []
-    assert len(cord.ripples(1.0)) == MOST_TAPS
+    assert len(cord.ripples(1.0)) == MAX_TAPS
     assert cord.ripples(20.0) == []
 
 

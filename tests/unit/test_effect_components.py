@@ -26,7 +26,7 @@ def loaded(folder, document):
         ({"billboard": {"texture": "tree"}}, 'billboard/texture: no asset "tree"; the scene has none'),
         ({"billboard": {"size": [0, 1]}}, "billboard/size/0: expected a number > 0.0, got 0"),
         ({"billboard": {"facing": "fre"}}, 'billboard/facing: "fre" is not possible here; did you mean "free"'),
-        ({"particles": {"lifetime": [2, 1]}}, "particles/lifetime: 2 is more than 1; give least first"),
+        ({"particles": {"lifetime": [2, 1]}}, "particles/lifetime: 2 is more than 1; give the minimum first"),
         ({"particles": {"speed": [2, 1]}}, "particles/speed: 2 is more than 1"),
         ({"particles": {"size": [2, 1]}}, "particles/size: 2 is more than 1"),
         ({"particles": {"direction": [0, 0, 0]}}, "particles/direction: has no length"),

@@ -132,7 +132,7 @@ def test_the_viewer_counts_the_finest_level_alone(tmp_path):
 @pytest.mark.parametrize("shares", [(), (1.2,), (0.2, 0.5), (0.5, 0.5), (0.0,), tuple(np.linspace(0.9, 0.1, 8))])
 def test_shares_that_do_not_fall_are_refused(tmp_path, shares):
     file, _ = write_ball(tmp_path)
-    with pytest.raises(ValueError, match="falling shares"):
+    with pytest.raises(ValueError, match="decreasing shares"):
         write_levels(file, tmp_path / "out.glb", shares)
     assert not (tmp_path / "out.glb").exists()
 

@@ -234,6 +234,20 @@ def test_hostile_skins_and_clips_are_refused_by_name(tmp_path: Path, spoil: Any,
     assert issues and all(issue.pointer.startswith(pointer) for issue in issues), refused.value.issues
 
 
+def test_a_level_of_detail_with_a_joint_beyond_the_skin_of_its_node_is_refused(tmp_path: Path) -> None:
+    document = bar().document()
+    document["skins"][0] = {"joints": document["skins"][0]["joints"][:2]}
+    shown = next(node for node in document["nodes"] if "skin" in node)
+    document["meshes"].append(document["meshes"][0])
+    document["nodes"].append({"mesh": 1})
+    shown |= {"mesh": 2, "extensions": {"MSFT_lod": {"ids": [len(document["nodes"]) - 1]}}}
+    fine = {name: value for name, value in document["meshes"][0]["primitives"][0]["attributes"].items()}
+    weightless = {name: value for name, value in fine.items() if not name.startswith(("JOINTS", "WEIGHTS"))}
+    document["meshes"].append({"primitives": [{"attributes": weightless}]})
+    with pytest.raises(SceneError, match="follows joint 2; skin 0 has 2 joints"):
+        load_gltf(write_gltf(tmp_path / "bar.gltf", document))
+
+
 def test_the_box_about_a_bent_body_holds_it(tmp_path: Path) -> None:
     file = write_gltf(tmp_path / "bar.gltf", _bending(bar()).document())
     shown = open_shown(file)

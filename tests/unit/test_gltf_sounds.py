@@ -178,5 +178,5 @@ def test_a_scene_may_name_ogg_and_flac_and_nothing_that_only_is_called_so(tmp_pa
         if right:
             assert load_checked_scene(tmp_path / "scene.json").assets["s"].kind == "sound"
         else:
-            with pytest.raises(SceneError, match="is no OGG file"):
+            with pytest.raises(SceneError, match="is not in OGG format"):
                 load_checked_scene(tmp_path / "scene.json")

@@ -38,13 +38,13 @@ def faulty(folder: Path, **component: object) -> list[str]:
             "haptic_object",
             {"shapes": [CUBE], "enable_translation": False, "initial_velocity": [1, 0, 0]},
             "/initial_velocity",
-            "may not shift",
+            "translation is disabled",
         ),
         (
             "haptic_object",
             {"shapes": [CUBE], "enable_rotation": False, "initial_angular_velocity": [1, 0, 0]},
             "/initial_angular_velocity",
-            "may not turn",
+            "rotation is disabled",
         ),
         (
             "haptic_object",
@@ -87,13 +87,13 @@ def faulty(folder: Path, **component: object) -> list[str]:
         ("haptic_object", {"shapes": [{"shape": "mesh", "source": "rock"}]}, "/shapes/0/source", 'no asset "rock"'),
         ("haptic_object", {"shapes": [CUBE], "gravity": [0, 0]}, "/gravity", "length 3"),
         ("haptic_object", {"shapes": [CUBE], "integrator": "semi-implicit"}, "/integrator", "semi_implicit"),
-        ("haptic_walls", {}, "", '"left" stands nowhere'),
+        ("haptic_walls", {}, "", '"left" has no place'),
         ("haptic_walls", {"size": [1, 1, 0]}, "/size/2", "> 0"),
         ("haptic_walls", {"size": [1, 1, 1], "floor": {"rotation": [1, 1, 0, 0]}}, "/floor/rotation", "1.414"),
         ("haptic_effect", {"effect": {"kind": "sprig"}}, "/effect/kind", 'did you mean "spring"'),
         ("haptic_effect", {"effect": {"kind": "spring"}}, "/effect", '"stiffness" is missing'),
         ("haptic_effect", {"effect": {"kind": "workspace"}}, "/effect", "radius or a size"),
-        ("haptic_effect", {"effect": {"kind": "constant_force", "force": [0, 0, 0]}}, "/effect/force", "no force"),
+        ("haptic_effect", {"effect": {"kind": "constant_force", "force": [0, 0, 0]}}, "/effect/force", "is zero"),
         (
             "haptic_effect",
             {"effect": {"kind": "path_spring", "path": "way", "stiffness": 100}},
@@ -116,7 +116,7 @@ def faulty(folder: Path, **component: object) -> list[str]:
             "haptic_effect",
             {"effect": {"kind": "vibration", "direction": [0, 0, 0], "amplitude": 1, "frequency": 30}},
             "/effect/direction",
-            "nowhere",
+            "is zero",
         ),
         ("force_field", {"function": "curll"}, "/function", 'did you mean "curl"'),
         ("force_field", {"function": "curl", "parameters": [0] * 9}, "/parameters", "length <= 8"),
@@ -177,7 +177,7 @@ def test_open_surface_has_no_mass_of_its_own(tmp_path):
     lines = reported(tmp_path, thing("a", haptic_object={"shapes": [shape]}), **parts)
     assert len(lines) == 1
     assert "shapes/0: " in lines[0]
-    assert "no closed surface" in lines[0]
+    assert "not a closed surface" in lines[0]
     hull = thing("a", haptic_object={"shapes": [{**shape, "fit": "hull"}]})
     given = {"mass": 1.0, "inertia": [0.01, 0.01, 0.01], "centre": [0, 0, 0]}
     assert reported(tmp_path, hull, **parts) == []

@@ -192,6 +192,35 @@ def test_a_model_that_was_edited_is_shown_anew_and_one_that_was_not_stays(tmp_pa
     assert len(world.subentities().mesh) == 4
 
 
+def test_overrides_of_a_models_nodes_come_and_go_with_a_reload(tmp_path):
+    document = square()
+    document["nodes"] = [{"name": "Arm", "mesh": 0, "children": [1]}, {"name": "Hand", "mesh": 0}]
+    write_gltf(tmp_path / "m.gltf", document)
+    plain, ring = thing("m", mesh={"source": "m#/nodes/Arm"}), {"id": "ring", "parent": "m"}
+    raised = plain | {"overrides": {"Hand": {"transform": {"translation": [0, 5, 0]}}}}
+    first, second = (
+        loaded(tmp_path, scene(entity, ring, assets={"m": {"uri": "m.gltf"}})) for entity in (raised, plain)
+    )
+    world = build_world(first)
+    for old, new, height in ((first, second, 0), (second, first, 5)):
+        assert apply_scene(world, old, new).components == {"m": {"model"}}
+        assert world.find("m/Hand").world_matrix()[1, 3] == height
+        assert world.find("ring").parent == world.find("m")
+
+
+def test_a_cord_and_an_inset_go_with_their_entity_and_a_changed_cord_is_replaced(tmp_path):
+    end, camera = thing("end") | {"transform": {"translation": [1, 0, 0]}}, thing("eye", camera={})
+    first = loaded(tmp_path, scene(end, camera, thing("c", cord={"to": "end"}, inset={"camera": "eye"})))
+    second = loaded(tmp_path, scene(end, camera, thing("c", cord={"to": "end", "radius": 0.05})))
+    third = loaded(tmp_path, scene(end, camera))
+    world = build_world(first)
+    apply_scene(world, first, second)
+    assert (world.cords["c"].radius, world.cords["c"].ends[1].tolist()) == (0.05, [1, 0, 0])
+    apply_scene(world, second, first)
+    apply_scene(world, first, third)
+    assert not (world.cords or world.insets)
+
+
 def test_a_broken_scene_leaves_world_and_old_scene_as_they_are(tmp_path):
     path = write(tmp_path, scene(thing("a", mesh=BOX)))
     old = load_scene(path)

@@ -52,12 +52,18 @@ def test_only_the_numbers_change(name, place, old, new):
     assert moved["transform"]["translation"] == pytest.approx([round(part, 4) for part in place], abs=0.0)
 
 
+@pytest.mark.parametrize("value", ["null", "[1, 2]", '["x", 0, 0]', "{}"])
+def test_a_translation_that_is_not_three_numbers_is_replaced_whole(value):
+    text = f'{{"entities": [{{"id": "a", "transform": {{"translation": {value}}}}}]}}'
+    assert edit_translation(text, "a", (1.0, 2.0, 3.0)) == text.replace(value, "[1.0, 2.0, 3.0]")
+
+
 def test_no_negative_zero_is_written():
     assert "-0.0" not in edit_translation(TEXT, "b", (-1e-9, -0.0, 0.0))
 
 
 def test_an_entity_that_is_gone_is_named():
-    with pytest.raises(SceneError, match='no entity "f" stands here any more'):
+    with pytest.raises(SceneError, match='no entity "f" is here any more'):
         edit_translation(TEXT, "f", (0.0, 0.0, 0.0), "s.json")
 
 

@@ -76,7 +76,7 @@ def test_a_nan_where_a_range_is_checked_is_reported_once(tmp_path):
 
 def test_a_key_that_stands_twice_is_reported_instead_of_dropped(tmp_path):
     text = '{"format": "mimics-scene", "version": 1, "entities": [{"id": "a", "components": {"ball": {}, "ball": {}}}]}'
-    assert the_fault(tmp_path, text) == 'scene.json#/entities/0/components/ball: the key "ball" stands here twice'
+    assert the_fault(tmp_path, text) == 'scene.json#/entities/0/components/ball: the key "ball" is given twice'
 
 
 @pytest.mark.parametrize(
@@ -89,8 +89,8 @@ def test_a_key_that_stands_twice_is_reported_instead_of_dropped(tmp_path):
         ("[" * 3000 + "]" * 3000, "nested deeper than 128"),
         ('{"a":' * 150 + "1" + "}" * 150, "nested deeper than 128"),
         ("9" * 5000, "is not JSON"),
-        ("[]", "is no scene"),
-        ('{"format": "gltf"}', "is no scene"),
+        ("[]", "is not a scene"),
+        ('{"format": "gltf"}', "is not a scene"),
         ('{"format": "mimics-scene"}', "version None cannot be read"),
         ('{"format": "mimics-scene", "version": 99}', "version 99 cannot be read; this application reads up to 1"),
         ('{"format": "mimics-scene", "version": 0}', "version 0 cannot be read"),
@@ -131,7 +131,7 @@ def test_an_id_twice_names_the_first(tmp_path):
 
 @pytest.mark.parametrize("name", ["", "a b", "a/b", "a#b", "é"])
 def test_ids_that_references_could_not_name_are_refused(tmp_path, name):
-    assert "is no id" in the_fault(tmp_path, scene(thing(name)))
+    assert "is not an id" in the_fault(tmp_path, scene(thing(name)))
 
 
 def test_an_unknown_parent_gets_the_nearest_name(tmp_path):
@@ -145,6 +145,30 @@ def test_entities_that_hang_on_themselves_are_reported_once_with_the_loop(tmp_pa
     entities.append({"id": "tail", "parent": "a"})
     found = the_fault(tmp_path, scene(*entities))
     assert "hangs on itself: a -> " in found
+
+
+def test_a_chain_of_parents_too_deep_for_recursion_is_one_fault(tmp_path):
+    touched = {"haptic_object": {"shapes": [{"shape": "sphere", "radius": 0.1}]}}
+    links = [{"id": f"e{i}", "parent": f"e{i - 1}" if i else None} for i in range(3000)]
+    links[-1]["components"] = touched
+    assert "more than 256 entities hang on each other" in the_fault(tmp_path, scene(*links))
+
+
+@pytest.mark.parametrize("key", ["\u00b2", "9" * 5000])
+def test_a_key_of_digits_that_meets_a_list_in_a_prefab_has_a_place(tmp_path, key):
+    document = scene({"id": "a", "prefab": "p", "components": {"light": {key: 1}}})
+    document["prefabs"] = {"p": {"components": {"light": [1]}}}
+    assert any("/entities/0/components/light/" in fault for fault in faults(write(tmp_path, document)))
+
+
+def test_an_asset_that_cannot_be_read_is_reported_where_it_is_named(tmp_path, monkeypatch):
+    def refuse(*_):
+        raise PermissionError(13, "Permission denied")
+
+    (tmp_path / "path.csv").write_text("x,y,z\n")
+    monkeypatch.setattr("mimics_app.world.scene.assets.read_regular", refuse)
+    found = the_fault(tmp_path, scene(assets={"path": {"uri": "path.csv"}}))
+    assert found == 'scene.json#/assets/path/uri: "path.csv" cannot be read: Permission denied'
 
 
 @pytest.mark.parametrize(
@@ -178,11 +202,11 @@ def test_a_quaternion_written_with_four_decimals_and_a_mirror_pass(tmp_path):
         ({"safety": {"stale_warn_s": 0.02}}, "safety/stale_warn_s"),
         (
             {"robot": {"robot_to_world": {"rotation": [[1, 0, 0], [0, 1, 0], [0, 0, -1]]}}},
-            "robot/robot_to_world/rotation: is no rotation: it mirrors",
+            "robot/robot_to_world/rotation: is not a rotation: it mirrors",
         ),
         (
             {"robot": {"robot_to_world": {"rotation": [[1, 0, 0], [0, 1, 0.1], [0, 0, 1]]}}},
-            "robot/robot_to_world/rotation: is no rotation: its rows are off by 0.1",
+            "robot/robot_to_world/rotation: is not a rotation: its rows are off by 0.1",
         ),
         ({"robot": {"joint_min": [0.3, -0.5, -0.2]}}, "robot/joint_max/0: 0.18 is not above joint_min, 0.3"),
         ({"robot": {"joint_min": [-0.5, -0.5, -0.2]}}, "robot/joint_min/0: the arm would reach through the axis"),
@@ -192,7 +216,7 @@ def test_a_quaternion_written_with_four_decimals_and_a_mirror_pass(tmp_path):
         ({"tunnel": {"path_file": "no.csv"}}, 'tunnel/path_file: no file "no.csv"'),
         (
             {"tunnel": {"control_points": [[0, 0, 0]] * 5, "basis_functions": 9}},
-            "tunnel/basis_functions: fits a path_file",
+            "tunnel/basis_functions: applies to a path_file",
         ),
         ({"mesh": {}}, "mesh: needs either a primitive or a source"),
         (
@@ -244,8 +268,8 @@ def test_assets_that_cannot_be_used_are_reported_where_they_are_named(tmp_path):
     assert [line.split(": ")[0] for line in found] == [f"scene.json#/assets/{key}/uri" for key in uris]
     assert 'no file "rd.png"; did you mean "red.png"' in found[0]
     assert "neither PNG nor JPEG" in found[1]
-    assert "is no WAV file" in found[2]
-    assert "is of no kind that is used" in found[3]
+    assert "is not in WAV format" in found[2]
+    assert "is of an unknown kind" in found[3]
     assert "an empty file name" in found[4]
     assert 'there is no folder "models"' in found[5]
 

@@ -188,7 +188,7 @@ def test_prefabs_that_multiply_beyond_all_bounds_are_stopped(tmp_path, monkeypat
     monkeypatch.setattr(scene_document, "MAX_ENTITIES", 1000)
     prefabs = {f"p{i}": {"children": [{"id": str(j), "prefab": f"p{i + 1}"} for j in range(10)]} for i in range(9)}
     found = faults(write(tmp_path, scene({"id": "e", "prefab": "p0"}, prefabs=prefabs | {"p9": {}})))
-    assert found[0].endswith("more than 1000 entities, prefabs unfolded")
+    assert found[0].endswith("more than 1000 entities, prefabs expanded")
 
 
 def test_an_override_that_names_nothing_gets_reported(tmp_path):

@@ -144,7 +144,7 @@ def test_mesh_files_are_shown_and_damaged_ones_named(tmp_path, suffix):
 def test_corners_that_are_nowhere_are_named(tmp_path, far):
     file = tmp_path / "far.obj"
     file.write_text(f"v 0 0 0\nv 1 0 0\nv 0 {far} 0\nf 1 2 3\n")
-    with pytest.raises(SceneError, match="has corners that are nowhere"):
+    with pytest.raises(SceneError, match="has vertices or indices out of range"):
         open_shown(file)
 
 

@@ -239,7 +239,7 @@ def test_all_maps_of_a_material_are_read_each_with_its_place(tmp_path):
     assert material.textures == {which: "texture0" for which in ("base", "normal", "surface", "emission")}
     assert (material.normal_scale, material.occlusion_strength) == (0.5, 0.25)
     assert model.notes == [
-        'material "material0": not used: occlusionTexture; they lie on other texture coordinates than the first'
+        'material "material0": not used: occlusionTexture; their texture coordinates are not those of the first'
     ]
     # The mesh's coordinates are 2 uv + (1/2, 0) already; from there to 2 u + 1/4, 4 v + 1/2, and back to u, v.
     assert material.uv_transforms[0] == material.uv_transforms[2] == (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
@@ -265,7 +265,7 @@ def test_a_chain_of_two_hundred_nodes_is_read_and_walked(tmp_path):
 
 
 EXPECTED = {
-    "IncorrectVertexArrays/Cube.gltf": ["#/meshes/1/primitives/0: 35 corners are not a multiple of three"],
+    "IncorrectVertexArrays/Cube.gltf": ["#/meshes/1/primitives/0: 35 indices are not a multiple of three"],
     "SchemaFailures/sceneWrongType.gltf": [
         "#/scene: 'hello' is not an index into scenes",
         '#/buffers/0/uri: no file "BoxTextured0.bin"',

@@ -1,3 +1,3 @@
-"""What an entity of a scene may have: types with their meaning, and the checks of it."""
+"""Component types of scene files and the checks of their values."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""Component types of what moves on its own: the clips of a model, what starts them, and where its head and hands go.
+"""Component types of animated models: clips, the events that start them, and targets of head and limbs.
 
 Units are SI, angles radians.
 """
@@ -34,7 +34,7 @@ __all__ = [
 MotionCause = Literal[
     "approach", "ready", "start", "goal", "timeout", "aborted", "rest", "done", "contact", "contact_end", "impact"
 ]
-"""What may change what a model does: the states of a trial, and touches."""
+"""Events that start a transition: states of a trial, and contacts."""
 
 Share = Annotated[float, Meta(ge=0, le=1)]
 Rate = Annotated[float, Meta(ge=-100, le=100)]
@@ -42,93 +42,99 @@ Names = Annotated[tuple[Name, ...], Meta(max_length=1000)]
 
 
 class AnimationLayer(Component, frozen=True):
-    """A clip that is laid over what is below it."""
+    """A clip blended over the layers below it."""
 
     clip: Annotated[Name, Meta(description="Name of a clip of the model")]
-    weight: Annotated[Share, Meta(description="Share of it")] = 1.0
-    speed: Annotated[Rate, Meta(description="Seconds of the clip in a second; negative: backwards")] = 1.0
-    loop: Annotated[bool, Meta(description="Begins again at its end; false: its last frame is held")] = True
-    at: Annotated[Seconds, Meta(description="Where in the clip it begins [s]")] = 0.0
-    mask: Annotated[
-        Names, Meta(description="Nodes of the model it moves, with all that hang on them; absent: all")
-    ] = ()
-    additive: Annotated[bool, Meta(description="What it differs from its first frame is added to what is below")] = (
+    weight: Annotated[Share, Meta(description="Blend weight, 0 to 1")] = 1.0
+    speed: Annotated[Rate, Meta(description="Seconds of the clip per second; negative: backwards")] = 1.0
+    loop: Annotated[bool, Meta(description="Repeats from its start; false: its last frame is held")] = True
+    at: Annotated[Seconds, Meta(description="Time in the clip at which it starts [s]")] = 0.0
+    mask: Annotated[Names, Meta(description="Nodes of the model it moves, with their subtrees; absent: all")] = ()
+    additive: Annotated[bool, Meta(description="Its difference from its first frame is added to the layers below")] = (
         False
     )
 
 
 class AnimationState(Component, frozen=True):
-    """What a model does until something else is to be done."""
+    """A state of the state machine: one clip."""
 
     clip: Annotated[Name, Meta(description="Name of a clip of the model")]
-    speed: Annotated[Rate, Meta(description="Seconds of the clip in a second")] = 1.0
-    loop: Annotated[bool, Meta(description="Begins again at its end")] = True
+    speed: Annotated[Rate, Meta(description="Seconds of the clip per second")] = 1.0
+    loop: Annotated[bool, Meta(description="Repeats from its start")] = True
     next: Annotated[Name | None, Meta(description="State that follows when a clip that does not loop has ended")] = None
-    fade: Annotated[Seconds, Meta(description="In which it goes over to the next state [s]")] = 0.25
+    fade: Annotated[Seconds, Meta(description="Duration of the cross-fade to the next state [s]")] = 0.25
 
 
 class AnimationTransition(Component, frozen=True, rename={"source": "from", "target": "to"}):
-    """What makes a model do something else."""
+    """A transition between two states."""
 
-    target: Annotated[Name, Meta(description="State that begins")]
-    on: Annotated[MotionCause, Meta(description="What happens: a trial's new state, or a touch")]
-    source: Annotated[Name | None, Meta(description="State in which it counts; absent: any")] = None
-    fade: Annotated[Seconds, Meta(description="In which one goes over to the other [s]")] = 0.25
+    target: Annotated[Name, Meta(description="State that starts")]
+    on: Annotated[MotionCause, Meta(description="Event: a trial's new state, or a contact")]
+    source: Annotated[Name | None, Meta(description="State in which the event counts; absent: any")] = None
+    fade: Annotated[Seconds, Meta(description="Duration of the cross-fade [s]")] = 0.25
 
 
 @component("animation")
 class Animation(Component, frozen=True):
-    """What the model of the same entity does: layers of clips, or states and what leads from one to the other."""
+    """Animation of the model of the same entity: layers of clips, and a state machine below them."""
 
     layers: Annotated[
         tuple[AnimationLayer, ...], Meta(max_length=32, description="Clips that play, lowest first; over the states")
     ] = ()
-    states: Annotated[dict[str, AnimationState], Meta(max_length=100, description="What it may do, by name")] = (
-        msgspec.field(default_factory=dict)
+    states: Annotated[dict[str, AnimationState], Meta(max_length=100, description="States by name")] = msgspec.field(
+        default_factory=dict
     )
-    start: Annotated[Name | None, Meta(description="State it begins with; absent: the first")] = None
+    start: Annotated[Name | None, Meta(description="Initial state; absent: the first")] = None
     transitions: Annotated[
-        tuple[AnimationTransition, ...], Meta(max_length=200, description="What leads from state to state")
+        tuple[AnimationTransition, ...], Meta(max_length=200, description="Transitions between states")
     ] = ()
     root_motion: Annotated[
         Name | None,
-        Meta(description="Node whose path over the ground moves the entity itself; absent: clips play on the spot"),
+        Meta(description="Node whose path on the ground moves the entity itself; absent: clips play on the spot"),
     ] = None
     skinning: Annotated[
         Literal["linear", "dual"],
-        Meta(description="linear: as glTF says; dual: dual quaternions, which keep the volume of what is twisted"),
+        Meta(description="linear: blended matrices, as in glTF; dual: dual quaternions, which keep twisted limbs full"),
     ] = "linear"
 
 
 class Reach(Component, frozen=True):
-    """A limb that reaches for something."""
+    """Reach of a limb to an entity."""
 
-    limb: Annotated[
-        Literal["left_arm", "right_arm", "left_leg", "right_leg"], Meta(description="Which of the skeleton")
-    ]
-    target: Annotated[Name, Meta(description="Entity its hand or foot goes to")]
+    limb: Annotated[Literal["left_arm", "right_arm", "left_leg", "right_leg"], Meta(description="Limb of the skeleton")]
+    target: Annotated[Name, Meta(description="Entity that is the target of its hand or foot")]
     ball: Annotated[
-        bool, Meta(description="A leg goes there with the ball of its foot, the ankle as it is; false: with the ankle")
+        bool,
+        Meta(
+            description="A leg reaches with the ball of its foot, at the ankle's present angle; false: with the ankle"
+        ),
     ] = False
-    weight: Annotated[Share, Meta(description="Share of it over what the clips say")] = 1.0
+    weight: Annotated[Share, Meta(description="Blend weight over the clips, 0 to 1")] = 1.0
     soft: Annotated[
-        float, Meta(ge=0, le=0.5, description="Share of the limb's length before full reach in which it gives way")
+        float,
+        Meta(
+            ge=0,
+            le=0.5,
+            description="Soft reach: share of the limb's length before full extension in which it slows down",
+        ),
     ] = 0.03
 
 
 @component("avatar")
 class Avatar(Component, frozen=True):
-    """A person: the model of the same entity has a skeleton with the usual names, or names that can be mapped to it."""
+    """A person: the model of the same entity has a humanoid skeleton whose joint names can be mapped."""
 
     look_at: Annotated[Name | None, Meta(description='Entity the head turns to; "camera": the first camera')] = None
-    look_limit: Annotated[float, Meta(ge=0, le=3.2, description="Farthest the head turns [rad]")] = 1.2
-    reach: Annotated[tuple[Reach, ...], Meta(max_length=4, description="Limbs that reach for something")] = ()
-    blink: Annotated[bool, Meta(description="By the morph target of that name, every few seconds")] = True
-    breathe: Annotated[bool, Meta(description="By the morph target of that name, a quarter of a hertz")] = True
+    look_limit: Annotated[float, Meta(ge=0, le=3.2, description="Largest angle of the head [rad]")] = 1.2
+    reach: Annotated[tuple[Reach, ...], Meta(max_length=4, description="Limbs that reach for entities")] = ()
+    blink: Annotated[bool, Meta(description="Blinks every few seconds, by the morph target of that name")] = True
+    breathe: Annotated[bool, Meta(description="Breathes at a quarter of a hertz, by the morph target of that name")] = (
+        True
+    )
 
 
 def model_of(pointer: str, scene: Scene) -> GltfDocument | None:
-    """The model that the same entity shows; None where it is wrong or missing, which is reported elsewhere."""
+    """Return the model that the same entity shows; None where it is missing or broken, which is reported elsewhere."""
     entity = next((each for each in scene.entities if pointer.startswith(f"{each.pointer}/")), None)
     mesh = None if entity is None else entity.components.get("mesh")
     if not isinstance(mesh, MeshComponent) or mesh.source is None:

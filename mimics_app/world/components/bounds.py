@@ -1,8 +1,8 @@
-"""What a number of a scene can be at all: types with a unit, a least and a greatest value, for every component.
+"""Bounded number types of components, each with a unit, a minimum and a maximum.
 
-Every number that a file gives has both bounds, so that no product of a few of them leaves double precision, and a slip
-of the keyboard is refused with its pointer instead of being simulated. What a device, a person or another figure allows
-of it is asked by the checks of its component. SI units, radians.
+Both bounds hold for every number of a scene file, so that no product of a few leaves double precision and a typing
+error is refused with its pointer instead of being simulated. Limits set by a device, a person or another number belong
+to the checks of each component. SI units, radians.
 """
 
 from __future__ import annotations
@@ -39,66 +39,66 @@ __all__ = [
 ]
 
 Coordinate = Annotated[float, Meta(ge=-1e3, le=1e3)]
-"""Where something is that can be touched [m]: within a kilometre a double resolves a tenth of a picometre."""
+"""Coordinate of objects that can be touched [m]: within a kilometre a double resolves a tenth of a picometre."""
 
 Point = tuple[Coordinate, Coordinate, Coordinate]
 
 FarCoordinate = Annotated[float, Meta(ge=-1e6, le=1e6)]
-"""Where something is that is only seen [m]."""
+"""Coordinate of objects that are only visible [m]."""
 
 FarPoint = tuple[FarCoordinate, FarCoordinate, FarCoordinate]
 
 Length = Annotated[float, Meta(gt=0, le=1e6)]
-"""[m]: more has no finite square on a graphics card once it is placed."""
+"""Length [m]; squares of larger placed lengths overflow on a graphics card."""
 
 Extent = Annotated[float, Meta(ge=0, le=1e6)]
-"""A length that may be nothing [m]."""
+"""Length that may be 0 [m]."""
 
 _Part = Annotated[float, Meta(ge=-2, le=2)]
 Quaternion = tuple[_Part, _Part, _Part, _Part]
-"""x, y, z, w; that its length is 1 is checked with its place."""
+"""x, y, z, w; the check of each component requires length 1."""
 
 Angle = Annotated[float, Meta(ge=-1e3, le=1e3)]
-"""[rad]"""
+"""Angle [rad]."""
 
 SignedFactor = Annotated[float, Meta(ge=-1e6, le=1e6)]
 Vector = tuple[SignedFactor, SignedFactor, SignedFactor]
-"""Of any unit whose figures stay below a million."""
+"""Vector of any unit whose values stay below a million."""
 
 Factor = Annotated[float, Meta(ge=0, le=1e6)]
-"""A factor, or a figure of a unit in which people stay below a million."""
+"""Factor, or number of any unit, from 0 to a million."""
 
 Light = Annotated[float, Meta(ge=0, le=1e6)]
-"""A part of a colour, or the strength of a light, linear."""
+"""Component of a colour, or intensity of a light, linear."""
 
 Figure = Annotated[float, Meta(ge=-1e12, le=1e12)]
-"""A number whose unit the file itself chooses."""
+"""Number whose unit the file chooses."""
 
 Seconds = Annotated[float, Meta(ge=0, le=86_400)]
 PositiveSeconds = Annotated[float, Meta(gt=0, le=86_400)]
-"""At most a day [s]."""
+"""Duration of at most a day [s]."""
 
 Frequency = Annotated[float, Meta(gt=0, le=1e5)]
-"""[Hz]"""
+"""Frequency [Hz]."""
 
 Speed = Annotated[float, Meta(gt=0, le=100)]
-"""[m/s, rad/s]"""
+"""Speed [m/s, rad/s]."""
 
 Acceleration = Annotated[float, Meta(gt=0, le=1e4)]
-"""[m/s^2]"""
+"""Acceleration [m/s^2]."""
 
 Mass = Annotated[float, Meta(ge=1e-3, le=1e3)]
-"""Of what a hand moves with a robot [kg]."""
+"""Mass that a person moves with a robot [kg]."""
 
 Force = Annotated[float, Meta(ge=0, le=1e3)]
 PositiveForce = Annotated[float, Meta(gt=0, le=1e3)]
-"""On or of a person [N]: four times the strongest robot of this kind."""
+"""Force on or of a person [N]: four times that of the strongest robot of this kind."""
 
 Stiffness = Annotated[float, Meta(ge=0, le=1e6)]
-"""[N/m]: a thousand times what such a robot can render."""
+"""Stiffness [N/m]: a thousand times what such a robot can render."""
 
 Damping = Annotated[float, Meta(ge=0, le=1e5)]
-"""[N s/m]"""
+"""Damping [N s/m]."""
 
 Name = Annotated[str, Meta(max_length=200)]
-"""An id or another name of the file."""
+"""Id or other name in the file."""

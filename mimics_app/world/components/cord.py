@@ -20,18 +20,20 @@ _Share = Annotated[float, Meta(ge=0.0, le=1.0)]
 
 @component("cord")
 class CordComponent(Component, frozen=True):
-    """A cord from this entity to another one; it follows both as they move."""
+    """A cord from this entity to another one, which follows both."""
 
-    to: Annotated[str, Meta(description="Id of the entity it ends at")]
-    offset: Annotated[Point, Meta(description="Where on this entity it begins, in its frame [m]")] = (0.0, 0.0, 0.0)
-    to_offset: Annotated[Point, Meta(description="Where on the other it ends, in its frame [m]")] = (0.0, 0.0, 0.0)
-    length: Annotated[float, Meta(gt=0.0, le=50.0, description="[m]; shorter than the distance: taut")] = 1.4
-    radius: Annotated[float, Meta(gt=0.0, le=1.0, description="[m]")] = 0.025
+    to: Annotated[str, Meta(description="Id of the entity at its other end")]
+    offset: Annotated[Point, Meta(description="Start in this entity's frame [m]")] = (0.0, 0.0, 0.0)
+    to_offset: Annotated[Point, Meta(description="End in the other entity's frame [m]")] = (0.0, 0.0, 0.0)
+    length: Annotated[
+        float, Meta(gt=0.0, le=50.0, description="Length [m]; taut where it is below the distance of the ends")
+    ] = 1.4
+    radius: Annotated[float, Meta(gt=0.0, le=1.0, description="Radius [m]")] = 0.025
     colour: Annotated[tuple[_Share, _Share, _Share], Meta(description="Linear RGB")] = (0.75, 0.25, 0.2)
-    roughness: Annotated[_Share, Meta(description="Of its surface; 0: a mirror")] = 0.45
-    visible: Annotated[bool, Meta(description="False: it is there and not seen")] = True
-    wave_speed: Annotated[float, Meta(gt=0.0, le=20.0, description="Of ripples [m/s]")] = 0.5
-    wavelength: Annotated[float, Meta(gt=1e-3, le=1.0, description="Of ripples [m]")] = 0.05
+    roughness: Annotated[_Share, Meta(description="Roughness of the surface; 0: a mirror")] = 0.45
+    visible: Annotated[bool, Meta(description="False: it is not drawn")] = True
+    wave_speed: Annotated[float, Meta(gt=0.0, le=20.0, description="Speed of ripples [m/s]")] = 0.5
+    wavelength: Annotated[float, Meta(gt=1e-3, le=1.0, description="Wavelength of ripples [m]")] = 0.05
 
 
 def _check(cord: CordComponent, pointer: str, scene: Scene) -> list[Issue]:

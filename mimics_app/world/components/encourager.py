@@ -1,4 +1,4 @@
-"""Component type of a person who follows the trials and encourages: greets, praises, waves on."""
+"""Component type of a virtual person that follows the trials and encourages."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ Clips = Annotated[tuple[Name, ...], Meta(min_length=1, max_length=20)]
 
 @component("encourager")
 class Encourager(Component, frozen=True):
-    """The model of the same entity reacts to results of trials by its clips; it changes nothing that is felt."""
+    """The model of the same entity reacts to trials with its clips; the haptic loop is not affected."""
 
-    shown: Annotated[bool, Meta(description="false: nobody is there, and nothing of it is drawn or moved")] = True
+    shown: Annotated[bool, Meta(description="False: the model is neither drawn nor animated")] = True
     idle: Annotated[Name, Meta(description="Clip between reactions")] = "idle"
     greet: Annotated[Name, Meta(description="Clip at the first trial of a session")] = "wave"
     praise: Annotated[Clips, Meta(description="Clips after a success, in turn")] = ("clap", "wave")
     cheer: Annotated[Name, Meta(description="Clip after a success that follows a failure or is the third in a row")] = (
         "cheer"
     )
-    console: Annotated[Name, Meta(description="Clip after a trial that was not finished: let us go on")] = "beckon"
+    console: Annotated[Name, Meta(description="Clip after an unfinished trial")] = "beckon"
     farewell: Annotated[Name, Meta(description="Clip after the last trial")] = "wave"
 
 

@@ -1,4 +1,4 @@
-"""Component type of a hand that closes on things: which entities show its fingers, and how far they open. SI units."""
+"""Component type of a hand that grasps objects: the entities of its fingers and their travel. SI units."""
 
 from __future__ import annotations
 
@@ -16,19 +16,21 @@ if TYPE_CHECKING:
 __all__ = ["GraspingHand"]
 
 Opening = Annotated[float, Meta(gt=0, le=1)]
-"""Of a hand [m]."""
+"""Half opening of a hand [m]."""
 
 
 @component("grasping_hand")
 class GraspingHand(Component, frozen=True):
-    """The visible hand; its entity stands between the fingertips. Trials begin where the scene has it."""
+    """The visible hand; its entity is between the fingertips. Trials start at its position in the scene."""
 
     fingers: Annotated[
         tuple[str, str], Meta(description="Ids of the entities at its -x and +x side that open and close along its x")
     ]
-    open: Annotated[Opening, Meta(description="From the middle to the inner side of a finger, hand open [m]")] = 0.045
-    closed: Annotated[Opening, Meta(description="The same with the hand shut on nothing [m]")] = 0.006
-    closing_force: Annotated[PositiveForce, Meta(description="Grasp force that shuts it on nothing [N]")] = 2.0
+    open: Annotated[
+        Opening, Meta(description="Distance from the centre to the inner side of a finger, hand open [m]")
+    ] = 0.045
+    closed: Annotated[Opening, Meta(description="The same distance with the hand closed on nothing [m]")] = 0.006
+    closing_force: Annotated[PositiveForce, Meta(description="Grasp force that closes it on nothing [N]")] = 2.0
 
 
 def _check(hand: GraspingHand, pointer: str, scene: Scene) -> list[Issue]:

@@ -1,4 +1,4 @@
-"""Shapes a haptic object may be touched by, and the feel of a surface (D2.1 4.2.8). SI units."""
+"""Collision shapes of haptic objects and their surface properties (D2.1 4.2.8). SI units."""
 
 from __future__ import annotations
 
@@ -21,49 +21,51 @@ __all__ = [
     "surface_of",
 ]
 
-_LARGEST = 1e3
-_STIFFEST = 1e6
+_MAX_LENGTH = 1e3
+_MAX_STIFFNESS = 1e6
 
-Length = Annotated[float, Meta(gt=0, le=_LARGEST)]
-NotNegative = Annotated[float, Meta(ge=0, le=_STIFFEST)]
+Length = Annotated[float, Meta(gt=0, le=_MAX_LENGTH)]
+NotNegative = Annotated[float, Meta(ge=0, le=_MAX_STIFFNESS)]
 Share = Annotated[float, Meta(ge=0, le=100)]
-Coordinate = Annotated[float, Meta(ge=-_LARGEST, le=_LARGEST)]
+Coordinate = Annotated[float, Meta(ge=-_MAX_LENGTH, le=_MAX_LENGTH)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
 Law = Literal["spring_damper", "hunt_crossley"]
 
 
 class TouchSurface(Component, frozen=True):
-    """How a surface feels. A shape takes what it leaves out from its object."""
+    """Contact properties of a surface. A shape inherits absent fields from its object."""
 
     stiffness: Annotated[
-        Annotated[float, Meta(gt=0, le=_STIFFEST)] | None,
-        Meta(description="[N/m], Hunt-Crossley [N/m^exponent]; nowhere said: 1000"),
+        Annotated[float, Meta(gt=0, le=_MAX_STIFFNESS)] | None,
+        Meta(description="Stiffness [N/m], Hunt-Crossley [N/m^exponent]; default: 1000"),
     ] = None
     damping: Annotated[
-        NotNegative | None, Meta(description="[N s/m], Hunt-Crossley: a of (1 + a d') [s/m]; nowhere said: 5, or 1")
+        NotNegative | None, Meta(description="Damping [N s/m], Hunt-Crossley: a of (1 + a d') [s/m]; default: 5, or 1")
     ] = None
-    friction_static: Annotated[Share | None, Meta(description="Until it slides; nowhere said: as friction_dynamic")] = (
-        None
-    )
-    friction_dynamic: Annotated[Share | None, Meta(description="While it slides; nowhere said: 0, smooth")] = None
+    friction_static: Annotated[
+        Share | None, Meta(description="Coefficient of static friction; default: as friction_dynamic")
+    ] = None
+    friction_dynamic: Annotated[
+        Share | None, Meta(description="Coefficient of sliding friction; default: 0, smooth")
+    ] = None
     friction_stiffness: Annotated[
-        NotNegative | None, Meta(description="Sideways, while it sticks [N/m]; nowhere said: as stiffness")
+        NotNegative | None, Meta(description="Tangential stiffness while it sticks [N/m]; default: as stiffness")
     ] = None
     law: Annotated[
         Law | None,
         Meta(
             description="spring_damper: max(0, k d + b d'); hunt_crossley: k d^n (1 + a d'), no step at first touch; "
-            "nowhere said: spring_damper"
+            "default: spring_damper"
         ),
     ] = None
     exponent: Annotated[
-        Annotated[float, Meta(ge=1, le=3)] | None, Meta(description="n of Hunt-Crossley; nowhere said: 1.5")
+        Annotated[float, Meta(ge=1, le=3)] | None, Meta(description="n of Hunt-Crossley; default: 1.5")
     ] = None
     texture_height: Annotated[
-        Annotated[float, Meta(ge=0, le=0.01)] | None, Meta(description="Of its ripples [m]; nowhere said: 0, smooth")
+        Annotated[float, Meta(ge=0, le=0.01)] | None, Meta(description="Height of its ripples [m]; default: 0, smooth")
     ] = None
-    texture_length: Annotated[Length | None, Meta(description="From ripple to ripple [m]; nowhere said: 0.005")] = None
-    material: Annotated[str | None, Meta(description="Any name, for sounds and events; nowhere said: none")] = None
+    texture_length: Annotated[Length | None, Meta(description="Wavelength of its ripples [m]; default: 0.005")] = None
+    material: Annotated[str | None, Meta(description="Any name, for sounds and events; default: none")] = None
 
 
 DEFAULT_SURFACE = TouchSurface(
@@ -78,13 +80,13 @@ DEFAULT_SURFACE = TouchSurface(
     texture_length=0.005,
     material="",
 )
-"""What is used where neither a shape nor its object says anything."""
+"""Values where neither a shape nor its object gives any."""
 
 _DEFAULT_DAMPING = {"spring_damper": 5.0, "hunt_crossley": 1.0}
 
 
 def surface_of(*layers: TouchSurface) -> TouchSurface:
-    """What holds of several layers, the most special first: the first of each field that is given; none is None."""
+    """Merge layers, most specific first, and the defaults: the first value given for each field; no field is None."""
     values: dict[str, Any] = {
         name: next((value for layer in layers if (value := getattr(layer, name)) is not None), None)
         for name in TouchSurface.__struct_fields__
@@ -102,10 +104,12 @@ def surface_of(*layers: TouchSurface) -> TouchSurface:
 
 
 class _Placed(TouchSurface, frozen=True):
-    """A shape at its place in the object."""
+    """A shape with its pose in the object."""
 
-    position: Annotated[Point, Meta(description="Of its middle, in the object's frame [m]")] = (0.0, 0.0, 0.0)
-    rotation: Annotated[Quaternion, Meta(description="In the object's frame, unit quaternion x, y, z, w")] = (
+    position: Annotated[Point, Meta(description="Position of its centre in the object's frame [m]")] = (0.0, 0.0, 0.0)
+    rotation: Annotated[
+        Quaternion, Meta(description="Orientation in the object's frame, unit quaternion x, y, z, w")
+    ] = (
         0.0,
         0.0,
         0.0,
@@ -114,40 +118,40 @@ class _Placed(TouchSurface, frozen=True):
 
 
 class CubeSolid(_Placed, frozen=True, kw_only=True, tag="cube", tag_field="shape"):
-    """Box of any edges about its middle."""
+    """Box about its centre."""
 
     size: Annotated[tuple[Length, Length, Length], Meta(description="Edges along x, y, z [m]")]
-    rounding: Annotated[float, Meta(ge=0, le=_LARGEST, description="Radius of its edges [m]; 0: sharp")] = 0.0
+    rounding: Annotated[float, Meta(ge=0, le=_MAX_LENGTH, description="Radius of its edges [m]; 0: sharp")] = 0.0
 
 
 class SphereSolid(_Placed, frozen=True, kw_only=True, tag="sphere", tag_field="shape"):
-    """Sphere about its middle."""
+    """Sphere about its centre."""
 
-    radius: Annotated[Length, Meta(description="[m]")]
+    radius: Annotated[Length, Meta(description="Radius [m]")]
 
 
 class CylinderSolid(_Placed, frozen=True, kw_only=True, tag="cylinder", tag_field="shape"):
     """Cylinder about its own y axis."""
 
-    radius: Annotated[Length, Meta(description="[m]")]
-    length: Annotated[Length, Meta(description="From end to end [m]")]
-    rounding: Annotated[float, Meta(ge=0, le=_LARGEST, description="Radius of its rims [m]; 0: sharp")] = 0.0
+    radius: Annotated[Length, Meta(description="Radius [m]")]
+    length: Annotated[Length, Meta(description="Length from end to end [m]")]
+    rounding: Annotated[float, Meta(ge=0, le=_MAX_LENGTH, description="Radius of its rims [m]; 0: sharp")] = 0.0
 
 
 class CapsuleSolid(_Placed, frozen=True, kw_only=True, tag="capsule", tag_field="shape"):
     """Cylinder about its own y axis with half spheres at its ends."""
 
-    radius: Annotated[Length, Meta(description="[m]")]
-    length: Annotated[Length, Meta(description="Between the centres of the half spheres [m]")]
+    radius: Annotated[Length, Meta(description="Radius [m]")]
+    length: Annotated[Length, Meta(description="Distance between the centres of the half spheres [m]")]
 
 
 class MeshSolid(_Placed, frozen=True, kw_only=True, tag="mesh", tag_field="shape"):
-    """Triangles of a model, or something simpler that fits round them."""
+    """Triangles of a model, or a simpler shape fitted around them."""
 
     source: Annotated[str, Meta(description='"asset", "asset#/nodes/Name" or "asset#/meshes/Name", as of a mesh')]
     fit: Annotated[
         Literal["mesh", "hull", "box", "sphere"],
-        Meta(description="The triangles themselves, their convex hull, or the box or sphere round them"),
+        Meta(description="The triangles themselves, their convex hull, or their bounding box or sphere"),
     ] = "mesh"
     scale: Annotated[float, Meta(ge=1e-6, le=1e6, description="Factor on all its lengths")] = 1.0
 

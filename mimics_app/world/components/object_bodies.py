@@ -1,4 +1,4 @@
-"""What a haptic object is made of: its shapes with their sizes, and the mass that fills them."""
+"""Bodies of haptic objects: collision shapes and mass properties."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _DEFAULT_MASS = 1.0
 
 
 class ObjectFault(Exception):
-    """An object that cannot be made: where below its pointer, what is wrong, what to do."""
+    """Fault of a haptic object: place below its pointer, what is wrong, what to do."""
 
     def __init__(self, place: str, what: str, fix: str = "") -> None:
         super().__init__(what)
@@ -57,7 +57,7 @@ class ObjectFault(Exception):
 
 @dataclass(frozen=True, eq=False)
 class BodyMass:
-    """How a body resists: mass [kg], centre of mass in its frame [m], inertia about that centre [kg m^2], [3, 3]."""
+    """Mass [kg], centre of mass in the body's frame [m], inertia tensor about that centre [kg m^2], [3, 3]."""
 
     mass: float
     centre: F8
@@ -65,7 +65,7 @@ class BodyMass:
 
 
 def shapes_of(scene: Scene, entity: str, thing: HapticObject) -> tuple[Solid, ...]:
-    """The shapes of an object: its own, else that of its entity's visible primitive; boxes and spheres fitted.
+    """Return the shapes of an object: its own, else its entity's visible primitive; boxes and spheres are fitted.
 
     Raises:
         ObjectFault: it has none, or a model that cannot be touched.
@@ -75,7 +75,7 @@ def shapes_of(scene: Scene, entity: str, thing: HapticObject) -> tuple[Solid, ..
 
 
 def mesh_of(scene: Scene, shape: MeshSolid, place: str = "") -> SolidMesh:
-    """The triangles of a mesh shape or their hull.
+    """Return the triangles of a mesh shape, or their convex hull.
 
     Raises:
         ObjectFault: there are none, or they lie in a plane.
@@ -94,13 +94,13 @@ def mesh_of(scene: Scene, shape: MeshSolid, place: str = "") -> SolidMesh:
 
 
 def digest_of(scene: Scene, source: str) -> str:
-    """SHA-256 of the file that a mesh comes from, "" where there is none."""
+    """Return the SHA-256 of a mesh's file, "" where there is none."""
     asset = scene.assets.get(source.partition("#")[0])
     return "" if asset is None else asset.digest
 
 
 def mass_properties_of(scene: Scene, thing: HapticObject, shapes: tuple[Solid, ...]) -> BodyMass:
-    """Mass, centre and inertia: as given, else of the shapes, filled evenly.
+    """Return mass, centre and inertia: as given, else of the shapes with uniform density.
 
     Raises:
         ObjectFault: a surface that is not closed has nothing to fill.
@@ -124,7 +124,7 @@ def mass_properties_of(scene: Scene, thing: HapticObject, shapes: tuple[Solid, .
 
 
 def rotation_of(quaternion: tuple[float, ...]) -> F8:
-    """Matrix of a quaternion xyzw, shape [3, 3]."""
+    """Return the matrix of a quaternion xyzw, shape [3, 3]."""
     from mimics_app.maths.quat import to_matrix  # compiled: reading a scene without objects does not need it
 
     unit = np.array(quaternion)
@@ -145,29 +145,29 @@ def _of_primitive(scene: Scene, entity: str) -> Solid:
         case visible.CylinderShape(radius=radius, height=height, top_radius=top) if top is None or top == radius:
             return CylinderSolid(radius=radius, length=height)
     raise ObjectFault(
-        "", "it has no shapes, and its entity no mesh of a box, sphere, cylinder or capsule", 'give "shapes"'
+        "", "the object has no shapes, and its entity no box, sphere, cylinder or capsule as mesh", 'give "shapes"'
     )
 
 
 def _fitted(scene: Scene, shape: Solid, place: str) -> Solid:
-    """A mesh that requests a box or a sphere as that; the rest as it is."""
+    """Return the box or sphere that a mesh requests; any other shape as it is."""
     if not isinstance(shape, MeshSolid) or shape.fit not in ("box", "sphere"):
         return shape
     vertices = mesh_of(scene, shape, place).vertices
     kept: dict[str, Any] = {name: getattr(shape, name) for name in (*TouchSurface.__struct_fields__, "rotation")}
     if shape.fit == "sphere":
-        middle, radius = enclosing_sphere(vertices)
-        return SphereSolid(**kept, position=_moved(shape, middle), radius=radius)
-    least, greatest = vertices.min(axis=0), vertices.max(axis=0)
-    size = tuple((greatest - least).tolist())
+        centre, radius = enclosing_sphere(vertices)
+        return SphereSolid(**kept, position=_to_object(shape, centre), radius=radius)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    size = tuple((high - low).tolist())
     if min(size) <= 0.0:
-        raise ObjectFault(f"{place}/fit", "it is flat: a box of no thickness", "give a thin cube instead")
-    return CubeSolid(**kept, position=_moved(shape, 0.5 * (least + greatest)), size=size)
+        raise ObjectFault(f"{place}/fit", "the mesh is flat: a box would have no thickness", "give a thin cube instead")
+    return CubeSolid(**kept, position=_to_object(shape, 0.5 * (low + high)), size=size)
 
 
-def _moved(shape: MeshSolid, middle: F8) -> tuple[float, float, float]:
-    """Where a point of the shape's own frame is in the object's."""
-    x, y, z = (np.array(shape.position) + rotation_of(shape.rotation) @ middle).tolist()
+def _to_object(shape: MeshSolid, point: F8) -> tuple[float, float, float]:
+    """Transform a point from the shape's frame to the object's."""
+    x, y, z = (np.array(shape.position) + rotation_of(shape.rotation) @ point).tolist()
     return x, y, z
 
 
@@ -185,7 +185,7 @@ def _filled(scene: Scene, shape: Solid, place: str) -> FilledShape:
             mesh = mesh_of(scene, shape, place)
             volume, centre, inertia = mesh_integrals(mesh)
             if not mesh.watertight or volume <= 0.0:
-                what = f'"{shape.source}" is no closed surface: it has no mass of its own'
+                what = f'"{shape.source}" is not a closed surface, so its mass is undefined'
                 raise ObjectFault(place, what, 'give "mass", "inertia" and "centre", or "fit": "hull"')
             filled = FilledShape(volume, centre, inertia)
     return filled.placed(np.array(shape.position), rotation_of(shape.rotation))

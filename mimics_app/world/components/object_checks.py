@@ -1,4 +1,4 @@
-"""What types cannot say about haptic objects, walls, effects and wires: sizes that fit, names that exist, stability."""
+"""Checks of haptic objects, walls, effects and wires beyond their types: sizes, references, physical plausibility."""
 
 from __future__ import annotations
 
@@ -40,38 +40,40 @@ if TYPE_CHECKING:
 
 __all__ = ["check_path"]
 
-_THINNEST = 1e-4
-"""Least width of what can be touched [m]."""
+_MIN_WIDTH = 1e-4
+"""Minimum width of a shape that can be touched [m]."""
 
 Layer = tuple[TouchSurface, str]
-"""What is said of a surface, and the pointer where it stands."""
+"""Surface properties, and the pointer of the struct that gives them."""
 
-_GREATEST_GAIN = 1e6
+_MAX_GAIN = 1e6
 
-_CUBIC = 4
-"""Least number of control points."""
+_MIN_CONTROL_POINTS = 4
+"""Minimum number of control points of a cubic spline."""
 
-_TURN_TOLERANCE = 1e-3
-_FARTHEST = 1e3
-"""Greatest distance from the middle of the world, or of an object, that is understood [m]."""
+_UNIT_TOLERANCE = 1e-3
+_MAX_DISTANCE = 1e3
+"""Maximum distance of an object from the world's origin [m]."""
 
 
 def _check_object(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
     issues = _check_place(pointer, scene)
     if thing.mass is not None and thing.density is not None:
-        issues.append(scene.issue(f"{pointer}/density", "gives the mass a second time", "leave one of the two out"))
+        issues.append(scene.issue(f"{pointer}/density", "both mass and density are given", "leave one of the two out"))
     if thing.enable_translation is False and any(thing.initial_velocity):
         issues.append(
-            scene.issue(f"{pointer}/initial_velocity", "it may not shift", "enable_translation, or leave out")
+            scene.issue(
+                f"{pointer}/initial_velocity", "its translation is disabled", "enable_translation, or leave out"
+            )
         )
     if thing.enable_rotation is False and any(thing.initial_angular_velocity):
         where = f"{pointer}/initial_angular_velocity"
-        issues.append(scene.issue(where, "it may not turn", "enable_rotation, or leave it out"))
+        issues.append(scene.issue(where, "its rotation is disabled", "enable_rotation, or leave it out"))
     if thing.inertia is not None and 2.0 * max(thing.inertia) > sum(thing.inertia) * (1.0 + 1e-9):
         what = "no body has this inertia: one axis is above the sum of the other two"
         issues.append(scene.issue(f"{pointer}/inertia", what))
     if thing.crush_force > 0.0 and not thing.grip:
-        issues.append(scene.issue(f"{pointer}/crush_force", "nothing grips it", 'set "grip": true'))
+        issues.append(scene.issue(f"{pointer}/crush_force", "the object cannot be gripped", 'set "grip": true'))
     for i, shape in enumerate(thing.shapes):
         issues += _check_shape(shape, f"{pointer}/shapes/{i}", scene)
     own: Layer = (thing, pointer)
@@ -81,7 +83,7 @@ def _check_object(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue
 
 
 def _check_place(pointer: str, scene: Scene) -> list[Issue]:
-    """Faults of the place of an entity that has one; that it has none is reported with its transform or parent."""
+    """Faults of an entity's pose; a missing one is reported with its transform or parent."""
     name = scene.owner(pointer).id
     if not stands_somewhere(scene, name):
         return []
@@ -89,17 +91,17 @@ def _check_place(pointer: str, scene: Scene) -> list[Issue]:
         place, _ = pose_of(scene, name)
     except SceneError as error:
         return error.issues
-    if np.abs(place).max() > _FARTHEST:
-        return [scene.issue(f"{scene.entity(name).pointer}/transform/translation", "is more than 1 km away")]
+    if np.abs(place).max() > _MAX_DISTANCE:
+        return [scene.issue(f"{scene.entity(name).pointer}/transform/translation", "is more than 1 km from the origin")]
     return []
 
 
 def _check_body(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
-    """Faults of the object as a whole: shapes and a mass it can be made of."""
+    """Faults of the object as a whole: its shapes and mass."""
     try:
         shapes = shapes_of(scene, scene.owner(pointer).id, thing)
-        smallest = min(map(_thinnest, shapes))
-        if smallest < _THINNEST:
+        smallest = min(map(_width, shapes))
+        if smallest < _MIN_WIDTH:
             return [scene.issue(pointer, _too_thin(smallest))]
         mass_properties_of(scene, thing, shapes)
     except ObjectFault as fault:
@@ -108,11 +110,11 @@ def _check_body(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
 
 
 def _check_shape(shape: Solid, pointer: str, scene: Scene) -> list[Issue]:
-    issues = _check_turn(shape.rotation, pointer, scene)
+    issues = _check_rotation(shape.rotation, pointer, scene)
     if isinstance(shape, MeshSolid):
         issues += scene.check_model_reference(f"{pointer}/source", shape.source)
-    smallest = _thinnest(shape)
-    if smallest < _THINNEST:
+    smallest = _width(shape)
+    if smallest < _MIN_WIDTH:
         issues.append(scene.issue(pointer, _too_thin(smallest)))
     if isinstance(shape, CubeSolid | CylinderSolid) and shape.rounding >= 0.5 * smallest:
         what = f"{shape.rounding:g} m leaves nothing of an edge of {smallest:g} m"
@@ -121,11 +123,11 @@ def _check_shape(shape: Solid, pointer: str, scene: Scene) -> list[Issue]:
 
 
 def _too_thin(smallest: float) -> str:
-    return f"it is {smallest:g} m thin: a hand is through it within a tick"
+    return f"the shape is {smallest:g} m thin: a device passes through it within a tick"
 
 
-def _thinnest(shape: Solid) -> float:
-    """Least width of a shape [m]; inf of a mesh."""
+def _width(shape: Solid) -> float:
+    """Return the smallest width of a shape [m]; inf for a mesh."""
     if isinstance(shape, CubeSolid):
         return min(shape.size)
     if isinstance(shape, CylinderSolid):
@@ -134,7 +136,7 @@ def _thinnest(shape: Solid) -> float:
 
 
 def _check_surfaces(surfaces: Sequence[Sequence[Layer]], scene: Scene) -> list[Issue]:
-    """Faults of surfaces, each in layers with their pointers, the most special first; the same one is reported once."""
+    """Faults of surfaces, each given as layers, most specific first; equal faults are reported once."""
     issues: list[Issue] = []
     for layers in surfaces:
         issues += [issue for issue in _check_surface(layers, scene) if issue not in issues]
@@ -160,8 +162,8 @@ def _check_surface(layers: Sequence[Layer], scene: Scene) -> list[Issue]:
     return issues
 
 
-def _check_turn(rotation: tuple[float, ...] | None, pointer: str, scene: Scene) -> list[Issue]:
-    if rotation is None or abs(math.hypot(*rotation) - 1.0) <= _TURN_TOLERANCE:
+def _check_rotation(rotation: tuple[float, ...] | None, pointer: str, scene: Scene) -> list[Issue]:
+    if rotation is None or abs(math.hypot(*rotation) - 1.0) <= _UNIT_TOLERANCE:
         return []
     what = f"a quaternion of length {math.hypot(*rotation):.4g} instead of 1"
     return [scene.issue(f"{pointer}/rotation", what, "write x, y, z, w of a unit quaternion")]
@@ -173,9 +175,9 @@ def _check_walls(walls: HapticWalls, pointer: str, scene: Scene) -> list[Issue]:
     issues += _check_surfaces([[side, (walls, pointer)] for side in sides], scene)
     for side in SIDES:
         wall = getattr(walls, side)
-        issues += _check_turn(wall.rotation, f"{pointer}/{side}", scene)
+        issues += _check_rotation(wall.rotation, f"{pointer}/{side}", scene)
         if wall.enabled and walls.size is None and wall.position is None:
-            what = f'the wall "{side}" stands nowhere'
+            what = f'the wall "{side}" has no place'
             issues.append(scene.issue(pointer, what, f'give the walls a "size", {side} a position, or disable it'))
     return issues
 
@@ -189,12 +191,12 @@ def _check_effect(effect: HapticEffect, pointer: str, scene: Scene) -> list[Issu
             issues += scene.check_entity_with(HapticPath, f"{place}/path", act.path)
         if effect.object is not None and effect.acts_on == "user":
             issues.append(
-                scene.issue(f"{pointer}/object", "a path stays in the world", 'leave it out, or "acts_on": "object"')
+                scene.issue(f"{pointer}/object", "a path is fixed to the world", 'leave it out, or "acts_on": "object"')
             )
     if isinstance(act, effects.ConstantForce) and not any(act.force):
-        issues.append(scene.issue(f"{place}/force", "no force at all", "disable the effect instead"))
+        issues.append(scene.issue(f"{place}/force", "the force is zero", "disable the effect instead"))
     if isinstance(act, effects.Vibration) and not any(act.direction):
-        issues.append(scene.issue(f"{place}/direction", "points nowhere"))
+        issues.append(scene.issue(f"{place}/direction", "is zero", "give a vector of any other length"))
     if isinstance(act, effects.Workspace) and (act.radius is None) == (act.size is None):
         issues.append(scene.issue(place, "needs either a radius or a size", "give exactly one of the two"))
     return issues
@@ -209,18 +211,21 @@ def _check_acting(acting: HapticEffect | ForceField, pointer: str, scene: Scene)
 
 
 def check_path(path: HapticPath, pointer: str, scene: Scene) -> list[Issue]:
-    """Faults of the component itself; whether a curve can be laid through it is the haptic stage's to say."""
+    """Faults of the component itself; the haptic stage checks that a curve fits its points."""
     if (path.control_points is None) == (path.path_file is None):
         return [scene.issue(pointer, "needs either control_points or a path_file", "give exactly one of the two")]
     issues = [] if path.material is None else scene.check_material(f"{pointer}/material", path.material)
     points = path.control_points
-    if points is not None and not _CUBIC <= len(points) <= MAX_PIECES + _CUBIC - 1:
-        what = f"{len(points)} control points; a cubic takes {_CUBIC} to {MAX_PIECES + _CUBIC - 1}"
+    if points is not None and not _MIN_CONTROL_POINTS <= len(points) <= MAX_PIECES + _MIN_CONTROL_POINTS - 1:
+        most = MAX_PIECES + _MIN_CONTROL_POINTS - 1
+        what = f"{len(points)} control points; a cubic takes {_MIN_CONTROL_POINTS} to {most}"
         issues.append(scene.issue(f"{pointer}/control_points", what))
     if path.path_file is not None:
         issues += scene.check_file(f"{pointer}/path_file", path.path_file)
     elif path.basis_functions is not None:
-        issues.append(scene.issue(f"{pointer}/basis_functions", "fits a path_file, and there is none", "leave it out"))
+        issues.append(
+            scene.issue(f"{pointer}/basis_functions", "applies to a path_file, and there is none", "leave it out")
+        )
     return issues
 
 
@@ -238,8 +243,8 @@ def _check_connections(connections: Connections, pointer: str, scene: Scene) -> 
     acting = [*(entity for kind in kinds for entity, _, _ in scene.components(kind)), *scene.broken]
     issues = []
     for i, wire in enumerate(connections.wires):
-        if np.abs(wire.gain).max() > _GREATEST_GAIN:
-            issues.append(scene.issue(f"{pointer}/wires/{i}/gain", f"is beyond {_GREATEST_GAIN:g}"))
+        if np.abs(wire.gain).max() > _MAX_GAIN:
+            issues.append(scene.issue(f"{pointer}/wires/{i}/gain", f"is beyond {_MAX_GAIN:g}"))
         ends: list[tuple[str, Callable[[], object]]] = [
             ("from", lambda text=wire.source: parse_source(text, objects)),  # type: ignore[misc]
             ("to", lambda text=wire.target: parse_target(text, objects, acting)),  # type: ignore[misc]

@@ -1,6 +1,6 @@
-"""Component types of what can be touched (D2.1 4.2.8-4.2.10): objects, walls, effects, and the wires between them.
+"""Component types of the haptic scene (D2.1 4.2.8-4.2.10): objects, walls, effects, and the wires between them.
 
-The pose of an object at first is its entity's transform. Names in brackets are those of the block masks in D2.1.
+The initial pose of an object is its entity's transform. Names in brackets are those of the block masks in D2.1.
 SI units; world frame unless said otherwise.
 """
 
@@ -32,54 +32,54 @@ __all__ = [
 ]
 
 MAX_SHAPES = 64
-"""Most shapes of one object; all of them are asked in a tick in which the hand is near it."""
+"""Maximum shapes of one object; all of them are tested in a tick in which the device is near it."""
 MAX_WIRES = 1000
-"""Most wires of one component."""
+"""Maximum wires of one component."""
 
-_MOST = 1e6
-"""Greatest size of a number whose unit gives no better bound: beyond it a tick of a contact has no digits left."""
+_MAX = 1e6
+"""Bound of numbers without a tighter one: beyond it a tick of a contact has no significant digits left."""
 
-NotNegative = Annotated[float, Meta(ge=0, le=_MOST)]
-Positive = Annotated[float, Meta(gt=0, le=_MOST)]
-BodyMass = Annotated[float, Meta(ge=1e-6, le=_MOST)]
-"""[kg]: a milligram is lighter than any contact can hold still."""
+NotNegative = Annotated[float, Meta(ge=0, le=_MAX)]
+Positive = Annotated[float, Meta(gt=0, le=_MAX)]
+BodyMass = Annotated[float, Meta(ge=1e-6, le=_MAX)]
+"""Mass [kg]: no contact is stable on less than a milligram."""
 Coordinate = Annotated[float, Meta(ge=-1e3, le=1e3)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
-Number = Annotated[float, Meta(ge=-_MOST, le=_MOST)]
+Number = Annotated[float, Meta(ge=-_MAX, le=_MAX)]
 Vector = tuple[Number, Number, Number]
 Row = tuple[float, float, float]
 Rows = tuple[Row, Row, Row]
-"""Without bounds: msgspec 0.22 cannot free a bounded number beside a tuple. `object_checks` looks at them."""
+"""Unbounded: msgspec 0.22 cannot free a bounded number in a union with a tuple. `object_checks` bounds them."""
 
 Integrator = Literal["auto", "semi_implicit", "explicit", "exact_drag", "implicit_midpoint"]
 
 
 @component("haptic_object")
 class HapticObject(TouchSurface, frozen=True):
-    """A body that is touched, and moves if it may (4.2.8)."""
+    """A rigid body that can be touched and moved (4.2.8)."""
 
     shapes: Annotated[
         Annotated[tuple[Solid, ...], Meta(max_length=MAX_SHAPES)],
-        Meta(description="What is touched, one or several [Object dimensions]; absent: the primitive of its `mesh`"),
+        Meta(description="Collision shapes [Object dimensions]; absent: the primitive of its `mesh`"),
     ] = ()
-    enable_translation: Annotated[bool, Meta(description="It may shift [Enable translation]")] = True
-    enable_rotation: Annotated[bool, Meta(description="It may turn [Enable rotation]")] = True
+    enable_translation: Annotated[bool, Meta(description="Free to translate [Enable translation]")] = True
+    enable_rotation: Annotated[bool, Meta(description="Free to rotate [Enable rotation]")] = True
     enable_force_on_object: Annotated[
-        bool, Meta(description="The hand shifts it [Enable translational haptic force on object]")
+        bool, Meta(description="The device's force acts on it [Enable translational haptic force on object]")
     ] = True
     enable_torque_on_object: Annotated[
-        bool, Meta(description="The hand turns it [Enable rotational haptic force on object]")
+        bool, Meta(description="The device's torque acts on it [Enable rotational haptic force on object]")
     ] = True
     mass: Annotated[BodyMass | None, Meta(description="[Mass of haptic object, kg]; absent: of `density`, or 1 kg")] = (
         None
     )
-    density: Annotated[Positive | None, Meta(description="Instead of the mass [kg/m^3]")] = None
+    density: Annotated[Positive | None, Meta(description="Density, instead of the mass [kg/m^3]")] = None
     inertia: Annotated[
         tuple[Positive, Positive, Positive] | None,
-        Meta(description="About its own x, y, z through the centre of mass [kg m^2]; absent: of its shapes, filled"),
+        Meta(description="Inertia about its x, y, z through the centre of mass [kg m^2]; absent: of its filled shapes"),
     ] = None
     centre: Annotated[
-        Point | None, Meta(description="Of mass, in its own frame [m]; absent: of its shapes, filled")
+        Point | None, Meta(description="Centre of mass in its own frame [m]; absent: of its filled shapes")
     ] = None
     gravity: Annotated[Vector, Meta(description="[Gravity acceleration, m/s^2]")] = (0.0, 0.0, 0.0)
     initial_velocity: Annotated[Point, Meta(description="[Object initial velocity, m/s]")] = (0.0, 0.0, 0.0)
@@ -93,22 +93,22 @@ class HapticObject(TouchSurface, frozen=True):
     force_aux: Annotated[Vector, Meta(description="Steady part of F_aux [N]; wires add to it")] = (0.0, 0.0, 0.0)
     torque_aux: Annotated[Vector, Meta(description="Steady part of T_aux [N m]; wires add to it")] = (0.0, 0.0, 0.0)
     integrator: Annotated[
-        Integrator, Meta(description="How its translation is advanced; auto: the planner (mimics explain)")
+        Integrator, Meta(description="Integrator of its translation; auto: the planner (mimics explain)")
     ] = "auto"
-    sleeps: Annotated[bool, Meta(description="May be left out of the work while nothing moves it")] = True
+    sleeps: Annotated[bool, Meta(description="Skipped in the loop while it is at rest")] = True
     grip: Annotated[bool, Meta(description="Fingers can hold it")] = False
-    crush_force: Annotated[NotNegative, Meta(description="Grip force that bruises it [N]; 0: none does")] = 0.0
+    crush_force: Annotated[NotNegative, Meta(description="Grip force that damages it [N]; 0: none")] = 0.0
 
 
 class Wall(TouchSurface, frozen=True):
-    """One of the six walls; its free side is at its own +z (4.2.8.6)."""
+    """One of the six walls; its normal is its own +z (4.2.8.6)."""
 
     enabled: Annotated[bool, Meta(description="[Enable wall]")] = True
     position: Annotated[
         Point | None, Meta(description="[Pose of the wall] relative to the entity [m]; absent: by the walls' `size`")
     ] = None
     rotation: Annotated[
-        Quaternion | None, Meta(description="[Pose of the wall] unit quaternion x, y, z, w; absent: facing the middle")
+        Quaternion | None, Meta(description="[Pose of the wall] unit quaternion x, y, z, w; absent: facing the centre")
     ] = None
 
 
@@ -121,7 +121,9 @@ class HapticWalls(TouchSurface, frozen=True):
 
     size: Annotated[
         tuple[Positive, Positive, Positive] | None,
-        Meta(description="Of the room about the entity along its x, y, z [m]; absent: every wall has its own pose"),
+        Meta(
+            description="Size of the room about the entity along its x, y, z [m]; absent: every wall has its own pose"
+        ),
     ] = None
     left: Annotated[Wall, Meta(description="At -x")] = _EVERY_WALL
     right: Annotated[Wall, Meta(description="At +x")] = _EVERY_WALL
@@ -136,38 +138,43 @@ SIDES = ("left", "right", "floor", "ceiling", "back", "front")
 
 
 class _Acting(Component, frozen=True):
-    """What acts on somebody."""
+    """Base of forces on the user or on an object."""
 
-    enabled: Annotated[bool, Meta(description="Acts from the start")] = True
+    enabled: Annotated[bool, Meta(description="Active from the start")] = True
     object: Annotated[
         str | None,
         Meta(
-            description="Id of an entity with a `haptic_object`: it moves with it and pushes back on it; absent: none"
+            description="Id of an entity with a `haptic_object`: the force moves with it and reacts on it; absent: none"
         ),
     ] = None
     acts_on: Annotated[
         Literal["user", "object"],
-        Meta(description="Who feels it; object: the named one alone, about a place that stays in the world"),
+        Meta(description="Body the force acts on; object: the named one alone, about a place fixed in the world"),
     ] = "user"
 
 
 @component("haptic_effect")
 class HapticEffect(_Acting, frozen=True, kw_only=True):
-    """A force without a surface; its place is its entity's, or that seen from the `object` it moves with."""
+    """A force without a surface, at the place of its entity, which moves with `object`."""
 
-    effect: Annotated[Effect, Meta(description="What it does")]
+    effect: Annotated[Effect, Meta(description="Kind of force and its parameters")]
 
 
 @component("force_field")
 class ForceField(_Acting, frozen=True, kw_only=True):
     """A force computed by a compiled function of the application, a scenario or a plug-in."""
 
-    function: Annotated[str, Meta(description="Its name: curl, saddle, well, cord, or that of a plug-in's force field")]
+    function: Annotated[
+        str, Meta(description="Name of the function: curl, saddle, well, cord, or a force field of a plug-in")
+    ]
     parameters: Annotated[
-        Annotated[tuple[Number, ...], Meta(max_length=8)], Meta(description="Its numbers, as its own guide says")
+        Annotated[tuple[Number, ...], Meta(max_length=8)],
+        Meta(description="Parameters of the function, see its own guide"),
     ] = ()
-    within: Annotated[NotNegative, Meta(description="Acts only this near to its place [m]; 0: everywhere")] = 0.0
-    largest_force: Annotated[NotNegative, Meta(description="[N]; 0: no bound")] = 0.0
+    within: Annotated[
+        NotNegative, Meta(description="Radius about its place within which it acts [m]; 0: everywhere")
+    ] = 0.0
+    largest_force: Annotated[NotNegative, Meta(description="Force limit [N]; 0: none")] = 0.0
 
 
 @component("haptic_path")
@@ -175,7 +182,8 @@ class HapticPath(Component, frozen=True):
     """A path for effects: the cubic B-spline of D2.1 4.2.10 without its walls."""
 
     control_points: Annotated[
-        Annotated[tuple[Point, ...], Meta(max_length=1000)] | None, Meta(description="World [m]; at least 4")
+        Annotated[tuple[Point, ...], Meta(max_length=1000)] | None,
+        Meta(description="Control points, world [m]; at least 4"),
     ] = None
     path_file: Annotated[
         str | None, Meta(description="Recorded path to fit instead: .csv (x,y,z columns) or .json, world [m]")
@@ -183,30 +191,30 @@ class HapticPath(Component, frozen=True):
     basis_functions: Annotated[
         Annotated[int, Meta(ge=4, le=99)] | None, Meta(description="Basis functions fitted to `path_file`")
     ] = None
-    material: Annotated[str | None, Meta(description="Of a line that shows it; absent: not shown")] = None
-    shown_radius: Annotated[float, Meta(gt=0, le=1, description="Of that line [m]")] = 0.0015
+    material: Annotated[str | None, Meta(description="Material of the line that shows it; absent: not shown")] = None
+    shown_radius: Annotated[float, Meta(gt=0, le=1, description="Radius of that line [m]")] = 0.0015
 
 
 class InteractionPoint(Component, frozen=True):
-    """A point, or small ball, that touches; it is fixed to a point of contact of the device, which does not turn."""
+    """A point, or small ball, that makes contact; it moves, without rotation, with a point of contact of the device."""
 
     contact: Annotated[
         Literal["hand", "fingers", "left foot", "right foot", "tool"] | None,
         Meta(description="Point of contact of the device that carries it; absent: its first"),
     ] = None
-    offset: Annotated[Point, Meta(description="From there, world [m]")] = (0.0, 0.0, 0.0)
-    radius: Annotated[float, Meta(ge=0, le=0.2, description="Of the ball [m]; 0: a point")] = 0.0
-    enabled: Annotated[bool, Meta(description="Touches at all")] = True
+    offset: Annotated[Point, Meta(description="Offset from the point of contact, world [m]")] = (0.0, 0.0, 0.0)
+    radius: Annotated[float, Meta(ge=0, le=0.2, description="Radius of the ball [m]; 0: a point")] = 0.0
+    enabled: Annotated[bool, Meta(description="False: it makes no contact")] = True
     entity: Annotated[str | None, Meta(description="Id of the entity that shows it; absent: not shown")] = None
 
 
 @component("interaction_points")
 class InteractionPoints(Component, frozen=True):
-    """Where the device touches; without it every point of contact is the `ball` at its largest, or a point. One."""
+    """Interaction points of the device, one component at most; by default each point of contact, as large as `ball`."""
 
     points: Annotated[
         Annotated[tuple[InteractionPoint, ...], Meta(min_length=1, max_length=MAX_POINTS)],
-        Meta(description="Fingers, or both hands"),
+        Meta(description="Interaction points: fingers, or both hands"),
     ]
 
 
@@ -225,15 +233,15 @@ class Wire(Component, frozen=True):
     ] = msgspec.field(name="to")
     gain: Annotated[
         float | Rows,
-        Meta(description="A number, or a matrix by rows; single numbers travel as (x, 0, 0) and are taken from x"),
+        Meta(description="A number, or a matrix by rows; a scalar is the x of (x, 0, 0)"),
     ] = 1.0
     offset: Annotated[Vector, Meta(description="Added after the gain, in the input's unit")] = (0.0, 0.0, 0.0)
 
 
 @component("connections")
 class Connections(Component, frozen=True):
-    """Wires between outputs and inputs of blocks (4.2.12); what several bring to one input is added."""
+    """Wires between outputs and inputs of blocks (4.2.12); several into one input are added."""
 
     wires: Annotated[
-        Annotated[tuple[Wire, ...], Meta(min_length=1, max_length=MAX_WIRES)], Meta(description="One by one")
+        Annotated[tuple[Wire, ...], Meta(min_length=1, max_length=MAX_WIRES)], Meta(description="The wires")
     ]

@@ -1,4 +1,4 @@
-"""Component types that show a picture of the scene itself: mirrors, screens, and rectangles laid over the display."""
+"""Component types that show a view of the scene itself: mirrors, screens, and insets over the display."""
 
 from __future__ import annotations
 
@@ -17,51 +17,53 @@ if TYPE_CHECKING:
 __all__ = ["Inset", "Mirror", "Screen"]
 
 Share = Annotated[float, Meta(ge=0, le=1)]
-Every = Annotated[int, Meta(ge=1, le=60, description="Drawn anew in one frame of so many")]
+Every = Annotated[int, Meta(ge=1, le=60, description="Rendered in one frame of this many")]
 Side = Annotated[int, Meta(ge=16, le=4096)]
 
 
 @component("mirror")
 class Mirror(Component, frozen=True):
-    """The entity's flat mesh mirrors the world on the side its normals point to; stands beside `mesh`.
+    """The entity's flat mesh is a mirror on the side its normals point to; beside `mesh`.
 
-    In a mirror, and in any picture of another camera, other mirrors show the sky.
+    In a mirror, and in the view of any other camera, other mirrors show the sky.
     """
 
-    tint: Annotated[tuple[Share, Share, Share], Meta(description="Share of the light given back, linear RGB")] = (
+    tint: Annotated[tuple[Share, Share, Share], Meta(description="Reflectance, linear RGB")] = (
         1.0,
         1.0,
         1.0,
     )
-    resolution: Annotated[float, Meta(ge=0.1, le=1, description="Of its picture over that of the display")] = 1.0
+    resolution: Annotated[
+        float, Meta(ge=0.1, le=1, description="Resolution of its texture over that of the display")
+    ] = 1.0
 
 
 @component("screen")
 class Screen(Component, frozen=True):
-    """The entity's mesh shows what a camera sees; stands beside `mesh`. A screen in its own picture shows the last."""
+    """The entity's mesh shows the view of a camera; beside `mesh`. A screen in its own view shows the previous one."""
 
     camera: Annotated[str, Meta(description="Id of an entity with a `camera`")]
-    size: Annotated[tuple[Side, Side], Meta(description="Of the picture [px]")] = (512, 288)
+    size: Annotated[tuple[Side, Side], Meta(description="Size of its texture [px]")] = (512, 288)
     every: Every = 1
     shows: Annotated[
         Literal["light", "paint"],
-        Meta(description="light: it shines on its own, as a monitor; paint: it is lit as the mesh's material is"),
+        Meta(description="light: emissive, as a monitor; paint: lit as the mesh's material is"),
     ] = "light"
-    brightness: Annotated[float, Meta(gt=0, le=100, description="Factor on the picture's light")] = 1.0
+    brightness: Annotated[float, Meta(gt=0, le=100, description="Factor on the view's radiance")] = 1.0
 
 
 @component("inset")
 class Inset(Component, frozen=True):
-    """A rectangle over the display that shows what a second camera sees: picture in picture, rear view."""
+    """A rectangle over the display that shows the view of a second camera: picture in picture, rear view."""
 
     camera: Annotated[str, Meta(description="Id of an entity with a `camera`")]
     rectangle: Annotated[
         tuple[Share, Share, Share, Share],
-        Meta(description="Left, bottom, width, height over those of the display"),
+        Meta(description="Left, bottom, width and height as shares of the display"),
     ] = (0.7, 0.7, 0.27, 0.27)
     mirrored: Annotated[bool, Meta(description="Left and right exchanged, as in a driver's mirror")] = False
     every: Every = 1
-    border: Annotated[float, Meta(ge=0, le=50, description="Width of the frame about it, in lines of 720")] = 3.0
+    border: Annotated[float, Meta(ge=0, le=50, description="Width of its border in a display of 720 lines [px]")] = 3.0
 
 
 def _check_mirror(mirror: Mirror, pointer: str, scene: Scene) -> list[Issue]:
@@ -90,7 +92,7 @@ def _check_inset(inset: Inset, pointer: str, scene: Scene) -> list[Issue]:
 
 
 def _mesh_beside(pointer: str, scene: Scene) -> MeshComponent | None:
-    """The mesh of the entity that has the component of this pointer."""
+    """Return the mesh of the entity whose component has this pointer."""
     beside = pointer.rpartition("/")[0]
     return next(
         (mesh for _, mesh, other in scene.components(MeshComponent) if other.rpartition("/")[0] == beside), None

@@ -1,6 +1,6 @@
-"""Component types of other packages: entry points of the group mimics_app.components, named as scenes name them.
+"""Component types of other packages: entry points of the group mimics_app.components, named as in scenes.
 
-Each leads to a `Component`; who makes use of it (a scenario of the same package, say) asks the scene for that type.
+Each loads a `Component`; its user, a scenario of the same package for example, reads that type from the scene.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ __all__ = ["ENTRY_POINT_GROUP", "fault_of_plugin", "fault_of_type", "register_pl
 ENTRY_POINT_GROUP = "mimics_app.components"
 
 _faults: dict[tuple[str, str], str] = {}
-"""Why a plug-in that was tried is not registered, "" where it is, by its name and "module:attribute"."""
+"""Why a loaded plug-in is not registered, "" where it is; by its name and "module:attribute"."""
 
 
 def register_plugins() -> None:
-    """Make the component types of installed packages known, each once; one that cannot be had is passed over."""
+    """Register the component types of installed packages, each once; a broken one is noted, see `fault_of_plugin`."""
     for point in sorted(entry_points(group=ENTRY_POINT_GROUP)):
         if (point.name, point.value) in _faults:
             continue
@@ -31,10 +31,10 @@ def register_plugins() -> None:
 
 
 def _load(point: EntryPoint) -> type[Component]:
-    """The component type of a plug-in; ValueError says why there is none."""
+    """Return the component type of a plug-in; raise ValueError where it has none."""
     try:
         loaded = point.load()
-    except Exception as error:  # whatever a stranger's module does while it is imported
+    except Exception as error:  # a third-party module may raise anything on import
         what = f"its plug-in {point.value} cannot be imported: {type(error).__name__}: {error}"
         raise ValueError(what) from error
     fault = fault_of_type(point.name, loaded)
@@ -45,14 +45,14 @@ def _load(point: EntryPoint) -> type[Component]:
 
 
 def fault_of_type(name: str, loaded: object) -> str:
-    """Why scenes cannot have this as component `name`; "" where they can."""
+    """Return why an object cannot be component type `name`; "" where it can."""
     if not (isinstance(loaded, type) and issubclass(loaded, Component)):
-        return f"its plug-in is no subclass of {Component.__module__}.{Component.__name__}"
+        return f"its plug-in is not a subclass of {Component.__module__}.{Component.__name__}"
     if component_types().get(name, loaded) is not loaded:
         return "another component has that name"
     return ""
 
 
 def fault_of_plugin(name: str) -> str:
-    """Why the component that a plug-in has under this name is not there; "" where it is, or no plug-in has one."""
+    """Return why a plug-in's component of this name is not registered; "" where it is, or no plug-in has one."""
     return next((fault for (known, _), fault in _faults.items() if known == name and fault), "")

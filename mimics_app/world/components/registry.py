@@ -1,6 +1,6 @@
-"""What a scene may contain: component types, sections, and the checks that look at meaning.
+"""Registry of component types, systems and sections of scenes, and of the checks of their values.
 
-Stages above `world` add their own at import time, so that one validator serves `mimics check` and `mimics run` alike.
+Packages above `world` register their own on import, so that one validator serves `mimics check` and `mimics run`.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ __all__ = [
 
 
 class Component(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Base of everything read from a scene file: immutable, no unknown fields, SI units."""
+    """Base of all structs of a scene file: immutable, no unknown fields, SI units."""
 
 
 ComponentCheck = Callable[[Any, str, "Scene"], list[Issue]]
@@ -46,7 +46,7 @@ SectionCheck = Callable[[Any, "Scene"], list[Issue]]
 
 
 class Section(msgspec.Struct, frozen=True):
-    """A top-level section of the scene file that a stage owns."""
+    """A top-level section of the scene file, owned by a stage."""
 
     type: type[msgspec.Struct]
     check: SectionCheck | None
@@ -62,12 +62,12 @@ S = TypeVar("S", bound=type[msgspec.Struct])
 
 
 def register_component(name: str, struct: type[msgspec.Struct]) -> None:
-    """Let scenes use component `name`; ValueError when another type has that name."""
+    """Register component type `name`; raise ValueError where another type has that name."""
     _add(_components, "component", name, struct)
 
 
 def component(name: str) -> Callable[[S], S]:
-    """Class decorator: let scenes use this Struct as component `name`."""
+    """Class decorator: register a Struct as component type `name`."""
 
     def decorate(struct: S) -> S:
         register_component(name, struct)
@@ -77,49 +77,49 @@ def component(name: str) -> Callable[[S], S]:
 
 
 def register_system(name: str, struct: type[msgspec.Struct]) -> None:
-    """Let scenes set system `name` under `systems`; ValueError when another type has that name."""
+    """Register the settings of system `name`; raise ValueError where another type has that name."""
     _add(_systems, "system", name, struct)
 
 
 def register_section(name: str, struct: type[msgspec.Struct], check: SectionCheck | None = None) -> None:
-    """Give the top-level section `name` (e.g. "task") its type and the check of its meaning. The last one counts."""
+    """Register the type and check of the top-level section `name`, e.g. "task"; a later call replaces them."""
     _sections[name] = Section(struct, check)
 
 
 def register_check(component_type: str, check: ComponentCheck) -> None:
-    """Have `check` look at every component of this type once the whole scene is decoded; twice registered is once."""
+    """Register a check of every component of this type, run once the whole scene is decoded; idempotent."""
     checks = _checks.setdefault(component_type, [])
     if check not in checks:
         checks.append(check)
 
 
-def register_limit(component_type: str, most: int) -> None:
-    """Let no scene have more components of this type: counted before any of them is looked at."""
-    _limits[component_type] = most
+def register_limit(component_type: str, limit: int) -> None:
+    """Limit the number of components of this type in a scene; counted before any is decoded."""
+    _limits[component_type] = limit
 
 
 def limits() -> dict[str, int]:
-    """Most components of a scene, by type; the others are as many as its entities."""
+    """Return the maximum number of components of a scene, by type; other types have no limit of their own."""
     return dict(_limits)
 
 
 def component_types() -> dict[str, type[msgspec.Struct]]:
-    """Every component type by name."""
+    """Return every component type by name."""
     return dict(_components)
 
 
 def system_types() -> dict[str, type[msgspec.Struct]]:
-    """Every system's settings type by name."""
+    """Return the type of every system's settings by name."""
     return dict(_systems)
 
 
 def section_of(name: str) -> Section | None:
-    """What was registered for a top-level section, or None."""
+    """Return the registered top-level section, or None."""
     return _sections.get(name)
 
 
 def checks_of(component_type: str) -> list[ComponentCheck]:
-    """The checks of one component type, in the order they were registered."""
+    """Return the checks of one component type, in order of registration."""
     return list(_checks.get(component_type, ()))
 
 

@@ -1,7 +1,7 @@
 """Component types of the robot, the person on it, and the tunnel (D2.1 4.2). SI units, angles radians.
 
 Frames: `world` is the scene's, `robot` the HapticMaster's WCS (x radial, y lateral, z up).
-Defaults of `Safety` are the loop's own, also in a scene without that component; the report states what ran.
+Defaults of `Safety` also hold in a scene without that component; the report states the values in force.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ __all__ = [
 
 Arm = Annotated[float, Meta(gt=0, le=10)]
 Reach = Annotated[float, Meta(ge=0, le=10)]
-"""Lengths within what a robot beside a person reaches [m]."""
+"""Length within the reach of a robot beside a person [m], that may be 0."""
 _Joint = Annotated[float, Meta(ge=-100, le=100)]
 Joints = Annotated[tuple[_Joint, ...], Meta(min_length=1, max_length=8)]
 _MovingMass = Annotated[float, Meta(ge=0, le=1e3)]
@@ -56,7 +56,7 @@ Row = tuple[_Cosine, _Cosine, _Cosine]
 TunnelRadius = Annotated[float, Meta(ge=0, le=10)]
 Radii = Annotated[tuple[TunnelRadius, ...], Meta(max_length=1000)]
 ControlPoints = Annotated[tuple[Point, ...], Meta(max_length=1000)]
-"""More than a curve can have, which is reported with the number of its pieces."""
+"""Control points [m]; the check of the curve reports a tighter limit."""
 Visits = Annotated[tuple[str, ...], Meta(max_length=1000)]
 
 
@@ -65,7 +65,7 @@ class Tunnel(Component, frozen=True):
     """The tunnel of D2.1 4.2.10: a B-spline bisector, a radius along it, and the forces of its wall."""
 
     control_points: Annotated[
-        ControlPoints | None, Meta(description="Of the cubic B-spline that is the bisector, world [m]; at least 4")
+        ControlPoints | None, Meta(description="Control points of the cubic B-spline bisector, world [m]; at least 4")
     ] = None
     path_file: Annotated[
         str | None,
@@ -74,24 +74,26 @@ class Tunnel(Component, frozen=True):
     basis_functions: Annotated[
         Annotated[int, Meta(ge=4, le=99)] | None, Meta(description="Basis functions fitted to `path_file`")
     ] = None
-    radius: Annotated[TunnelRadius | Radii, Meta(description="[m]; or several, evenly spread from start to end")] = 0.04
+    radius: Annotated[
+        TunnelRadius | Radii, Meta(description="Radius [m]; or several, evenly spaced from start to end")
+    ] = 0.04
     frame: Annotated[
         Literal["rotation_minimising", "frenet"],
-        Meta(description="Which way n lies: carried along without turning, or to the centre of curvature (Frenet)"),
+        Meta(description="Direction of n: rotation-minimising transport, or to the centre of curvature (Frenet)"),
     ] = "rotation_minimising"
     radius_scale: Annotated[Factor, Meta(description="Factor on `radius`; 0 keeps the ball on the bisector")] = 1.0
-    stiffness: Annotated[Stiffness, Meta(description="Of the wall [N/m]")] = 1500.0
-    damping: Annotated[Damping, Meta(description="Of the wall, along its normal [N s/m]")] = 10.0
-    drag: Annotated[Damping, Meta(description="Along the tunnel [N s/m]")] = 2.0
+    stiffness: Annotated[Stiffness, Meta(description="Stiffness of the wall [N/m]")] = 1500.0
+    damping: Annotated[Damping, Meta(description="Damping of the wall along its normal [N s/m]")] = 10.0
+    drag: Annotated[Damping, Meta(description="Damping along the tunnel [N s/m]")] = 2.0
     drag_growth: Annotated[
-        Factor, Meta(description="Added to drag per metre the ball is larger than the tunnel [N s/m per m]")
+        Factor, Meta(description="Growth of drag per metre that the ball exceeds the tunnel [N s/m per m]")
     ] = 2000.0
     centring: Annotated[Stiffness, Meta(description="Assistance towards the bisector [N/m]")] = 0.0
     advance: Annotated[Force, Meta(description="Assistance along the tunnel towards its end [N]")] = 0.0
 
 
 class RobotToWorld(Component, frozen=True):
-    """Where the robot's WCS stands in the world."""
+    """Pose of the robot's WCS in the world."""
 
     rotation: Annotated[tuple[Row, Row, Row], Meta(description="R_world_from_robot, rows; a rotation")] = (
         (0.0, 1.0, 0.0),
@@ -103,55 +105,61 @@ class RobotToWorld(Component, frozen=True):
 
 @component("robot")
 class Robot(Component, frozen=True):
-    """The robot, or what stands in for it. Workspace figures are the HapticMaster's vendor demo constants."""
+    """The robot or its simulator. Workspace figures are the HapticMaster's vendor demo constants."""
 
     device: Annotated[
-        str, Meta(description="A name that mimics devices lists, with NAME:ADDRESS where it has an address")
+        str, Meta(description="Device name, see mimics devices; NAME:ADDRESS where it has an address")
     ] = "simulated_hapticmaster"
-    settings: Annotated[dict[str, Any], Meta(description="Settings of a plug-in, as its own guide says")] = (
-        msgspec.field(default_factory=dict)
+    settings: Annotated[dict[str, Any], Meta(description="Settings of a plug-in, see its own guide")] = msgspec.field(
+        default_factory=dict
     )
-    robot_to_world: Annotated[RobotToWorld, Meta(description="Where the robot stands")] = msgspec.field(
+    robot_to_world: Annotated[RobotToWorld, Meta(description="Pose of the robot in the world")] = msgspec.field(
         default_factory=RobotToWorld
     )
-    stroke: Annotated[Arm, Meta(description="Of the radial axis, q1r [m]")] = 0.36
-    offset: Annotated[Reach, Meta(description="Axis to the retracted arm, l_off [m]")] = 0.28
+    stroke: Annotated[Arm, Meta(description="Stroke of the radial axis, q1r [m]")] = 0.36
+    offset: Annotated[Reach, Meta(description="Distance from the axis to the retracted arm, l_off [m]")] = 0.28
     axis_offset: Annotated[Arm | None, Meta(description="d1 of equation (1) [m]; absent: stroke / 2 + offset")] = None
-    joint_min: Annotated[Joints | None, Meta(description="Per joint [m, rad]; absent: the device's own")] = None
-    joint_max: Annotated[Joints | None, Meta(description="Per joint [m, rad]; absent: the device's own")] = None
+    joint_min: Annotated[
+        Joints | None, Meta(description="Lower limit per joint [m, rad]; absent: the device's own")
+    ] = None
+    joint_max: Annotated[
+        Joints | None, Meta(description="Upper limit per joint [m, rad]; absent: the device's own")
+    ] = None
     masses: Annotated[Masses, Meta(description="Moving masses of the simulator per axis [kg, kg m^2, kg]")] = (
         4.0,
         1.2,
         5.0,
     )
-    servo_bandwidth_hz: Annotated[Frequency, Meta(description="Of the simulator's velocity servo [Hz]")] = 60.0
-    delay_ticks: Annotated[int, Meta(ge=0, le=50, description="Delay line of the simulator [ticks of 1 ms]")] = 1
-    sensor_noise: Annotated[Force, Meta(description="Of the simulated force sensor, standard deviation [N]")] = 0.01
-    sensor_quantum: Annotated[Force, Meta(description="Resolution of the simulated force sensor [N]")] = 0.01
-    force_limit: Annotated[PositiveForce, Meta(description="Of the simulated drives, and range of its sensor [N]")] = (
-        250.0
+    servo_bandwidth_hz: Annotated[Frequency, Meta(description="Bandwidth of the simulator's velocity servo [Hz]")] = (
+        60.0
     )
+    delay_ticks: Annotated[int, Meta(ge=0, le=50, description="Delay line of the simulator [ticks of 1 ms]")] = 1
+    sensor_noise: Annotated[Force, Meta(description="Standard deviation of the simulated force sensor [N]")] = 0.01
+    sensor_quantum: Annotated[Force, Meta(description="Resolution of the simulated force sensor [N]")] = 0.01
+    force_limit: Annotated[
+        PositiveForce, Meta(description="Limit of the simulated drives, and range of the sensor [N]")
+    ] = 250.0
     velocity_limit: Annotated[
-        Rates | None, Meta(description="Of a command, per joint [m/s, rad/s]; absent: the device's own")
+        Rates | None, Meta(description="Limit of commands per joint [m/s, rad/s]; absent: the device's own")
     ] = None
     acceleration_limit: Annotated[
-        Rates | None, Meta(description="Likewise of its change [m/s^2, rad/s^2]; absent: the device's own")
+        Rates | None, Meta(description="Limit of their rate per joint [m/s^2, rad/s^2]; absent: the device's own")
     ] = None
 
 
 @component("patient")
 class Patient(Component, frozen=True):
-    """The simulated person on the simulated robot; what is absent comes from the preset."""
+    """The simulated person on the simulated robot; absent fields come from the preset."""
 
-    preset: Annotated[Literal["healthy", "moderate", "severe"], Meta(description="How impaired")] = "healthy"
+    preset: Annotated[Literal["healthy", "moderate", "severe"], Meta(description="Degree of impairment")] = "healthy"
     intent: Annotated[bool, Meta(description="False: the arm is passive and never completes")] = True
     visits: Annotated[
         Visits,
         Meta(description="Entities reached for in turn in a scene without code; absent: paths, else objects"),
     ] = ()
-    arm_mass: Annotated[Mass | None, Meta(description="At the hand [kg], usually 0.5-2.5")] = None
-    arm_damping: Annotated[Damping | None, Meta(description="At the hand [N s/m], usually 5-40")] = None
-    arm_stiffness: Annotated[Stiffness | None, Meta(description="At the hand [N/m], usually 100-800")] = None
+    arm_mass: Annotated[Mass | None, Meta(description="Mass at the hand [kg], usually 0.5-2.5")] = None
+    arm_damping: Annotated[Damping | None, Meta(description="Damping at the hand [N s/m], usually 5-40")] = None
+    arm_stiffness: Annotated[Stiffness | None, Meta(description="Stiffness at the hand [N/m], usually 100-800")] = None
     speed: Annotated[Speed | None, Meta(description="Peak speed of a voluntary movement [m/s]")] = None
     reach: Annotated[Arm | None, Meta(description="Length of one minimum-jerk movement [m]")] = None
     aim_error: Annotated[Reach | None, Meta(description="Standard deviation of a movement's end point [m]")] = None
@@ -164,10 +172,10 @@ class Patient(Component, frozen=True):
 
 @component("next_mark")
 class NextMark(Component, frozen=True):
-    """Hovers over what is to be reached for next: the entities that the `patient` names, in turn; else it hides."""
+    """A mark over the next of the entities that `patient` names, in turn; hidden where there is none."""
 
-    above: Annotated[Reach, Meta(description="Over the top of what is seen there [m]")] = 0.03
-    within: Annotated[Reach, Meta(description="Of its outline the hand has been there [m]")] = 0.02
+    above: Annotated[Reach, Meta(description="Height over the top of the entity's body [m]")] = 0.03
+    within: Annotated[Reach, Meta(description="Distance to the body's outline that counts as reached [m]")] = 0.02
 
 
 @component("admittance")
@@ -176,13 +184,17 @@ class Admittance(Component, frozen=True):
 
     mass: Annotated[Mass, Meta(description="Virtual mass [kg]; below that of hand and handle it is unstable")] = 3.0
     damping: Annotated[Damping, Meta(description="Virtual damping [N s/m]")] = 5.0
-    max_acceleration: Annotated[Acceleration, Meta(description="Of the virtual mass [m/s^2]")] = 20.0
-    max_velocity: Annotated[Speed, Meta(description="Of the command [m/s]")] = 0.8
+    max_acceleration: Annotated[Acceleration, Meta(description="Maximum acceleration of the virtual mass [m/s^2]")] = (
+        20.0
+    )
+    max_velocity: Annotated[Speed, Meta(description="Maximum velocity of the command [m/s]")] = 0.8
     max_joint_acceleration: Annotated[
-        Rates | None, Meta(description="Per joint [m/s^2, rad/s^2], the last for all behind; absent: the robot's")
+        Rates | None,
+        Meta(description="Maximum per joint [m/s^2, rad/s^2], the last for all behind; absent: the robot's"),
     ] = None
     max_joint_velocity: Annotated[
-        Rates | None, Meta(description="Per joint [m/s, rad/s], likewise; the form seed clamps every joint on its own")
+        Rates | None,
+        Meta(description="Maximum per joint [m/s, rad/s], likewise; the form seed clamps every joint on its own"),
     ] = None
     form: Annotated[
         Literal["auto", "cartesian", "polar", "seed"],
@@ -202,25 +214,25 @@ class Impedance(Component, frozen=True):
         Damping, Meta(description="Friction of the device, counted on in the live stability limit [N s/m]")
     ] = 0.0
     drive_stiffness: Annotated[
-        Stiffness, Meta(description="Of the spring that draws the device to a trial's start [N/m]")
+        Stiffness, Meta(description="Stiffness of the spring that drives the device to a trial's start [N/m]")
     ] = 600.0
-    drive_damping: Annotated[Damping, Meta(description="Of the damper beside it [N s/m]")] = 20.0
-    drive_force: Annotated[PositiveForce, Meta(description="Most that both do [N]")] = 10.0
+    drive_damping: Annotated[Damping, Meta(description="Damping of that drive [N s/m]")] = 20.0
+    drive_force: Annotated[PositiveForce, Meta(description="Force limit of that drive [N]")] = 10.0
 
 
 @component("joint_pd")
 class JointPd(Component, frozen=True):
     """PD control of the joints (D2.1 equation 5), drives the robot to a trial's start."""
 
-    kp: Annotated[Gains, Meta(description="Per joint [1/s], the last for all behind")] = (4.0, 4.0, 4.0)
-    kd: Annotated[Gains, Meta(description="Per joint [-], below 1")] = (0.1, 0.1, 0.1)
+    kp: Annotated[Gains, Meta(description="Gain per joint [1/s], the last for all behind")] = (4.0, 4.0, 4.0)
+    kd: Annotated[Gains, Meta(description="Gain per joint [-], below 1")] = (0.1, 0.1, 0.1)
 
 
 @component("world_pd")
 class WorldPd(Component, frozen=True):
-    """PD control to a place (D2.1 4.2.6): straight, or as printed by inverse kinematics and joint PD."""
+    """PD control to a position (D2.1 4.2.6): straight, or as printed by inverse kinematics and joint PD."""
 
-    kp: Annotated[Gains, Meta(description="Per axis; form joints: per joint [1/s]")] = (4.0, 4.0, 4.0)
+    kp: Annotated[Gains, Meta(description="Gain per axis; form joints: per joint [1/s]")] = (4.0, 4.0, 4.0)
     kd: Annotated[Gains, Meta(description="Likewise [-], below 1")] = (0.1, 0.1, 0.1)
     form: Annotated[
         Literal["straight", "joints"],
@@ -232,8 +244,8 @@ class WorldPd(Component, frozen=True):
 class Ball(Component, frozen=True):
     """The ball that marks the hand; grasping makes it smaller."""
 
-    radius_min: Annotated[Arm, Meta(description="At full grasp [m]")] = 0.012
-    radius_max: Annotated[Arm, Meta(description="At no grasp [m]")] = 0.030
+    radius_min: Annotated[Arm, Meta(description="Radius at full grasp [m]")] = 0.012
+    radius_max: Annotated[Arm, Meta(description="Radius at no grasp [m]")] = 0.030
     grasp_force_full: Annotated[PositiveForce, Meta(description="Grasp force that makes it smallest [N]")] = 20.0
 
 
@@ -241,54 +253,73 @@ class Ball(Component, frozen=True):
 class Safety(Component, frozen=True):
     """Limits and thresholds of the haptic loop. Research software: no substitute for an independent hardware stop."""
 
-    force_limit: Annotated[float, Meta(gt=0, le=500, description="Of the virtual force on the person [N]")] = 60.0
-    force_rate_limit: Annotated[float, Meta(gt=0, le=1e6, description="Of its rise [N/s]; falling is free")] = 2000.0
-    velocity_limit: Annotated[float, Meta(gt=0, le=10, description="Measured; beyond it SAFE_STOP [m/s]")] = 1.2
+    force_limit: Annotated[float, Meta(gt=0, le=500, description="Limit of the virtual force on the person [N]")] = 60.0
+    force_rate_limit: Annotated[
+        float, Meta(gt=0, le=1e6, description="Limit of its rise [N/s]; a fall is not limited")
+    ] = 2000.0
+    velocity_limit: Annotated[
+        float, Meta(gt=0, le=10, description="Measured velocity beyond which SAFE_STOP follows [m/s]")
+    ] = 1.2
     workspace_margin: Annotated[
-        float, Meta(ge=0, le=1, description="Beyond the joint limits before SAFE_STOP [m, rad]")
+        float, Meta(ge=0, le=1, description="Margin beyond the joint limits before SAFE_STOP [m, rad]")
     ] = 0.01
     ramp_time_s: Annotated[float, Meta(ge=0, le=60, description="Soft start, 0 to full force [s]")] = 0.5
     ramp_force: Annotated[
         PositiveForce, Meta(description="The force must be below this to begin the soft start [N]")
     ] = 5.0
     late_hold_s: Annotated[
-        float, Meta(gt=0, le=1, description="A tick later than this is counted, its output held [s]")
+        float, Meta(gt=0, le=1, description="Lateness beyond which a tick is counted and its output held [s]")
     ] = 0.002
     late_damp_s: Annotated[
-        float, Meta(gt=0, le=1, description="Later: DEGRADED, force ramped down with damping [s]")
+        float,
+        Meta(gt=0, le=1, description="Lateness beyond which DEGRADED follows: force ramped down with damping [s]"),
     ] = 0.010
     late_stop_s: Annotated[
-        float, Meta(gt=0, le=1, description="Later: SAFE_STOP [s]; DEGRADED where the device is simulated or a mouse")
+        float,
+        Meta(
+            gt=0,
+            le=1,
+            description="Lateness beyond which SAFE_STOP follows [s]; DEGRADED for a simulated device or a mouse",
+        ),
     ] = 0.050
     missed_stop: Annotated[int, Meta(ge=1, le=1000, description="Missed ticks in a row that do the same")] = 20
-    stale_warn_s: Annotated[float, Meta(gt=0, le=1, description="Device data older than this is counted [s]")] = 0.003
-    stale_stop_s: Annotated[float, Meta(gt=0, le=1, description="Older: SAFE_STOP [s]")] = 0.020
+    stale_warn_s: Annotated[
+        float, Meta(gt=0, le=1, description="Age of device data beyond which it is counted [s]")
+    ] = 0.003
+    stale_stop_s: Annotated[
+        float, Meta(gt=0, le=1, description="Age of device data beyond which SAFE_STOP follows [s]")
+    ] = 0.020
     arm_damping: Annotated[
-        Damping, Meta(description="Of the arm, counted on in the live stability limit [N s/m]; 0: a limp hand")
+        Damping, Meta(description="Damping of the arm, counted on in the live stability limit [N s/m]; 0: a limp hand")
     ] = 0.0
     power_limit: Annotated[
-        float, Meta(gt=0, le=1e4, description="Of the virtual force, given to the person or taken, |F v| [W]")
+        float,
+        Meta(gt=0, le=1e4, description="Limit of the power of the virtual force, delivered or absorbed, |F v| [W]"),
     ] = 60.0
     position_jump: Annotated[
         Reach,
         Meta(description="Distance beyond what velocity_limit allows in the time passed, before SAFE_STOP [m]"),
     ] = 0.001
-    energy_limit: Annotated[float, Meta(gt=0, le=100, description="One contact may give before SAFE_STOP [J]")] = 1.0
+    energy_limit: Annotated[
+        float, Meta(gt=0, le=100, description="Energy one contact may generate before SAFE_STOP [J]")
+    ] = 1.0
     stiffness_cap: Annotated[
         Literal["cap", "warn"],
-        Meta(description="A contact stiffer than stable at the measured period and delay is softened or just reported"),
+        Meta(
+            description="A contact stiffer than stable at the measured period and delay is softened, or only reported"
+        ),
     ] = "cap"
     cap_margin: Annotated[
         float, Meta(ge=0, le=10, description="Stability margin that a softened contact keeps [-]")
     ] = 0.2
     passivity: Annotated[
-        bool, Meta(description="Whether energy that a contact has made is dissipated; it is counted in any case")
+        bool, Meta(description="True: energy generated by a contact is dissipated; it is counted in any case")
     ] = True
-    passivity_damping: Annotated[Damping, Meta(description="Most that taking it back may add [N s/m]")] = 300.0
+    passivity_damping: Annotated[Damping, Meta(description="Limit of the damping that dissipates it [N s/m]")] = 300.0
     tank_size: Annotated[
         float, Meta(ge=0, le=1e3, description="Energy that assistance, effects and moving objects can draw on [J]")
     ] = 5.0
-    tank_refill: Annotated[float, Meta(ge=0, le=1e3, description="Power that always flows into that tank [W]")] = 1.0
+    tank_refill: Annotated[float, Meta(ge=0, le=1e3, description="Constant power into that tank [W]")] = 1.0
     tank_return: Annotated[
-        float, Meta(ge=0, le=1, description="Share of what virtual damping takes that flows into it [-]")
+        float, Meta(ge=0, le=1, description="Share of the power dissipated by virtual damping that flows into it [-]")
     ] = 0.9

@@ -1,4 +1,4 @@
-"""What types cannot say about the components of the robot: limits that agree, rotations that are rotations."""
+"""Checks of the robot's components beyond their types: consistent limits, proper rotations."""
 
 from __future__ import annotations
 
@@ -36,21 +36,23 @@ SINGLE: dict[str, type[msgspec.Struct]] = {
     "world_pd": WorldPd,
     "safety": Safety,
 }
-"""Components of which a scene has one at most."""
+"""Components that a scene has once at most."""
 
 _DEGREE = 3
 _ROTATION_TOLERANCE = 1e-6
 
 
 def check_tunnel_component(tunnel: Tunnel, pointer: str, scene: Scene) -> list[Issue]:
-    """Faults of the component itself; whether the tunnel can be travelled is the haptic stage's to say."""
+    """Faults of the component itself; the haptic stage checks that the tunnel is passable."""
     if (tunnel.control_points is None) == (tunnel.path_file is None):
         return [scene.issue(pointer, "needs either control_points or a path_file", "give exactly one of the two")]
     issues = []
     if tunnel.path_file is not None:
         issues += scene.check_file(f"{pointer}/path_file", tunnel.path_file)
     elif tunnel.basis_functions is not None:
-        issues.append(scene.issue(f"{pointer}/basis_functions", "fits a path_file, and there is none", "leave it out"))
+        issues.append(
+            scene.issue(f"{pointer}/basis_functions", "applies to a path_file, and there is none", "leave it out")
+        )
     if tunnel.control_points is not None:
         count = len(tunnel.control_points)
         if not _DEGREE + 1 <= count <= MAX_PIECES + _DEGREE:
@@ -62,7 +64,7 @@ def check_tunnel_component(tunnel: Tunnel, pointer: str, scene: Scene) -> list[I
 
 
 def _check_single(component: type[msgspec.Struct]) -> ComponentCheck:
-    """The check of a component that the application reads once: of a second one nothing would be done."""
+    """Return the check of a component that the application reads once: a second one would be ignored."""
 
     def check(_: msgspec.Struct, pointer: str, scene: Scene) -> list[Issue]:
         first = scene.components(component)[0][2]
@@ -79,7 +81,7 @@ def _check_robot(robot: Robot, pointer: str, scene: Scene) -> list[Issue]:
     rotation = np.array(robot.robot_to_world.rotation)
     error = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
     if error > _ROTATION_TOLERANCE or np.linalg.det(rotation) < 0.0:
-        what = "is no rotation: " + (
+        what = "is not a rotation: " + (
             f"its rows are off by {error:.3g}" if error > _ROTATION_TOLERANCE else "it mirrors"
         )
         issues.append(scene.issue(f"{pointer}/robot_to_world/rotation", what))

@@ -38,7 +38,7 @@ _TO_EFFECT = {
 
 
 class SignalFault(Exception):
-    """A name that is no signal: what is wrong, and what to do."""
+    """An unknown signal name: what is wrong, and what to do."""
 
     def __init__(self, what: str, fix: str) -> None:
         super().__init__(what)
@@ -48,7 +48,7 @@ class SignalFault(Exception):
 
 @dataclass(frozen=True, slots=True)
 class SourceName:
-    """An output; `object` is the entity it is read of, or "" for those of robot and clock."""
+    """An output; `object` is the entity it belongs to, or "" for those of robot and clock."""
 
     signal: SignalSource
     object: str = ""
@@ -63,10 +63,10 @@ class TargetName:
 
 
 def parse_source(text: str, objects: Collection[str]) -> SourceName:
-    """The output of that name, e.g. "p_rob" or "cup.v_obj".
+    """Parse the name of an output, e.g. "p_rob" or "cup.v_obj".
 
     Args:
-        text: As the scene has it.
+        text: Name as written in the scene.
         objects: Ids of entities with a haptic object.
 
     Raises:
@@ -87,10 +87,10 @@ def parse_source(text: str, objects: Collection[str]) -> SourceName:
 
 
 def parse_target(text: str, objects: Collection[str], effects: Collection[str]) -> TargetName:
-    """The input of that name, e.g. "cup.F_aux" or "pull.stiffness".
+    """Parse the name of an input, e.g. "cup.F_aux" or "pull.stiffness".
 
     Args:
-        text: As the scene has it.
+        text: Name as written in the scene.
         objects: Ids of entities with a haptic object.
         effects: Ids of entities with a haptic effect or a force field.
 

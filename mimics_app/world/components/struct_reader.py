@@ -1,7 +1,7 @@
-"""From plain JSON values to Structs, with every fault reported and none stopping the rest.
+"""Conversion of JSON values to Structs that reports every fault, not only the first.
 
-msgspec stops at its first error. So a value is given to it whole, which is fast; only when it refuses is the value
-taken apart, and each part tried on its own.
+msgspec stops at its first error. So a value is converted whole, which is fast; only where that fails is the value
+split, and each part converted on its own.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ Report = Callable[[str, str, str], None]
 
 
 class Failed(Enum):
-    """Result of a value that could not be read."""
+    """Result of a value that could not be converted."""
 
     FAILED = "failed"
 
 
 FAILED: Final = Failed.FAILED
-"""Returned for a value that could not be read; its faults were reported."""
+"""Returned for a value that could not be converted; its faults were reported."""
 
 _WORDS = {
     "float": "a number",
@@ -48,18 +48,18 @@ _TYPE_NAMES = re.compile(r"`([^`]*)`")
 
 
 def is_comment(key: str) -> bool:
-    """True for keys that pass unread: those that begin with "x-"."""
+    """True for keys that are ignored: those that begin with "x-"."""
     return key.startswith("x-")
 
 
 def read_struct(wanted: type[T], value: object, report: Report, pointer: str = "") -> T | Failed:
-    """Convert a JSON value.
+    """Convert a JSON value and report all its faults.
 
     Args:
         wanted: A Struct or any type msgspec knows.
-        value: As `json` gives it.
-        report: Called once for each fault; after `MOST_SOUGHT` of them no more are looked for.
-        pointer: Put before the pointers that are reported.
+        value: Decoded JSON.
+        report: Called once for each fault; the search ends after `MOST_SOUGHT` of them.
+        pointer: Prefix of the reported pointers.
 
     Returns:
         The converted value, or `FAILED` when something was reported.
@@ -82,7 +82,7 @@ def _fields(wanted: type[msgspec.Struct]) -> dict[str, msgspec.structs.FieldInfo
 
 
 class _Reader:
-    """Takes one refused value apart."""
+    """Recursive conversion of one value that msgspec refused."""
 
     def __init__(self, report: Report) -> None:
         self._report = report
@@ -107,7 +107,7 @@ class _Reader:
         return part
 
     def _parts(self, wanted: object, value: object, pointer: str) -> Any:
-        """The value read part by part, or None when it has no parts of its own that could be at fault."""
+        """Convert the parts of a value; None when it has no parts of its own that could be at fault."""
         if isinstance(wanted, type) and issubclass(wanted, msgspec.Struct) and isinstance(value, dict):
             return self._struct(wanted, value, pointer)
         origin, arguments = get_origin(wanted), get_args(wanted)
@@ -170,7 +170,7 @@ class _Reader:
 
 
 def _candidate(union: object, value: object) -> Any:
-    """The member of a union that a value of this kind can only be meant for, or the union."""
+    """Return the only member of a union that fits the kind of a value, or the union."""
     members = [member for member in get_args(union) if member is not type(None)]
     if len(members) == 1:
         return members[0]
@@ -192,7 +192,7 @@ def _accepts_tag(member: object, value: dict[str, Any]) -> bool:
 
 
 def _tags(union: object) -> tuple[str, set[str]] | None:
-    """(tag field, tags) of a union of tagged Structs."""
+    """Return (tag field, tags) of a union of tagged Structs."""
     members = [_bare(member) for member in get_args(union)]
     structs = [member for member in members if isinstance(member, type) and issubclass(member, msgspec.Struct)]
     fields = {struct.__struct_config__.tag_field for struct in structs}
@@ -201,7 +201,7 @@ def _tags(union: object) -> tuple[str, set[str]] | None:
 
 
 def _wrong_length(wanted: object, value: object) -> bool:
-    """True when a list or object breaks a limit on the number of its parts: then none of them is looked at."""
+    """True when a list or object breaks a limit on the number of its parts, which are then not converted."""
     limits = [meta for meta in get_args(wanted)[1:] if isinstance(meta, msgspec.Meta)]
     least = max((meta.min_length for meta in limits if meta.min_length is not None), default=0)
     most = min((meta.max_length for meta in limits if meta.max_length is not None), default=None)
@@ -213,7 +213,7 @@ def _bare(wanted: object) -> Any:
 
 
 def _plain(error: str) -> str:
-    """A msgspec message in plain words, without its own kind of path."""
+    """Return a msgspec message in JSON's terms, without its path."""
     text = _TYPE_NAMES.sub(lambda found: _words(found[1]), error.split(" - at `$")[0])
     return text[:1].lower() + text[1:]
 

@@ -1,4 +1,4 @@
-"""Vibrators of a scene."""
+"""Settings of the vibrators of a scene."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ __all__ = ["TactileSettings"]
 
 
 class TactileSettings(Component, frozen=True):
-    """A box of vibrators on a serial line."""
+    """Vibrators on a serial line."""
 
-    port: Annotated[str, Meta(max_length=400, description="Of the line; '' for none: taps are only recorded")] = ""
-    baud: Annotated[int, Meta(ge=9600, le=1_000_000, description="[bit/s]")] = 115200
+    port: Annotated[str, Meta(max_length=400, description="Serial port; '' for none: taps are only recorded")] = ""
+    baud: Annotated[int, Meta(ge=9600, le=1_000_000, description="Baud rate [bit/s]")] = 115200
     vibrators: Annotated[
-        dict[str, Annotated[int, Meta(ge=0, le=255)]], Meta(max_length=64, description="Channel by place of the body")
+        dict[str, Annotated[int, Meta(ge=0, le=255)]], Meta(max_length=64, description="Channel by part of the body")
     ] = field(default_factory=lambda: {"stomach": 0, "back": 1})
 
 

@@ -1,4 +1,4 @@
-"""Trackers of a scene: which devices report, how they lie in the room, and what of a body each sensor is on."""
+"""Settings of the trackers of a scene: devices, their pose in the room, and the part of the body of each sensor."""
 
 from __future__ import annotations
 
@@ -15,20 +15,23 @@ _Name = Annotated[str, Meta(min_length=1, max_length=64)]
 
 
 class RoomPoints(Component, frozen=True):
-    """Points touched with a sensor: as the tracker reported them, and where they are in the room."""
+    """Points touched with a sensor: as reported by the tracker, and in the room."""
 
-    seen: Annotated[list[Point], Meta(min_length=4, max_length=1000, description="As reported, in our axes [m]")]
+    seen: Annotated[
+        list[Point],
+        Meta(min_length=4, max_length=1000, description="Points as reported, in the application's axes [m]"),
+    ]
     room: Annotated[list[Point], Meta(min_length=4, max_length=1000, description="The same points in the room [m]")]
 
 
 class TrackerSpec(Component, frozen=True):
-    """One device."""
+    """One tracking device."""
 
-    name: Annotated[_Name, Meta(description="For messages")]
+    name: Annotated[_Name, Meta(description="Name in messages")]
     kind: Annotated[
         Literal["fastrak", "flock", "vrpn", "osc", "lsl", "scripted", "pointer", "headset", "tape"],
         Meta(
-            description="Protocol; scripted: a person who is not there; pointer: mouse and gamepad; headset: the "
+            description="Protocol; scripted: a simulated person; pointer: mouse and gamepad; headset: the "
             "display's own head and hands; tape: a recording"
         ),
     ]
@@ -39,16 +42,20 @@ class TrackerSpec(Component, frozen=True):
             description="Serial port; TRACKER@HOST[:PORT] of vrpn; [HOST:]PORT of osc; LSL stream; file of a tape",
         ),
     ] = ""
-    baud: Annotated[int, Meta(ge=1200, le=1_000_000, description="Of a serial line [bit/s]")] = 115200
+    baud: Annotated[int, Meta(ge=1200, le=1_000_000, description="Baud rate of a serial line [bit/s]")] = 115200
     axes: Annotated[str, Meta(max_length=16, description="Room x, y, z as axes of the device: 'x,-z,y'")] = "x,y,z"
-    unit: Annotated[Literal["m", "cm", "mm", "inch"], Meta(description="Of what vrpn, osc and lsl report")] = "m"
+    unit: Annotated[
+        Literal["m", "cm", "mm", "inch"], Meta(description="Unit of the positions of vrpn, osc and lsl")
+    ] = "m"
     roles: Annotated[
         dict[str, _Name],
         Meta(max_length=64, description="Part of the body by sensor: head, chest, hand_left, hand_right"),
     ] = field(default_factory=dict)
     calibration: Annotated[RoomPoints | None, Meta(description="Absent: the device's frame is the room's")] = None
-    offset: Annotated[Point, Meta(description="Of the part of the body from the sensor, in its frame [m]")] = (0, 0, 0)
-    turn: Annotated[Quaternion, Meta(description="Of the part of the body in the sensor's frame, x y z w")] = (
+    offset: Annotated[Point, Meta(description="Position of the part of the body in the sensor's frame [m]")] = (0, 0, 0)
+    turn: Annotated[
+        Quaternion, Meta(description="Orientation of the part of the body in the sensor's frame, x y z w")
+    ] = (
         0.0,
         0.0,
         0.0,
@@ -57,7 +64,7 @@ class TrackerSpec(Component, frozen=True):
 
 
 class TrackersSettings(Component, frozen=True):
-    """All devices; of two that know one part of a body the first counts."""
+    """All tracking devices; of two for one part of the body the first counts."""
 
     devices: Annotated[list[TrackerSpec], Meta(max_length=16, description="In order of precedence")] = field(
         default_factory=list

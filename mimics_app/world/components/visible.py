@@ -1,4 +1,4 @@
-"""Component types of every scene: what is seen and heard. Those of the robot stand in `robot`.
+"""Component types of the visible and audible scene; `robot` has those of the robot.
 
 Units are SI, colours linear RGB, angles radians; the descriptions become the JSON Schema that editors show.
 """
@@ -45,7 +45,7 @@ Pictures = Annotated[tuple[str, ...], Meta(max_length=6)]
 class MeshComponent(Component, frozen=True):
     """A visible body: either a `primitive` or a `source` in a model file."""
 
-    primitive: Annotated[Shape | None, Meta(description="A shape made by the application")] = None
+    primitive: Annotated[Shape | None, Meta(description="A built-in shape")] = None
     source: Annotated[
         str | None,
         Meta(
@@ -53,9 +53,9 @@ class MeshComponent(Component, frozen=True):
         ),
     ] = None
     material: Annotated[
-        str | None, Meta(description="Of the scene's `materials`; absent: the model's own, or plain grey")
+        str | None, Meta(description="Material of the scene's `materials`; absent: the model's own, or plain grey")
     ] = None
-    visible: Annotated[bool, Meta(description="Drawn at all")] = True
+    visible: Annotated[bool, Meta(description="False: it is not drawn")] = True
     casts_shadow: Annotated[bool, Meta(description="Drawn into shadow maps")] = True
 
 
@@ -63,81 +63,81 @@ class MeshComponent(Component, frozen=True):
 class LightComponent(Component, frozen=True):
     """A light; directional and spot shine along the entity's own -z."""
 
-    kind: Annotated[Literal["directional", "point", "spot", "ambient"], Meta(description="How it spreads")] = (
+    kind: Annotated[Literal["directional", "point", "spot", "ambient"], Meta(description="Kind of light")] = (
         "directional"
     )
     colour: Annotated[Colour, Meta(description="Linear RGB, usually 0-1")] = (1.0, 1.0, 1.0)
     intensity: Annotated[
         Light,
-        Meta(description="Directional and ambient: factor (1 = white surface white); point, spot: same at 1 m"),
+        Meta(description="Directional and ambient: factor (1: a white surface is white); point, spot: the same at 1 m"),
     ] = 1.0
-    range: Annotated[Length | None, Meta(description="Beyond it is dark [m]; absent: unlimited")] = None
-    inner_cone: Annotated[float, Meta(ge=0, lt=1.5708, description="Half angle of full strength (spot) [rad]")] = 0.0
-    outer_cone: Annotated[float, Meta(gt=0, lt=1.5708, description="Half angle where it ends (spot) [rad]")] = 0.785398
-    casts_shadow: Annotated[bool, Meta(description="Has shadows (directional, spot)")] = False
-    target: Annotated[FarPoint | None, Meta(description="World point it is turned to [m]")] = None
+    range: Annotated[Length | None, Meta(description="Cut-off distance [m]; absent: unlimited")] = None
+    inner_cone: Annotated[
+        float, Meta(ge=0, lt=1.5708, description="Half angle of the cone of full intensity (spot) [rad]")
+    ] = 0.0
+    outer_cone: Annotated[float, Meta(gt=0, lt=1.5708, description="Half angle of the cone (spot) [rad]")] = 0.785398
+    casts_shadow: Annotated[bool, Meta(description="Casts shadows (directional, spot)")] = False
+    target: Annotated[FarPoint | None, Meta(description="World point it is aimed at [m]")] = None
 
 
 @component("camera")
 class CameraComponent(Component, frozen=True):
-    """An eye; it looks along the entity's own -z, +y up."""
+    """A camera; it looks along the entity's own -z, +y up."""
 
-    vertical_fov: Annotated[float, Meta(gt=0, lt=3.1415, description="Full angle of view, bottom to top [rad]")] = (
-        0.8727
-    )
-    near: Annotated[Length, Meta(description="Nearest distance drawn [m]")] = 0.05
-    far: Annotated[Length, Meta(description="Farthest distance drawn [m]; beyond `near`")] = 100.0
-    target: Annotated[FarPoint | None, Meta(description="World point it is turned to [m]")] = None
+    vertical_fov: Annotated[float, Meta(gt=0, lt=3.1415, description="Full vertical angle of view [rad]")] = 0.8727
+    near: Annotated[Length, Meta(description="Distance of the near plane [m]")] = 0.05
+    far: Annotated[Length, Meta(description="Distance of the far plane [m]; beyond `near`")] = 100.0
+    target: Annotated[FarPoint | None, Meta(description="World point it is aimed at [m]")] = None
 
 
 class FogSpec(Component, frozen=True):
-    """Haze with distance."""
+    """Fog: attenuation with distance."""
 
-    density: Annotated[Factor, Meta(description="[1/m]")]
+    density: Annotated[Factor, Meta(description="Density [1/m]")]
     kind: Annotated[
         Literal["squared", "exponential", "linear"],
-        Meta(description="What is seen at s beyond start: exp(-(density s)^2), exp(-density s), 1 - density s"),
+        Meta(description="Transmittance at s beyond start: exp(-(density s)^2), exp(-density s), 1 - density s"),
     ] = "exponential"
-    start: Annotated[Extent, Meta(description="Distance up to which nothing is lost [m]")] = 0.0
+    start: Annotated[Extent, Meta(description="Distance at which the fog begins [m]")] = 0.0
     colour: Annotated[Colour | None, Meta(description="Linear RGB; absent: the horizon's")] = None
 
 
 class BackdropSpec(Component, frozen=True):
-    """Pictures laid over the sky; where they are clear the sky's colours are seen."""
+    """Textures over the sky; the sky's colours show where they are transparent."""
 
     kind: Annotated[
         Literal["box", "dome", "plane"],
-        Meta(description="box: six pictures towards +x -x +y -y +z -z; dome: longitude by latitude; plane: clouds"),
+        Meta(description="box: six textures towards +x -x +y -y +z -z; dome: longitude by latitude; plane: clouds"),
     ]
-    textures: Annotated[Pictures, Meta(description="Of the scene's `assets`, six pictures (box) or one")]
-    height: Annotated[Length, Meta(description="Of the plane above the eye [m]")] = 40.0
-    tile: Annotated[Length, Meta(description="Width of the picture on the plane [m]")] = 100.0
+    textures: Annotated[Pictures, Meta(description="Image files of the scene's `assets`, six (box) or one")]
+    height: Annotated[Length, Meta(description="Height of the plane above the camera [m]")] = 40.0
+    tile: Annotated[Length, Meta(description="Width of one texture tile on the plane [m]")] = 100.0
 
 
 @component("environment")
 class Environment(Component, frozen=True):
-    """Sky and the light that comes from everywhere; one per scene."""
+    """Sky, fog and ambient light; one per scene."""
 
     zenith: Annotated[Colour, Meta(description="Sky straight up, linear RGB")] = (0.18, 0.30, 0.52)
     horizon: Annotated[Colour, Meta(description="Sky at the horizon, linear RGB")] = (0.62, 0.70, 0.78)
-    ground: Annotated[Colour, Meta(description="Below the horizon, linear RGB")] = (0.20, 0.19, 0.18)
-    ambient: Annotated[Light, Meta(description="Factor on the light from all around on surfaces")] = 0.5
+    ground: Annotated[Colour, Meta(description="Colour below the horizon, linear RGB")] = (0.20, 0.19, 0.18)
+    ambient: Annotated[Light, Meta(description="Factor on the ambient light of surfaces")] = 0.5
     scatter: Annotated[
         float,
-        Meta(ge=0, le=1, description="Share of the sun's light that comes from all around, off haze and lit things"),
+        Meta(ge=0, le=1, description="Share of the sun's light that arrives from all directions, scattered"),
     ] = 0.1
-    fog: Annotated[FogSpec | None, Meta(description="Haze; absent: as systems.visual.fog_density says")] = None
-    backdrop: Annotated[BackdropSpec | None, Meta(description="Pictures over the sky: sky box, dome or plane")] = None
+    fog: Annotated[FogSpec | None, Meta(description="Fog; absent: of systems.visual.fog_density")] = None
+    backdrop: Annotated[BackdropSpec | None, Meta(description="Textures over the sky: sky box, dome or plane")] = None
     night: Annotated[
-        bool, Meta(description="The scene is meant to be dark: `mimics render --sheet` does not ask it for light")
+        bool, Meta(description="The scene is meant to be dark: `mimics render --sheet` does not check its brightness")
     ] = False
 
 
 @component("sound")
 class Sound(Component, frozen=True):
-    """A sound that can be started; its name is the entity's id. Either an `asset` or a `synth` recipe."""
+    """A sound, named by the entity's id. Either an `asset` or a `synth` recipe."""
 
-    asset: Annotated[str | None, Meta(description="Of the scene's `assets`: .wav, .ogg or .flac")] = None
+    asset: Annotated[str | None, Meta(description="Sound file of the scene's `assets`: .wav, .ogg or .flac")] = None
     synth: Annotated[str | None, Meta(description="Recipe of the built-in synthesiser")] = None
     parameters: Annotated[Figures, Meta(description="Numbers of the recipe, SI units")] = msgspec.field(
         default_factory=dict
@@ -153,7 +153,7 @@ class Sound(Component, frozen=True):
         str,
         Meta(
             pattern="^[a-z0-9_]{0,40}$",
-            description="Of the event (of a contact: of the surface): this sound goes before one for every material",
+            description="Material of the event (of a contact: the surface): takes precedence over a sound without one",
         ),
     ] = ""
     gain: Annotated[float, Meta(ge=0, le=4, description="Linear factor, 1 = as recorded")] = 1.0
@@ -163,13 +163,15 @@ class Sound(Component, frozen=True):
     ] = 10.0
     bus: Annotated[str, Meta(max_length=40, description='Id of an entity with a `sound_bus`, or "main"')] = "main"
     priority: Annotated[
-        float, Meta(ge=0, le=100, description="Factor on its level when voices are short: the quietest gives way")
+        float, Meta(ge=0, le=100, description="Factor on its level when voices run out: the quietest is cut")
     ] = 1.0
-    reverb: Annotated[float, Meta(ge=0, le=4, description="Linear share that a room answers")] = 1.0
-    reference_distance: Annotated[Length, Meta(description="Up to which `gain` holds [m]; half at twice of it")] = 1.0
-    max_distance: Annotated[Length, Meta(description="Beyond it the level falls no further [m]")] = 50.0
+    reverb: Annotated[float, Meta(ge=0, le=4, description="Linear send to the reverberation of a room")] = 1.0
+    reference_distance: Annotated[
+        Length, Meta(description="Distance up to which `gain` holds [m]; half the level at twice of it")
+    ] = 1.0
+    max_distance: Annotated[Length, Meta(description="Distance beyond which the level falls no further [m]")] = 50.0
     spatial: Annotated[
-        bool, Meta(description="False: music and binaural recordings, which play as they are, in two channels")
+        bool, Meta(description="False: played as recorded, in two channels: music, binaural recordings")
     ] = True
 
 
@@ -179,10 +181,10 @@ class SoundEmitter(Component, frozen=True):
 
     sound: Annotated[str, Meta(description="Id of an entity with a `sound`")]
     gain: Annotated[float, Meta(ge=0, le=4, description="Linear factor")] = 1.0
-    loop: Annotated[bool, Meta(description="Starts again when it ends")] = True
+    loop: Annotated[bool, Meta(description="Repeats when it ends")] = True
     autoplay: Annotated[bool, Meta(description="Starts with the scene")] = True
-    reference_distance: Annotated[Length, Meta(description="Where `gain` holds [m]")] = 1.0
-    max_distance: Annotated[Length, Meta(description="Beyond it the level falls no further [m]")] = 50.0
+    reference_distance: Annotated[Length, Meta(description="Distance at which `gain` holds [m]")] = 1.0
+    max_distance: Annotated[Length, Meta(description="Distance beyond which the level falls no further [m]")] = 50.0
     rolloff: Annotated[Factor, Meta(description="0: no fall with distance, 1: natural")] = 1.0
     distance_model: Annotated[
         Literal["inverse", "linear", "exponential"],
@@ -192,7 +194,7 @@ class SoundEmitter(Component, frozen=True):
     cone_outer: Annotated[float, Meta(ge=0, le=6.2832, description="Full angle where `cone_gain` begins [rad]")] = (
         6.2832
     )
-    cone_gain: Annotated[float, Meta(ge=0, le=1, description="Linear gain behind the cone")] = 1.0
+    cone_gain: Annotated[float, Meta(ge=0, le=1, description="Linear gain outside the cone")] = 1.0
     doppler: Annotated[float, Meta(ge=0, le=10, description="Factor on the change of pitch by motion, 1: natural")] = (
         1.0
     )
@@ -200,15 +202,17 @@ class SoundEmitter(Component, frozen=True):
 
 @component("walker")
 class Walker(Component, frozen=True):
-    """Somebody whose steps are heard while the entity moves; each is a trigger "step" of this material."""
+    """Footsteps while the entity moves; each is a trigger "step" of this material."""
 
-    material: Annotated[str, Meta(pattern="^[a-z0-9_]{0,40}$", description="Of the ground: asphalt, grass, ..")] = ""
+    material: Annotated[
+        str, Meta(pattern="^[a-z0-9_]{0,40}$", description="Material of the ground: asphalt, grass, ..")
+    ] = ""
     strength: Annotated[float, Meta(ge=0, le=4, description="Linear factor on the level of the steps")] = 1.0
 
 
 @component("sound_bus")
 class SoundBus(Component, frozen=True):
-    """A group of sounds; its name is the entity's id."""
+    """A group of sounds, named by the entity's id."""
 
     gain: Annotated[float, Meta(ge=0, le=4, description="Linear factor")] = 1.0
     ducks: Annotated[
@@ -219,27 +223,27 @@ class SoundBus(Component, frozen=True):
 
 @component("sound_room")
 class SoundRoom(Component, frozen=True):
-    """A box about the entity in which sound comes back from the walls; who is outside hears nothing of it."""
+    """A box about the entity with reverberation, which a listener outside does not hear."""
 
     size: Annotated[tuple[Length, Length, Length], Meta(description="Edges of the box [m]")]
-    time: Annotated[float, Meta(ge=0.05, le=20, description="In which the answer falls by 60 dB [s]")] = 0.8
-    level: Annotated[float, Meta(ge=0, le=2, description="Linear level of the answer")] = 0.2
-    border: Annotated[Length, Meta(description="Over which it fades in from the walls inwards [m]")] = 1.0
+    time: Annotated[float, Meta(ge=0.05, le=20, description="Reverberation time, to -60 dB [s]")] = 0.8
+    level: Annotated[float, Meta(ge=0, le=2, description="Linear level of the reverberation")] = 0.2
+    border: Annotated[Length, Meta(description="Distance over which it fades in from the walls inwards [m]")] = 1.0
 
 
 @component("sound_obstacle")
 class SoundObstacle(Component, frozen=True):
-    """A box about the entity that sound goes through dampened (mass law) and around (diffraction at its edges)."""
+    """A box about the entity that attenuates sound (mass law), which is also diffracted at its edges."""
 
     size: Annotated[tuple[Length, Length, Length], Meta(description="Edges of the box [m]")]
     surface_mass: Annotated[
-        float, Meta(gt=0, le=10000, description="Of the wall [kg/m^2]: a pane 10, plasterboard 20, brick 200")
+        float, Meta(gt=0, le=10000, description="Mass per area [kg/m^2]: a pane 10, plasterboard 20, brick 200")
     ] = 20.0
 
 
 @component("hud")
 class Hud(Component, frozen=True):
-    """Figures and bars laid over the picture."""
+    """Figures and bars over the picture."""
 
     show: Annotated[
         tuple[str, ...],
@@ -255,12 +259,14 @@ class Hud(Component, frozen=True):
 
 @component("tunnel_view")
 class TunnelView(Component, frozen=True):
-    """How a tunnel looks; stands on the entity that has the `tunnel`."""
+    """Appearance of a tunnel; on the entity that has the `tunnel`."""
 
-    material: Annotated[str, Meta(description="Of the wall; best a glass one, so that the ball is seen")]
-    bisector_material: Annotated[str | None, Meta(description="Of a thin line along the middle; absent: none")] = None
-    bisector_radius: Annotated[float, Meta(gt=0, le=1.0, description="Of that line [m]")] = 0.0015
-    sides: Annotated[int, Meta(ge=6, le=128, description="Facets round the tunnel")] = 32
+    material: Annotated[str, Meta(description="Material of the wall; a transparent one shows the ball")]
+    bisector_material: Annotated[
+        str | None, Meta(description="Material of a thin line along the bisector; absent: none")
+    ] = None
+    bisector_radius: Annotated[float, Meta(gt=0, le=1.0, description="Radius of that line [m]")] = 0.0015
+    sides: Annotated[int, Meta(ge=6, le=128, description="Facets around the tunnel")] = 32
     rings_per_piece: Annotated[int, Meta(ge=2, le=128, description="Rings along each piece of the curve")] = 16
 
 
@@ -300,7 +306,9 @@ def _check_environment(environment: Environment, pointer: str, scene: Scene) -> 
         below = f"{pointer}/backdrop/textures"
         wanted = 6 if backdrop.kind == "box" else 1
         if len(backdrop.textures) != wanted:
-            issues.append(scene.issue(below, f"a {backdrop.kind} has {wanted} pictures, not {len(backdrop.textures)}"))
+            issues.append(
+                scene.issue(below, f"a {backdrop.kind} has {wanted} image files, not {len(backdrop.textures)}")
+            )
         for number, texture in enumerate(backdrop.textures):
             issues += scene.check_asset(f"{below}/{number}", texture, "picture")
     return issues

@@ -1,3 +1,3 @@
-"""glTF 2.0 files: read, placed in a world, written."""
+"""glTF 2.0 files: reader, instances in a world, writer."""
 
 __all__: list[str] = []

@@ -15,7 +15,7 @@ from mimics_app.world.gltf.source import GltfSource
 __all__ = ["MAX_ELEMENTS", "GltfAccessors"]
 
 MAX_ELEMENTS = 50_000_000
-"""Most numbers in one accessor."""
+"""Maximum number of components in one accessor."""
 
 _TYPES = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 _SIZES = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
@@ -24,7 +24,7 @@ _FLOAT = 5126
 
 
 class GltfAccessors:
-    """Reads accessors by index; each is decoded once, and what it takes in memory is counted with every use."""
+    """Reader of accessors by index; each is decoded once, and its memory is counted with every use."""
 
     def __init__(self, source: GltfSource, buffers: GltfBuffers) -> None:
         self._source = source
@@ -33,12 +33,12 @@ class GltfAccessors:
         self._converted: dict[tuple[int, type], Records] = {}
 
     def floats(self, index: object, pointer: str, *shapes: str) -> NDArray[np.float32]:
-        """An accessor as float32 [n, components], normalised integers turned to 0-1 or -1-1.
+        """Read an accessor as float32 [n, components], normalised integers converted to 0..1 or -1..1.
 
         Args:
-            index: As the file gives it.
-            pointer: Where the index stands.
-            shapes: Types that are possible here, e.g. "VEC3".
+            index: Index as given in the file.
+            pointer: Pointer of the index.
+            shapes: Permitted types, e.g. "VEC3".
         """
         place = self._require(index, pointer, shapes)
         values = self._read(place, pointer)
@@ -47,7 +47,7 @@ class GltfAccessors:
         return self._as(np.float32, place, lambda: self._normalised(values, self._source.table("accessors")[place]))
 
     def integers(self, index: object, pointer: str) -> NDArray[np.uint32]:
-        """A SCALAR accessor of unsigned integers as uint32 [n]."""
+        """Read a SCALAR accessor of unsigned integers as uint32 [n]."""
         place = self._require(index, pointer, ("SCALAR",))
         values = self._read(place, pointer)
         if values.dtype.type not in _INDEX_TYPES:
@@ -57,7 +57,7 @@ class GltfAccessors:
         return self._as(np.uint32, place, lambda: values.reshape(-1).astype(np.uint32))
 
     def whole_numbers(self, index: object, pointer: str, *shapes: str) -> NDArray[np.uint16]:
-        """An accessor of unsigned bytes or shorts that count something, uint16 [n, components]."""
+        """Read an accessor of unsigned bytes or shorts as uint16 [n, components]."""
         place = self._require(index, pointer, shapes)
         values = self._read(place, pointer)
         if values.dtype.type not in _INDEX_TYPES[:2]:
@@ -67,19 +67,19 @@ class GltfAccessors:
         return self._as(np.uint16, place, lambda: values.astype(np.uint16))
 
     def shares(self, index: object, pointer: str, *shapes: str) -> NDArray[np.float32]:
-        """An accessor of numbers from 0 to 1, float or normalised integers, float32 [n, components]."""
+        """Read an accessor of numbers from 0 to 1, float or normalised integers, as float32 [n, components]."""
         place = self._require(index, pointer, shapes)
         accessor = self._source.table("accessors")[place]
         if accessor.get("componentType") != _FLOAT and accessor.get("normalized") is not True:
-            self._source.fail(f"/accessors/{place}/normalized", "integers that are shares must be normalised")
+            self._source.fail(f"/accessors/{place}/normalized", "integer weights must be normalised")
         return self.floats(index, pointer, *shapes)
 
     def stored(self, index: object, pointer: str) -> Records:
-        """An accessor of any type as the file stores it, sparse values put in, [n, components]."""
+        """Read an accessor of any type as stored, sparse values applied, [n, components]."""
         return self._read(self._require(index, pointer, tuple(_SIZES)), pointer)
 
     def count(self, index: object, pointer: str) -> int:
-        """Elements of an accessor, unread."""
+        """Return the number of elements of an accessor without decoding it."""
         accessor = self._source.item("accessors", index, pointer)
         return self._source.whole(accessor, "count", f"/accessors/{index}", None, 1)
 
@@ -93,13 +93,13 @@ class GltfAccessors:
 
     def _read(self, index: int, pointer: str) -> Records:
         if index in self._decoded:
-            self._source.take(self._decoded[index].nbytes, pointer)  # one more mesh will have a copy of its own
+            self._source.take(self._decoded[index].nbytes, pointer)  # each further mesh has a copy of its own
         else:
             self._decoded[index] = self._decode(self._source.table("accessors")[index], f"/accessors/{index}")
         return self._decoded[index]
 
     def _as(self, kind: type, index: int, convert: Callable[[], Records]) -> Records:
-        """The accessor in another type, converted once."""
+        """Return an accessor in another type, converted once."""
         if (index, kind) not in self._converted:
             self._source.take(self._decoded[index].size * np.dtype(kind).itemsize, f"/accessors/{index}/count")
             self._converted[index, kind] = convert()
@@ -109,7 +109,7 @@ class GltfAccessors:
         source = self._source
         kind = _TYPES.get(source.whole(accessor, "componentType", place))
         if kind is None:
-            source.fail(f"{place}/componentType", f"{accessor['componentType']} is no component type")
+            source.fail(f"{place}/componentType", f"{accessor['componentType']} is not a component type")
         dtype, width = np.dtype(kind), _SIZES[accessor["type"]]
         count = source.whole(accessor, "count", place, None, 1)
         if count * width > MAX_ELEMENTS:
@@ -169,6 +169,6 @@ class GltfAccessors:
 
     def _normalised(self, values: Records, accessor: dict[str, Any]) -> NDArray[np.float32]:
         scaled = np.empty(values.shape, np.float32)
-        most = np.iinfo(values.dtype).max if accessor.get("normalized") is True else 1
-        np.divide(values, float(most), out=scaled, dtype=np.float64, casting="same_kind")  # block by block
-        return scaled if most == 1 else np.maximum(scaled, -1.0, out=scaled)
+        largest = np.iinfo(values.dtype).max if accessor.get("normalized") is True else 1
+        np.divide(values, float(largest), out=scaled, dtype=np.float64, casting="same_kind")  # block by block
+        return scaled if largest == 1 else np.maximum(scaled, -1.0, out=scaled)

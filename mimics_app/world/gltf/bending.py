@@ -1,4 +1,4 @@
-"""From the nodes of a glTF file to what moves them: an animator for an instance, and bodies that follow its joints."""
+"""Animators and deformable bodies of instances of a glTF model."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Made = Mapping[int, SceneNode]
 
 
 def unbent_meshes(model: GltfDocument) -> set[int]:
-    """Meshes that a node shows as they are; those that no node shows count, too."""
+    """Return the meshes that are shown undeformed, or by no node."""
     nodes = model.nodes
     bending = [node for index, node in enumerate(nodes) if model.bends(index)]
     levels = {level for node in bending for level in node.levels}
@@ -34,7 +34,7 @@ def unbent_meshes(model: GltfDocument) -> set[int]:
 
 
 def missing_joints(model: GltfDocument, made: Made) -> list[int]:
-    """Nodes that bodies of an instance follow, and what these hang on, that the part shown does not hold itself."""
+    """Return joints of an instance's skins, and their ancestors, that are outside the part shown."""
     skins = {model.nodes[index].skin for index in made if model.bends(index)}
     wanted: dict[int, None] = {}
     for skin in skins:
@@ -51,12 +51,12 @@ def missing_joints(model: GltfDocument, made: Made) -> list[int]:
 
 
 def make_animator(model: GltfDocument, made: Made, placed: int | None) -> Animator | None:
-    """What plays the clips of an instance; None for a model in which nothing bends or moves.
+    """Create the animator of an instance; None for a model without clips and deformable bodies.
 
     Args:
         model: The file.
-        made: Its nodes in the world.
-        placed: A node of the file that stands where the scene put it, and which clips therefore leave alone.
+        made: Nodes of the instance.
+        placed: Node of the file that the scene places, and that clips therefore do not move.
     """
     slots = [index for index in made if index != placed]
     if not (model.clips or any(model.bends(index) for index in made)):
@@ -86,14 +86,14 @@ def make_animator(model: GltfDocument, made: Made, placed: int | None) -> Animat
 def bind_body(
     model: GltfDocument, index: int, made: Made, animator: Animator, key: Callable[[int, int], str]
 ) -> SkinnedBody:
-    """The body of a node that bends.
+    """Create the deformable body of a node.
 
     Args:
         model: The file.
         index: The node.
         made: All nodes of the instance.
-        animator: Of the instance, whose pose holds the morph weights.
-        key: Name in the world of (mesh, primitive).
+        animator: Animator of the instance, whose pose has the morph weights.
+        key: Mesh key in the world of (mesh, primitive).
     """
     node, entity = model.nodes[index], made[index].index
     numbers = [node.mesh, *(model.nodes[level].mesh for level in node.levels)]
@@ -107,8 +107,8 @@ def bind_body(
     if node.skin is not None:
         skin = model.skins[node.skin]
         joints = np.array([made[joint].index for joint in skin.joints], np.int32)
-        if _turned_over(skin.inverse_bind, skin.joints, made, made[index]):
-            meshes = {name: _other_way_round(mesh) for name, mesh in meshes.items()}
+        if _is_mirrored(skin.inverse_bind, skin.joints, made, made[index]):
+            meshes = {name: _with_flipped_triangles(mesh) for name, mesh in meshes.items()}
         binding = bind(joints, skin.inverse_bind, list(meshes.values()))
     slot = int(np.flatnonzero(animator.rig.entities == entity)[0])
     first, end = animator.rig.morph_first[slot : slot + 2].tolist()
@@ -132,14 +132,14 @@ def _morph_weights(model: GltfDocument, nodes: list[GltfNode]) -> F8:
     return np.array(found, np.float64)
 
 
-def _turned_over(inverse_bind: F8, joints: tuple[int, ...], made: Made, body: SceneNode) -> bool:
-    """Whether joints mirror the mesh and its node does not, or the reverse.
+def _is_mirrored(inverse_bind: F8, joints: tuple[int, ...], made: Made, body: SceneNode) -> bool:
+    """True when joints mirror the mesh and its node does not, or the reverse.
 
-    Which side of a triangle is outside is given by the node, which has no say where the vertices of a skin are.
+    The node's determinant sets the front side of triangles, but only the joints place the vertices of a skin.
     """
-    turned = np.linalg.det(made[joints[0]].world_matrix()[:3, :3] @ inverse_bind[0, :3, :3])
-    return bool(turned * np.linalg.det(body.world_matrix()[:3, :3]) < 0.0)
+    by_joints = np.linalg.det(made[joints[0]].world_matrix()[:3, :3] @ inverse_bind[0, :3, :3])
+    return bool(by_joints * np.linalg.det(body.world_matrix()[:3, :3]) < 0.0)
 
 
-def _other_way_round(mesh: MeshData) -> MeshData:
+def _with_flipped_triangles(mesh: MeshData) -> MeshData:
     return replace(mesh, indices=np.ascontiguousarray(mesh.indices.reshape(-1, 3)[:, ::-1]).reshape(-1))

@@ -1,4 +1,4 @@
-"""Buffers and buffer views of a glTF file: found, read and cut to size, every bound checked first."""
+"""Buffers and buffer views of a glTF file, with all bounds checked."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ __all__ = ["GltfBuffers", "data_uri"]
 
 
 class GltfBuffers:
-    """The bytes a file's accessors and pictures lie in; each buffer is read once, when it is needed."""
+    """Reader of buffers and buffer views; each buffer is read once, on demand."""
 
     def __init__(self, source: GltfSource) -> None:
         self._source = source
         self._buffers: dict[int, memoryview] = {}
 
     def view(self, index: object, pointer: str) -> tuple[memoryview, int]:
-        """Bytes and stride (0: packed) of a buffer view.
+        """Return bytes and stride (0: packed) of a buffer view.
 
         Args:
-            index: As the file gives it.
-            pointer: Where the index stands.
+            index: Index as given in the file.
+            pointer: Pointer of the index.
         """
         source = self._source
         view = source.item("bufferViews", index, pointer)
@@ -39,11 +39,11 @@ class GltfBuffers:
         return buffer[offset : offset + length], stride
 
     def whole(self, index: int, pointer: str) -> memoryview:
-        """All bytes of a buffer.
+        """Return all bytes of a buffer.
 
         Args:
-            index: As the file gives it.
-            pointer: Where the index stands.
+            index: Index as given in the file.
+            pointer: Pointer of the index.
         """
         if index not in self._buffers:
             buffer = self._source.item("buffers", index, pointer)
@@ -66,12 +66,12 @@ class GltfBuffers:
                 path = source.external(uri, f"{place}/uri")
                 data = read_bytes(path, str(path), MAX_TOTAL_BYTES)
         if length > len(data):
-            source.fail(f"{place}/byteLength", f"{length} bytes are claimed, {len(data)} are there")
+            source.fail(f"{place}/byteLength", f"{length} bytes are declared, {len(data)} are present")
         return data[:length]
 
 
 def data_uri(source: GltfSource, uri: str, pointer: str) -> bytes:
-    """The bytes inside a base64 data URI."""
+    """Decode a base64 data URI."""
     head, comma, body = uri.partition(",")
     if not comma or not head.endswith(";base64"):
         source.fail(pointer, "is not a base64 data URI")

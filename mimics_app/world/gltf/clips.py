@@ -1,4 +1,4 @@
-"""Animations of a glTF file as clips: every key checked before anything plays."""
+"""Animations of a glTF file as clips, with every key checked."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _KINDS = {"STEP": Interpolation.STEP, "LINEAR": Interpolation.LINEAR, "CUBICSPLI
 
 
 class GltfClips:
-    """Reads animations in order."""
+    """Reader of animations, in file order."""
 
     def __init__(
         self, source: GltfSource, accessors: GltfAccessors, nodes: Sequence[GltfNode], meshes: Sequence[GltfMesh]
@@ -38,7 +38,7 @@ class GltfClips:
         self._meshes = meshes
 
     def read_all(self) -> list[Clip]:
-        """Every animation that moves a node; faults are collected. One without a name is called "clip" and a number."""
+        """Read every animation that moves a node; faults are collected. An unnamed one is "clip" and its number."""
         found: list[Clip] = []
         for i, item in enumerate(self._source.table("animations")):
             with self._source.collecting():
@@ -109,7 +109,7 @@ class GltfClips:
         return times
 
     def _values(self, sampler: dict[str, Any], where: str, path: str, width: int, keys: int, kind: Interpolation) -> F4:
-        """Values as [keys, parts, width]: three parts for a cubic (tangent in, value, tangent out), else one."""
+        """Return values as [keys, parts, width]: three parts for a cubic (in-tangent, value, out-tangent), else one."""
         source = self._source
         parts = 3 if kind is Interpolation.CUBIC else 1
         read = self._accessors.floats(sampler.get("output"), f"{where}/output", _PATHS[path][1])
@@ -124,7 +124,7 @@ class GltfClips:
         return values
 
     def _events(self, item: dict[str, Any], place: str) -> tuple[ClipEvent, ...]:
-        """Events on the time line, from `extras.mimics.events`: {"at", "kind", "node", "material", "strength"}."""
+        """Read the events of `extras.mimics.events`: {"at", "kind", "node", "material", "strength"}."""
         source = self._source
         extras = item.get("extras")
         ours = source.object(extras, "mimics", f"{place}/extras") if isinstance(extras, dict) else {}

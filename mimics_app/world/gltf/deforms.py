@@ -1,4 +1,4 @@
-"""What makes the primitives of a glTF file bend: joints and weights of their vertices, and morph targets."""
+"""Joints, weights and morph targets of the primitives of a glTF file."""
 
 from __future__ import annotations
 
@@ -18,32 +18,32 @@ if TYPE_CHECKING:
 __all__ = ["MAX_INFLUENCES", "MAX_MORPHS", "GltfDeforms"]
 
 MAX_INFLUENCES = 16
-"""Most joints of a vertex: JOINTS_0 to JOINTS_3."""
+"""Maximum joints of a vertex: JOINTS_0 to JOINTS_3."""
 
 MAX_MORPHS = 256
-"""Most morph targets of a mesh."""
+"""Maximum morph targets of a mesh."""
 
 _UNNORMALISED = 1e-3
-"""How far a vertex's weights may add up beside 1 before it is reported; bytes are as far as 2e-3 by rounding alone."""
+"""Deviation of a vertex's sum of weights from 1 that is noted; rounding of bytes alone may reach 2e-3."""
 
 _SET = 4
 """Influences of one pair of attributes."""
 
 
 class GltfDeforms:
-    """Reads JOINTS_n, WEIGHTS_n and targets of primitives."""
+    """Reader of JOINTS_n, WEIGHTS_n and targets of primitives."""
 
     def __init__(self, source: GltfSource, accessors: GltfAccessors) -> None:
         self._source = source
         self._accessors = accessors
 
     def vertex_weights(self, attributes: dict[str, Any], place: str, vertices: int) -> VertexWeights | None:
-        """What the vertices of a primitive follow, weights scaled to add up to 1; None where it says nothing.
+        """Read the joints and weights of a primitive, normalised to a sum of 1; None where it has none.
 
         Args:
-            attributes: Of the primitive.
+            attributes: Attributes of the primitive.
             place: Pointer to them.
-            vertices: How many it has.
+            vertices: Number of its vertices.
         """
         sets = [n for n in range(MAX_INFLUENCES // _SET) if f"JOINTS_{n}" in attributes]
         if f"JOINTS_{MAX_INFLUENCES // _SET}" in attributes:
@@ -56,7 +56,7 @@ class GltfDeforms:
         return self._scaled(joints, weights.astype(np.float64), f"{place}/WEIGHTS_0")
 
     def morphs(self, primitive: dict[str, Any], place: str, vertices: int) -> tuple[MorphTarget, ...]:
-        """The morph targets of a primitive, without names."""
+        """Read the morph targets of a primitive, without names."""
         found = []
         targets = self._source.list(primitive, "targets", place)
         if len(targets) > MAX_MORPHS:
@@ -73,7 +73,7 @@ class GltfDeforms:
         return tuple(found)
 
     def weights(self, mesh: dict[str, Any], primitives: list[GltfPrimitive], place: str) -> tuple[float, ...]:
-        """Weights of a mesh's morph targets at rest; 0 where it says nothing."""
+        """Read the default weights of a mesh's morph targets; 0 where it has none."""
         counts = {len(each.mesh.morphs) for each in primitives}
         if len(counts) > 1:
             self._source.fail(f"{place}/primitives", "its primitives have different numbers of morph targets")
@@ -81,7 +81,7 @@ class GltfDeforms:
         return self._source.vector(mesh, "weights", place, (0.0,) * count) if count else ()
 
     def named(self, mesh: dict[str, Any], primitives: list[GltfPrimitive], place: str) -> list[GltfPrimitive]:
-        """The primitives with the names that `extras.targetNames` gives their targets, as modellers write them."""
+        """Return the primitives with the names of their morph targets, from `extras.targetNames`."""
         extras = mesh.get("extras")
         names = extras.get("targetNames") if isinstance(extras, dict) else None
         if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
@@ -116,7 +116,7 @@ class GltfDeforms:
             self._source.fail(pointer, f"has {found} elements, POSITION has {vertices}")
 
     def _scaled(self, joints: NDArray[np.uint16], weights: NDArray[np.float64], pointer: str) -> VertexWeights:
-        """Heaviest first, columns that nobody needs left out, each vertex's weights together 1."""
+        """Sort by falling weight, drop unused columns, and normalise each vertex's weights to a sum of 1."""
         sums = weights.sum(axis=1)
         without = np.flatnonzero(sums <= 0.0)
         if without.size:

@@ -1,4 +1,4 @@
-"""glTF 2.0 files: read by our own reader, which believes nothing in them.
+"""Reader of glTF 2.0 files, which validates all their content.
 
 GLB and .gltf, data URIs and files beside it, sparse and strided accessors, normalised integers, metallic-roughness
 materials, cameras, lights, sounds, skins, clips, morph targets, and components in `extras.mimics`.
@@ -48,22 +48,22 @@ SUPPORTED_EXTENSIONS = frozenset(
 
 @dataclass(frozen=True, eq=False)
 class GltfDocument:
-    """A file that was read and found right.
+    """Content of a valid file.
 
     Attributes:
-        file: Its name for messages.
+        file: Name in messages.
         nodes: In file order; indices elsewhere refer to it.
-        roots: Top nodes of its default scene.
+        roots: Root nodes of its default scene.
         meshes: In file order; a node's `mesh` is an index.
         materials: In file order, names unique; `base_texture` is a key of `textures`.
-        textures: Those the materials use.
-        cameras: In file order; None where it is of a kind that is not used.
+        textures: Textures that the materials use.
+        cameras: In file order; None for one of an unsupported type.
         lights: In file order.
         skins: In file order; a node's `skin` is an index.
         clips: Its animations, in file order; their targets are nodes.
-        sounds: Of KHR_audio_emitter; None where the file has none.
+        sounds: Sounds of KHR_audio_emitter; None where the file has none.
         raw: The whole JSON, extensions included.
-        notes: What was left out or repaired, for people.
+        notes: Notes on content that was left out or repaired.
         files: Every file read, its own first.
     """
 
@@ -91,7 +91,7 @@ class GltfDocument:
         return _by_name([mesh.name for mesh in self.meshes])
 
     def find_node(self, name: str) -> int:
-        """Index of the node of that name.
+        """Return the index of a node by name.
 
         Raises:
             KeyError: there is none (the message names the nearest), or there are several.
@@ -99,7 +99,7 @@ class GltfDocument:
         return _find(name, self._node_names, "node")
 
     def find_mesh(self, name: str) -> int:
-        """Index of the mesh of that name.
+        """Return the index of a mesh by name.
 
         Raises:
             KeyError: there is none (the message names the nearest), or there are several.
@@ -108,11 +108,11 @@ class GltfDocument:
 
     @property
     def moves(self) -> bool:
-        """Whether anything in it moves or bends: whoever puts it into a world has to see to that."""
+        """True when the model has clips, skins or morph targets."""
         return bool(self.clips or self.skins or any(mesh.morphs for mesh in self.meshes))
 
     def bends(self, index: int) -> bool:
-        """Whether the mesh of a node follows joints or has morph targets."""
+        """True when the mesh of a node is skinned or has morph targets."""
         node = self.nodes[index]
         if node.mesh is None:
             return False
@@ -120,7 +120,7 @@ class GltfDocument:
         return any(mesh.morphs or (node.skin is not None and mesh.weights is not None) for mesh in parts)
 
     def subtree(self, index: int) -> Iterator[int]:
-        """Indices of a node and everything below it, parents first."""
+        """Yield the indices of a subtree, parents first."""
         waiting = [index]
         while waiting:
             node = waiting.pop()
@@ -133,9 +133,9 @@ def load_gltf(path: Path, root: Path | None = None, file: str = "", *, without_p
 
     Args:
         path: The file.
-        root: Folder that every file it names must stay inside; default: its own folder. No URL is ever opened.
-        file: Name for messages; default: the path.
-        without_pictures: True notes a picture that cannot be had, and reads the rest: whoever only looks at the model.
+        root: Folder that all files it names must be inside; default: its own folder. No URL is opened.
+        file: Name in messages; default: the path.
+        without_pictures: True notes a missing or broken image file instead of refusing the model.
 
     Raises:
         GltfError: every fault found, each with file, JSON pointer and reason.
@@ -232,7 +232,7 @@ def _note_names(source: GltfSource, nodes: list[GltfNode]) -> None:
 
 
 def _by_name(names: list[str]) -> dict[str, list[int]]:
-    """Indices of each name."""
+    """Return the indices of each name."""
     found: dict[str, list[int]] = {}
     for i, name in enumerate(names):
         found.setdefault(name, []).append(i)

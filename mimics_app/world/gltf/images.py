@@ -1,4 +1,4 @@
-"""Pictures and textures of a glTF file, and picture files of a scene: PNG and JPEG, sizes checked before decoding."""
+"""Image files of scenes and textures of glTF files: PNG and JPEG, size checked before decoding."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["MAX_SIDE", "GltfImages", "PictureFault", "read_picture"]
 
 MAX_SIDE = 8192
-"""Longest side of a picture [pixels]."""
+"""Maximum width and height of an image [px]."""
 
 _FORMATS = ("PNG", "JPEG")
 _WRAPS: dict[int, Wrap] = {33071: "clamp", 33648: "mirror", 10497: "repeat"}
@@ -30,7 +30,7 @@ _NEAREST, _LINEAR = (9728, 9984, 9986), 9729
 
 
 class PictureFault(ValueError):
-    """A picture that cannot be read; the text says why."""
+    """Fault of an image or sound file, in words."""
 
 
 def read_picture(stream: IO[bytes]) -> NDArray[np.uint8]:
@@ -66,7 +66,7 @@ def _decoded(picture: Image.Image) -> NDArray[np.uint8]:
 
 
 class GltfImages:
-    """Reads textures by index; only those requested are decoded."""
+    """Reader of textures by index, decoded on demand."""
 
     def __init__(self, source: GltfSource, buffers: GltfBuffers) -> None:
         self._source = source
@@ -75,14 +75,14 @@ class GltfImages:
         self.textures: dict[str, TextureData] = {}
 
     def texture(self, index: object, pointer: str) -> str:
-        """Decode a texture and return its key in `textures`, where it is left out if the file may go without."""
+        """Decode a texture and return its key in `textures`; with `without_pictures` a broken one is only noted."""
         source = self._source
         texture = source.item("textures", index, pointer)
         key = f"texture{index}"
         if key not in self.textures:
             place = f"/textures/{index}"
             if "source" not in texture:
-                source.fail(place, "has no PNG or JPEG picture")
+                source.fail(place, "has no PNG or JPEG image")
             try:
                 pixels = self._picture(texture["source"], f"{place}/source")
             except SceneError as error:
@@ -96,7 +96,7 @@ class GltfImages:
         return key
 
     def check_files(self) -> None:
-        """Have every picture file that is named be there, used or not, unless the file may go without."""
+        """Report every missing image file, used or not, unless `without_pictures` is set."""
         if self._source.without_pictures:
             return
         for i, image in enumerate(self._source.table("images")):
@@ -144,8 +144,8 @@ class GltfImages:
         for key in ("wrapS", "wrapT"):
             code = source.whole(sampler, key, where, 10497)
             if code not in _WRAPS:
-                source.fail(f"{where}/{key}", f"{code} is no way to wrap")
+                source.fail(f"{where}/{key}", f"{code} is not a wrap mode")
             wraps.append(_WRAPS[code])
-        least = source.whole(sampler, "minFilter", where, 9987)
-        kind: Filter = "nearest" if least in _NEAREST else "linear" if least == _LINEAR else "trilinear"
+        minify = source.whole(sampler, "minFilter", where, 9987)
+        kind: Filter = "nearest" if minify in _NEAREST else "linear" if minify == _LINEAR else "trilinear"
         return (wraps[0], wraps[1]), kind

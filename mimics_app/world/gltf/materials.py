@@ -23,22 +23,21 @@ _PLACES = {
     "occlusion": "occlusionTexture",
     "emission": "emissiveTexture",
 }
-"""What the file calls each of our maps."""
+"""Property of the file for each map."""
 
 _IN_SHADING = ("base", "surface")
-_LEAST_AREA = 1e-12
-"""Of the unit square of texture coordinates under a transform that can be undone."""
+_MIN_AREA = 1e-12
+"""Minimum area of the transformed unit square for an invertible texture transform."""
 _PLAIN = np.eye(3)[:2]
 
 
 @dataclass(frozen=True, eq=False)
 class GltfMaterial:
-    """A material and how its textures lie on a mesh.
+    """A material and its texture coordinates.
 
     Attributes:
-        material: Its textures are keys of the file's textures; where they are follows from the mesh's coordinates as
-            placed by `uv_transform`.
-        uv_set: Which TEXCOORD_n the first texture uses.
+        material: The material; its textures are keys of the file's textures, on coordinates after `uv_transform`.
+        uv_set: Number n of the TEXCOORD_n that its first texture uses.
         uv_transform: Rows of the 2 x 3 matrix applied to those coordinates (KHR_texture_transform), [2, 3].
     """
 
@@ -49,7 +48,7 @@ class GltfMaterial:
 
 @dataclass(frozen=True, eq=False)
 class _Placed:
-    """One texture of a material: its key, its set of coordinates, and where it lies on them [2, 3]."""
+    """One texture of a material: key, set of coordinates, and transform of these [2, 3]."""
 
     key: str
     uv_set: int
@@ -57,7 +56,7 @@ class _Placed:
 
 
 class GltfMaterials:
-    """Reads materials in order; names are made unique, so that they can be keys."""
+    """Reader of materials in file order; names are made unique, as they are keys."""
 
     def __init__(self, source: GltfSource, images: GltfImages) -> None:
         self._source = source
@@ -65,7 +64,7 @@ class GltfMaterials:
         self._names: dict[str, int] = {}
 
     def read_all(self) -> list[GltfMaterial]:
-        """Every material; faults are collected, and a faulty material stands as plain grey."""
+        """Read every material; faults are collected, and a faulty material is replaced by plain grey."""
         result = []
         for i, item in enumerate(self._source.table("materials")):
             material = GltfMaterial(Material(f"material{i}"), 0, np.eye(3)[:2])
@@ -105,7 +104,7 @@ class GltfMaterials:
         return GltfMaterial(material, uv_set, first)
 
     def _maps(self, item: dict[str, Any], place: str, name: str) -> tuple[dict[str, _Placed], int, NDArray[np.float64]]:
-        """Every map that can be used, the set of coordinates of the first, and where that one lies on it."""
+        """Return the usable maps, the set of coordinates of the first, and its transform."""
         source, maps = self._source, {}
         for which in MAPS:
             holder, above = item, place
@@ -116,7 +115,7 @@ class GltfMaterials:
         if not maps:
             return {}, 0, _PLAIN
         first = next(iter(maps.values()))
-        flat = abs(np.linalg.det(first.transform[:, :2])) < _LEAST_AREA
+        flat = abs(np.linalg.det(first.transform[:, :2])) < _MIN_AREA
         usable = {
             which: used
             for which, used in maps.items()
@@ -124,7 +123,7 @@ class GltfMaterials:
         }
         unused = [_PLACES[which] for which in maps.keys() - usable.keys()]
         if unused:
-            why = "they lie on other texture coordinates than the first"
+            why = "their texture coordinates are not those of the first"
             source.note(f'material "{name}": not used: {", ".join(sorted(unused))}; {why}')
         return usable, first.uv_set, first.transform
 
@@ -133,7 +132,7 @@ class GltfMaterials:
         return self._source.number(self._source.object(item, key_of_map, place), key, f"{place}/{key_of_map}", 1.0)
 
     def _softness(self, item: dict[str, Any], place: str) -> float:
-        """Of `extras.mimics.softness`: no extension says how far light creeps in a unit that a cheap shader can use."""
+        """Read `extras.mimics.softness`: no extension has subsurface scattering in a unit for a cheap shader."""
         extras = item.get("extras")
         ours = self._source.object(extras, "mimics", f"{place}/extras") if isinstance(extras, dict) else {}
         return min(self._source.number(ours, "softness", f"{place}/extras/mimics", 0.0, 0.0), 1.0)
@@ -178,7 +177,7 @@ class GltfMaterials:
 
 
 def _beyond(first: NDArray[np.float64], wanted: NDArray[np.float64]) -> Affine:
-    """Rows of the matrix that leads from coordinates placed by `first` to those placed by `wanted`."""
+    """Return the rows of the matrix from coordinates transformed by `first` to those transformed by `wanted`."""
     if np.array_equal(first, wanted):
         return IDENTITY
     lowest = np.array([[0.0, 0.0, 1.0]])

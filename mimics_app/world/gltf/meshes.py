@@ -1,4 +1,4 @@
-"""Meshes of a glTF file as `MeshData`: triangles out of lists, strips and fans, missing normals made flat."""
+"""Meshes of a glTF file as `MeshData`: triangles of lists, strips and fans, flat normals where they are missing."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 
 @dataclass(frozen=True, eq=False)
 class GltfPrimitive:
-    """One drawable part.
+    """One primitive.
 
     Attributes:
-        mesh: Its triangles, with what makes them bend.
+        mesh: Its triangles, with weights and morph targets.
         material: Index into the file's materials, or None for the default one.
-        pointer: Where it stands in the file.
+        pointer: JSON pointer in the file.
     """
 
     mesh: MeshData
@@ -37,7 +37,7 @@ class GltfPrimitive:
 
 @dataclass(frozen=True, eq=False)
 class GltfMesh:
-    """A mesh of the file, with its name ("" for none), its drawable parts, and the weights of their morph targets."""
+    """A mesh of the file: name ("" for none), primitives, and weights of their morph targets."""
 
     name: str
     primitives: list[GltfPrimitive]
@@ -45,26 +45,26 @@ class GltfMesh:
 
     @property
     def morphs(self) -> int:
-        """How many morph targets it has."""
+        """Number of morph targets."""
         return len(self.primitives[0].mesh.morphs) if self.primitives else 0
 
     @property
     def farthest(self) -> float:
-        """How far it reaches from its origin along an axis [m]; 0 where nothing of it is drawn."""
+        """Largest coordinate of any vertex [m]; 0 without triangles."""
         corners = [corner for primitive in self.primitives for corner in primitive.mesh.bounds]
         return max((float(np.abs(corner).max()) for corner in corners), default=0.0)
 
 
-_FLAT_CORNER_BYTES = 12 + 12 + 8 + 16 + 4
-"""What a corner takes once it is a vertex of its own: position, normal, coordinates, colour, index."""
-_STRIP_CORNER_BYTES = 3 * 4 + 5 * 8
-"""What a corner of a strip or fan takes: its triangle, and the places it is made of."""
+_FLAT_VERTEX_BYTES = 12 + 12 + 8 + 16 + 4
+"""Memory of an unshared vertex: position, normal, texture coordinates, colour, index."""
+_STRIP_INDEX_BYTES = 3 * 4 + 5 * 8
+"""Memory of an index of a strip or fan: its triangle, and intermediate arrays."""
 _BLOCK = 65_536
-"""Triangles whose flat normals are computed at once, so that the work takes little memory."""
+"""Triangles of one batch of flat normals, which bounds temporary memory."""
 
 
 class GltfMeshes:
-    """Reads meshes in order."""
+    """Reader of meshes, in file order."""
 
     def __init__(self, source: GltfSource, accessors: GltfAccessors, materials: list[GltfMaterial]) -> None:
         self._source = source
@@ -74,7 +74,7 @@ class GltfMeshes:
         self._primitives = 0
 
     def read_all(self) -> list[GltfMesh]:
-        """Every mesh; faults are collected, and a faulty primitive is left out."""
+        """Read every mesh; faults are collected, and a faulty primitive is left out."""
         result = []
         for i, item in enumerate(self._source.table("meshes")):
             mesh = GltfMesh("", [])
@@ -107,7 +107,7 @@ class GltfMeshes:
         attributes = source.object(primitive, "attributes", place)
         mode = source.whole(primitive, "mode", place, _TRIANGLES)
         if mode > _FAN:
-            source.fail(f"{place}/mode", f"{mode} is no mode")
+            source.fail(f"{place}/mode", f"{mode} is not a mode")
         if mode in _POINTS_AND_LINES or "POSITION" not in attributes:
             why = "points and lines are not drawn" if mode in _POINTS_AND_LINES else "it has no POSITION"
             source.note(f"{place} left out: {why}")
@@ -124,8 +124,8 @@ class GltfMeshes:
         positions = self._accessors.floats(attributes["POSITION"], f"{here}/POSITION", "VEC3")
         farthest = max(float(positions.max()), -float(positions.min()))
         if farthest > FARTHEST:
-            source.fail(f"{here}/POSITION", f"a corner at {farthest:g} m lies beyond {FARTHEST:g} m")
-        corners = self._triangles(primitive, len(positions), mode, place)
+            source.fail(f"{here}/POSITION", f"a vertex at {farthest:g} m lies beyond {FARTHEST:g} m")
+        indices = self._triangles(primitive, len(positions), mode, place)
         normals = self._optional(attributes, "NORMAL", here, len(positions), "VEC3")
         uvs = self._uvs(attributes, here, len(positions), material)
         colours = self._optional(attributes, "COLOR_0", here, len(positions), "VEC3", "VEC4")
@@ -135,17 +135,17 @@ class GltfMeshes:
         weights = self._deforms.vertex_weights(attributes, here, len(positions))
         morphs = self._deforms.morphs(primitive, place, len(positions))
         if normals is None:  # flat normals (glTF 2.0 3.7.2.1): no vertex may be shared between triangles
-            source.take(corners.size * _FLAT_CORNER_BYTES, place)
-            positions = positions[corners]
-            uvs = None if uvs is None else uvs[corners]
-            colours = None if colours is None else colours[corners]
-            weights = None if weights is None else weights.taken(corners)
-            morphs = tuple(morph.taken(corners) for morph in morphs)
-            corners = np.arange(corners.size, dtype=np.uint32)
+            source.take(indices.size * _FLAT_VERTEX_BYTES, place)
+            positions = positions[indices]
+            uvs = None if uvs is None else uvs[indices]
+            colours = None if colours is None else colours[indices]
+            weights = None if weights is None else weights.taken(indices)
+            morphs = tuple(morph.taken(indices) for morph in morphs)
+            indices = np.arange(indices.size, dtype=np.uint32)
             normals = _flat_normals(positions)
         else:
             normals = self._unit(normals, place)
-        return MeshData(positions, normals, corners, uvs, colours, weights, morphs).validated()
+        return MeshData(positions, normals, indices, uvs, colours, weights, morphs).validated()
 
     def _triangles(self, primitive: dict[str, Any], vertices: int, mode: int, place: str) -> U4:
         source = self._source
@@ -159,11 +159,11 @@ class GltfMeshes:
             source.take(4 * vertices, place)
             indices = np.arange(vertices, dtype=np.uint32)
         if mode == _TRIANGLES and indices.size % 3:
-            source.fail(where, f"{indices.size} corners are not a multiple of three")
+            source.fail(where, f"{indices.size} indices are not a multiple of three")
         if mode != _TRIANGLES and indices.size < 3:
-            source.fail(where, f"{indices.size} corners are too few for a triangle")
+            source.fail(where, f"{indices.size} indices are too few for a triangle")
         if mode != _TRIANGLES:
-            source.take(_STRIP_CORNER_BYTES * indices.size, where)
+            source.take(_STRIP_INDEX_BYTES * indices.size, where)
         return _as_list(indices, mode)
 
     def _optional(self, attributes: dict[str, Any], name: str, place: str, vertices: int, *shapes: str) -> F4 | None:
@@ -184,8 +184,11 @@ class GltfMeshes:
             self._source.note(f"{place}: its material has a texture, but there is no {name}")
             return None
         self._source.take(16 * uvs.shape[0] * 2, place)  # the product is of double precision
-        placed: F4 = (uvs @ used.uv_transform[:, :2].T + used.uv_transform[:, 2]).astype(np.float32)
-        return placed
+        with np.errstate(over="ignore"):
+            transformed: F4 = (uvs @ used.uv_transform[:, :2].T + used.uv_transform[:, 2]).astype(np.float32)
+        if not np.isfinite(transformed).all():
+            self._source.fail(f"{place}/{name}", "the material's texture transform takes it beyond single precision")
+        return transformed
 
     def _unit(self, normals: F4, place: str) -> F4:
         self._source.take(normals.nbytes + 8 * len(normals), place)
@@ -201,7 +204,7 @@ class GltfMeshes:
 
 
 def _flat_normals(positions: F4) -> F4:
-    """Normals of triangles that share no vertex, three corners each, [n, 3]."""
+    """Return the normals of triangles that share no vertex, [n, 3]."""
     normals = np.empty_like(positions)
     for first in range(0, len(positions), 3 * _BLOCK):
         block = positions[first : first + 3 * _BLOCK]
@@ -210,7 +213,7 @@ def _flat_normals(positions: F4) -> F4:
 
 
 def _as_list(indices: U4, mode: int) -> U4:
-    """Corners of separate triangles, three each; every second one of a strip is turned to face the same side."""
+    """Return indices of a triangle list; every second triangle of a strip is flipped to keep the winding."""
     if mode == _TRIANGLES:
         return indices
     count = indices.size - 2

@@ -1,4 +1,4 @@
-"""A world out of one glTF file, as a viewer or a measurement wants it: no scene file around it."""
+"""Worlds of a single glTF file without a scene file, for viewers and measurements."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["load_model_world", "read_model"]
 
 
 def read_model(path: Path, *, without_pictures: bool = False) -> ModelPrefab:
-    """A glTF file ready to be put into worlds, as often as wanted.
+    """Read a glTF file as a prefab.
 
     Args:
         path: The file.
@@ -28,7 +28,7 @@ def read_model(path: Path, *, without_pictures: bool = False) -> ModelPrefab:
 
 
 def load_model_world(path: Path | str) -> World:
-    """A world that holds the default scene of a glTF file, its update done; without lights but the file's own.
+    """Build a world of the default scene of a glTF file, updated, with no lights but the file's own.
 
     Raises:
         SceneError: every fault of the file.

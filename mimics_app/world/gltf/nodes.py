@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass, field
+from types import NoneType
 from typing import Any
 
 import numpy as np
@@ -14,14 +15,15 @@ from mimics_app.world.gltf.source import GltfSource
 from mimics_app.world.levels import MAX_LEVELS
 from mimics_app.world.light import LightKind
 from mimics_app.world.meshes.mesh import FARTHEST
+from mimics_app.world.scene.json_text import escape
 
 __all__ = ["MAX_DEPTH", "GltfCamera", "GltfLight", "GltfNode", "GltfNodes"]
 
 MAX_DEPTH = 256
-"""Most nodes above each other."""
+"""Maximum depth of the node tree."""
 
 _QUATERNION_TOLERANCE = 1e-2
-"""Farthest a quaternion's length may be from 1 to be taken as rounding (normalised bytes) and scaled."""
+"""Deviation of a quaternion's length from 1 that is taken as rounding (normalised bytes) and corrected."""
 
 _LIGHT_KINDS: tuple[LightKind, ...] = ("directional", "point", "spot")
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
@@ -29,7 +31,7 @@ _IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.
 
 Triple = tuple[float, float, float]
 _Reach = tuple[float, float]
-"""Farthest a node can be from the model's origin [m], and the greatest factor on lengths below it."""
+"""Upper bounds of a node's distance from the model's origin [m], and of the scale factor of its subtree."""
 
 
 @dataclass(eq=False)
@@ -37,18 +39,18 @@ class GltfNode:
     """One node.
 
     Attributes:
-        name: "" for none.
-        translation: [m].
-        rotation: Unit xyzw.
-        scale: May be negative.
-        children: Indices.
-        parent: Index, or None.
+        name: Name, "" for none.
+        translation: Translation [m].
+        rotation: Unit quaternion xyzw.
+        scale: Scale, possibly negative.
+        children: Indices of the children.
+        parent: Index of the parent, or None.
         mesh, camera, light, skin: Indices into the file's lists, or None.
-        morph_weights: Of the mesh's morph targets, in place of the mesh's own; () where the node says nothing.
-        visible: From KHR_node_visibility.
+        morph_weights: Weights of morph targets in place of the mesh's own; () where the node has none.
+        visible: Visibility of KHR_node_visibility.
         occluder: Centre and size [m] of `extras.mimics.occluder`, a box inside the body that hides what is behind it.
-        levels: Nodes shown in its place when it is small, ever coarser (MSFT_lod).
-        coverages: Least share of the picture for itself and each of them; [] where the file does not say.
+        levels: Nodes of its coarser levels of detail (MSFT_lod), finest first.
+        coverages: Smallest share of the picture for itself and each level; [] where the file has none.
         components: `extras.mimics.components`, undecoded.
         extras: All of `extras`.
     """
@@ -74,7 +76,7 @@ class GltfNode:
 
 @dataclass(frozen=True)
 class GltfCamera:
-    """A perspective camera: full angle bottom to top [rad], nearest and farthest distance [m]."""
+    """A perspective camera: full vertical angle of view [rad], distances of the near and far planes [m]."""
 
     name: str
     vertical_fov: float
@@ -84,7 +86,7 @@ class GltfCamera:
 
 @dataclass(frozen=True)
 class GltfLight:
-    """A light of KHR_lights_punctual; its lux or candela are taken as our factor."""
+    """A light of KHR_lights_punctual; its lux or candela are taken as intensity factor."""
 
     name: str
     kind: LightKind
@@ -96,12 +98,12 @@ class GltfLight:
 
 
 class GltfNodes:
-    """Reads the node tree and what hangs on it.
+    """Reader of the node tree, cameras and lights.
 
     Args:
         source: The file.
-        farthest: Of each mesh, how far it reaches from its own origin [m].
-        morphs: Morph targets of each mesh.
+        farthest: Largest coordinate of each mesh [m].
+        morphs: Number of morph targets of each mesh.
     """
 
     def __init__(self, source: GltfSource, farthest: list[float], morphs: list[int]) -> None:
@@ -124,9 +126,11 @@ class GltfNodes:
                 node = self._node(item, f"/nodes/{i}")
             self.nodes.append(node)
         self._link()
+        for node in self.nodes:
+            self._check_levels(node)
 
     def roots(self) -> list[int]:
-        """Top nodes of the default scene; without scenes, all nodes that hang on nothing."""
+        """Return the root nodes of the default scene; without scenes, all nodes without parent."""
         source = self._source
         scenes = source.table("scenes")
         if not scenes:
@@ -137,9 +141,9 @@ class GltfNodes:
         for i, value in enumerate(source.list(scenes[chosen], "nodes", f"/scenes/{chosen}")):
             index = source.index(value, len(self.nodes), "nodes", f"{place}/{i}")
             if self.nodes[index].parent is not None:
-                source.fail(f"{place}/{i}", f"node {index} is no top node: it hangs on {self.nodes[index].parent}")
+                source.fail(f"{place}/{i}", f"node {index} is not a root node: it hangs on {self.nodes[index].parent}")
             if index in roots:
-                source.fail(f"{place}/{i}", f"node {index} stands here twice")
+                source.fail(f"{place}/{i}", f"node {index} is listed twice")
             roots[index] = None
         return list(roots)
 
@@ -169,6 +173,9 @@ class GltfNodes:
             node.extras = extras
             ours = source.object(extras, "mimics", f"{place}/extras")
             node.components = source.object(ours, "components", f"{place}/extras/mimics")
+            for name, value in node.components.items():
+                if not isinstance(value, dict | NoneType):
+                    source.fail(f"{place}/extras/mimics/components/{escape(name)}", "must be an object")
             node.occluder = self._occluder(ours, f"{place}/extras/mimics")
         return node
 
@@ -185,11 +192,21 @@ class GltfNodes:
         coverages = extras.get("MSFT_screencoverage") if isinstance(extras, dict) else None
         if isinstance(coverages, list) and coverages:
             numbers = [float(part) for part in coverages if isinstance(part, int | float) and 0.0 <= part <= 1.0]
-            falling = all(after < before for before, after in itertools.pairwise(numbers))
-            if len(numbers) != len(coverages) or len(coverages) != len(node.levels) + 1 or not falling:
-                what = f"is not {len(node.levels) + 1} falling numbers from 1 to 0"
+            decreasing = all(after < before for before, after in itertools.pairwise(numbers))
+            if len(numbers) != len(coverages) or len(coverages) != len(node.levels) + 1 or not decreasing:
+                what = f"is not {len(node.levels) + 1} decreasing numbers from 1 to 0"
                 source.fail(f"{place}/extras/MSFT_screencoverage", what)
             node.coverages = numbers
+
+    def _check_levels(self, node: GltfNode) -> None:
+        """Refuse levels of detail with more morph targets than their node: it has no weights for them."""
+        own = 0 if node.mesh is None else self._morphs[node.mesh]
+        for level in node.levels if own else ():
+            mesh = self.nodes[level].mesh
+            if mesh is not None and self._morphs[mesh] > own:
+                with self._source.collecting():
+                    what = f"has {self._morphs[mesh]} morph targets, the node whose level it is has {own}"
+                    self._source.fail(f"/nodes/{level}/mesh", what)
 
     def _occluder(self, ours: dict[str, Any], place: str) -> tuple[Triple, Triple] | None:
         if "occluder" not in ours:
@@ -228,7 +245,7 @@ class GltfNodes:
         node.scale = tuple(scale.tolist())
 
     def _link(self) -> None:
-        """Parents out of children; refuses a second parent, a loop, and trees that are too deep."""
+        """Set parents from children; refuse a second parent, a loop, and trees that are too deep."""
         source = self._source
         for i, item in enumerate(source.table("nodes")):
             with source.collecting():
@@ -255,7 +272,7 @@ class GltfNodes:
             source.fail(f"/nodes/{lost}", "is part of a loop: it hangs on itself")
 
     def _check_reach(self, index: int, reach: dict[int, _Reach]) -> None:
-        """How far a node and its mesh may be from the model's origin, its parents' scales multiplied."""
+        """Refuse a node whose mesh may be too far from the model's origin, with all scales of its parents."""
         node = self.nodes[index]
         above = (0.0, 1.0) if node.parent is None else reach[node.parent]
         away = above[0] + above[1] * math.hypot(*node.translation)
@@ -286,7 +303,7 @@ class GltfNodes:
         if not 0.0 < fov < math.pi:
             source.fail(f"{here}/yfov", f"{fov:g} rad is not between 0 and pi")
         if not 0.0 < near < far:
-            source.fail(here, f"no view between znear {near:g} and zfar {far:g}")
+            source.fail(here, f"znear {near:g} is not between 0 and zfar {far:g}")
         return GltfCamera(source.text(item, "name", place), fov, near, far)
 
     def _read_lights(self) -> None:
@@ -312,7 +329,7 @@ class GltfNodes:
         inner = source.number(spot, "innerConeAngle", f"{place}/spot", 0.0, 0.0)
         outer = source.number(spot, "outerConeAngle", f"{place}/spot", math.pi / 4, 0.0)
         if kind == "spot" and not inner < outer <= math.pi / 2:
-            source.fail(f"{place}/spot", f"cones of {inner:g} and {outer:g} rad do not lie in each other")
+            source.fail(f"{place}/spot", f"cones of {inner:g} and {outer:g} rad are not nested")
         red, green, blue = source.vector(item, "color", place, (1.0, 1.0, 1.0))
         reach = source.number(item, "range", place, math.inf, 0.0) if "range" in item else math.inf
         intensity = source.number(item, "intensity", place, 1.0, 0.0)

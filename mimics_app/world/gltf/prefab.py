@@ -1,4 +1,4 @@
-"""Instances of a model: its nodes, meshes, lights and cameras as often as they are wanted, its data once."""
+"""ModelPrefab: creates instances of a model's nodes, meshes, lights and cameras, which share its data."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ __all__ = ["ModelPrefab"]
 
 
 class ModelPrefab:
-    """Part of a glTF file, ready to be put into a world.
+    """Part of a glTF file that can be instantiated in a world.
 
     Args:
-        part: Nodes with all below them, or one mesh.
+        part: Nodes with their subtrees, or one mesh.
         material: Key of a material of the world that replaces the model's own, or None.
     """
 
@@ -28,11 +28,11 @@ class ModelPrefab:
 
     @property
     def document(self) -> GltfDocument:
-        """The file it is of."""
+        """The glTF file."""
         return self._part.model
 
     def mesh_name(self, key: str) -> str:
-        """The file's name of a mesh of the world; "" where it has none or is not of this file."""
+        """Return the file's name of a mesh of the world; "" where it has none or is not of this file."""
         own = key.split("@")[0]
         for number, mesh in enumerate(self._part.model.meshes):
             if any(self._mesh_key(number, k) == own for k in range(len(mesh.primitives))):
@@ -40,11 +40,11 @@ class ModelPrefab:
         return ""
 
     def instantiate(self, world: World, node: SceneNode) -> list[SceneNode]:
-        """Put an instance on a node; returns it and all new nodes.
+        """Create an instance on a node; return it and all new nodes.
 
-        A node that is meant itself becomes `node` (its own placement in the file is left out); those of a whole
-        model hang below it. Nodes below are named "node/Name"; without a name of their own, or with
-        one that is taken, they have none.
+        A single node of the file becomes `node` (its transform in the file is ignored); the nodes of a whole model
+        become children of it. New nodes are named "node/Name"; those without a name, or with one that is taken,
+        have none.
         """
         self._load(world)
         part, model = self._part, self._part.model
@@ -64,7 +64,7 @@ class ModelPrefab:
         return [node, *(each for each in made.values() if each != node)]
 
     def _above(self, made: dict[int, SceneNode], node: SceneNode, index: int) -> SceneNode:
-        """What a node of the file hangs on in the world."""
+        """Return the parent in the world of a node of the file."""
         above = self._part.model.nodes[index].parent
         return made.get(-1 if above is None else above, node)
 
@@ -81,7 +81,7 @@ class ModelPrefab:
         return child
 
     def _set_in_motion(self, world: World, node: SceneNode, made: dict[int, SceneNode]) -> None:
-        """Have bodies follow their joints, and give the instance what plays its clips."""
+        """Create the animator and the deformable bodies of an instance."""
         from mimics_app.world.gltf.bending import bind_body, make_animator, missing_joints
 
         model = self._part.model
@@ -121,7 +121,7 @@ class ModelPrefab:
             node.create_camera(camera.vertical_fov, camera.near, camera.far)
 
     def _show_node(self, world: World, node: SceneNode, index: int, owner: SceneNode | None = None) -> None:
-        """Show the mesh of a node of the file, with its levels of detail; of one that bends the owner's own meshes."""
+        """Show the mesh of a node of the file with its levels of detail; `owner` has meshes of its own."""
         source = self._part.model.nodes[index]
         if source.levels:
             self._show_levels(world, node, index, owner)
@@ -134,7 +134,7 @@ class ModelPrefab:
             world.show(node, parts)
 
     def _show_levels(self, world: World, node: SceneNode, index: int, owner: SceneNode | None) -> None:
-        """All levels of detail of a node stand where it stands, whatever the placement of theirs in the file."""
+        """Show all levels of detail of a node with its own transform; theirs in the file are ignored."""
         source, nodes = self._part.model.nodes[index], self._part.model.nodes
         meshes = [source.mesh, *(nodes[level].mesh for level in source.levels)]
         levels = [[] if mesh is None else self._parts(mesh, owner) for mesh in meshes]
@@ -151,7 +151,7 @@ class ModelPrefab:
         ]
 
     def _load(self, world: World) -> None:
-        """Put the file's data into the world, once per file."""
+        """Put the file's meshes, textures and materials into the world, once per file."""
         model, asset = self._part.model, self._part.asset.id
         static = self._static_meshes()
         for i, mesh in enumerate(model.meshes):
@@ -170,7 +170,7 @@ class ModelPrefab:
         return f"{self._part.asset.id}#{mesh}/{primitive}"
 
     def _static_meshes(self) -> set[int]:
-        """Meshes that are shown as they are in the file."""
+        """Return the meshes that are shown undeformed."""
         model = self._part.model
         if not model.moves:
             return set(range(len(model.meshes)))
@@ -181,7 +181,7 @@ class ModelPrefab:
         return unbent_meshes(model)
 
     def _own_key(self, owner: SceneNode, mesh: int, primitive: int) -> str:
-        """Key of a mesh that bends, of which every node that shows it has its own."""
+        """Return the key of a deformable mesh, which every node that shows it has a copy of."""
         return f"{self._mesh_key(mesh, primitive)}@{owner.index}"
 
     def _material_key(self, material: int | None) -> str:

@@ -1,6 +1,6 @@
-"""What refers to what in a glTF file: every index is looked at, also of parts that are not drawn, and every name.
+"""Check of all indices and names of a glTF file, also in parts that are not used.
 
-Readers check the indices they follow; skins, clips, morph targets and left-out primitives are followed by nobody.
+Readers check only the indices they follow, not those of skipped skins, clips, morph targets and primitives.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _REFERENCES = (
     ("animations/*/channels/*/target/node", "nodes"),
     ("scenes/*/nodes/*", "nodes"),
 )
-"""Where indices stand, * for every item or member, and the list they point into; those of a node its reader checks."""
+"""Paths of indices, * for every item or member, and the list they refer to; the reader of nodes checks its own."""
 
 _NAMED = (
     *("accessors", "animations", "bufferViews", "buffers", "cameras", "images", "materials", "meshes"),
@@ -49,9 +49,9 @@ _NAMED = (
 
 
 def check_references(source: GltfSource) -> None:
-    """Report every index that points past its list, and every name that is no text; steps that are odd are passed over.
+    """Report every index out of range and every name that is not a text; values of a wrong shape are skipped.
 
-    Time grows with the length of the file alone.
+    The time is linear in the size of the file.
     """
     for path, name in _REFERENCES:
         steps = path.split("/")
@@ -65,7 +65,7 @@ def check_references(source: GltfSource) -> None:
 
 
 def _values(document: dict[str, Any], steps: list[str]) -> Iterator[tuple[Any, str]]:
-    """Every value that the steps lead to, with its pointer."""
+    """Yield every value at a path, with its pointer."""
     found: list[tuple[Any, str]] = [(document, "")]
     for step in steps:
         below: list[tuple[Any, str]] = []

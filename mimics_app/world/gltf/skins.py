@@ -1,4 +1,4 @@
-"""Skins of a glTF file: the joints, and what takes a vertex of the mesh to each of them."""
+"""Skins of a glTF file: joints and inverse bind matrices."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from mimics_app.world.gltf.source import GltfSource
 __all__ = ["MAX_JOINTS", "GltfSkin", "GltfSkins", "check_bound_nodes"]
 
 MAX_JOINTS = 1365
-"""Most joints of a skin: as many as three rows of four floats fit into 64 KiB, the largest block a driver must have."""
+"""Maximum joints of a skin: matrices of three rows of four floats that fit the 64 KiB every uniform block may have."""
 
 _LAST_ROW = 1e-4
-"""How far the last row of an inverse bind matrix may be from 0 0 0 1 by rounding."""
+"""Tolerance of the last row of an inverse bind matrix, 0 0 0 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,14 +39,14 @@ class GltfSkin:
 
 
 class GltfSkins:
-    """Reads skins in order."""
+    """Reader of skins, in file order."""
 
     def __init__(self, source: GltfSource, accessors: GltfAccessors) -> None:
         self._source = source
         self._accessors = accessors
 
     def read_all(self) -> list[GltfSkin]:
-        """Every skin; faults are collected, and a faulty one has no joints."""
+        """Read every skin; faults are collected, and a faulty skin has no joints."""
         found = []
         for i, item in enumerate(self._source.table("skins")):
             skin = GltfSkin("", (), np.zeros((0, 4, 4)))
@@ -87,7 +87,7 @@ class GltfSkins:
 def check_bound_nodes(
     source: GltfSource, nodes: Sequence[GltfNode], meshes: Sequence[GltfMesh], skins: Sequence[GltfSkin]
 ) -> None:
-    """Report vertices that follow joints their skin does not have; note meshes without joints on a node with a skin."""
+    """Report joints of vertices that their skin lacks; note meshes without joints on a node with a skin."""
     for i, node in enumerate(nodes):
         if node.skin is None or node.mesh is None:
             continue
@@ -96,7 +96,8 @@ def check_bound_nodes(
         if other:
             with source.collecting():
                 source.fail(f"/nodes/{other[0]}/skin", f"is another skin than that of node {i}, whose level it is")
-        for part in meshes[node.mesh].primitives:
+        shown = [node.mesh, *(nodes[level].mesh for level in node.levels)]
+        for part in (part for mesh in shown if mesh is not None for part in meshes[mesh].primitives):
             weights = part.mesh.weights
             if weights is None:
                 source.note(f"/nodes/{i} has a skin, {part.pointer} has no joints: it moves with its node")

@@ -1,6 +1,6 @@
-"""Sounds of a glTF file (KHR_audio_emitter, draft of 2024): data, sources and emitters, each looked at before use.
+"""Sounds of a glTF file (KHR_audio_emitter, draft of 2024): data, sources and emitters, validated.
 
-What an emitter says is handed on as the scene's own components `sound` and `sound_emitter`. Of the draft's formats WAV
+Emitters become the scene's own components `sound` and `sound_emitter`. Of the draft's formats WAV
 and MP3 are read, and OGG and FLAC beside them.
 """
 
@@ -21,26 +21,26 @@ EXTENSION = "KHR_audio_emitter"
 _PLACE = f"/extensions/{EXTENSION}"
 _TYPES = ("audio/wav", "audio/mpeg", "audio/ogg", "audio/flac")
 _MODELS = ("inverse", "linear", "exponential")
-_LOUDEST = 4.0
-"""Most that a gain of the scene's components may be."""
+_MAX_GAIN = 4.0
+"""Maximum gain of the scene's components."""
 
-_FARTHEST = 1e6
-"""No largest distance [m]: the largest a component takes."""
+_MAX_DISTANCE = 1e6
+"""Distance that stands for no maximum distance [m]: the limit of the component."""
 
 _WHOLE = 6.2832
-"""Full angle all around [rad]."""
+"""Full angle of an omnidirectional cone [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
 class GltfAudio:
-    """Data of a sound: a file beside the model, or None where the model itself holds it."""
+    """Data of a sound: a file beside the model, or None where it is embedded."""
 
     path: Path | None
 
 
 @dataclass(frozen=True, slots=True)
 class GltfEmitter:
-    """One source of one emitter, ready to be put into a scene.
+    """One source of one emitter, as components of a scene.
 
     Attributes:
         source: Number of the source in the file.
@@ -61,7 +61,7 @@ class GltfSounds:
 
     Attributes:
         audio: Data, in file order.
-        emitters: What each emitter plays, in file order.
+        emitters: Sources of each emitter, in file order.
         of_nodes: Emitter of a node, by the node's index.
         of_scene: Emitters of the default scene, heard everywhere.
     """
@@ -73,7 +73,7 @@ class GltfSounds:
 
 
 def read_sounds(source: GltfSource, buffers: GltfBuffers) -> GltfSounds | None:
-    """The sounds of a file, None where it has none; faults are collected."""
+    """Read the sounds of a file, None where it has none; faults are collected."""
     holder = source.object(source.object(source.json, "extensions", ""), EXTENSION, "/extensions")
     if not holder:
         return None
@@ -87,7 +87,7 @@ def read_sounds(source: GltfSource, buffers: GltfBuffers) -> GltfSounds | None:
 
 
 def read_embedded_sound(path: Path, number: int) -> bytes:
-    """Data of a sound that a model holds itself, as in a file of its own.
+    """Return the data of an embedded sound, as in a file of its own.
 
     Raises:
         GltfError: The model cannot be read any more.
@@ -107,13 +107,13 @@ def _embedded(source: GltfSource, buffers: GltfBuffers, item: dict[str, Any], pl
 
 
 def _is_sound(head: bytes) -> bool:
-    """Whether data begins as WAV, OGG, FLAC or MP3 do."""
+    """True when data begins with the signature of WAV, OGG, FLAC or MP3."""
     known = (b"OggS", b"fLaC", b"ID3", b"\xff\xfb", b"\xff\xf3", b"\xff\xf2", b"\xff\xfa")
     return (head[:4] == b"RIFF" and head[8:12] == b"WAVE") or head.startswith(known)
 
 
 class _Reader:
-    """Reads the lists of the extension."""
+    """Reader of the lists of the extension."""
 
     def __init__(self, source: GltfSource, buffers: GltfBuffers, holder: dict[str, Any]) -> None:
         self._source = source
@@ -121,7 +121,7 @@ class _Reader:
         self._holder = holder
 
     def table(self, name: str) -> list[dict[str, Any]]:
-        """A list of objects of the extension; one with anything else in it is reported and taken as empty."""
+        """Return a list of objects of the extension; a faulty one is reported and taken as empty."""
         table: list[dict[str, Any]] = []
         with self._source.collecting():
             table = self._checked(name)
@@ -135,28 +135,28 @@ class _Reader:
         return table
 
     def audio(self, item: dict[str, Any], place: str) -> GltfAudio:
-        """Where the data of a sound is; nothing is decoded, but data inside must begin as one of the known formats."""
+        """Locate the data of a sound; embedded data must have a known signature, nothing is decoded."""
         path: Path | None = None
         with self._source.collecting():
             path = self._outside(item, place)
         return GltfAudio(path)
 
     def _outside(self, item: dict[str, Any], place: str) -> Path | None:
-        """The file of a sound, None where the model holds it."""
+        """Return the file of a sound, None where it is embedded."""
         source = self._source
         if "bufferView" in item and item.get("mimeType") not in _TYPES:
-            source.fail(f"{place}/mimeType", f"{item.get('mimeType')!r:.40} is none of {', '.join(_TYPES)}")
+            source.fail(f"{place}/mimeType", f"{item.get('mimeType')!r:.40} is not one of {', '.join(_TYPES)}")
         if "bufferView" not in item and "uri" not in item:
             source.fail(place, "has neither a uri nor a bufferView")
         uri = source.text(item, "uri", place)
         if "bufferView" not in item and uri[:5].lower() != "data:":
             return source.external(uri, f"{place}/uri")
         if not _is_sound(_embedded(source, self._buffers, item, place)[:12]):
-            source.fail(place, "holds no sound: neither WAV, MP3, OGG nor FLAC")
+            source.fail(place, "is not a sound: neither WAV, MP3, OGG nor FLAC")
         return None
 
     def source(self, number: int, item: dict[str, Any], count: int) -> GltfEmitter | None:
-        """A source as it plays on its own, of so many sounds; None for one that is wrong."""
+        """Read a source that refers to one of `count` sounds; None for a faulty one."""
         source, place = self._source, f"{_PLACE}/sources/{number}"
         found: GltfEmitter | None = None
         with source.collecting():
@@ -167,7 +167,7 @@ class _Reader:
         return found
 
     def emitter(self, item: dict[str, Any], place: str, played: list[GltfEmitter | None]) -> list[GltfEmitter]:
-        """What an emitter plays, one for each of its sources."""
+        """Read an emitter: one item for each of its sources."""
         found: list[GltfEmitter] = []
         with self._source.collecting():
             found = self._played(item, place, played)
@@ -178,7 +178,7 @@ class _Reader:
         if kind not in ("global", "positional"):
             source.fail(f"{place}/type", f'"{kind[:40]}" is neither global nor positional')
         if kind == "global" and "positional" in item:
-            source.fail(f"{place}/positional", "an emitter that is heard everywhere has no place")
+            source.fail(f"{place}/positional", "a global emitter has no position")
         shape = self._shape(item, f"{place}/positional") if kind == "positional" else {}
         heard = shape | {"gain": self._gain(item, place)}
         numbers = [
@@ -190,20 +190,22 @@ class _Reader:
         return [replace(found, sound=found.sound | spatial, emitter=found.emitter | heard) for found in each]
 
     def _shape(self, item: dict[str, Any], place: str) -> dict[str, Any]:
-        """Values of `sound_emitter` that say how a sound spreads."""
+        """Return the values of `sound_emitter` for distance and direction."""
         source = self._source
         said = source.object(item, "positional", place.rpartition("/")[0])
         shape, model = source.text(said, "shapeType", place, "omnidirectional"), _model(source, said, place)
         if shape not in ("omnidirectional", "cone"):
             source.fail(f"{place}/shapeType", f'"{shape[:40]}" is neither omnidirectional nor cone')
         nearest = source.number(said, "refDistance", place, 1.0, 0.0)
-        if not 0.0 < nearest <= _FARTHEST:
-            source.fail(f"{place}/refDistance", f"{nearest:g} m is not between 0 and {_FARTHEST:g}")
-        farthest = source.number(said, "maxDistance", place, 0.0, 0.0) or _FARTHEST
+        if not 0.0 < nearest <= _MAX_DISTANCE:
+            source.fail(f"{place}/refDistance", f"{nearest:g} m is not between 0 and {_MAX_DISTANCE:g}")
+        farthest = source.number(said, "maxDistance", place, 0.0, 0.0) or _MAX_DISTANCE
         if model == "linear" and not nearest < farthest:
             source.fail(f"{place}/maxDistance", f"{farthest:g} m is not beyond the refDistance of {nearest:g} m")
-        rolloff = min(source.number(said, "rolloffFactor", place, 1.0, 0.0), 1.0 if model == "linear" else _FARTHEST)
-        spread = {"reference_distance": nearest, "max_distance": min(farthest, _FARTHEST), "rolloff": rolloff}
+        rolloff = min(
+            source.number(said, "rolloffFactor", place, 1.0, 0.0), 1.0 if model == "linear" else _MAX_DISTANCE
+        )
+        spread = {"reference_distance": nearest, "max_distance": min(farthest, _MAX_DISTANCE), "rolloff": rolloff}
         cone = self._cone(said, place) if shape == "cone" else {}
         return {**spread, "distance_model": model, **cone}
 
@@ -213,16 +215,16 @@ class _Reader:
         outer = source.number(said, "coneOuterAngle", place, math.tau, 0.0)
         behind = source.number(said, "coneOuterGain", place, 0.0, 0.0)
         if not inner <= outer <= _WHOLE:
-            source.fail(f"{place}/coneInnerAngle", f"cones of {inner:g} and {outer:g} rad do not lie in each other")
+            source.fail(f"{place}/coneInnerAngle", f"cones of {inner:g} and {outer:g} rad are not nested")
         if behind > 1.0:
             source.fail(f"{place}/coneOuterGain", f"{behind:g} is not between 0 and 1")
         return {"cone_inner": inner, "cone_outer": outer, "cone_gain": behind}
 
     def _gain(self, item: dict[str, Any], place: str) -> float:
         gain = self._source.number(item, "gain", place, 1.0, 0.0)
-        if gain > _LOUDEST:
-            self._source.note(f"{place}: a gain of {gain:g} was taken as {_LOUDEST:g}")
-        return min(gain, _LOUDEST)
+        if gain > _MAX_GAIN:
+            self._source.note(f"{place}: a gain of {gain:g} was taken as {_MAX_GAIN:g}")
+        return min(gain, _MAX_GAIN)
 
     def _flag(self, item: dict[str, Any], key: str, place: str) -> bool:
         value = item.get(key, False)
@@ -231,7 +233,7 @@ class _Reader:
         return value
 
     def of_nodes(self, count: int) -> dict[int, int]:
-        """Emitter of each node that has one."""
+        """Return the emitter of each node that has one."""
         found = {}
         for i, node in enumerate(self._source.table("nodes")):
             place = f"/nodes/{i}/extensions"
@@ -243,7 +245,7 @@ class _Reader:
         return found
 
     def of_scene(self, count: int) -> list[int]:
-        """Emitters of the default scene, which must be heard everywhere; those of other scenes are looked at, too."""
+        """Return the emitters of the default scene, which must be global; those of other scenes are checked, too."""
         found: dict[int, list[int]] = {}
         for i, scene in enumerate(self._source.table("scenes")):
             place = f"/scenes/{i}/extensions"
@@ -262,5 +264,5 @@ class _Reader:
 def _model(source: GltfSource, said: dict[str, Any], place: str) -> str:
     model = source.text(said, "distanceModel", place, "inverse")
     if model not in _MODELS:
-        source.fail(f"{place}/distanceModel", f'"{model[:40]}" is none of {", ".join(_MODELS)}')
+        source.fail(f"{place}/distanceModel", f'"{model[:40]}" is not one of {", ".join(_MODELS)}')
     return model

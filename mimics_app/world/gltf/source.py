@@ -1,6 +1,6 @@
-"""A glTF file taken apart into its JSON and its binary chunk, and careful access to the values in that JSON.
+"""JSON and binary chunk of a glTF file, with validated access to the values of the JSON.
 
-Nothing in a file is believed: each value is fetched through these functions, which name the place of what is wrong.
+Every value is read through these functions, which report the place of a fault.
 """
 
 from __future__ import annotations
@@ -22,25 +22,25 @@ from mimics_app.world.scene.source import read_bytes
 __all__ = ["MAX_ITEMS", "MAX_NOTES", "MAX_TOTAL_BYTES", "GltfError", "GltfSource", "open_gltf", "parse_gltf"]
 
 MAX_TOTAL_BYTES = 256 * 1024 * 1024
-"""Most bytes one model may take in memory: buffers, decoded accessors, pictures, and the arrays of every primitive.
+"""Maximum memory of one model [bytes]: buffers, decoded accessors, images, and the arrays of every primitive.
 
 An array that several primitives use counts once for each, as each of them is a mesh of its own in a world.
 """
 
 MAX_ITEMS = 100_000
-"""Most nodes, meshes, materials and so on of one file, of each; also most primitives of all its meshes together."""
+"""Maximum number of nodes, of meshes, of materials and so on, and of primitives of all meshes together."""
 
 _MORE_ITEMS = {"accessors": 4 * MAX_ITEMS, "bufferViews": 4 * MAX_ITEMS}
-"""Lists of which a mesh takes several."""
+"""Maximum length of lists that a mesh refers to several times."""
 
 MAX_NOTES = 100
-"""Most notes that are kept one by one."""
+"""Maximum number of notes kept one by one."""
 
-_GREATEST = 1e30
-"""Beyond it a number has no square in single precision or is no figure of any model."""
+_MAX_NUMBER = 1e30
+"""Bound of numbers in the JSON, far beyond those of any model."""
 
 GltfError = SceneError
-"""A glTF file is wrong; every issue names file, JSON pointer and reason."""
+"""Faults of a glTF file; every issue has file, JSON pointer and reason."""
 
 _MAGIC = b"glTF"
 _JSON_CHUNK = 0x4E4F534A
@@ -52,15 +52,15 @@ class GltfSource:
     """One opened file.
 
     Attributes:
-        path: Where it is.
-        file: Its name for messages.
-        root: Folder that every file it names must stay inside.
+        path: The file.
+        file: Name in messages.
+        root: Folder that all files it names must be inside.
         json: The document.
         binary: The GLB's binary chunk, or None.
         issues: Faults found so far.
-        notes: What was left out or repaired, for people; put in by `note`.
+        notes: Notes on content that was left out or repaired, added by `note`.
         files: Every file read.
-        without_pictures: True notes a picture that cannot be had instead of refusing the file.
+        without_pictures: True notes a missing or broken image instead of refusing the file.
     """
 
     path: Path
@@ -79,7 +79,7 @@ class GltfSource:
     _tables: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
 
     def fail(self, pointer: str, what: str, fix: str = "") -> NoReturn:
-        """Raise the fault at a pointer."""
+        """Raise a fault at a pointer."""
         raise SceneError(Issue(self.file, pointer, what, fix))
 
     @contextmanager
@@ -107,15 +107,15 @@ class GltfSource:
         self.notes.append(text if self._noted <= MAX_NOTES else f"and {self._noted - MAX_NOTES} more notes")
 
     def take(self, size: int, pointer: str) -> None:
-        """Count bytes before they are allocated; fails when the file wants too many in all."""
+        """Count bytes before they are allocated; fail when the file needs too many in all."""
         self._taken += size
         if self._taken > MAX_TOTAL_BYTES:
             what = f"the model needs more than {MAX_TOTAL_BYTES // 1024**2} MiB of memory"
             self._too_much = self._too_much or Issue(self.file, pointer, what)
-            raise SceneError(self._too_much)  # the same for all that is read after it: it is one fault
+            raise SceneError(self._too_much)  # one fault, also for all that is read later
 
     def external(self, uri: str, pointer: str) -> Path:
-        """The file a URI names."""
+        """Return the file of a URI."""
         try:
             path = find_file(uri, self.path.parent, self.root)
         except PathFault as fault:
@@ -124,7 +124,7 @@ class GltfSource:
         return path
 
     def table(self, name: str) -> list[dict[str, Any]]:
-        """A top-level list of objects, such as "meshes"; empty where absent. It is looked through once."""
+        """Return a top-level list of objects, such as "meshes"; empty where absent. It is checked once."""
         if name not in self._tables:
             self._tables[name] = self._checked_table(name)
         return self._tables[name]
@@ -133,21 +133,21 @@ class GltfSource:
         value = self.json.get(name, [])
         if not isinstance(value, list):
             self.fail(f"/{name}", "must be a list")
-        most = _MORE_ITEMS.get(name, MAX_ITEMS)
-        if len(value) > most:
-            self.fail(f"/{name}", f"{len(value)} {name} are more than {most}")
+        limit = _MORE_ITEMS.get(name, MAX_ITEMS)
+        if len(value) > limit:
+            self.fail(f"/{name}", f"{len(value)} {name} are more than {limit}")
         for i, item in enumerate(value):
             if not isinstance(item, dict):
                 self.fail(f"/{name}/{i}", "must be an object")
         return value
 
     def item(self, name: str, index: object, pointer: str) -> dict[str, Any]:
-        """The object that an index at `pointer` refers to."""
+        """Return the object that an index at `pointer` refers to."""
         table = self.table(name)
         return table[self.index(index, len(table), name, pointer)]
 
     def index(self, value: object, count: int, name: str, pointer: str) -> int:
-        """An index below `count`."""
+        """Return an index after checking that it is below `count`."""
         if not isinstance(value, int) or isinstance(value, bool):
             self.fail(pointer, f"{value!r:.40} is not an index into {name}")
         if not 0 <= value < count:
@@ -155,28 +155,28 @@ class GltfSource:
         return value
 
     def object(self, holder: dict[str, Any], key: str, pointer: str) -> dict[str, Any]:
-        """An object-valued property, {} where absent."""
+        """Return an object-valued property, {} where absent."""
         value = holder.get(key, {})
         if not isinstance(value, dict):
             self.fail(f"{pointer}/{key}", "must be an object")
         return value
 
     def list(self, holder: dict[str, Any], key: str, pointer: str) -> list[Any]:
-        """A list-valued property, [] where absent."""
+        """Return a list-valued property, [] where absent."""
         value = holder.get(key, [])
         if not isinstance(value, list):
             self.fail(f"{pointer}/{key}", "must be a list")
         return value
 
     def text(self, holder: dict[str, Any], key: str, pointer: str, default: str = "") -> str:
-        """A text-valued property."""
+        """Return a string-valued property."""
         value = holder.get(key, default)
         if not isinstance(value, str):
             self.fail(f"{pointer}/{key}", "must be a text")
         return value
 
     def whole(self, holder: dict[str, Any], key: str, pointer: str, default: int | None = None, least: int = 0) -> int:
-        """A whole number of at least `least`; required where there is no default."""
+        """Return an integer of at least `least`; required where there is no default."""
         value = holder.get(key, default)
         if value is None:
             self.fail(pointer, f'the key "{key}" is missing')
@@ -185,33 +185,33 @@ class GltfSource:
         return value
 
     def number(self, holder: dict[str, Any], key: str, pointer: str, default: float, least: float = -math.inf) -> float:
-        """A finite number of at least `least`, below 1e30; the default, where absent, may be what it will."""
+        """Return a finite number of at least `least`, below 1e30; the default is not checked."""
         if key not in holder:
             return default
         value = holder[key]
         if not isinstance(value, int | float) or isinstance(value, bool) or not value >= least:
             self.fail(f"{pointer}/{key}", f"{value!r:.40} is not a number" + (f" >= {least:g}" if least > -1e9 else ""))
-        if not abs(value) < _GREATEST:
+        if not abs(value) < _MAX_NUMBER:
             self.fail(f"{pointer}/{key}", _fault_of_number(value))
         return float(value)
 
     def vector(self, holder: dict[str, Any], key: str, pointer: str, default: tuple[float, ...]) -> tuple[float, ...]:
-        """A list of as many finite numbers as the default has."""
+        """Return a list of as many finite numbers as the default has."""
         value = holder.get(key)
         if value is None:
             return default
         if not isinstance(value, list) or len(value) != len(default):
             self.fail(f"{pointer}/{key}", f"must be a list of {len(default)} numbers")
         for i, item in enumerate(value):
-            if not isinstance(item, int | float) or isinstance(item, bool) or not abs(item) < _GREATEST:
+            if not isinstance(item, int | float) or isinstance(item, bool) or not abs(item) < _MAX_NUMBER:
                 self.fail(f"{pointer}/{key}/{i}", _fault_of_number(item))
         return tuple(float(item) for item in value)
 
 
 def _fault_of_number(value: object) -> str:
-    """Why a value is no number that a model can have."""
+    """Return why a value is not a permitted number."""
     if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < math.inf:
-        return f"{value!r:.40} is too large; it must be below {_GREATEST:g}"
+        return f"{value!r:.40} is too large; it must be below {_MAX_NUMBER:g}"
     return f"{value!r:.40} is not a finite number"
 
 
@@ -220,7 +220,7 @@ def open_gltf(path: Path, root: Path, file: str) -> GltfSource:
 
     Args:
         path: The file.
-        root: Folder that every file it names must stay inside.
+        root: Folder that all files it names must be inside.
         file: Name for messages.
 
     Raises:
@@ -230,22 +230,22 @@ def open_gltf(path: Path, root: Path, file: str) -> GltfSource:
 
 
 def parse_gltf(data: bytes, path: Path, root: Path, file: str) -> GltfSource:
-    """The same of a file's content.
+    """Parse the content of a .glb or .gltf file.
 
     Args:
-        data: What the file holds.
-        path: Where it is or would be.
-        root: Folder that every file it names must stay inside.
+        data: Content of the file.
+        path: Path of the file, which need not exist.
+        root: Folder that all files it names must be inside.
         file: Name for messages.
 
     Raises:
         GltfError: it is damaged, or is another version.
     """
     if path.suffix.lower() == ".glb" and data[:4] != _MAGIC and data.lstrip()[:1] != b"{":
-        raise SceneError(Issue(file, "", "is no GLB: it does not begin with glTF", "export it again as binary glTF"))
+        raise SceneError(Issue(file, "", "is not a GLB: it does not begin with glTF", "export it again as binary glTF"))
     text, binary = _chunks(data, file) if data[:4] == _MAGIC else (data, None)
     document, issues = parse_json(text, file)
-    if issues:  # values that no reader of this file could hold
+    if issues:  # values that cannot be represented
         raise SceneError(issues)
     if not isinstance(document, dict):
         raise SceneError(Issue(file, "", "must be an object"))
@@ -255,7 +255,7 @@ def parse_gltf(data: bytes, path: Path, root: Path, file: str) -> GltfSource:
 
 
 def _chunks(data: bytes, file: str) -> tuple[bytes, bytes | None]:
-    """JSON and binary chunk of a GLB."""
+    """Return the JSON and binary chunk of a GLB."""
 
     def fail(what: str) -> NoReturn:
         raise SceneError(Issue(file, "", what))
@@ -272,7 +272,7 @@ def _chunks(data: bytes, file: str) -> tuple[bytes, bytes | None]:
     while offset + 8 <= length:
         size, kind = struct.unpack_from("<II", data, offset)
         if offset + 8 + size > length:
-            fail(f"chunk {len(chunks)} claims {size} bytes, {length - offset - 8} are left")
+            fail(f"chunk {len(chunks)} declares {size} bytes, {length - offset - 8} are left")
         chunks.append((kind, data[offset + 8 : offset + 8 + size]))
         offset += 8 + size
     if not chunks or chunks[0][0] != _JSON_CHUNK:
@@ -284,7 +284,7 @@ def _chunks(data: bytes, file: str) -> tuple[bytes, bytes | None]:
 def _check_version(source: GltfSource) -> None:
     asset = source.json.get("asset")
     if not isinstance(asset, dict):
-        source.fail("/asset", "is missing: this is no glTF file")
+        source.fail("/asset", "is missing: this is not a glTF file")
     for key in ("version", "minVersion"):
         version = asset.get(key, "2.0")
         if not isinstance(version, str) or version.partition(".")[0] != "2":

@@ -1,4 +1,4 @@
-"""Entities out of the nodes of a model: components authored in a modeller (`extras.mimics`), and emitters of sounds."""
+"""Entities from the nodes of a model: components authored in a modeller (`extras.mimics`), and sound emitters."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _TRANSFORM = ("translation", "rotation", "scale")
 def unfold_model(
     draft: EntityDraft, document: SceneDocument, assets: dict[str, SceneAsset], issues: list[Issue]
 ) -> None:
-    """Add the nodes of an entity's model that carry components, as entities "entity/Node", and what sounds of it.
+    """Add the nodes of an entity's model that have components, as entities "entity/Node", and its sound emitters.
 
-    Those of the node that is shown itself belong to the entity; the scene file wins over the model. The entity's
-    `overrides` are laid over the nodes they name.
+    Components of a node that is shown itself belong to the entity; the scene file overrides the model. The entity's
+    `overrides` are merged over the nodes they name.
 
     Args:
         draft: Any entity; nothing happens unless its mesh has a `source` that exists.
@@ -59,7 +59,7 @@ def _part(draft: EntityDraft, assets: dict[str, SceneAsset]) -> ModelPart | None
 
 
 def _layers(part: ModelPart) -> dict[str, Layer]:
-    """Nodes below the one that is meant, or all of the model, by name."""
+    """Return the layers of all nodes below the one shown, or of the whole model, by name."""
     model = part.model
     tops = part.nodes if part.node is None else (part.node,)
     below = [index for top in tops for index in model.subtree(top) if index != part.node]
@@ -72,9 +72,9 @@ def _layer(part: ModelPart, index: int) -> Layer:
 
 
 def _add_emitters(draft: EntityDraft, part: ModelPart, document: SceneDocument) -> set[str]:
-    """Add what the emitters of a model play as entities of their own; names of the nodes they move with.
+    """Add the sources of a model's emitters as entities; return the names of the nodes they move with.
 
-    One on a node without a name of its own stands where that node is at first; those of the scene are heard everywhere.
+    A source on a node without a unique name stays at that node's initial pose; those of the scene are global.
     """
     model, sounds = part.model, part.model.sounds
     if sounds is None or part.mesh is not None:
@@ -119,7 +119,7 @@ def _add_played(
 
 
 def _placed(part: ModelPart, index: int) -> dict[str, Any]:
-    """Transform of a node in the entity that shows its model, as a scene states it."""
+    """Return the transform of a node relative to the entity of its model, as in a scene file."""
     from mimics_app.world.scene.placing import model_matrix
 
     translation, rotation, scale, _ = decompose_trs(model_matrix(part, index))

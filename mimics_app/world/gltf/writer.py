@@ -1,4 +1,4 @@
-"""GLB files written by our own builders: meshes that share their data, pictures, nodes; the same bytes everywhere."""
+"""GltfWriter: writes GLB files of meshes that share data, textures and nodes, the same bytes on every machine."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 _PLACE = ("translation", "rotation", "scale")
 _SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 _SHORT_LIMIT = 65535
-"""16-bit indices end before this: 65535 itself is kept for restarting strips (glTF 2.0 3.7.2.1)."""
+"""Limit of 16-bit indices: 65535 itself is the primitive restart value (glTF 2.0 3.7.2.1)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +30,8 @@ class MeshPart:
     Attributes:
         positions: Object frame [m], float32 [n, 3].
         normals: Unit, float32 [n, 3].
-        uvs: (0, 0) the top left of the picture, float32 [n, 2].
-        shades: Linear factor on the material's colour, 255 = 1, uint8 [n, 4]; or None.
+        uvs: Texture coordinates, (0, 0) at the top left, float32 [n, 2].
+        shades: Vertex colours: linear factor on the material's colour, 255 = 1, uint8 [n, 4]; or None.
         indices: Three per triangle, [m].
     """
 
@@ -44,14 +44,14 @@ class MeshPart:
 
 @dataclass(frozen=True)
 class WrittenPart:
-    """A part whose arrays lie in the file already, so that several meshes may use them: glTF attributes, indices."""
+    """Accessors of a part that is in the file, for use by several meshes: glTF attributes, indices."""
 
     attributes: tuple[tuple[str, int], ...]
     indices: int
 
 
 def pack_glb(document: dict[str, Any], binary: bytes) -> bytes:
-    """A JSON document and its one buffer as GLB (glTF 2.0 4.4)."""
+    """Pack a JSON document and its buffer as GLB (glTF 2.0 4.4)."""
     text = json.dumps(document, separators=(",", ":"), allow_nan=False).encode("ascii")
     text += b" " * (-len(text) % 4)
     binary += b"\0" * (-len(binary) % 4)
@@ -61,10 +61,10 @@ def pack_glb(document: dict[str, Any], binary: bytes) -> bytes:
 
 
 class GltfWriter:
-    """Collects the parts of a file; numbers it returns are glTF indices.
+    """Builder of a file; returned numbers are glTF indices.
 
     Args:
-        generator: Who made the file, for its `asset`.
+        generator: Name of the generator for the file's `asset`.
     """
 
     def __init__(self, generator: str) -> None:
@@ -75,7 +75,7 @@ class GltfWriter:
         self._roots: list[int] = []
 
     def add_picture(self, name: str, png: bytes, *, repeat: bool = True) -> int:
-        """Add a PNG; returns the index of a texture that shows it with mip maps."""
+        """Add a PNG; return the index of its texture, with mipmaps."""
         wrap = 10497 if repeat else 33071
         samplers = self._tables.setdefault("samplers", [])
         sampler = {"magFilter": 9729, "minFilter": 9987, "wrapS": wrap, "wrapT": wrap}
@@ -99,14 +99,14 @@ class GltfWriter:
         """Add a single-sided metal-rough material.
 
         Args:
-            name: Unique.
+            name: Unique name.
             colour: Linear RGBA.
-            texture: As `add_picture` returned.
+            texture: Index returned by `add_picture`.
             roughness: 0 (mirror) to 1 (matt).
             metallic: 0 or 1.
-            emission: Linear RGB it gives off.
+            emission: Emitted radiance, linear RGB.
             mask: Opacity below which nothing is drawn; None: opaque.
-            unlit: True when no light changes it.
+            unlit: True: not affected by light.
         """
         shading: dict[str, Any] = {"metallicFactor": metallic, "roughnessFactor": roughness}
         if any(part != 1.0 for part in colour):
@@ -123,7 +123,7 @@ class GltfWriter:
         return self._add("materials", material)
 
     def add_part(self, part: MeshPart) -> WrittenPart:
-        """Put the arrays of a part into the file, once however many meshes use them."""
+        """Add the arrays of a part, which several meshes may use."""
         attributes = [("POSITION", self._array(part.positions, _ARRAY_BUFFER, bounds=True))]
         attributes.append(("NORMAL", self._array(part.normals, _ARRAY_BUFFER)))
         attributes.append(("TEXCOORD_0", self._array(part.uvs, _ARRAY_BUFFER)))
@@ -161,12 +161,12 @@ class GltfWriter:
         return index
 
     def add_detail_levels(self, node: int, meshes: Sequence[int], coverage: Sequence[float]) -> None:
-        """Give a node coarser forms (MSFT_lod): nodes outside the scene's tree, placed as the node itself.
+        """Add coarser levels of detail to a node (MSFT_lod): nodes outside the scene's tree with its transform.
 
         Args:
-            node: The finest form.
-            meshes: Coarser and coarser.
-            coverage: Share of the picture's area down to which each form is meant, the node's own first.
+            node: The finest level.
+            meshes: Meshes of the coarser levels, finest first.
+            coverage: Smallest share of the picture for each level, the node's own first.
         """
         source = self._tables["nodes"][node]
         place: dict[str, Any] = {key: source[key] for key in _PLACE if key in source}
@@ -175,7 +175,7 @@ class GltfWriter:
         source.setdefault("extras", {})["MSFT_screencoverage"] = list(coverage)
 
     def to_bytes(self) -> bytes:
-        """The whole file as GLB (glTF 2.0 4.4)."""
+        """Return the whole file as GLB (glTF 2.0 4.4)."""
         document: dict[str, Any] = {"asset": self._asset, "scene": 0, "scenes": [{"nodes": self._roots}]}
         if self._extensions:
             document["extensionsUsed"] = sorted(self._extensions)
@@ -184,7 +184,7 @@ class GltfWriter:
         return pack_glb(document, bytes(self._blob))
 
     def write(self, path: Path) -> Path:
-        """Write the file and return its path; its folder is made when missing."""
+        """Write the file, and its folder where it is missing; return its path."""
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(self.to_bytes())
         return path

@@ -1,3 +1,3 @@
-"""How surfaces look: materials, and the techniques that draw them."""
+"""Materials, textures, and the techniques that draw them."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""How a surface answers light, and the pictures laid on it."""
+"""Materials and textures."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ AlphaMode = Literal["opaque", "mask", "blend"]
 Wrap = Literal["repeat", "mirror", "clamp"]
 Filter = Literal["nearest", "linear", "trilinear"]
 Affine = tuple[float, float, float, float, float, float]
-"""Rows of the 2 x 3 matrix that gives a map's texture coordinates from the mesh's (KHR_texture_transform)."""
+"""Rows of the 2 x 3 matrix from the mesh's texture coordinates to a map's (KHR_texture_transform)."""
 
 IDENTITY: Affine = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
 
 MAPS = ("base", "normal", "surface", "occlusion", "emission")
-"""Pictures a material can have, in the order of their bindings and of `Material.uv_transforms`."""
+"""Texture maps of a material, in the order of their bindings and of `Material.uv_transforms`."""
 
 
 @dataclass(frozen=True)
@@ -28,26 +28,26 @@ class Material:
 
     Attributes:
         name: Key in `World.materials`.
-        technique: How it is drawn: "pbr" (by lights and sky, all maps), "lit" (the same, base map only), "lit_matt",
+        technique: Method of drawing: "pbr" (lights and sky, all maps), "lit" (the same, base map only), "lit_matt",
             "unlit" (base colour only), "glass" (translucent, rim brighter), or one of the scene's `techniques`.
         base_colour: Linear RGBA, 0-1; alpha is opacity where `alpha_mode` is "blend".
         metallic: 0 (dielectric) to 1 (metal).
         roughness: 0 (mirror) to 1 (matt).
-        emission: Linear RGB light given off, >= 0.
-        base_texture: Key in `World.textures` of a picture multiplied with the base colour, or None.
-        normal_texture: The same of normals in the frame of the texture, x right, y against v, z outwards.
-        surface_texture: The same of roughness (green) and metal (blue), multiplied with the figures above.
-        occlusion_texture: The same of the share of the sky's light that arrives (red).
-        emission_texture: The same of colours multiplied with `emission`.
+        emission: Emitted radiance, linear RGB, >= 0.
+        base_texture: Key in `World.textures` of the map multiplied with the base colour, or None.
+        normal_texture: Key of the map of normals in tangent space, x right, y against v, z outwards.
+        surface_texture: Key of the map of roughness (green) and metallic (blue), multiplied with the values above.
+        occlusion_texture: Key of the map of the share of the sky's light that arrives (red).
+        emission_texture: Key of the map multiplied with `emission`.
         normal_scale: Factor on x and y of the normal map.
-        occlusion_strength: How much of the occlusion map counts, 0-1.
-        uv_transforms: Where each of the `MAPS` lies, from the mesh's texture coordinates.
+        occlusion_strength: Strength of the occlusion map, 0-1.
+        uv_transforms: Transform of the mesh's texture coordinates for each of the `MAPS`.
         alpha_mode: "opaque", "mask" (cut out below `alpha_cutoff`) or "blend".
         alpha_cutoff: Opacity below which "mask" draws nothing, 0-1.
         double_sided: True when back faces are drawn too.
         grid: Spacing of lines drawn over it [m], 0 for none: on the world's xz squares where lit, across the second
             texture coordinate, in its own unit, where glass: rings along a tube.
-        softness: How far light creeps round into the shade, 0 (stone) to 1 (skin): red the farthest.
+        softness: Wrap of diffuse light into the shade, 0 (stone) to 1 (skin), widest for red.
     """
 
     name: str
@@ -72,20 +72,20 @@ class Material:
 
     @property
     def textures(self) -> dict[str, str]:
-        """Key in `World.textures` of each of the `MAPS` it has."""
+        """Keys in `World.textures` of the maps it has, by name in `MAPS`."""
         keys = {name: getattr(self, f"{name}_texture") for name in MAPS}
         return {name: key for name, key in keys.items() if key is not None}
 
 
 @dataclass(frozen=True, eq=False)
 class TextureData:
-    """A picture in memory.
+    """A texture in memory.
 
     Attributes:
         pixels: RGBA, row 0 at the top, uint8 [height, width, 4].
         srgb: True when the colours are sRGB encoded and the sampler is to decode them.
-        wrap: What lies outside 0-1 along u and v.
-        filter: How texels are mixed; "trilinear" uses mip maps.
+        wrap: Addressing outside 0-1 along u and v.
+        filter: Texture filter; "trilinear" uses mipmaps.
     """
 
     pixels: NDArray[np.uint8]
@@ -100,4 +100,4 @@ def _checker() -> NDArray[np.uint8]:
 
 
 MISSING_PICTURE = TextureData(_checker(), filter="nearest")
-"""What is shown in the place of a picture that is not there."""
+"""Placeholder of a missing texture."""

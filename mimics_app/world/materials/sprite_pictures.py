@@ -1,4 +1,4 @@
-"""Pictures of sprites that the application makes itself: white, so that their colour is the sprite's."""
+"""Built-in sprite textures: white, so that the sprite's colour applies."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ __all__ = ["sprite_picture"]
 
 
 _SIDE = 64
-"""All of one size, so that they share a texture."""
+"""Width and height [texels], equal so that all sprites share a texture."""
 
 
 @cache
 def sprite_picture(shape: SpriteShape) -> TextureData:
-    """The picture of a shape, 64 by 64 texels, clear at its border."""
+    """Return the texture of a shape, 64 by 64 texels, transparent at its border."""
     y, x = (np.mgrid[0:_SIDE, 0:_SIDE] + 0.5) / (0.5 * _SIDE) - 1.0
     cover = np.clip(_COVERS[shape](x, y), 0.0, 1.0)
     pixels = np.full((_SIDE, _SIDE, 4), 255, np.uint8)
@@ -55,7 +55,7 @@ def _spark(x: F8, y: F8) -> F8:
 
 
 def _ring(x: F8, y: F8) -> F8:
-    """A circle line with sharp edges."""
+    """A ring with sharp edges."""
     texel = 2.0 / _SIDE
     away = np.hypot(x, y)
     return np.asarray(np.minimum((0.94 - away) / texel + 0.5, (away - 0.78) / texel + 0.5))
@@ -73,4 +73,4 @@ _COVERS: dict[SpriteShape, Callable[[F8, F8], F8]] = {
     "spark": _spark,
     "ring": _ring,
 }
-"""Opacity from places in the picture, both -1 to 1."""
+"""Opacity by position in the texture, both coordinates -1 to 1."""

@@ -1,4 +1,4 @@
-"""Techniques: methods to draw a surface, each a list of passes, and what a graphics driver must have for them."""
+"""Techniques: methods of drawing a surface, each a list of passes, with requirements on the graphics driver."""
 
 from __future__ import annotations
 
@@ -18,40 +18,38 @@ Depth = Literal["material", "write", "test", "off"]
 
 
 class Needs(Component, frozen=True):
-    """What a driver must have."""
+    """Requirements on the driver."""
 
-    gl: Annotated[int, Meta(ge=0, le=1000, description="Version of OpenGL, 430 for 4.3")] = 0
-    texture_units: Annotated[int, Meta(ge=0, le=1000, description="Pictures a fragment shader can read")] = 0
-    texture_size: Annotated[int, Meta(ge=0, le=100_000, description="Longest side of a picture [texels]")] = 0
-    extensions: Annotated[Texts, Meta(description="Such as GL_ARB_shader_viewport_layer_array")] = ()
+    gl: Annotated[int, Meta(ge=0, le=1000, description="Minimum version of OpenGL, 430 for 4.3")] = 0
+    texture_units: Annotated[int, Meta(ge=0, le=1000, description="Minimum texture units of a fragment shader")] = 0
+    texture_size: Annotated[int, Meta(ge=0, le=100_000, description="Minimum of the largest texture size [texels]")] = 0
+    extensions: Annotated[Texts, Meta(description="Extensions, such as GL_ARB_shader_viewport_layer_array")] = ()
 
 
 class PassSpec(Component, frozen=True):
-    """One drawing of the surface: shaders and the state they are used with."""
+    """One pass: shaders and render state."""
 
     vertex: Annotated[str, Meta(description="File below the shaders folder")] = "common/mesh.vert"
     fragment: Annotated[str, Meta(description="File below the shaders folder")] = "unlit/unlit.frag"
-    defines: Annotated[Texts, Meta(description="Always #define'd")] = ()
+    defines: Annotated[Texts, Meta(description="Macros that are always defined")] = ()
     features: Annotated[
         Texts,
-        Meta(description="#define'd where a material has them: TEXTURED, MASKED, GRID, NORMAL_MAP and so on"),
+        Meta(description="Macros defined where a material needs them: TEXTURED, MASKED, GRID, NORMAL_MAP and so on"),
     ] = ()
-    blend: Annotated[Blend, Meta(description="How it mixes with what is behind; material: as its alpha_mode says")] = (
+    blend: Annotated[Blend, Meta(description="Blending; material: by the material's alpha_mode")] = "material"
+    cull: Annotated[Cull, Meta(description="Culled faces; material: back faces unless it is double-sided")] = "material"
+    depth: Annotated[Depth, Meta(description="Depth buffer; material: always tested, written unless blended")] = (
         "material"
     )
-    cull: Annotated[Cull, Meta(description="Faces left out; material: back ones unless it is double-sided")] = (
-        "material"
-    )
-    depth: Annotated[Depth, Meta(description="material: written where nothing is blended, tested always")] = "material"
 
 
 class TechniqueSpec(Component, frozen=True):
-    """A method to draw a surface; where the driver or the profile cannot have it, its fallback is tried."""
+    """A method of drawing a surface; its fallback replaces it where driver or profile do not allow it."""
 
-    inherits: Annotated[str | None, Meta(description="Technique whose keys it takes over where it has none")] = None
-    passes: Annotated[tuple[PassSpec, ...], Meta(max_length=16, description="In the order they are drawn")] = ()
-    needs: Annotated[Needs, Meta(description="What the driver must have")] = Needs()
-    profiles: Annotated[tuple[Profile, ...], Meta(max_length=3, description="Those it is for")] = (
+    inherits: Annotated[str | None, Meta(description="Base technique, whose keys hold where absent")] = None
+    passes: Annotated[tuple[PassSpec, ...], Meta(max_length=16, description="Passes in order")] = ()
+    needs: Annotated[Needs, Meta(description="Requirements on the driver")] = Needs()
+    profiles: Annotated[tuple[Profile, ...], Meta(max_length=3, description="Profiles that may use it")] = (
         "draft",
         "training",
         "study",

@@ -1,4 +1,4 @@
-"""The techniques every installation has: shaders/techniques.json."""
+"""Techniques of the installation: shaders/techniques.json."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ __all__ = ["built_in_techniques", "read_techniques"]
 
 @cache
 def built_in_techniques() -> dict[str, TechniqueSpec]:
-    """The installation's own."""
+    """Return the techniques of the installation."""
     return read_techniques(resources.root() / "shaders" / "techniques.json")
 
 
 def read_techniques(path: Path) -> dict[str, TechniqueSpec]:
-    """Techniques of a file that has nothing else.
+    """Read a file of techniques.
 
     Raises:
-        SceneError: it cannot be read, or a technique is wrong; carries every fault.
+        SceneError: it cannot be read, or all faults of its techniques.
     """
     document, issues = parse_json(read_bytes(path, str(path)), str(path))
 

@@ -1,3 +1,3 @@
-"""Triangle meshes: as arrays, made by formula, read from files, measured."""
+"""Triangle meshes: arrays, primitives, mesh files, mass properties."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""Convex hull of points in space, by adding the farthest point of a face again and again (quickhull)."""
+"""Convex hull of points in space (quickhull)."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ __all__ = ["convex_hull"]
 
 
 _FLAT = 1e-7
-"""Points within this share of the extent of a face count as lying in it."""
+"""Tolerance of coplanarity, as a share of the extent of all points."""
 
 
 def convex_hull(points: F8) -> tuple[F8, I4]:
-    """Vertices and outward triangles of the convex hull (Barber, Dobkin & Huhdanpaa 1996, without merging faces).
+    """Return vertices and triangles of the convex hull (Barber, Dobkin & Huhdanpaa 1996, without merging faces).
 
     Args:
         points: [m], shape [n, 3], finite.
@@ -36,7 +36,7 @@ def convex_hull(points: F8) -> tuple[F8, I4]:
 
 
 class _Hull:
-    """Faces found so far, each with its plane and the points still outside it."""
+    """Faces of the present hull, each with its plane and its set of outside points."""
 
     def __init__(self, points: F8, flat: float) -> None:
         self.points = points
@@ -58,10 +58,10 @@ class _Hull:
             self._add(int(outside[int(np.argmax(heights))]))
 
     def _start(self) -> None:
-        """A tetrahedron of points far from each other."""
+        """Create the initial tetrahedron of points far from each other."""
         points = self.points
         if len(points) < 4:
-            raise ValueError(f"{len(points)} different points span no solid")
+            raise ValueError(f"{len(points)} different points do not span a solid")
         a = int(np.argmin(points[:, 0]))
         b = int(np.argmax(np.linalg.norm(points - points[a], axis=1)))
         across = np.linalg.norm(np.cross(points - points[a], points[b] - points[a]), axis=1)
@@ -76,7 +76,7 @@ class _Hull:
         rest = np.setdiff1d(np.arange(len(points)), [a, b, c, d])
         for face in ((a, b, c), (a, d, b), (b, d, c), (c, d, a)):
             self._append(face)
-        self._share_out(rest, range(4))
+        self._assign(rest, range(4))
 
     def _append(self, face: tuple[int, int, int]) -> None:
         p, q, r = self.points[list(face)]
@@ -87,8 +87,8 @@ class _Hull:
         self._offsets.append(float(normal @ p))
         self._outside.append(np.zeros(0, np.int64))
 
-    def _share_out(self, indices: NDArray[np.int64], faces: range) -> None:
-        """Give each point to the first face that it is outside of."""
+    def _assign(self, indices: NDArray[np.int64], faces: range) -> None:
+        """Assign each point to the first face that it is outside of."""
         for face in faces:
             heights = self.points[indices] @ self._normals[face] - self._offsets[face]
             self._outside[face] = indices[heights > self._flat]
@@ -96,13 +96,13 @@ class _Hull:
 
     def _add(self, apex: int) -> None:
         heights = np.stack(self._normals) @ self.points[apex] - np.array(self._offsets)
-        seen = set(np.flatnonzero(heights > self._flat).tolist())
-        edges = {(face[i], face[(i + 1) % 3]) for face in (self.faces[k] for k in seen) for i in range(3)}
-        rim = [edge for edge in edges if (edge[1], edge[0]) not in edges]
-        homeless = np.setdiff1d(np.concatenate([self._outside[k] for k in sorted(seen)]), [apex])
+        visible = set(np.flatnonzero(heights > self._flat).tolist())
+        edges = {(face[i], face[(i + 1) % 3]) for face in (self.faces[k] for k in visible) for i in range(3)}
+        horizon = [edge for edge in edges if (edge[1], edge[0]) not in edges]
+        orphans = np.setdiff1d(np.concatenate([self._outside[k] for k in sorted(visible)]), [apex])
         for name in ("faces", "_normals", "_offsets", "_outside"):
-            setattr(self, name, [item for k, item in enumerate(getattr(self, name)) if k not in seen])
+            setattr(self, name, [item for k, item in enumerate(getattr(self, name)) if k not in visible])
         first = len(self.faces)
-        for start, end in rim:
+        for start, end in horizon:
             self._append((start, end, apex))
-        self._share_out(homeless, range(first, len(self.faces)))
+        self._assign(orphans, range(first, len(self.faces)))

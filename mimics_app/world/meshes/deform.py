@@ -1,4 +1,4 @@
-"""What makes a mesh bend: weights that bind its vertices to joints, and morph targets."""
+"""Deformation data of a mesh: joint weights of its vertices, and morph targets."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ __all__ = ["MorphTarget", "VertexWeights"]
 
 @dataclass(frozen=True, eq=False)
 class VertexWeights:
-    """The joints each vertex follows, the one it follows most first.
+    """Joints and weights of each vertex, largest weight first.
 
     Attributes:
-        joints: Numbers in a skin's list of joints, uint16 [n, influences].
-        weights: Share of each, none negative, together 1; float32 [n, influences].
+        joints: Indices into a skin's list of joints, uint16 [n, influences].
+        weights: Non-negative weights with a sum of 1 per vertex, float32 [n, influences].
     """
 
     joints: NDArray[np.uint16]
@@ -26,27 +26,27 @@ class VertexWeights:
 
     @property
     def influences(self) -> int:
-        """Joints of a vertex at most."""
+        """Maximum number of joints of a vertex."""
         return self.joints.shape[1]
 
     @property
     def highest(self) -> int:
-        """The highest number of a joint that any vertex follows."""
+        """Largest index of a joint with a positive weight."""
         return int(self.joints[self.weights > 0.0].max(initial=0))
 
     def taken(self, vertices: NDArray[np.integer]) -> VertexWeights:
-        """The weights of some vertices, in their order."""
+        """Return the weights of some vertices, in their order."""
         return VertexWeights(self.joints[vertices], self.weights[vertices])
 
 
 @dataclass(frozen=True, eq=False)
 class MorphTarget:
-    """What is added to a mesh at weight 1.
+    """Displacements added to a mesh at weight 1.
 
     Attributes:
         name: "" where the file gives none.
-        positions: Object frame [m], float32 [n, 3].
-        normals: float32 [n, 3], or None.
+        positions: Displacements of positions, object frame [m], float32 [n, 3].
+        normals: Displacements of normals, float32 [n, 3], or None.
     """
 
     name: str
@@ -54,7 +54,7 @@ class MorphTarget:
     normals: F4 | None = None
 
     def taken(self, vertices: NDArray[np.integer]) -> MorphTarget:
-        """The target of some vertices, in their order."""
+        """Return the target of some vertices, in their order."""
         return MorphTarget(
             self.name, self.positions[vertices], None if self.normals is None else self.normals[vertices]
         )

@@ -1,4 +1,4 @@
-"""Mass, centre and inertia of bodies that are filled evenly."""
+"""Volume, centre and inertia of bodies of uniform density."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ __all__ = [
 
 @dataclass(frozen=True, eq=False)
 class FilledShape:
-    """One filled shape of density 1 at its place in the body.
+    """One solid shape of density 1 in the frame of its body.
 
     Attributes:
-        volume: [m^3].
-        centre: Of the volume, body frame [m], shape [3].
-        inertia: About that centre, body axes, for 1 kg/m^3 [m^5], shape [3, 3].
+        volume: Volume [m^3].
+        centre: Centre of the volume, body frame [m], shape [3].
+        inertia: Inertia about that centre, body axes, for 1 kg/m^3 [m^5], shape [3, 3].
     """
 
     volume: float
@@ -35,7 +35,7 @@ class FilledShape:
     inertia: F8
 
     def placed(self, position: F8, R: F8) -> FilledShape:
-        """The same shape, seen from a frame in which its own has this place and rotation."""
+        """Return the shape in a frame in which its own frame has this position and rotation."""
         return FilledShape(self.volume, position + R @ self.centre, R @ self.inertia @ R.T)
 
 
@@ -73,7 +73,7 @@ def capsule_integrals(radius: float, length: float) -> FilledShape:
 
 
 def combine(parts: Sequence[FilledShape]) -> FilledShape:
-    """Several shapes as one (Steiner); where they overlap they count twice. At least one, of positive volume."""
+    """Combine shapes (parallel axis theorem); overlaps count twice. At least one must have a positive volume."""
     volume = sum(part.volume for part in parts)
     centre = sum((part.volume * part.centre for part in parts), np.zeros(3)) / volume
     inertia = np.zeros((3, 3))

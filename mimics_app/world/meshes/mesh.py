@@ -1,4 +1,4 @@
-"""Triangle meshes as plain arrays, in the units and axes of the world."""
+"""MeshData: triangle meshes as plain arrays, in the units and axes of the world."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from mimics_app.world.meshes.deform import MorphTarget, VertexWeights
 __all__ = ["FARTHEST", "MeshData", "compute_normals"]
 
 FARTHEST = 1e15
-"""Farthest a corner of a model may be [m]: squares of distances have to fit into float32."""
+"""Maximum coordinate of a vertex [m]: squares of distances must fit into float32."""
 
 
 _FALLBACK_NORMAL = (0.0, 1.0, 0.0)
-"""Normal of a vertex that no triangle of positive area touches: up, so that it is lit from the sky."""
+"""Normal of a vertex without a triangle of positive area: up, so that it is lit by the sky."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +31,8 @@ class MeshData:
         indices: Three per triangle, uint32 [m].
         uvs: Texture coordinates, (0, 0) the first texel of the first row (top left), float32 [n, 2], or None.
         colours: Linear RGBA per vertex, multiplied with the material's base colour, float32 [n, 4], or None.
-        weights: Joints that its vertices follow, or None.
-        morphs: What may be added to it.
+        weights: Joints and weights of its vertices, or None.
+        morphs: Its morph targets.
     """
 
     positions: F4
@@ -44,7 +44,7 @@ class MeshData:
     morphs: tuple[MorphTarget, ...] = ()
 
     def validated(self) -> MeshData:
-        """The mesh with contiguous arrays of the exact types.
+        """Return the mesh with contiguous arrays of the exact types.
 
         Raises:
             ValueError: a shape does not fit, an index points past the vertices, or a number is not finite.
@@ -74,16 +74,16 @@ class MeshData:
 
     @cached_property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Least and greatest corner of the axis-aligned box [m], float64 [3] each; zeros for an empty mesh."""
+        """Minimum and maximum of the AABB [m], float64 [3] each; zeros for an empty mesh."""
         if self.positions.shape[0] == 0:
             return np.zeros(3), np.zeros(3)
         return self.positions.min(axis=0).astype(np.float64), self.positions.max(axis=0).astype(np.float64)
 
     @cached_property
     def centre(self) -> NDArray[np.float64]:
-        """Centre of the bounding sphere [m], float64 [3]: the middle of the box."""
-        least, greatest = self.bounds
-        return 0.5 * (least + greatest)
+        """Centre of the bounding sphere [m], float64 [3]: the centre of the AABB."""
+        low, high = self.bounds
+        return 0.5 * (low + high)
 
     @cached_property
     def radius(self) -> float:
@@ -95,14 +95,14 @@ class MeshData:
 
 
 def compute_normals(positions: NDArray[np.floating], indices: NDArray[np.integer]) -> F4:
-    """Smooth vertex normals: the mean of the touching triangles' normals, weighted by area.
+    """Return smooth vertex normals: the area-weighted mean of the adjacent triangles' normals.
 
     Args:
         positions: [m], shape [n, 3].
         indices: Three per triangle, shape [m].
 
     Returns:
-        Unit normals, float32 [n, 3]; up where no triangle of positive area touches the vertex.
+        Unit normals, float32 [n, 3]; up at a vertex without a triangle of positive area.
     """
     corners = positions.astype(np.float64)[indices.reshape(-1, 3)]
     faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

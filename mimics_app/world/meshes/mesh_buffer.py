@@ -1,4 +1,4 @@
-"""A mesh whose numbers are changed while it is drawn: numpy arrays that are its buffers, updated range by range."""
+"""MeshBuffer: vertex and index buffers of a dynamic mesh, updated range by range."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ __all__ = ["MeshBuffer", "MeshChange"]
 
 
 _REMEMBERED = 64
-"""Changes a reader may be behind by; one that is further behind reads the whole mesh."""
+"""Length of the history of changes; a reader that is further behind reads the whole mesh."""
 
 MeshChange = tuple[int, Literal["vertices", "indices"], int, int]
-"""Revision of the mesh after the change, what, first, count."""
+"""Revision of the mesh after the change, buffer, first element, count."""
 
 
 class MeshBuffer:
-    """The vertex and index buffers of one mesh; its numbers of vertices and indices stay.
+    """The vertex and index buffers of one mesh, of constant size.
 
     Write into the arrays, then name the range that was written: `buffer.positions[4:8] += up; buffer.update(4, 4)`.
 
     Args:
-        mesh: What it begins with; copied.
-        revision: Of the mesh in its world once this is in its place.
+        mesh: Initial content, copied.
+        revision: Revision of the mesh in its world once this replaces it.
         publish: Called with the buffer after every change; returns the mesh's revision then.
 
     Attributes:
-        mesh: The same arrays as a mesh of the world; another one after every change.
+        mesh: The same arrays as a mesh of the world; a new object after every change.
         positions, normals: Object frame [m] and unit, float32 [n, 3].
         uvs: Texture coordinates, float32 [n, 2], or None where the mesh has none.
         colours: Linear RGBA, float32 [n, 4], or None.
@@ -55,15 +55,15 @@ class MeshBuffer:
 
     @property
     def declarations(self) -> tuple[VertexDeclaration, ...]:
-        """How vertices lie in the driver's buffers."""
+        """Layout of the vertex buffers."""
         return (VERTEX_DECLARATION,) if self.colours is None else (VERTEX_DECLARATION, COLOUR_DECLARATION)
 
     def update(self, first: int = 0, count: int | None = None) -> None:
-        """Announce that vertices were written; the mesh's bounds are computed anew.
+        """Publish written vertices; the mesh's bounds are recomputed.
 
         Args:
-            first: The first of them.
-            count: How many; None: all from there.
+            first: First element written.
+            count: Number of elements; None: all from `first`.
 
         Raises:
             ValueError: the range is not inside, or a number in it is not finite.
@@ -75,28 +75,28 @@ class MeshBuffer:
         self._note_change("vertices", first, end - first)
 
     def update_indices(self, first: int = 0, count: int | None = None) -> None:
-        """Announce that indices were written.
+        """Publish written indices.
 
         Args:
-            first: The first of them.
-            count: How many; None: all from there.
+            first: First element written.
+            count: Number of elements; None: all from `first`.
 
         Raises:
             ValueError: the range is not inside, or an index in it points past the vertices.
         """
         end = self._end(first, count, len(self.indices), "indices")
-        most = int(self.indices[first:end].max(initial=0))
-        if most >= len(self.positions):
-            raise ValueError(f"indices: {most} points past the {len(self.positions)} vertices")
+        largest = int(self.indices[first:end].max(initial=0))
+        if largest >= len(self.positions):
+            raise ValueError(f"indices: {largest} points past the {len(self.positions)} vertices")
         self._note_change("indices", first, end - first)
 
     def changes_since(self, revision: int) -> list[MeshChange] | None:
-        """What changed after a revision of the mesh, oldest first; None where that is not remembered."""
+        """Return the changes after a revision of the mesh, oldest first; None beyond the history."""
         known = self._first if len(self._changes) < _REMEMBERED else self._changes[0][0] - 1
         return [change for change in self._changes if change[0] > revision] if revision >= known else None
 
     def _note_change(self, what: Literal["vertices", "indices"], first: int, count: int) -> None:
-        # The same arrays in a new mesh: bounds and whatever else was computed for the old one are gone with it.
+        # A new mesh object with the same arrays drops cached bounds and other derived values.
         self.mesh = replace(self.mesh)
         self._changes.append((self._publish(self), what, first, count))
 

@@ -1,4 +1,4 @@
-"""Mesh files that are no glTF (STL, OBJ, PLY, OFF), read by trimesh to be looked at."""
+"""Reader of STL, OBJ, PLY and OFF files for the viewer, by trimesh."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ if TYPE_CHECKING:
 __all__ = ["MESH_SUFFIXES", "add_mesh_file"]
 
 MESH_SUFFIXES = (".stl", ".obj", ".ply", ".off")
-"""What is read, by the ending of the file's name."""
+"""Supported endings of file names."""
 
-_MOST_BYTES = 512 * 1024 * 1024
-_MOST_TRIANGLES = 20_000_000
+_MAX_BYTES = 512 * 1024 * 1024
+_MAX_TRIANGLES = 20_000_000
 _GREY = (0.62, 0.62, 0.64, 1.0)
 
 
 def add_mesh_file(world: World, node: SceneNode, path: Path) -> None:
-    """Put the bodies of a mesh file below a node; its unit is taken as the metre.
+    """Add the bodies of a mesh file below a node; its unit is taken as the metre.
 
     Raises:
-        SceneError: it cannot be read, or holds no triangle.
+        SceneError: it cannot be read, or has no triangle.
     """
     for number, (name, body) in enumerate(_bodies(path)):
         key = f"{path.stem}#{number}"
@@ -47,27 +47,27 @@ def add_mesh_file(world: World, node: SceneNode, path: Path) -> None:
 
 
 def _bodies(path: Path) -> list[tuple[str, trimesh.Trimesh]]:
-    """Every body of a file, placed in the file's own frame."""
+    """Return every body of a file, in the file's own frame."""
     import trimesh
 
-    data = read_bytes(path, str(path), _MOST_BYTES)
-    logging.getLogger("trimesh").setLevel(logging.CRITICAL + 1)  # what it cannot read is reported here, in one line
+    data = read_bytes(path, str(path), _MAX_BYTES)
+    logging.getLogger("trimesh").setLevel(logging.CRITICAL + 1)  # its faults are reported below, in one line
     try:
         try:
             loaded = _load(path, data)
-        except ImportError:  # it would guess at what is no UTF-8, with a library that is not here
+        except ImportError:  # the library that guesses an encoding other than UTF-8 is not installed
             loaded = _load(path, data.decode("utf-8", "replace").encode())
         bodies = [(str(name), loaded.geometry[name]) for name in loaded.geometry]
     except MemoryError:
         raise SceneError(Issue(str(path), "", "does not fit into memory")) from None
     except Exception as error:  # each of its readers has its own errors
         said = " ".join(str(error).split())[:160] or type(error).__name__
-        raise SceneError(Issue(str(path), "", f"is damaged or no {path.suffix[1:].upper()} file: {said}")) from error
+        raise SceneError(Issue(str(path), "", f"is damaged or not a {path.suffix[1:].upper()} file: {said}")) from error
     found = [(name, body) for name, body in bodies if isinstance(body, trimesh.Trimesh) and len(body.faces)]
     if not found:
-        raise SceneError(Issue(str(path), "", "holds no triangle"))
-    if sum(len(body.faces) for _, body in found) > _MOST_TRIANGLES:
-        raise SceneError(Issue(str(path), "", f"has more than {_MOST_TRIANGLES} triangles"))
+        raise SceneError(Issue(str(path), "", "has no triangle"))
+    if sum(len(body.faces) for _, body in found) > _MAX_TRIANGLES:
+        raise SceneError(Issue(str(path), "", f"has more than {_MAX_TRIANGLES} triangles"))
     return found
 
 
@@ -82,18 +82,18 @@ def _load(path: Path, data: bytes) -> trimesh.Scene:
 def _mesh(path: Path, body: trimesh.Trimesh) -> MeshData:
     vertices, faces = np.asarray(body.vertices, np.float64), np.asarray(body.faces, np.int64)
     if not (np.abs(vertices) < FARTHEST).all() or faces.min(initial=0) < 0 or faces.max(initial=0) >= len(vertices):
-        raise SceneError(Issue(str(path), "", "has corners that are nowhere"))
+        raise SceneError(Issue(str(path), "", "has vertices or indices out of range"))
     uvs = getattr(body.visual, "uv", None)
     colours = _vertex_colours(body)
     if uvs is None or len(uvs) != len(vertices):
         return shaded_mesh(vertices, faces, colours)
-    flipped = np.asarray(uvs, np.float32)[:, :2] * (1.0, -1.0) + (0.0, 1.0)  # ours begin at the top
+    flipped = np.asarray(uvs, np.float32)[:, :2] * (1.0, -1.0) + (0.0, 1.0)  # v = 0 is at the top here
     normals = np.asarray(body.vertex_normals, np.float32)
     return MeshData(vertices.astype(np.float32), normals, faces.reshape(-1).astype(np.uint32), flipped.astype("f4"))
 
 
 def _vertex_colours(body: trimesh.Trimesh) -> NDArray[np.float32] | None:
-    """Linear RGBA of the vertices, where the file gives them colours."""
+    """Return linear RGBA of the vertices, where the file has vertex colours."""
     visual: Any = body.visual
     if getattr(visual, "kind", None) != "vertex":
         return None
@@ -103,7 +103,7 @@ def _vertex_colours(body: trimesh.Trimesh) -> NDArray[np.float32] | None:
 
 
 def _material(key: str, body: trimesh.Trimesh, world: World) -> Material:
-    """Plain grey, the colour of the file's material, or its picture."""
+    """Return a material with the file's texture, else its colour, else plain grey."""
     given: Any = getattr(body.visual, "material", None)
     picture = getattr(given, "image", None) or getattr(given, "baseColorTexture", None)
     if picture is not None:

@@ -1,4 +1,4 @@
-"""Meshes made by formula: plane, box, sphere, icosphere, cylinder, capsule, ring, torus, and a tube along a curve.
+"""Meshes of primitives: plane, box, sphere, icosphere, cylinder, capsule, ring, torus, and a tube along a curve.
 
 All are counter-clockwise from outside, with texture coordinates, in metres.
 """
@@ -41,7 +41,7 @@ _GOLDEN = 0.5 * (1.0 + math.sqrt(5.0))
 
 
 def build_shape(shape: Shape) -> MeshData:
-    """The mesh of a shape named in a scene file."""
+    """Build the mesh of a shape of a scene file."""
     match shape:
         case PlaneShape():
             return plane(*shape.size, segments=shape.segments)
@@ -88,7 +88,7 @@ def box(width: float = 1.0, height: float = 1.0, depth: float = 1.0) -> MeshData
 
 
 def sphere(radius: float = 0.5, segments: int = 32) -> MeshData:
-    """Sphere about the origin by longitude and latitude: radius [m], facets round the equator."""
+    """Sphere about the origin by longitude and latitude: radius [m], facets around the equator."""
     rings = max(2, segments // 2)
     v, u = np.meshgrid(np.linspace(0.0, 1.0, rings + 1), np.linspace(0.0, 1.0, segments + 1), indexing="ij")
     polar, around = math.pi * v.ravel(), 2.0 * math.pi * u.ravel()
@@ -96,7 +96,7 @@ def sphere(radius: float = 0.5, segments: int = 32) -> MeshData:
     indices = _grid_indices(segments, rings).reshape(-1, 3)
     corners = normals[indices] * radius
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    kept = indices[areas > 1e-9 * radius * radius].ravel()  # at the poles half the triangles are points
+    kept = indices[areas > 1e-9 * radius * radius].ravel()  # half the triangles at the poles are degenerate
     return _mesh(normals * radius, normals, kept, np.stack([u.ravel(), v.ravel()], axis=1))
 
 
@@ -120,7 +120,7 @@ def icosphere(radius: float = 0.5, subdivisions: int = 3) -> MeshData:
 def cylinder(
     radius: float = 0.5, height: float = 1.0, *, top_radius: float | None = None, segments: int = 32
 ) -> MeshData:
-    """Closed cylinder about the y axis, middle at the origin; a cone where `top_radius` [m] is 0."""
+    """Closed cylinder about the y axis, centred at the origin; a cone where `top_radius` [m] is 0."""
     upper = radius if top_radius is None else top_radius
     u = np.linspace(0.0, 1.0, segments + 1)
     out = np.stack([np.cos(2.0 * math.pi * u), np.zeros(segments + 1), -np.sin(2.0 * math.pi * u)], axis=1)
@@ -132,7 +132,7 @@ def cylinder(
     positions, normals = [side], [side_normals]
     walls = _grid_indices(segments, 1)
     if upper == 0.0:
-        walls = walls.reshape(-1, 2, 3)[:, 1].ravel()  # the other triangle of each facet is a point
+        walls = walls.reshape(-1, 2, 3)[:, 1].ravel()  # the other triangle of each facet is degenerate
     indices, uvs, count = [walls], [side_uvs], len(side)
     for rim, middle, sign in ((upper, up, 1.0), (radius, -up, -1.0)):
         if rim == 0.0:
@@ -148,7 +148,7 @@ def cylinder(
 
 
 def capsule(radius: float = 0.25, length: float = 0.5, *, segments: int = 32) -> MeshData:
-    """Capsule about the y axis, `length` between the centres of its half spheres [m]: a sphere drawn apart."""
+    """Capsule about the y axis, `length` between the centres of its half spheres [m]: a sphere pulled apart."""
     ball = sphere(radius, 4 * max(1, segments // 4))
     positions = ball.positions.astype(np.float64)
     rings, columns = 2 * max(1, segments // 4) + 1, 4 * max(1, segments // 4) + 1
@@ -173,8 +173,8 @@ def ring(
     """Flat ring or sector of one in the xz plane, facing +y.
 
     Args:
-        inner_radius: [m], >= 0; 0 makes a disc.
-        outer_radius: [m], > inner_radius.
+        inner_radius: Inner radius [m], >= 0; 0 makes a disc.
+        outer_radius: Outer radius [m], > inner_radius.
         start: First angle [rad]; 0 is +x and pi/2 is -z.
         sweep: Angle covered [rad].
         segments: Facets along the arc.
@@ -185,22 +185,22 @@ def ring(
     positions = np.stack([radius * np.cos(angle), np.zeros_like(angle), -radius * np.sin(angle)], axis=1)
     indices = _grid_indices(segments, 1)
     if inner_radius == 0.0:
-        indices = indices.reshape(-1, 2, 3)[:, 0].ravel()  # the other triangle of each facet is a point
+        indices = indices.reshape(-1, 2, 3)[:, 0].ravel()  # the other triangle of each facet is degenerate
     normals = np.broadcast_to([0.0, 1.0, 0.0], positions.shape)
     return _mesh(positions, normals, indices[::-1], np.stack([u.ravel(), v.ravel()], axis=1))
 
 
 def torus(radius: float = 0.5, bar_radius: float = 0.05, segments: int = 64) -> MeshData:
-    """Round bar of `bar_radius` bent about the y axis, its middle at `radius` [m]."""
+    """Torus about the y axis: centre line of `radius`, bar of `bar_radius` [m]."""
     angle = np.linspace(0.0, 2.0 * math.pi, segments + 1)
     out = np.stack([np.cos(angle), np.zeros_like(angle), -np.sin(angle)], axis=1)
     up = np.broadcast_to([0.0, 1.0, 0.0], out.shape)
-    # The bar runs towards growing angle; normal x binormal must point along it.
+    # The bar runs towards increasing angle; normal x binormal must point along it.
     return tube(radius * out, up, out, np.full(segments + 1, bar_radius), sides=torus_sides(segments))
 
 
 def torus_sides(segments: int) -> int:
-    """Facets round the bar of a torus of so many facets round the ring."""
+    """Return the facets around the bar of a torus with `segments` facets around the ring."""
     return max(8, segments // 3)
 
 
@@ -209,14 +209,14 @@ def tube(centres: F8, normals: F8, binormals: F8, radii: F8, *, sides: int = 32,
 
     Args:
         centres: Points of the curve [m], [n, 3], n >= 2.
-        normals: Unit, at right angles to the curve, [n, 3]; best rotation-minimising, else the mesh is twisted.
+        normals: Unit normals of the curve, [n, 3]; rotation-minimising, or the mesh is twisted.
         binormals: tangent x normal, [n, 3].
-        radii: [m], [n].
-        sides: Facets round the tube.
-        inward: True for a tube seen from inside: faces and normals are turned over.
+        radii: Radii [m], [n].
+        sides: Facets around the tube.
+        inward: True for a tube seen from inside: faces and normals are flipped.
 
     Returns:
-        The mesh; u runs round the tube from the normal, v along it by arc length (0-1). Normals lean with the radius.
+        The mesh; u runs around the tube from the normal, v along it by arc length (0-1). Normals follow the taper.
 
     Raises:
         ValueError: fewer than two points.
@@ -230,28 +230,28 @@ def tube(centres: F8, normals: F8, binormals: F8, radii: F8, *, sides: int = 32,
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(centres, axis=0), axis=1))])
     total = lengths[-1] if lengths[-1] > 0.0 else 1.0
     slope = np.gradient(radii, lengths) if lengths[-1] > 0.0 and (np.diff(lengths) > 0.0).all() else np.zeros(count)
-    leaning = out - slope[:, None, None] * np.cross(normals, binormals)[:, None]
-    leaning /= np.linalg.norm(leaning, axis=2, keepdims=True)
+    tapered = out - slope[:, None, None] * np.cross(normals, binormals)[:, None]
+    tapered /= np.linalg.norm(tapered, axis=2, keepdims=True)
     positions = centres[:, None] + out * np.asarray(radii)[:, None, None]
     uvs = np.stack(np.broadcast_arrays(u[None, :], (lengths / total)[:, None]), axis=2)
     indices = _grid_indices(sides, count - 1).reshape(-1, 3)
     return _mesh(
         positions.reshape(-1, 3),
-        (-leaning if inward else leaning).reshape(-1, 3),
+        (-tapered if inward else tapered).reshape(-1, 3),
         (indices if inward else indices[:, ::-1]).ravel(),
         uvs.reshape(-1, 2),
     )
 
 
 def _grid_indices(columns: int, rows: int) -> NDArray[np.int64]:
-    """Two triangles for each cell of a grid of (rows + 1) x (columns + 1) vertices, row by row."""
+    """Return indices of two triangles per cell of a grid of (rows + 1) x (columns + 1) vertices, row by row."""
     first = (np.arange(rows)[:, None] * (columns + 1) + np.arange(columns)[None, :]).ravel()
     below = first + columns + 1
     return np.stack([first, below, first + 1, first + 1, below, below + 1], axis=1).ravel()
 
 
 def _subdivided(points: F8, triangles: NDArray[np.int64]) -> tuple[F8, NDArray[np.int64]]:
-    """Each triangle in four, new vertices shared and put on the sphere of the old ones."""
+    """Split each triangle in four, with shared new vertices on the sphere of the old ones."""
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     unique, inverse = np.unique(edges, axis=0, return_inverse=True)
     middles = points[unique].mean(axis=1)

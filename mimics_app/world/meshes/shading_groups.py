@@ -1,4 +1,4 @@
-"""Normals for triangles that came without any: smooth over gentle edges, creased at sharp ones."""
+"""Normals for triangles without any: smooth across edges below the crease angle, split at sharper ones."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ __all__ = ["CREASE", "shaded_mesh"]
 
 
 CREASE = math.radians(40.0)
-"""Angle between two faces from which their edge is seen as an edge."""
+"""Crease angle between two faces [rad], from which their edge is sharp."""
 
 
 def shaded_mesh(vertices: F8, faces: I8, colours: NDArray[np.float32] | None = None) -> MeshData:
-    """Triangles with normals of their own.
+    """Return a mesh with smooth and creased normals.
 
-    Corners of faces that meet in a gentle edge share a vertex; a vertex on a sharp edge is split.
+    Faces that meet in a smooth edge share its vertices; a vertex on a sharp edge is split.
 
     Args:
-        vertices: [m], [n, 3]; equal ones are taken as one.
-        faces: Three per triangle, [m, 3]; faces without area are left out.
+        vertices: Positions [m], [n, 3]; equal ones are welded.
+        faces: Indices, [m, 3]; degenerate faces are left out.
         colours: Linear RGBA per vertex, [n, 4], or None.
     """
     points, merged = np.unique(vertices, axis=0, return_inverse=True)
@@ -50,23 +50,23 @@ def shaded_mesh(vertices: F8, faces: I8, colours: NDArray[np.float32] | None = N
 
 
 def _smooth_corners(welded: I8, normals: F8) -> I8:
-    """Number of the first corner of each corner's group, [3 m]: what is joined over gentle edges."""
+    """Return the first face corner of each corner's smoothing group, [3 m]."""
     count = len(welded)
     labels = np.arange(3 * count)
-    joined = _gentle_pairs(welded, normals)
+    joined = _smooth_pairs(welded, normals)
     while len(joined):
-        least = np.minimum(labels[joined[:, 0]], labels[joined[:, 1]])
+        lower = np.minimum(labels[joined[:, 0]], labels[joined[:, 1]])
         before = labels.copy()
-        np.minimum.at(labels, joined[:, 0], least)
-        np.minimum.at(labels, joined[:, 1], least)
+        np.minimum.at(labels, joined[:, 0], lower)
+        np.minimum.at(labels, joined[:, 1], lower)
         labels = labels[labels]
         if np.array_equal(before, labels):
             break
     return labels
 
 
-def _gentle_pairs(welded: I8, normals: F8) -> I8:
-    """Pairs of corners of neighbouring faces that stand at one end of a gentle edge, [k, 2]."""
+def _smooth_pairs(welded: I8, normals: F8) -> I8:
+    """Return pairs of face corners at one end of a smooth edge between neighbours, [k, 2]."""
     count = len(welded)
     face = np.tile(np.arange(count), 3)
     begin = np.concatenate([np.arange(count) * 3 + side for side in range(3)])
@@ -76,9 +76,9 @@ def _gentle_pairs(welded: I8, normals: F8) -> I8:
     order = np.lexsort((ends[:, 1], ends[:, 0]))
     same = np.all(ends[order[1:]] == ends[order[:-1]], axis=1)
     one, two = order[:-1][same], order[1:][same]
-    gentle = np.einsum("ij,ij->i", normals[face[one]], normals[face[two]]) > math.cos(CREASE)
-    one, two = one[gentle], two[gentle]
-    # Neighbours run along their edge in opposite directions, unless one of them is turned over.
+    smooth = np.einsum("ij,ij->i", normals[face[one]], normals[face[two]]) > math.cos(CREASE)
+    one, two = one[smooth], two[smooth]
+    # Neighbours run along their edge in opposite directions, unless one of them is flipped.
     along = flat[begin[one]] == flat[begin[two]]
     first = np.where(along, begin[two], end[two])
     second = np.where(along, end[two], begin[two])

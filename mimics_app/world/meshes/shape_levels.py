@@ -1,4 +1,4 @@
-"""Coarser forms of round shapes, and how far each lies from the round: levels of detail without a simplifier."""
+"""Levels of detail of round primitives by fewer facets, with exact errors."""
 
 from __future__ import annotations
 
@@ -13,32 +13,32 @@ from mimics_app.world.meshes.primitives import torus_sides
 __all__ = ["PIXELS", "shape_levels"]
 
 PIXELS = 0.5
-"""Largest error of a level of a round shape [px] of a picture of `COVERED_PICTURE`."""
+"""Maximum error of a level in a picture of `COVERED_PICTURE` [px]."""
 
-_FEWEST = 24
-"""Facets round a shape from which coarser forms are worth having: some 500 triangles."""
+_MIN_SEGMENTS = 24
+"""Facets around a shape from which levels of detail pay: some 500 triangles."""
 
-_COARSEST = 8
-"""Facets of the coarsest form."""
+_COARSEST_SEGMENTS = 8
+"""Minimum facets of the coarsest level."""
 
 
 def shape_levels(shape: Shape) -> tuple[list[Shape], tuple[float, ...]]:
-    """A shape with its coarser forms, the shape itself first, and the least coverage of the picture for each.
+    """Return the levels of detail of a shape, the shape itself first, and the smallest coverage for each.
 
-    Flat shapes, boxes, and what has few facets anyway, have one form. Each form has half the facets of the one before.
+    Flat shapes, boxes and shapes of few facets have one level. Each level has half the facets of the one before.
     """
-    if not isinstance(shape, SphereShape | CapsuleShape | TorusShape) or shape.segments < _FEWEST:
+    if not isinstance(shape, SphereShape | CapsuleShape | TorusShape) or shape.segments < _MIN_SEGMENTS:
         return [shape], (0.0,)
-    forms: list[SphereShape | CapsuleShape | TorusShape] = [shape]
-    while forms[-1].segments // 2 >= _COARSEST:
-        forms.append(replace(forms[-1], segments=forms[-1].segments // 2))
-    errors = [_error(form) - _error(shape) for form in forms]
+    levels: list[SphereShape | CapsuleShape | TorusShape] = [shape]
+    while levels[-1].segments // 2 >= _COARSEST_SEGMENTS:
+        levels.append(replace(levels[-1], segments=levels[-1].segments // 2))
+    errors = [_error(level) - _error(shape) for level in levels]
     coverages = coverages_of(_radius(shape), errors, PIXELS)
-    return list(forms), coverages
+    return list(levels), coverages
 
 
 def _radius(shape: SphereShape | CapsuleShape | TorusShape) -> float:
-    """Of the sphere about it [m]."""
+    """Return the radius of the bounding sphere [m]."""
     match shape:
         case SphereShape():
             return shape.radius
@@ -49,7 +49,7 @@ def _radius(shape: SphereShape | CapsuleShape | TorusShape) -> float:
 
 
 def _error(shape: SphereShape | CapsuleShape | TorusShape) -> float:
-    """Farthest the round lies from the facets [m]: over the middle of a facet that is bent in both directions."""
+    """Return the largest distance of the exact surface from the facets [m], above the centre of a facet."""
     around = 1.0 - math.cos(math.pi / shape.segments)
     if isinstance(shape, TorusShape):
         bar = 1.0 - math.cos(math.pi / torus_sides(shape.segments))

@@ -1,7 +1,7 @@
-"""What of a model can be touched: its triangles, their hull, or a box or sphere round them; and its mass properties.
+"""SolidMesh: triangles of a model for collision, their convex hull, bounding sphere and mass properties.
 
-Vertices and faces come from our own glTF reader; trimesh joins them to solids and integrates them. It is imported only
-when a scene has such a shape. Its hulls and fitted spheres would need scipy, so those are ours.
+trimesh, imported only for scenes with such shapes, welds and integrates the triangles. Its hulls and spheres would need
+scipy, so those are implemented here.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ __all__ = ["SolidMesh", "enclosing_sphere", "hull_corners", "mesh_integrals", "s
 
 
 _SPHERE_STEPS = 1000
-"""Steps towards the smallest sphere; its excess falls at least with their square root."""
+"""Iterations of the smallest sphere; the excess falls at least with their square root."""
 
 
 @dataclass(frozen=True, eq=False)
 class SolidMesh:
-    """Triangles to be touched.
+    """Triangles of a collision shape.
 
     Attributes:
-        vertices: [m], float64 [n, 3].
+        vertices: Positions [m], float64 [n, 3].
         triangles: Indices, counter-clockwise from outside, int32 [m, 3].
-        watertight: Every edge has exactly two faces: it has an inside.
+        watertight: True: every edge has exactly two faces, so the mesh encloses a volume.
     """
 
     vertices: F8
@@ -40,24 +40,24 @@ class SolidMesh:
 
 
 def solid_mesh(assets: dict[str, SceneAsset], source: str, scale: float = 1.0, *, hull: bool = False) -> SolidMesh:
-    """The triangles of a model, in the frame of the entity that would show it.
+    """Return the triangles of a model, in the frame of its entity.
 
     Args:
-        assets: The scene's.
+        assets: Assets of the scene.
         source: "asset", "asset#/nodes/Name" or "asset#/meshes/Name".
         scale: Factor on its lengths.
-        hull: Their convex hull instead.
+        hull: True: their convex hull instead.
 
     Raises:
         KeyError: the source refers to nothing.
-        ValueError: it holds no triangles, or its hull is flat.
+        ValueError: it has no triangles, or its hull is flat.
     """
     vertices, triangles = _gather(find_in_model(assets, source))
     vertices = vertices * scale
     if hull:
         vertices, triangles = convex_hull(vertices)
         return SolidMesh(vertices, triangles, watertight=True)
-    joined = _joined(vertices, triangles)
+    joined = _welded(vertices, triangles)
     return SolidMesh(
         np.ascontiguousarray(joined.vertices, np.float64),
         np.ascontiguousarray(joined.faces, np.int32),
@@ -66,21 +66,21 @@ def solid_mesh(assets: dict[str, SceneAsset], source: str, scale: float = 1.0, *
 
 
 def mesh_integrals(mesh: SolidMesh) -> tuple[float, F8, F8]:
-    """Volume [m^3], centre of mass [m], shape [3], and inertia about it for 1 kg/m^3 [m^5], shape [3, 3].
+    """Return volume [m^3], centre of mass [m], shape [3], and inertia about it for 1 kg/m^3 [m^5], shape [3, 3].
 
-    Exact for a closed surface (Mirtich 1996, as trimesh has it).
+    Exact for a closed surface (Mirtich 1996, by trimesh).
     """
     import trimesh
 
     solid = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
     volume = float(solid.volume)
-    turned = -1.0 if volume < 0.0 else 1.0
-    return turned * volume, np.array(solid.center_mass), turned * np.array(solid.moment_inertia)
+    sign = -1.0 if volume < 0.0 else 1.0
+    return sign * volume, np.array(solid.center_mass), sign * np.array(solid.moment_inertia)
 
 
 @lru_cache(maxsize=64)
 def hull_corners(mesh: SolidMesh) -> F8:
-    """Corners of the convex hull of a mesh [m], shape [n, 3]; all its corners where they lie in one plane."""
+    """Return the vertices of a mesh's convex hull [m], shape [n, 3]; all its vertices where it is flat."""
     try:
         return convex_hull(mesh.vertices)[0]
     except ValueError:
@@ -88,9 +88,9 @@ def hull_corners(mesh: SolidMesh) -> F8:
 
 
 def enclosing_sphere(vertices: F8) -> tuple[F8, float]:
-    """Centre [m] and radius [m] of a sphere round points, at most a few per cent wider than the smallest.
+    """Return centre [m] and radius [m] of a bounding sphere, at most a few per cent larger than the smallest.
 
-    Ever shorter steps towards the farthest point (Badoiu & Clarkson 2003); the best centre of all steps counts.
+    Steps of decreasing length towards the farthest point (Badoiu & Clarkson 2003); the best centre is kept.
     """
     centre = best = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
     radius = np.inf
@@ -103,8 +103,8 @@ def enclosing_sphere(vertices: F8) -> tuple[F8, float]:
     return best, radius
 
 
-def _joined(vertices: F8, triangles: I4) -> Any:
-    """One surface: equal corners joined, faces without area taken out."""
+def _welded(vertices: F8, triangles: I4) -> Any:
+    """Weld equal vertices and remove degenerate faces."""
     import trimesh
 
     mesh = trimesh.Trimesh(vertices, triangles, process=False)
@@ -115,7 +115,7 @@ def _joined(vertices: F8, triangles: I4) -> Any:
 
 
 def _gather(part: ModelPart) -> tuple[F8, I4]:
-    """All triangles of a part of a model."""
+    """Return all triangles of a part of a model."""
     model = part.model
     placed: list[tuple[F8, int]] = []
     if part.mesh is not None:
@@ -135,5 +135,5 @@ def _gather(part: ModelPart) -> tuple[F8, I4]:
             triangles.append(faces if np.linalg.det(matrix[:3, :3]) > 0.0 else faces[:, ::-1])
             count += len(own)
     if count == 0 or sum(map(len, triangles)) == 0:
-        raise ValueError("it holds no triangles")
+        raise ValueError("it has no triangles")
     return np.concatenate(vertices), np.concatenate(triangles)

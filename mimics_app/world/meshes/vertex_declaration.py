@@ -1,4 +1,4 @@
-"""What one vertex consists of, as it lies in a vertex buffer."""
+"""Vertex declarations: layout of vertex buffers."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ class VertexElement:
     """One attribute of a vertex.
 
     Attributes:
-        name: Of the array in `MeshData` and `MeshBuffer`: "positions", "normals", "uvs", "colours".
-        attribute: As shaders call it.
-        format: Of one component, as numpy writes it: "f4".
-        components: How many.
-        offset: From the beginning of the vertex [bytes].
+        name: Array of `MeshData` and `MeshBuffer`: "positions", "normals", "uvs" or "colours".
+        attribute: Name in shaders.
+        format: Type of one component in numpy's notation: "f4".
+        components: Number of components.
+        offset: Offset in the vertex [bytes].
     """
 
     name: str
@@ -30,11 +30,11 @@ class VertexElement:
 
 @dataclass(frozen=True, slots=True)
 class VertexDeclaration:
-    """The attributes of a vertex in one buffer, in order, without holes.
+    """Attributes of a vertex in one buffer, tightly packed.
 
     Attributes:
-        elements: In the order they lie in.
-        stride: From one vertex to the next [bytes].
+        elements: Attributes in memory order.
+        stride: Distance of successive vertices [bytes].
     """
 
     elements: tuple[VertexElement, ...]
@@ -42,12 +42,12 @@ class VertexDeclaration:
 
     @property
     def dtype(self) -> np.dtype[np.void]:
-        """One vertex as a numpy record, its fields named as shaders call them."""
+        """One vertex as a numpy record, with the names of the shaders."""
         return np.dtype([(each.attribute, each.format, (each.components,)) for each in self.elements])
 
 
 def declare(*elements: tuple[str, str, int]) -> VertexDeclaration:
-    """A declaration out of (name, attribute, components), all of them float32."""
+    """Create a declaration from (name, attribute, components), all of them float32."""
     offset, declared = 0, []
     for name, attribute, components in elements:
         declared.append(VertexElement(name, attribute, "f4", components, offset))
@@ -56,7 +56,7 @@ def declare(*elements: tuple[str, str, int]) -> VertexDeclaration:
 
 
 VERTEX_DECLARATION = declare(("positions", "in_position", 3), ("normals", "in_normal", 3), ("uvs", "in_uv", 2))
-"""What every mesh has."""
+"""Layout of the main vertex buffer of every mesh."""
 
 COLOUR_DECLARATION = declare(("colours", "in_colour", 4))
-"""A buffer of its own beside it, where a mesh of the world has colours."""
+"""Layout of the second vertex buffer of a mesh with colours."""

@@ -1,3 +1,3 @@
-"""What moves on its own: clips, layers of them, skins that follow joints, arms and legs that reach."""
+"""Animation: clips, layers, state machines, skinning, inverse kinematics, gait and motion capture."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""Plays the clips of one model: layers over each other, then whatever reaches or looks, into the nodes of the world."""
+"""Animator: blends the clips of one model in layers, applies procedural steps, and writes the pose to its nodes."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ class Rig:
     """The nodes of a model as slots, parents before children.
 
     Attributes:
-        names: Of the nodes in their file, "" for none.
-        entities: Entity index of each, int32 [slots].
-        parents: Slot each hangs on, -1: on what the model stands on; int32 [slots].
-        rest: As they are in the file.
+        names: Names of the nodes in the file, "" for none.
+        entities: Entity index of each node, int32 [slots].
+        parents: Slot of each parent, -1: the model's root; int32 [slots].
+        rest: Rest pose, that of the file.
         morph_first: First morph weight of each slot, int32 [slots + 1].
-        morph_names: Of all morph weights, "" for none.
-        fixed: How many of the first slots stand where the scene puts them, whatever a pose says.
+        morph_names: Names of all morph weights, "" for none.
+        fixed: Number of leading slots that the scene places, so that poses do not move them.
     """
 
     names: tuple[str, ...]
@@ -40,7 +40,7 @@ class Rig:
     fixed: int = 0
 
     def slot(self, name: str) -> int:
-        """The slot of a node.
+        """Return the slot of a node.
 
         Raises:
             KeyError: there is none of that name; the message names the nearest.
@@ -50,7 +50,7 @@ class Rig:
         return self.names.index(name)
 
     def below(self, slot: int) -> list[int]:
-        """A slot and all that hang on it."""
+        """Return a slot and all its descendants."""
         inside = {slot}
         for each in range(slot + 1, len(self.names)):
             if int(self.parents[each]) in inside:
@@ -59,24 +59,24 @@ class Rig:
 
 
 PoseStep = Callable[[Pose, float], None]
-"""Changes a pose after the clips: (pose, seconds since the last one)."""
+"""Procedural step that changes a pose after the clips: (pose, time since the last call [s])."""
 
 
 class Animator:
-    """What one model does.
+    """Animation state of one model.
 
     Args:
-        rig: Its nodes.
-        clips: What it can do; targets are slots.
+        rig: Nodes of the model.
+        clips: Its clips, with slots as targets.
 
     Attributes:
-        clips: By name.
-        layers: Lowest first; what is faded out leaves on its own.
-        directors: Called with the seconds before each step: they decide what plays.
-        steps: Called in order after the clips: reaching, looking, blinking, what a tracker says.
-        pose: As of the last step.
-        events: What the clips passed in the last step.
-        moves: False leaves the nodes as they are, for a model that is posed by hand.
+        clips: Clips by name.
+        layers: Layers, lowest first; one that is faded out is removed.
+        directors: Called with the time step [s] before each step, to start and stop clips.
+        steps: Procedural steps after the clips, in order: reach, look-at, blink, trackers.
+        pose: Pose of the last step.
+        events: Events of the clips in the last step.
+        moves: False: the nodes are not written, for a model that is posed otherwise.
     """
 
     def __init__(self, rig: Rig, clips: Sequence[Clip]) -> None:
@@ -94,7 +94,7 @@ class Animator:
         self._begun = False
 
     def reset(self) -> None:
-        """Do nothing any more: no layer, no director, no step."""
+        """Remove all layers, directors and steps."""
         for what in (self.layers, self.directors, self.steps, self._ground):
             what.clear()
 
@@ -110,17 +110,17 @@ class Animator:
         mask: F8 | None = None,
         additive: bool = False,
     ) -> Layer:
-        """Lay a clip over what plays.
+        """Play a clip in a new layer on top.
 
         Args:
-            name: Of the clip.
-            at: Where in it to begin [s].
-            speed: Seconds of the clip in a second.
+            name: Name of the clip.
+            at: Start time in the clip [s].
+            speed: Seconds of the clip per second.
             loop: False holds its last frame.
-            weight: 0 to 1.
-            fade: Seconds in which it comes up.
-            mask: Share of the weight by slot (see `mask_of`); None: all of it everywhere.
-            additive: Add what it differs from its first frame.
+            weight: Blend weight, 0 to 1.
+            fade: Duration of the fade-in [s].
+            mask: Factor on the weight by slot (see `mask_of`); None: 1 everywhere.
+            additive: True: its difference from its first frame is added.
 
         Raises:
             KeyError: there is no such clip; the message names the nearest.
@@ -146,13 +146,13 @@ class Animator:
         return layer
 
     def change(self, name: str, fade: float, speed: float = 1.0, loop: bool = True) -> Layer:
-        """Have another clip play in place of the one below all others.
+        """Cross-fade the lowest layer to another clip.
 
-        The old one goes on below the new until that has come up whole, so that nothing of the rest pose is seen.
+        The old clip plays on below the new one until that has full weight, so that the rest pose never shows.
 
         Args:
-            name: Of the clip.
-            fade: In which it comes up [s].
+            name: Name of the clip.
+            fade: Duration of the cross-fade [s].
             speed: As `play`.
             loop: As `play`.
 
@@ -169,12 +169,12 @@ class Animator:
         return layer
 
     def stop(self, fade: float = 0.0) -> None:
-        """Fade out all that plays, at once or within a time [s]."""
+        """Fade out all layers within a time [s]; 0: at once."""
         for layer in self.layers:
             layer.fade(0.0, fade)
 
     def step(self, seconds: float) -> None:
-        """Let time go by and compute the pose."""
+        """Advance the time and compute the pose."""
         for direct in self.directors:
             direct(seconds)
         self.events = [event for layer in self.layers for event in layer.step(seconds)]
@@ -186,7 +186,7 @@ class Animator:
             change(self.pose, seconds)
 
     def begin(self, transforms: TransformTable) -> None:
-        """Before the first step: what the nodes have been set to by now is how the model rests."""
+        """Take the present transforms of the nodes as rest pose, before the first step only."""
         if self._order != transforms.revision:
             self._order, self._rows = transforms.revision, transforms.rows(self.rig.entities)
         if not self._begun:
@@ -196,17 +196,17 @@ class Animator:
             rest.scales[:] = transforms.scales[self._rows]
 
     def place(self, transforms: TransformTable) -> None:
-        """Hand the pose to the nodes; they are where it says after the world's update."""
+        """Write the pose to the Transform table; it takes effect at the world's update."""
         first, pose = self.rig.fixed, self.pose
         transforms.set_poses(self._rows[first:], pose.translations[first:], pose.rotations[first:])
         transforms.set_scales(self._rows[first:], pose.scales[first:])
 
 
 def mask_of(rig: Rig, names: Sequence[str]) -> F8:
-    """1 for some nodes and all that hang on them, 0 for the others, [slots].
+    """Return a mask: 1 for some nodes and their descendants, 0 for the others, [slots].
 
     Raises:
-        KeyError: a node of that name is not there; the message names the nearest.
+        KeyError: there is no such node; the message names the nearest.
     """
     mask = np.zeros(len(rig.names))
     for name in names:

@@ -1,12 +1,11 @@
-"""Motion capture in BVH files: a skeleton and its angles frame by frame, carried over to the bones of a model.
+"""Motion capture in BVH files: a skeleton and its angles frame by frame, retargeted to the bones of a model.
 
-The format has no specification but its makers' description (Biovision, 1996): offsets and channels of each joint, then
-one line of numbers a frame. Files of a metre and of a centimetre look alike: the height of the hips decides.
+The format has no specification but the description of Biovision (1996): offsets and channels of each joint, then
+one line of numbers per frame. The file does not state its unit: the height of the hips sets the scale.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,8 +23,10 @@ from mimics_app.world.scene.source import read_bytes
 __all__ = ["MotionCapture", "capture_clip", "read_bvh"]
 
 
-_MOST_BYTES = 64 * 1024 * 1024
-_MOST_JOINTS, _MOST_FRAMES = 1000, 1_000_000
+_MAX_BYTES = 64 * 1024 * 1024
+_MAX_JOINTS, _MAX_FRAMES = 1000, 1_000_000
+_MAX_NUMBER = 1e9
+"""Bound of all numbers, far beyond any angle or length: products of a few stay finite in single precision."""
 _AXES = {"Xrotation": 0, "Yrotation": 1, "Zrotation": 2}
 _SHIFTS = {"Xposition": 0, "Yposition": 1, "Zposition": 2}
 
@@ -36,7 +37,7 @@ class MotionCapture:
 
     Attributes:
         rig: The recorded skeleton, without entities.
-        seconds: Of a frame [s].
+        seconds: Duration of a frame [s].
         rotations: Local rotations xyzw, [frames, joints, 4].
         translations: Local translations in the file's unit, [frames, joints, 3].
     """
@@ -60,23 +61,23 @@ def read_bvh(path: Path) -> MotionCapture:
     """Read a BVH file.
 
     Raises:
-        SceneError: it cannot be read, or is none; the pointer is the line.
+        SceneError: it cannot be read, or is not a BVH file; the pointer is the line.
     """
-    text = read_bytes(path, str(path), _MOST_BYTES).decode("utf-8", errors="replace")
+    text = read_bytes(path, str(path), _MAX_BYTES).decode("utf-8", errors="replace")
     return _Reader(str(path), text.splitlines()).read()
 
 
 def capture_clip(capture: MotionCapture, name: str, target: Rig, bones: HumanoidMap) -> tuple[Clip, list[str]]:
-    """A clip of a model that does what was recorded, and what was found and guessed.
+    """Retarget a recording to a model; return the clip and a report of the mapping.
 
     Args:
-        capture: What was recorded.
-        name: Of the clip.
+        capture: The recording.
+        name: Name of the clip.
         target: Nodes of the model.
-        bones: Its bones.
+        bones: Bones of the model.
 
     Raises:
-        ValueError: the recorded skeleton is no person's.
+        ValueError: the recorded skeleton is not humanoid.
     """
     found = find_humanoid(capture.rig)
     if found.missing:
@@ -94,7 +95,7 @@ def capture_clip(capture: MotionCapture, name: str, target: Rig, bones: Humanoid
 
 
 class _Reader:
-    """Goes through the lines once."""
+    """Parser of the lines of a file."""
 
     def __init__(self, file: str, lines: list[str]) -> None:
         self._file, self._lines, self._at = file, lines, 0
@@ -102,23 +103,23 @@ class _Reader:
 
     def read(self) -> MotionCapture:
         if self._next() != ["HIERARCHY"]:
-            self._fail("is no BVH file: it does not begin with HIERARCHY")
+            self._fail("is not a BVH file: it does not begin with HIERARCHY")
         self._read_joints()
         frames = self._numbers(self._labelled("Frames:"), 1)[0]
         seconds = self._numbers(self._labelled("Frame", "Time:"), 1)[0]
-        if not (1 <= frames <= _MOST_FRAMES and 0.0 < seconds < 10.0):
-            self._fail(f"{frames:g} frames of {seconds:g} s cannot be")
+        if not (1 <= frames <= _MAX_FRAMES and 0.0 < seconds < 10.0):
+            self._fail(f"{frames:g} frames of {seconds:g} s are out of range")
         width = sum(len(joint.channels) for joint in self._joints)
         values = np.array([self._numbers(self._next(), width) for _ in range(int(frames))])
         return self._capture(values, seconds)
 
     def _read_joints(self) -> None:
-        """The tree, without recursion; ends of chains count as joints that do not move."""
+        """Read the tree without recursion; end sites become joints without channels."""
         above: list[int] = []
         while (words := self._next()) != ["MOTION"]:
             if words[0] in ("ROOT", "JOINT", "End"):
-                if len(self._joints) >= _MOST_JOINTS:
-                    self._fail(f"more than {_MOST_JOINTS} joints")
+                if len(self._joints) >= _MAX_JOINTS:
+                    self._fail(f"more than {_MAX_JOINTS} joints")
                 name = " ".join(words[1:]) if words[0] != "End" else ""
                 self._joints.append(_Joint(name, above[-1] if above else -1, end=words[0] == "End"))
             elif words[0] == "{":
@@ -139,7 +140,7 @@ class _Reader:
         count = self._numbers(words[:1], 1)[0]
         names = tuple(words[1:])
         if len(names) != count or any(name not in _AXES and name not in _SHIFTS for name in names):
-            self._fail("its channels are not as many as it says, or have other names than Xposition, Zrotation ...")
+            self._fail("its channels differ from their number, or have other names than Xposition, Zrotation ...")
         return names
 
     def _capture(self, values: F8, seconds: float) -> MotionCapture:
@@ -168,14 +169,14 @@ class _Reader:
         return MotionCapture(rig, seconds, rotations, translations)
 
     def _standing_root(self) -> tuple[float, float, float]:
-        """Where the root is when the lowest joint stands on the ground: most files have it at the origin."""
+        """Return the root's position with the lowest joint on the ground: most files have the root at the origin."""
         heights = np.zeros(len(self._joints))
         for k, joint in enumerate(self._joints):
             heights[k] = (heights[joint.parent] + joint.offset[1]) if joint.parent >= 0 else 0.0
         return 0.0, -float(heights.min()), 0.0
 
     def _next(self) -> list[str]:
-        """The words of the next line that has any."""
+        """Return the words of the next line that is not empty."""
         while self._at < len(self._lines):
             words = self._lines[self._at].split()
             self._at += 1
@@ -195,8 +196,8 @@ class _Reader:
             numbers = [float(word) for word in words]
         except ValueError:
             numbers = []
-        if len(numbers) != count or not all(math.isfinite(number) for number in numbers):
-            self._fail(f"{count} numbers are wanted")
+        if len(numbers) != count or not all(abs(number) <= _MAX_NUMBER for number in numbers):
+            self._fail(f"{count} numbers are required, none above {_MAX_NUMBER:g}")
         return numbers
 
     def _fail(self, what: str) -> None:
@@ -204,7 +205,7 @@ class _Reader:
 
 
 def _turned(q: F8, axis: int, angles: F8) -> F8:
-    """Rotations followed by turns about an axis of their own: channels are applied in the order they are written."""
+    """Append rotations about a local axis: channels apply in the order they are written."""
     turn = np.zeros_like(q)
     turn[:, axis], turn[:, 3] = np.sin(0.5 * angles), np.cos(0.5 * angles)
     vector = q[:, 3:] * turn[:, :3] + turn[:, 3:] * q[:, :3] + np.cross(q[:, :3], turn[:, :3])

@@ -1,4 +1,4 @@
-"""Recorded motion of any file that is read, as a clip of a model, by what the file calls itself."""
+"""Reader of recorded motion of any supported format, as a clip of a model."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ __all__ = ["read_motion"]
 
 
 def read_motion(path: Path, target: Rig, bones: HumanoidMap) -> tuple[Clip, list[str]]:
-    """A clip of a model, called as the file, that does what was recorded; and what was found and guessed.
+    """Read recorded motion as a clip of a model, named after the file; return it and a report of the mapping.
 
     Args:
         path: A .bvh or .c3d file.
         target: Nodes of the model.
-        bones: Its bones.
+        bones: Bones of the model.
 
     Raises:
-        SceneError: the file is wrong, or what it holds is no person.
-        UsageError: it is neither, or a library that reads it is not installed.
+        SceneError: the file has faults, or its skeleton is not humanoid.
+        UsageError: the format is unknown, or a library that reads it is not installed.
     """
     kind = path.suffix.lower()
     if kind == ".bvh":
@@ -37,4 +37,4 @@ def read_motion(path: Path, target: Rig, bones: HumanoidMap) -> tuple[Clip, list
         from mimics_app.world.motion.marker_clip import marker_clip
 
         return marker_clip(read_c3d(path), path.stem, target, bones)
-    raise UsageError(f"{path} is no file of recorded motion", "give a .bvh or a .c3d file")
+    raise UsageError(f"{path} is not a file of recorded motion", "give a .bvh or a .c3d file")

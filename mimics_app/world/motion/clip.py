@@ -1,4 +1,4 @@
-"""Clips: keys over time that move nodes, all of one clip in a few flat arrays that a compiled pass reads."""
+"""Clips: keyframes of nodes, packed into flat arrays for a compiled pass."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["Clip", "ClipEvent", "Interpolation", "Track", "TrackPath", "clip_of_
 
 
 class TrackPath(IntEnum):
-    """What of its target a track moves."""
+    """Property of its target that a track animates."""
 
     TRANSLATION = 0
     ROTATION = 1
@@ -23,7 +23,7 @@ class TrackPath(IntEnum):
 
 
 class Interpolation(IntEnum):
-    """How a track goes from key to key (glTF 2.0 3.11)."""
+    """Interpolation between keys (glTF 2.0 3.11)."""
 
     STEP = 0
     LINEAR = 1
@@ -32,14 +32,14 @@ class Interpolation(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class ClipEvent:
-    """Something that happens at a time of a clip, such as a foot that touches the ground.
+    """An event at a time of a clip, such as a foot that touches the ground.
 
     Attributes:
         at: Time in the clip [s].
-        kind: What: "step", or whatever a scene listens for.
-        node: Name of the node where it happens; "": at the model's own.
-        material: Of what is touched, where the clip knows it; "": the scene says.
-        strength: 1 as usual.
+        kind: Kind of event: "step", or any trigger of a scene.
+        node: Name of the node where it happens; "": the model itself.
+        material: Material of the ground; "": that of the scene.
+        strength: Strength, 1 by default.
     """
 
     at: float
@@ -51,13 +51,13 @@ class ClipEvent:
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Keys of one thing.
+    """Keys of one property of one target.
 
     Attributes:
-        target: Number of what is moved: a node of the file, later a slot of a pose.
-        path: What of it.
-        interpolation: From key to key.
-        times: Rising [s], float32 [keys].
+        target: Index of the target: a node of the file, later a slot of a pose.
+        path: Property that it animates.
+        interpolation: Interpolation between keys.
+        times: Increasing times [s], float32 [keys].
         values: Three parts for a cubic (tangent in, value, tangent out), else one; float32 [keys, parts, width].
     """
 
@@ -70,15 +70,15 @@ class Track:
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """A motion.
+    """A clip.
 
     Attributes:
-        name: Unique in its model, or nearly.
-        duration: Of its longest track [s].
-        tracks: One line for each: target, path, interpolation, first key, keys, first value, width; int32 [tracks, 7].
-        times: Of all keys [s], float32 [keys].
-        values: Of all keys, float32 [values].
-        events: By time.
+        name: Name, usually unique in its model.
+        duration: Duration of its longest track [s].
+        tracks: Rows of target, path, interpolation, first key, keys, first value, width; int32 [tracks, 7].
+        times: Times of all keys [s], float32 [keys].
+        values: Values of all keys, float32 [values].
+        events: Events, sorted by time.
     """
 
     name: str
@@ -89,7 +89,7 @@ class Clip:
     events: tuple[ClipEvent, ...] = ()
 
     def aimed(self, slot_of: I4) -> Clip:
-        """The clip with its targets renumbered; tracks of targets without a number (-1) are left out.
+        """Return the clip with its targets renumbered; tracks of targets without a number (-1) are left out.
 
         Args:
             slot_of: New number of each target, int32 [targets].
@@ -101,7 +101,7 @@ class Clip:
 
 
 def pack_clip(name: str, tracks: Sequence[Track], events: tuple[ClipEvent, ...] = ()) -> Clip:
-    """A clip out of at least one track."""
+    """Pack at least one track into a clip."""
     lines, key, value = [], 0, 0
     for track in tracks:
         keys, width = len(track.times), track.values.shape[2]
@@ -118,15 +118,15 @@ def pack_clip(name: str, tracks: Sequence[Track], events: tuple[ClipEvent, ...] 
 
 
 def clip_of_poses(name: str, seconds: float, rotations: F8, places: F8, moved: Sequence[int], root: int) -> Clip:
-    """A clip out of a pose for each frame.
+    """Pack a pose per frame into a clip.
 
     Args:
-        name: Of the clip.
-        seconds: Of a frame [s].
-        rotations: Local, xyzw, [frames, slots, 4].
-        places: Local, of the slot `root` [m], [frames, 3].
-        moved: Slots that are turned.
-        root: The slot that is also moved.
+        name: Name of the clip.
+        seconds: Duration of a frame [s].
+        rotations: Local rotations xyzw, [frames, slots, 4].
+        places: Local translations of the slot `root` [m], [frames, 3].
+        moved: Slots with animated rotation.
+        root: Slot with animated translation.
     """
     times = (seconds * np.arange(len(rotations))).astype(np.float32)
 

@@ -1,4 +1,4 @@
-"""Somebody who reacts to how trials go: which clip comes after which result."""
+"""EncouragingMachine: state machine of a virtual person that reacts to results of trials."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ __all__ = ["EncouragingMachine"]
 
 _IDLE, _GREET, _CHEER, _CONSOLE, _FAREWELL = "idle", "greet", "cheer", "console", "farewell"
 _FADE = 0.35
-"""In which one goes over to the other [s]."""
+"""Duration of cross-fades [s]."""
 _IN_A_ROW = 3
-"""So many successes in a row are cheered."""
+"""Number of successes in a row that are cheered."""
 
 
 class EncouragingMachine(StateMachine):
-    """Chooses by what went before, so that the same thing is not done each time.
+    """State machine whose reactions depend on earlier results, so that they vary.
 
     Args:
-        animator: Whose lowest layer shows it.
+        animator: Animator whose lowest layer plays the clips.
         idle: Clip between reactions.
-        greet: At the first trial.
-        praise: After a success, in turn.
-        cheer: After a success that a failure went before, and every third in a row.
-        console: After a trial that was not finished.
-        farewell: After the last trial.
+        greet: Clip at the first trial.
+        praise: Clips after a success, in turn.
+        cheer: Clip after a success that follows a failure, and after every third in a row.
+        console: Clip after an unfinished trial.
+        farewell: Clip after the last trial.
 
     Raises:
         KeyError: a clip is missing; the message names the nearest.
@@ -59,7 +59,7 @@ class EncouragingMachine(StateMachine):
         return True
 
     def _reaction(self, cause: str) -> str | None:
-        """What is done about something that happened; None: nothing."""
+        """Return the state that reacts to an event, or None."""
         if cause == "ready" and not self._greeted:
             self._greeted = True
             return _GREET

@@ -1,4 +1,4 @@
-"""Places on the ground that feet keep while they stand, however the body above them turns and changes its speed."""
+"""Foot lock: stance feet keep their place on the ground while the body above turns and changes its speed."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ __all__ = ["Footholds", "Ground"]
 
 
 Ground = Callable[[], tuple[float, float, float]]
-"""Gives where a model stands now: x and z [m] on the ground, and its turn about +y [rad], from looking along +z."""
+"""Returns the present position of a model on the ground, x and z [m], and its yaw about +y [rad], 0 along +z."""
 
-_FARTHEST = 0.35
-"""How far a foot is held off where the walk would have it [m]: beyond that it is carried along."""
+_MAX_OFFSET = 0.35
+"""Maximum offset of a locked foot from its place in the walk [m]; beyond it the foot is dragged along."""
 
 
 class Footholds:
-    """How far each foot is off where its walk would have it, so that it keeps its place on the ground.
+    """Offset of each foot from its place in the walk that keeps it at its place on the ground.
 
     Args:
         ground: See `Ground`.
 
     Attributes:
-        off: Of each foot, in the frame of the model: x and z [m], turn [rad]; [2, 3].
+        off: Offset of each foot in the frame of the model: x and z [m], yaw [rad]; [2, 3].
     """
 
     def __init__(self, ground: Ground) -> None:
@@ -37,18 +37,18 @@ class Footholds:
 
     @property
     def settled(self) -> bool:
-        """Whether both feet stand about where the walk has them: 15 mm, 5 degrees."""
+        """True when both offsets are below 15 mm and 5 degrees."""
         return bool(np.hypot(self.off[:, 0], self.off[:, 1]).max() < 0.015 and np.abs(self.off[:, 2]).max() < 0.09)
 
     def follow(self, foot: int, x: float, z: float, standing: bool, share: float) -> F8:
-        """How far a foot is off now, [3].
+        """Update and return the offset of a foot, [3].
 
         Args:
             foot: 0: left, 1: right.
-            x: Where the walk has the point it stands on, in the frame of the model [m].
+            x: Coordinate of its point of support in the walk, in the frame of the model [m].
             z: Likewise.
-            standing: Whether it stands.
-            share: Of its swing that is over, 0 to 1; a foot that swings comes back to where the walk has it.
+            standing: True in stance.
+            share: Elapsed share of its swing, 0 to 1, over which the offset returns to 0.
         """
         if not standing:
             if self._places[foot] is not None:
@@ -66,9 +66,9 @@ class Footholds:
         dx, dz = place[0] - at_x, place[1] - at_z
         off = np.array([c * dx - s * dz - x, s * dx + c * dz - z, math.remainder(place[2] - turn, 2.0 * math.pi)])
         far = math.hypot(off[0], off[1])
-        if far > _FARTHEST:
-            # Carried along; who was put somewhere else begins anew.
-            off = off * (_FARTHEST / far) if far < 2.0 * _FARTHEST else np.zeros(3)
+        if far > _MAX_OFFSET:
+            # Dragged along; after a jump of the model the lock restarts.
+            off = off * (_MAX_OFFSET / far) if far < 2.0 * _MAX_OFFSET else np.zeros(3)
             self._places[foot] = None
         self.off[foot] = off
         return off

@@ -1,7 +1,7 @@
-"""A walk out of speed and step length, or out of angles of hip and knee: feet that stand do not slip.
+"""Gait synthesis from speed and step length, or from angles of hip and knee, without foot slip.
 
-Legs follow the published curves of `reference_gait`, made to fit the step by reaching; pelvis, trunk and arms swing
-along. Where angles are given the legs follow them as far as the foot that stands allows; what was changed is reported.
+Legs follow the published curves of `reference_gait`, fitted to the step by inverse kinematics; pelvis, trunk and arms
+swing along. Given angles are followed as far as the stance foot allows; the correction is reported.
 """
 
 from __future__ import annotations
@@ -28,42 +28,42 @@ __all__ = ["Gait", "Pace", "Walk", "natural_step"]
 
 
 _PREFERRED = 1.3
-"""Speed at which people walk [m/s]."""
+"""Preferred walking speed [m/s]."""
 _LIVELY = 1.3
-"""Most that the swing of pelvis, trunk and arms grows beyond that at the preferred speed."""
+"""Maximum factor on the swing of pelvis, trunk and arms at the preferred speed."""
 _SWAY, _LIST = 0.02, math.radians(2.0)
-"""How far hips shift to the side [m] and drop on the side of the foot in the air at the preferred speed."""
+"""Lateral sway [m] and list [rad] of the pelvis at the preferred speed."""
 _PELVIS, _TRUNK, _ARMS = math.radians(5.0), math.radians(7.0), math.radians(20.0)
-"""How far pelvis and trunk turn against each other and the arms swing at the preferred speed [rad]."""
+"""Amplitudes of pelvis and trunk rotation and of arm swing at the preferred speed [rad]."""
 _NATURAL_STEP = 0.80
-"""Step of the published curves in lengths of the leg: what their angles reach on a leg of two equal bones."""
+"""Step of the published curves over the leg's length, on a leg of two equal bones."""
 _LEG = 0.82
-"""From hip to ankle of somebody 1.75 m tall [m]."""
+"""Leg length, hip to ankle, of a person 1.75 m tall [m]."""
 _TABLE_SPEED, _TABLE_STRETCH = 0.02, 0.02
-"""Steps of speed [m/s] and of the step's share between which one table of angles is used."""
+"""Resolution of the cached tables of angles in speed [m/s] and in stretch of the step."""
 _SOFT = 5e-4
-"""Share of the leg's length in which a reach gives way: less than what a knee is bent by at the least."""
-_LEAST_BEND = math.radians(3.7)
-"""Of a knee that carries: just more than where the reach begins to give way."""
+"""Soft reach of the legs, as a share of their length, below the minimum knee flexion."""
+_MIN_FLEXION = math.radians(3.7)
+"""Minimum flexion of a loaded knee [rad], just beyond the start of the soft reach."""
 _SLACK = 0.15
-"""How much higher hips may be than a foot in the air reaches, for each cycle until or since it stands [m]."""
+"""Excess height of the hips over the reach of a swing foot, per cycle until or since its stance [m]."""
 _TOE_BEND = math.radians(60.0)
-"""Farthest that toes bend up."""
+"""Maximum dorsiflexion of the toes [rad]."""
 _HEEL, _TIP = 0.5, 1.75
-"""Heel behind the ankle and tip of the toes before it, for a ball that is 1 before it: feet of 265 mm."""
+"""Distances of heel behind and toe tip before the ankle, over that of the ball: feet of 265 mm."""
 _SETTLE = 0.9
-"""Cycles in a second while feet are brought under somebody who stands [1/s]."""
-_LEAST_STEP = 0.12
-"""Of the step's share below which feet are lifted no less [1]."""
+"""Cadence while the feet of a standing person are brought under the body [1/s]."""
+_MIN_STRETCH = 0.12
+"""Stretch of the step below which foot clearance does not decrease further."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pace:
-    """How somebody walks.
+    """Walking pace.
 
     Attributes:
-        speed: [m/s]; negative: backwards.
-        step: From one foot to the other [m].
+        speed: Speed [m/s]; negative: backwards.
+        step: Step length [m].
     """
 
     speed: float
@@ -71,32 +71,32 @@ class Pace:
 
     @property
     def cadence(self) -> float:
-        """Cycles of two steps in a second [1/s]."""
+        """Cadence in cycles of two steps [1/s]."""
         return self.speed / (2.0 * self.step) if self.step > 0.0 else 0.0
 
     @property
     def stance(self) -> float:
-        """Share of a cycle in which a foot stands."""
+        """Stance phase as a share of the cycle."""
         return stance_share(abs(self.speed))
 
 
 def natural_step(speed: float, leg: float = _LEG) -> float:
-    """Step that people with legs of a length [m] choose at a speed [m/s]: it grows with its root (Grieve 1968) [m]."""
+    """Return the natural step [m] at a speed [m/s] for a leg length [m]: it grows with the root (Grieve 1968)."""
     return _NATURAL_STEP * leg * math.sqrt(abs(speed) / _PREFERRED)
 
 
 @dataclass(frozen=True, eq=False)
 class Gait:
-    """What a walk came to in a step, for reports.
+    """State of a walk after a time step.
 
     Attributes:
-        phase: Of the left foot, 0: its heel touches.
-        contacts: Points of contact of both feet in the model's frame [m], [2, 3]; rows of a foot in the air are nan.
-        advance: How far the model went ahead in this step [m].
-        hip, knee, ankle: Angles of both sides in the plane ahead, flexion positive, the hip's against the vertical
+        phase: Phase of the left foot, 0: heel strike.
+        contacts: Points of support of both feet in the model's frame [m], [2, 3]; NaN for a swing foot.
+        advance: Distance of the model in this time step [m].
+        hip, knee, ankle: Angles of both sides in the sagittal plane, flexion positive, the hip's to the vertical
             [rad], [2] each.
-        correction: Root mean square of what given angles of hip and knee were changed by so far [rad].
-        touched: Sides whose heel touched the ground in this step.
+        correction: Root mean square correction of given angles of hip and knee so far [rad].
+        touched: Sides with a heel strike in this time step.
     """
 
     phase: float
@@ -110,21 +110,21 @@ class Gait:
 
 
 class Walk:
-    """Walks a model; a step of an animator. Who does not move stands, once both feet are under them.
+    """Gait of a model; a step of an animator. At zero speed it stands, once both feet are under the body.
 
     Args:
-        rig: The model's nodes, its bones turned as the model's axes at rest: +y up, +z ahead.
-        bones: Its bones.
-        pace: Gives speed and step length now.
-        angles: Gives angles of hip and knee [rad] at a phase of the cycle, [left hip, left knee, right hip, right
+        rig: Nodes of the model, whose rest axes are +y up, +z forward.
+        bones: Bones of the model.
+        pace: Returns the present speed and step length.
+        angles: Returns angles of hip and knee [rad] at a phase of the cycle, [left hip, left knee, right hip, right
             knee], flexion positive; None: the feet follow the published curves.
-        move: Called with the way ahead in each step [m]: moves what the model stands on.
-        ground: Where the model stands now; given, feet that stand keep their place on it, however the model turns and
-            changes its speed. None: they go back at the pace.
-        events: Takes what is heard: a "step" where a foot comes down.
+        move: Called with the distance of each time step [m], to move the model's root.
+        ground: Returns the model's pose on the ground, for foot lock while the model turns and changes its speed. None:
+            stance feet move backwards at the pace.
+        events: Receives a "step" event at each heel strike.
 
     Attributes:
-        gait: What the last step came to.
+        gait: State after the last time step.
     """
 
     def __init__(
@@ -186,7 +186,7 @@ class Walk:
         self.gait = Gait(self._phase, self._contacts(), advance, hip, knee, ankle, correction, touched)
 
     def _leg_shape(self) -> F8:
-        """Leg and foot as `place_feet` wants them."""
+        """Return the dimensions of leg and foot for `place_feet`."""
         places, (hip, knee, foot), toes = self._rest.places, self._feet[0], self._toes[0]
         ball = float(places[toes, 2] - places[foot, 2]) if toes >= 0 else 0.14
         joint = float(places[toes, 1]) if toes >= 0 else 0.0
@@ -195,16 +195,16 @@ class Walk:
         return np.array([places[foot, 1], _HEEL * ball, ball, _TIP * ball, thigh, shank, bend, max(joint, 0.0)])
 
     def _cadence(self, pace: Pace) -> float:
-        """Cycles in a second; who stands brings the feet under the body first."""
+        """Return the cadence [1/s]; at zero speed the feet are first brought under the body."""
         if self._holds is None or abs(pace.speed) > 1e-3:
             return pace.cadence
         stands = bool((self._placed[:, 4] > 0.0).all())
         return 0.0 if stands and self._holds.settled else _SETTLE
 
     def _aim_feet(self, pace: Pace, stretch: float) -> F8:
-        """Set where the ankles go; returns the angles that the legs follow."""
+        """Set the targets of the ankles and return the table of angles that the legs follow."""
         round_speed = _TABLE_SPEED * round(abs(pace.speed) / _TABLE_SPEED)
-        lively = max(_LEAST_STEP, _TABLE_STRETCH * round(stretch / _TABLE_STRETCH))
+        lively = max(_MIN_STRETCH, _TABLE_STRETCH * round(stretch / _TABLE_STRETCH))
         table = shape_gait(round(round_speed, 2), round(lively, 2))
         stance, stride = pace.stance, 2.0 * pace.step
         shape, placed = self._shape, self._placed
@@ -222,19 +222,19 @@ class Walk:
         assert self._holds is not None
         own = (self._phase + 0.5 * k) % 1.0
         share = (own - pace.stance) / (1.0 - pace.stance)
-        # The point kept is that of the flat foot under the ankle: heel and ball are fixed parts of it.
+        # The locked point is that of the flat foot under the ankle: heel and ball are rigid with it.
         base = z - self._pivot(k)
         return self._holds.follow(k, x, base, bool(self._placed[k, 4]), share if pace.speed >= 0.0 else 1.0 - share)
 
     def _pivot(self, k: int) -> float:
-        """How far the point of contact of a foot is ahead of where a flat foot's ankle would be [m]."""
+        """Return the distance of a foot's point of support ahead of a flat foot's ankle [m]."""
         pitch = self._placed[k, 2]
         if not self._placed[k, 4] or pitch == 0.0:
             return 0.0
         return float(-self._shape[1] if pitch > 0.0 else self._shape[2])
 
     def _swing(self, pose: Pose, vigour: float) -> None:
-        """Pelvis, trunk and arms: turned with the leg that is ahead, arms against it; hips sway and drop."""
+        """Rotate pelvis, trunk and arms with the leading leg, and sway and list the pelvis."""
         slots, turn = self._bones.slots, 2.0 * math.pi * self._phase
         ahead = math.cos(turn)  # 1: the left foot is ahead
         side = math.sin(turn)  # 1: the left foot carries
@@ -255,7 +255,7 @@ class Walk:
             self._turn(pose, f"{word}LowerArm", (1.0, 0.0, 0.0), -0.35 * vigour * (1.0 - 0.6 * sign * ahead))
 
     def _turn(self, pose: Pose, bone: str, axis: tuple[float, float, float], angle: float) -> None:
-        """Turn a bone about an axis of the model, from how it is now."""
+        """Rotate a bone about an axis of the model, from its present orientation."""
         slot = self._bones.slots.get(bone, -1)
         if slot < 0 or angle == 0.0:
             return
@@ -269,7 +269,7 @@ class Walk:
         localise(slot, turned, self._rig.parents, self._chain.turns, pose.rotations)
 
     def _raise_hips(self, pose: Pose, table: F8, stance: float) -> None:
-        """Put the hips where the legs that carry bend as the angles say, and where feet that stand are in reach."""
+        """Set the height of the hips so that loaded legs bend as the table has it and stance feet are in reach."""
         slot, places = self._bones.slots["hips"], self._chain.places
         thigh, shank = self._shape[4], self._shape[5]
         lift, highest = 0.0, math.inf
@@ -278,18 +278,18 @@ class Walk:
             aside = float((goal[0] - hip[0]) ** 2 + (goal[2] - hip[2]) ** 2)
             phase = (self._phase + 0.5 * k) % 1.0
             at = phase * SAMPLES
-            knee = max(float(np.interp(at, np.arange(SAMPLES + 1), np.append(table[:, 1], table[0, 1]))), _LEAST_BEND)
+            knee = max(float(np.interp(at, np.arange(SAMPLES + 1), np.append(table[:, 1], table[0, 1]))), _MIN_FLEXION)
             chord = thigh**2 + shank**2 + 2.0 * thigh * shank * math.cos(knee)
             over = float(goal[1] - hip[1])
             lift += self._placed[k, 6] * (over + math.sqrt(max(chord - aside, 0.0)))
-            # A foot in the air has time until it comes down.
+            # A swing foot need not be in reach until heel strike.
             slack = 0.0 if self._placed[k, 4] else _SLACK * min(phase - stance, 1.0 - phase)
             highest = min(highest, slack + over + math.sqrt(max(((1.0 - _SOFT) * self._leg) ** 2 - aside, 0.0)))
         pose.translations[slot, 1] += min(lift, highest)
         self._chain.follow(pose)
 
     def _follow_angles(self, pose: Pose, wanted: F8, pace: Pace) -> None:
-        """Put the ankles where given angles have them; a foot that stands keeps its place over the ground instead."""
+        """Move the targets of swing ankles to given angles; a stance foot keeps its place on the ground."""
         thigh, shank = self._shape[4], self._shape[5]
         for k, (hip, _, _) in enumerate(self._feet):
             lean, bend = wanted[2 * k], wanted[2 * k] - wanted[2 * k + 1]
@@ -297,7 +297,7 @@ class Walk:
             down = thigh * math.cos(lean) + shank * math.cos(bend)
             phase = (self._phase + 0.5 * k) % 1.0
             if phase >= pace.stance:
-                # Toes and heel stay above the ground, whatever the angles say.
+                # Toes and heel stay above the ground for any angles.
                 x = (phase - pace.stance) / (1.0 - pace.stance)
                 share = math.sin(math.pi * x) ** 2
                 own, place = self._goals[k], self._chain.places[hip]
@@ -306,7 +306,7 @@ class Walk:
                 own[:] = (1.0 - share) * own + share * asked
 
     def _pitch_feet(self, pose: Pose) -> None:
-        """Pitch the feet as their phase has them, and bend the toes."""
+        """Set the pitch of the feet for their phase, and bend the toes."""
         for k, joints in enumerate(self._feet):
             pitch, bend = self._placed[k, 2], self._placed[k, 5]
             yaw = 0.0 if self._holds is None else float(self._holds.off[k, 2])
@@ -319,7 +319,7 @@ class Walk:
                     self._chain.follow_slot(pose, slot) if slot == self._toes[k] else self._chain.follow(pose)
 
     def _contacts(self) -> F8:
-        """Points of contact, in the frame of the model."""
+        """Return the points of support in the frame of the model."""
         contacts = np.full((2, 3), np.nan)
         for k, joints in enumerate(self._feet):
             if self._placed[k, 4]:
@@ -329,7 +329,7 @@ class Walk:
         return contacts
 
     def _touched(self, before: float, stance: float, backwards: bool) -> tuple[str, ...]:
-        """Sides whose foot came down; a step is heard for each."""
+        """Return the sides with a heel strike, and send an event for each."""
         sides = []
         for k, side in enumerate(("left", "right")):
             own, was = (self._phase + 0.5 * k) % 1.0, (before + 0.5 * k) % 1.0
@@ -340,7 +340,7 @@ class Walk:
         return tuple(sides)
 
     def _measure(self) -> tuple[F8, F8, F8]:
-        """Flexion of hips against the vertical, knees and ankles in the plane ahead [rad]."""
+        """Return flexion of hips to the vertical, knees and ankles in the sagittal plane [rad]."""
         hips, knees, ankles, places = np.empty(2), np.empty(2), np.empty(2), self._chain.places
         for k, (hip, knee, foot) in enumerate(self._feet):
             thigh, shank = places[knee] - places[hip], places[foot] - places[knee]
@@ -352,13 +352,13 @@ class Walk:
 
 
 def _about(axis: tuple[float, float, float], angle: float) -> F8:
-    """The turn about an axis, xyzw."""
+    """Return the rotation about an axis, xyzw."""
     s = math.sin(0.5 * angle)
     return np.array([s * axis[0], s * axis[1], s * axis[2], math.cos(0.5 * angle)])
 
 
 def _touch(table: F8, stance: float, stride: float, shape: F8) -> float:
-    """Where the ankle of a flat foot is at the heel's touch, so that legs that stand lean as the table has it."""
+    """Return a flat foot's ankle position at heel strike with which stance legs lean as in the table."""
     phase = np.arange(SAMPLES) / SAMPLES
     stands = phase <= stance
     thigh, knee = table[stands, 0], table[stands, 1]

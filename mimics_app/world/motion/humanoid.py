@@ -1,7 +1,7 @@
-"""The bones of a person by the names of VRM 1.0, found in the skeletons of others by how these call theirs.
+"""Humanoid bones by the names of VRM 1.0, mapped from the bone names of other skeletons.
 
-A name is taken apart into words: side, part, number. What Mixamo, Blender, Unreal, 3ds Max Biped and VRM 0 say is
-known; bones without a known name are guessed from where they hang, and every guess is reported.
+A name is split into side, part and number. The names of Mixamo, Blender, Unreal, 3ds Max Biped and VRM 0 are known;
+bones without a known name are guessed from the hierarchy, and every guess is reported.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ BONES: tuple[str, ...] = (
     *(f"{side}{part}" for side in _SIDES for part in (*_ARM, *_LEG)),
     *(f"{side}Eye" for side in _SIDES),
 )
-"""Bones that are found; fingers keep the names they have."""
+"""Bones that are mapped; fingers are not."""
 
 NEEDED: tuple[str, ...] = (
     "hips",
@@ -32,7 +32,7 @@ NEEDED: tuple[str, ...] = (
     "head",
     *(f"{side}{part}" for side in _SIDES for part in ("UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot")),
 )
-"""Without one of these a skeleton is no person's."""
+"""Bones that a humanoid skeleton must have."""
 
 _WORDS: Mapping[str, tuple[str, ...]] = {
     "hips": ("hips", "hip", "pelvis"),
@@ -65,13 +65,13 @@ _SIDE = (
 
 @dataclass(frozen=True, eq=False)
 class HumanoidMap:
-    """Where the bones of a person are in a model.
+    """Map of the humanoid bones of a model.
 
     Attributes:
-        slots: Slot of each bone that was found.
-        names: What the model calls them.
-        guesses: What did not follow from a name, for people: one line each.
-        missing: Bones of `NEEDED` that are not there.
+        slots: Slot of each mapped bone.
+        names: Names of these bones in the model.
+        guesses: Report of mappings that did not follow from a name, one line each.
+        missing: Bones of `NEEDED` that the model lacks.
     """
 
     slots: dict[str, int] = field(default_factory=dict)
@@ -81,11 +81,11 @@ class HumanoidMap:
 
     @property
     def complete(self) -> bool:
-        """Whether it is a person's."""
+        """True when no needed bone is missing."""
         return not self.missing
 
     def limb(self, limb: str) -> tuple[int, int, int]:
-        """Slots of a limb: "left_arm", "right_leg" and so on.
+        """Return the slots of a limb: "left_arm", "right_leg" and so on.
 
         Raises:
             KeyError: one of its bones is missing.
@@ -97,7 +97,7 @@ class HumanoidMap:
 
 
 def find_humanoid(rig: Rig) -> HumanoidMap:
-    """Look for a person's bones among the nodes of a model."""
+    """Map the humanoid bones of a model."""
     found = HumanoidMap()
     for slot, name in enumerate(rig.names):
         bone = _bone_of(name)
@@ -110,7 +110,7 @@ def find_humanoid(rig: Rig) -> HumanoidMap:
 
 
 def _bone_of(name: str) -> str | None:
-    """What a name says; None for whatever is no bone that is looked for."""
+    """Return the bone of a name; None for any other node."""
     bare = _PREFIX.sub("", name)
     side, rest = "", bare
     for pattern in _SIDE:
@@ -126,7 +126,7 @@ def _bone_of(name: str) -> str | None:
 
 
 def _settle_spine(rig: Rig, found: HumanoidMap) -> None:
-    """Name what lies between hips and neck after its place, as files count their vertebrae from different ends."""
+    """Assign the nodes between hips and neck by order, because files number vertebrae from either end."""
     top = found.slots.get("neck", found.slots.get("head", -1))
     hips = found.slots.get("hips", -1)
     if top < 0 or hips < 0:
@@ -148,7 +148,7 @@ def _settle_spine(rig: Rig, found: HumanoidMap) -> None:
 
 
 def _guess(rig: Rig, found: HumanoidMap) -> None:
-    """Fill gaps in limbs by the chain between two bones that are known."""
+    """Fill gaps in limbs from the chain between two known bones."""
     for side in _SIDES:
         for parts in (_ARM, _LEG):
             for before, wanted, after in zip(parts, parts[1:], parts[2:], strict=False):
@@ -162,7 +162,7 @@ def _guess(rig: Rig, found: HumanoidMap) -> None:
 
 
 def report_lines(found: HumanoidMap, extra: Sequence[str] = ()) -> list[str]:
-    """What was found, guessed and missed, a line each."""
+    """Return a report of mapped, guessed and missing bones, one line each."""
     lines = [f'{bone}: "{found.names[bone]}"' for bone in BONES if bone in found.names]
     lines += [f"guessed: {guess}" for guess in found.guesses]
     lines += [f"missing: {bone}" for bone in found.missing]

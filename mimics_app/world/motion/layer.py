@@ -1,4 +1,4 @@
-"""A layer of an animation: a clip at a time, laid over what is below it."""
+"""Layer: one playing clip, blended over the layers below."""
 
 from __future__ import annotations
 
@@ -15,26 +15,29 @@ __all__ = ["WIDEST", "Layer"]
 
 
 WIDEST = 256
-"""Numbers of one key at most: morph targets of a mesh."""
+"""Maximum number of components of a key: the morph targets of a mesh."""
+
+_MAX_REPEATS = 1000
+"""Repeats of a loop in one step whose events are returned: a file may have clips of a femtosecond."""
 
 
 class Layer:
-    """One clip that plays.
+    """One playing clip.
 
     Args:
-        clip: Its targets are slots of `rest`.
-        rest: The model at rest, which an additive clip's slots are compared to where its first frame says nothing.
+        clip: The clip, whose targets are slots of `rest`.
+        rest: Rest pose, the reference of an additive clip for slots without a key in its first frame.
         morph_first: First morph weight of each slot, int32 [slots + 1].
-        speed: Seconds of the clip in a second; negative: backwards.
-        loop: Begins again at its end; False holds its last frame.
-        weight: 0 to 1.
-        mask: Share of the weight for each slot, [slots]; None: all of it everywhere.
-        additive: What the clip differs from its own first frame is added to what is below.
+        speed: Seconds of the clip per second; negative: backwards.
+        loop: Repeats from its start; False holds its last frame.
+        weight: Blend weight, 0 to 1.
+        mask: Factor on the weight for each slot, [slots]; None: 1 everywhere.
+        additive: The clip's difference from its own first frame is added to the layers below.
 
     Attributes:
         at: Time in the clip [s].
-        weight: 0 to 1; change it as you like, or have it go somewhere by `fade`.
-        speed: See above; likewise.
+        weight: Blend weight, 0 to 1; may be set, or changed gradually by `fade`.
+        speed: See above; may be set.
     """
 
     def __init__(
@@ -66,25 +69,25 @@ class Layer:
 
     @property
     def ended(self) -> bool:
-        """Whether a clip that does not loop has come to its end."""
+        """True when a clip that does not loop has reached its end."""
         return not self.loop and not 0.0 < self.at < self.clip.duration and (self.at > 0.0 or self.speed < 0.0)
 
     @property
     def gone(self) -> bool:
-        """Whether it was faded out and has nothing to say any more."""
+        """True when it is faded out or retired and can be removed."""
         return (self._goal <= 0.0 and self.weight <= 0.0) or self._left <= 0.0
 
     def fade(self, weight: float, seconds: float) -> None:
-        """Let the weight go to another within a time [s]."""
+        """Change the weight linearly to another within a time [s]."""
         self._goal = weight
         self._rate = abs(weight - self.weight) / seconds if seconds > 0.0 else math.inf
 
     def retire(self, seconds: float) -> None:
-        """Leave when another layer has come up over this one, in so many seconds."""
+        """End the layer after a time [s], when another has covered it."""
         self._left = min(self._left, seconds)
 
     def step(self, seconds: float) -> list[ClipEvent]:
-        """Let time go by; returns the events of the clip that were passed."""
+        """Advance the time and return the events passed."""
         self._left -= abs(seconds)
         change = self._goal - self.weight
         if change:
@@ -94,7 +97,7 @@ class Layer:
         self._way = (before, before)
         after, duration = before + seconds * self.speed, self.clip.duration
         if after == before:
-            return []  # held where it is, be it at the very end
+            return []  # paused, possibly at the very end
         self._way = (before, after)
         if self.loop and duration > 0.0:
             self.at = after % duration
@@ -103,21 +106,21 @@ class Layer:
         return self._passed(before, after)
 
     def sample(self, at: float, out: Pose) -> None:
-        """Write what the clip says at a time [s] into a pose, where it says something."""
+        """Write the clip's pose at a time [s] into the slots it animates."""
         clip = self.clip
         given = (clip.tracks, clip.times, clip.values, at, self._cursors, self._morph_first, self._scratch)
         sample_clip(*given, *out.arrays, self._touched)
 
     def moves(self, slot: int) -> bool:
-        """Whether the clip says where a slot is."""
+        """True when the clip animates the translation of a slot."""
         return bool(self._touched[slot, 0])
 
     def travel(self, slot: int, scratch: Pose) -> F8:
-        """How far the clip carried a slot in the last step, ends of a loop joined [m], [3].
+        """Return the displacement of a slot in the last step, continuous over loops [m], [3].
 
         Args:
-            slot: One that it moves.
-            scratch: Is overwritten.
+            slot: A slot that it animates.
+            scratch: Work space, overwritten.
         """
         before, after = self._way
         duration = self.clip.duration
@@ -133,7 +136,7 @@ class Layer:
         return scratch.translations[slot].copy()
 
     def apply(self, pose: Pose) -> None:
-        """Lay it over a pose."""
+        """Blend the layer over a pose."""
         if self.weight <= 0.0:
             return
         self.sample(self.at, self._sampled)
@@ -141,9 +144,10 @@ class Layer:
         blend_pose(*how, *self._sampled.arrays, *self._reference.arrays, *pose.arrays)
 
     def _passed(self, before: float, after: float) -> list[ClipEvent]:
-        """Events in (before, after], the clip repeated where it loops; none of a clip that plays backwards."""
+        """Return events in (before, after], over repeats of a loop; none for a clip that plays backwards."""
         duration, events = self.clip.duration, self.clip.events
         if not events or after <= before or self.weight <= 0.0:
             return []
-        turns = [0.0] if not self.loop or duration <= 0.0 else np.arange(0, math.floor(after / duration) + 1) * duration
-        return [event for turn in turns for event in events if before < event.at + turn <= after]
+        repeats = min(math.floor(after / duration), _MAX_REPEATS) if self.loop and duration > 0.0 else 0
+        starts = [k * duration for k in range(repeats + 1)]
+        return [event for start in starts for event in events if before < event.at + start <= after]

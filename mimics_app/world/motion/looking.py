@@ -1,4 +1,4 @@
-"""What makes a person alive: head and eyes that turn to something, lids that blink, a chest that breathes."""
+"""Idle motion of a person: look-at of head and eyes, blinking, breathing."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ __all__ = ["Blink", "Breath", "LookAt", "find_morphs"]
 
 _IDENTITY = np.array([0.0, 0.0, 0.0, 1.0])
 _NECK_SHARE = 0.4
-"""Of the way to what is looked at that the neck turns; the head turns the rest."""
+"""Share of the look-at rotation that the neck takes; the head takes the rest."""
 _EASE = 6.0
-"""How fast the head follows [1/s]: 63 % of the way in a sixth of a second."""
+"""Rate of the head's exponential approach [1/s]: 63 % in a sixth of a second."""
 
 
 class LookAt:
-    """Turns neck, head and eyes towards a point; a step of an animator.
+    """Look-at: rotates neck, head and eyes towards a point; a step of an animator.
 
     Args:
-        rig: The model's nodes.
-        bones: Of the person.
-        target: Gives the point in the frame of the model [m], or None while there is nothing to look at.
-        limit: Farthest head and neck turn from where the clips have them [rad]; the eyes go on by at most 0.5.
+        rig: Nodes of the model.
+        bones: Bones of the model.
+        target: Returns the point in the frame of the model [m], or None for none.
+        limit: Maximum angle of head and neck from the clips' pose [rad]; the eyes add at most 0.5.
 
     Attributes:
-        weight: Share over what the clips say, 0 to 1.
+        weight: Blend weight over the clips, 0 to 1.
     """
 
     _EYES = 0.5
@@ -47,7 +47,7 @@ class LookAt:
         self._neck = bones.slots.get("neck", -1)
         self._eyes = [bones.slots[eye] for eye in ("leftEye", "rightEye") if eye in bones.slots]
         rest = Chain(rig)
-        # Ahead of a person is where the toes point, else +z as glTF has it.
+        # The forward direction is that of the toes, else +z as in glTF.
         self._ahead = _ahead(rest, bones)
         self._gaze = [self._into(rest, slot) for slot in (self._head, *self._eyes)]
         self._turn = _IDENTITY.copy()
@@ -70,7 +70,7 @@ class LookAt:
                 self._turn_slot(pose, slot, turn)
 
     def _wanted(self, target: F8) -> F8:
-        """The turn of head and neck together, in the frame of the model."""
+        """Return the rotation of head and neck together, in the frame of the model."""
         now = self._out(self._head, self._gaze[0])
         return _limited(now, target - self._chain.places[self._head], self._limit)
 
@@ -96,27 +96,27 @@ class LookAt:
 
 
 class Blink:
-    """Closes the lids for 0.2 s every few seconds, at times that depend on the seed alone."""
+    """Blinking: closes the lids for 0.2 s every few seconds, at times given by the seed."""
 
     _CLOSED = 0.2
-    _LEAST, _MOST = 2.0, 6.0
+    _MIN, _MAX = 2.0, 6.0
 
     def __init__(self, slots: list[int], seed: int) -> None:
         self._slots = slots
         self._random = np.random.default_rng(seed)
-        self._left = float(self._random.uniform(0.0, self._MOST))
+        self._left = float(self._random.uniform(0.0, self._MAX))
 
     def __call__(self, pose: Pose, seconds: float) -> None:
         self._left -= seconds
         if self._left < -self._CLOSED:
-            self._left = float(self._random.uniform(self._LEAST, self._MOST))
+            self._left = float(self._random.uniform(self._MIN, self._MAX))
         if self._left < 0.0:
             shut = math.sin(math.pi * min(1.0, -self._left / self._CLOSED))
             pose.morphs[self._slots] = np.maximum(pose.morphs[self._slots], shut)
 
 
 class Breath:
-    """Lets the chest rise and sink: a quarter of a hertz, faster in than out."""
+    """Breathing at a quarter of a hertz, faster in than out."""
 
     _RATE = 0.25
 
@@ -131,13 +131,13 @@ class Breath:
 
 
 def find_morphs(rig: Rig, *words: str) -> list[int]:
-    """Morph weights whose name is one of some words, in any writing: all meshes of a person have them."""
+    """Return the morph weights with one of some names, in upper or lower case, of all meshes."""
     wanted = {word.lower() for word in words}
     return [k for k, name in enumerate(rig.morph_names) if name.lower() in wanted]
 
 
 def _limited(now: F8, wanted: F8, limit: float) -> F8:
-    """The shortest turn from one direction to another, of an angle at most [rad]."""
+    """Return the shortest rotation between two directions, limited to an angle [rad]."""
     turn = np.empty(4)
     if float(np.linalg.norm(wanted)) < 1e-6:
         return _IDENTITY

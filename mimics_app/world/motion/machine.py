@@ -1,4 +1,4 @@
-"""States of a model: which clip plays until something happens, and how one goes over to the next."""
+"""StateMachine of a model: states play clips, events and ends of clips start transitions."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ __all__ = ["State", "StateMachine", "Transition"]
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """What is done until something else is.
+    """A state: one clip.
 
     Attributes:
         clip: Name of the clip that plays.
-        speed: Seconds of it in a second.
-        loop: Whether it begins again at its end.
-        following: State that follows when one that does not loop has ended, or None.
-        fade: In which it goes over to that [s].
+        speed: Seconds of it per second.
+        loop: True: it repeats from its start.
+        following: Next state after a clip that does not loop, or None.
+        fade: Duration of the cross-fade to that [s].
     """
 
     clip: str
@@ -32,13 +32,13 @@ class State:
 
 @dataclass(frozen=True, slots=True)
 class Transition:
-    """What makes something else be done.
+    """A transition on an event.
 
     Attributes:
-        target: State that begins.
-        on: What has to happen.
-        source: State in which it counts; None: any.
-        fade: In which one goes over to the other [s].
+        target: State that starts.
+        on: The event.
+        source: State in which the event counts; None: any.
+        fade: Duration of the cross-fade [s].
     """
 
     target: str
@@ -48,17 +48,17 @@ class Transition:
 
 
 class StateMachine:
-    """Has an animator do one thing after the other.
+    """State machine of an animator's lowest layer.
 
     Args:
-        animator: Whose lowest layer shows the state.
-        states: By name, at least one.
-        transitions: The first that fits counts.
-        start: State it begins with; "": the first.
+        animator: The animator.
+        states: States by name, at least one.
+        transitions: Transitions; the first that matches is taken.
+        start: Initial state; "": the first.
 
     Attributes:
-        state: Name of the present one.
-        names: Of all states.
+        state: Name of the present state.
+        names: Names of all states.
 
     Raises:
         KeyError: a state or a clip is missing; the message names the nearest.
@@ -84,7 +84,7 @@ class StateMachine:
         animator.directors.append(self.step)
 
     def trigger(self, cause: str) -> bool:
-        """Pass on what happened; returns whether another state begins."""
+        """Handle an event; return True when a state starts."""
         for transition in self._transitions:
             if transition.on == cause and transition.source in (None, self.state):
                 self.enter(transition.target, transition.fade)
@@ -92,7 +92,7 @@ class StateMachine:
         return False
 
     def step(self, seconds: float) -> None:
-        """Go on to what follows a clip that ends within this time [s]."""
+        """Enter the next state when the clip ends within this time step [s]."""
         state = self._states[self.state]
         if state.following is not None and not state.loop:
             left = self._layer.clip.duration - self._layer.at
@@ -100,12 +100,12 @@ class StateMachine:
                 self.enter(state.following, state.fade)
 
     def enter(self, name: str, fade: float, share: float = 0.0) -> None:
-        """Begin a state, whatever transitions say.
+        """Enter a state, independent of transitions.
 
         Args:
-            name: Of the state.
-            fade: In which it comes up [s].
-            share: Of its clip that is left out at the beginning, 0 to 1.
+            name: Name of the state.
+            fade: Duration of the cross-fade [s].
+            share: Share of its clip that is skipped at the start, 0 to 1.
 
         Raises:
             KeyError: there is no such state; the message names the nearest.
@@ -117,7 +117,7 @@ class StateMachine:
         self._layer.at = share * self._layer.clip.duration
 
     def pace(self, factor: float) -> None:
-        """Play the present state's clip at so many times the speed that its state says."""
+        """Play the present state's clip at a multiple of the state's speed."""
         self._layer.speed = factor * self._states[self.state].speed
 
     def _how(self, name: str) -> tuple[float, bool]:

@@ -1,8 +1,8 @@
-"""A clip of a model out of the markers of a take: each bone is turned to lie as the markers say.
+"""Clips of a model from recorded markers: each bone is rotated to match the markers.
 
-Pelvis, chest and head are turned as bodies with three axes, taken from the frame in which the person stands most
-upright; limbs are laid along the lines between their joints. Turns of a limb about its own length markers of this kind
-do not give: it takes those of what it hangs on.
+Pelvis, chest and head are rigid bodies with three axes, relative to the frame in which the person stands most
+upright; limbs lie along the lines between their joints. Such markers do not determine the rotation of a limb about its
+own length: it takes that of its parent.
 """
 
 from __future__ import annotations
@@ -33,22 +33,22 @@ _LIMBS = (
     ("UpperArm", "LowerArm", "Shoulder", "Elbow"),
     ("LowerArm", "Hand", "Elbow", "Wrist"),
 )
-"""Bone, the one after it, and the points between which it lies."""
+"""Bone, next bone, and the points at its ends."""
 
 _SPINE = ("spine", "chest", "upperChest")
 
 
 def marker_clip(take: MarkerTake, name: str, target: Rig, bones: HumanoidMap) -> tuple[Clip, list[str]]:
-    """A clip of a model that does what markers show, and what was found and guessed.
+    """Fit a model to recorded markers; return the clip and a report of the mapping.
 
     Args:
-        take: What was recorded.
-        name: Of the clip, and of the take in messages.
+        take: The recording.
+        name: Name of the clip, and of the recording in messages.
         target: Nodes of the model.
-        bones: Its bones.
+        bones: Bones of the model.
 
     Raises:
-        SceneError: the markers do not show where legs and shoulders are.
+        SceneError: the markers do not determine legs and shoulders.
     """
     body = find_points(take, name)
     poser = _Poser(body, target, bones)
@@ -62,11 +62,11 @@ def marker_clip(take: MarkerTake, name: str, target: Rig, bones: HumanoidMap) ->
 
 
 class _Poser:
-    """Works out the pose of a model frame by frame.
+    """Solver of the pose of a model in each frame.
 
     Attributes:
-        moved: Slots that are turned.
-        report: What was guessed and left out.
+        moved: Slots that are animated.
+        report: Report of what was guessed and left out.
     """
 
     def __init__(self, body: BodyPoints, rig: Rig, bones: HumanoidMap) -> None:
@@ -94,7 +94,7 @@ class _Poser:
         return place
 
     def pose(self, k: int) -> Pose:
-        """The pose in a frame; changed by the next call."""
+        """Return the pose in a frame; overwritten by the next call."""
         pelvis, chest = self._turns["pelvis"][k], self._turns["chest"][k]
         self._pose.take(self._rig.rest)
         self._turn("hips", pelvis)
@@ -113,7 +113,7 @@ class _Poser:
         return self._pose
 
     def _place_hips(self, k: int, turn: F8) -> None:
-        """Put the hips where the middle of the hip joints is as high over its place at rest as it was recorded."""
+        """Translate the hips so that the midpoint of the hip joints moves as recorded."""
         slot, place = self._slots["hips"], np.empty(3)
         rotate(turn, self._at_rest("hips") - self._own_middle, place)
         place += self._scale * (self._middle[k] - (0.0, self._height, 0.0)) + (0.0, self._own_middle[1], 0.0)
@@ -125,7 +125,7 @@ class _Poser:
         self._pose.translations[slot] = place
 
     def _turn(self, bone: str, turn: F8) -> None:
-        """Turn a bone from its rest by a turn in the model's axes."""
+        """Rotate a bone from its rest orientation by a rotation in the model's axes."""
         slot = self._slots.get(bone)
         if slot is None:
             return
@@ -134,7 +134,7 @@ class _Poser:
         self._set(slot, wanted)
 
     def _lay(self, bone: str, after: str, direction: F8) -> None:
-        """Turn a bone by the shortest arc so that it lies along a line to the one after it."""
+        """Rotate a bone by the shortest arc so that it points along a direction to the next bone."""
         if bone not in self._slots or after not in self._slots:
             return
         slot, turn, wanted = self._slots[bone], np.empty(4), np.empty(4)
@@ -150,7 +150,7 @@ class _Poser:
 
 
 def _way(*places: F8) -> float:
-    """Length of a line over some places [m]."""
+    """Return the length of a polyline [m]."""
     return float(sum(np.linalg.norm(b - a) for a, b in itertools.pairwise(places)))
 
 
@@ -161,7 +161,7 @@ def _between(a: F8, b: F8, share: float) -> F8:
 
 
 def _axes(x: F8, ahead: F8) -> F8:
-    """Matrices with the columns left, up, ahead; ahead is squared to the left, [frames, 3, 3]."""
+    """Return matrices with the columns left, up, forward, orthogonalised to left, [frames, 3, 3]."""
     left = x / np.linalg.norm(x, axis=1, keepdims=True)
     z = ahead - (ahead * left).sum(axis=1, keepdims=True) * left
     z = z / np.linalg.norm(z, axis=1, keepdims=True)
@@ -196,9 +196,9 @@ def _upwards(body: BodyPoints) -> F8:
 
 
 def _from_upright(axes: F8, upright: int) -> F8:
-    """Turns of a body from how it stands upright and looks along z, xyzw, [frames, 4].
+    """Return rotations of a body from upright and facing along z, xyzw, [frames, 4].
 
-    What it is tilted in the upright frame is how its markers sit, not how the person stands.
+    Its tilt in the upright frame is due to marker placement, not to posture.
     """
     ahead = axes[upright, :, 2]
     facing, turns = np.empty(4), np.empty((len(axes), 4))

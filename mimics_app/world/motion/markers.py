@@ -1,4 +1,4 @@
-"""Points of a body out of optical markers: centres of joints, and the frames of pelvis, chest and head.
+"""Points of a body from optical markers: joint centres, and points of pelvis, chest and head.
 
 Labels are those of the usual sets (Plug-in Gait, ISB, OpenSim's gait models) and of joint centres that other programs
 compute. Hip joints come from the pelvis by the regression of Bell, Pedersen & Brand 1990 (shares of the distance of the
@@ -51,36 +51,36 @@ _MIDDLE: Mapping[str, tuple[str, ...]] = {
 }
 _FROM_MIDDLES = ("Knee", "Ankle", "Elbow", "Wrist")
 _HALF_KNEE, _HALF_ANKLE = 0.050, 0.036
-"""Half of the breadth of a knee and an ankle with half a marker [m]: where only the outer side has one."""
+"""Half the width of a knee and an ankle plus half a marker [m], where only the outer side has a marker."""
 _ASIDE, _BEHIND, _BELOW = 0.36, 0.19, 0.30
 
 
 @dataclass(frozen=True, eq=False)
 class BodyPoints:
-    """Places over time.
+    """Trajectories of points of a body.
 
     Attributes:
-        points: By name: "leftKnee", "nape" ...; [m], without gaps, [frames, 3].
-        report: What was found and guessed.
+        points: Positions by name, "leftKnee", "nape" ...; [m], without gaps, [frames, 3].
+        report: Report of what was found and guessed.
     """
 
     points: dict[str, F8]
     report: tuple[str, ...]
 
     def has(self, *names: str) -> bool:
-        """Whether all of them are there."""
+        """True when all named points exist."""
         return all(name in self.points for name in names)
 
     def middle(self, *names: str) -> F8:
-        """The mean of some, [frames, 3]."""
+        """Return the mean of some points, [frames, 3]."""
         return np.asarray(np.mean([self.points[name] for name in names], axis=0))
 
 
 def find_points(take: MarkerTake, file: str) -> BodyPoints:
-    """Look for the points of a body among markers.
+    """Find the points of a body among markers.
 
     Raises:
-        SceneError: legs or shoulders are missing; all that is missing is named.
+        SceneError: legs or shoulders are missing; the message names all missing points.
     """
     labels = {_bare(name): number for number, name in enumerate(take.names)}
     found, report = dict[str, F8](), list(take.report)
@@ -102,12 +102,12 @@ def find_points(take: MarkerTake, file: str) -> BodyPoints:
 
 
 def _bare(name: str) -> str:
-    """A label without the name of the person before it and without anything but letters and digits."""
+    """Return a label without the subject's prefix, reduced to letters and digits."""
     return re.sub(r"[^A-Z0-9]", "", name.rsplit(":", 1)[-1].upper())
 
 
 def _filled(places: F8) -> tuple[F8, int]:
-    """Places with gaps filled along straight lines, and how many frames that were."""
+    """Return positions with gaps filled linearly, and the number of filled frames."""
     seen = np.isfinite(places).all(axis=1)
     if seen.all():
         return places, 0
@@ -117,7 +117,7 @@ def _filled(places: F8) -> tuple[F8, int]:
 
 
 def _add_hips(body: BodyPoints, report: list[str]) -> None:
-    """Middle of the back of the pelvis, and hip joints where the file has none."""
+    """Add the sacrum, and hip joints where the file has none."""
     points = body.points
     if body.has("leftBehind", "rightBehind"):
         points["sacrum"] = body.middle("leftBehind", "rightBehind")
@@ -137,7 +137,7 @@ def _add_hips(body: BodyPoints, report: list[str]) -> None:
 
 
 def _add_middles(body: BodyPoints, report: list[str]) -> None:
-    """Centres of joints between their two sides, or a usual distance inwards of the only one."""
+    """Add joint centres between two markers, or at a typical distance inwards of a single one."""
     points, alone = body.points, list[str]()
     for word, other in (("left", "right"), ("right", "left")):
         for part in _FROM_MIDDLES:

@@ -1,4 +1,4 @@
-"""All that moves on its own in a world: models that play clips, and bodies that bend with them."""
+"""Motion: animators and deformable bodies of a world."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ if TYPE_CHECKING:
 __all__ = ["Motion"]
 
 _STEPS = ((12.0, 0.0), (25.0, 1.0 / 30.0), (50.0, 1.0 / 15.0), (math.inf, 1.0 / 8.0))
-"""Distance from the eye [m] up to which a model is moved in steps of time no longer than these [s]: in 1/30 s a hand of
-2 m/s goes 7 cm, which from 25 m are two of 720 rows."""
+"""Maximum time step [s] of animators up to each distance from the camera [m]: in 1/30 s a hand of
+2 m/s moves 7 cm, which at 25 m are two of 720 rows."""
 
 
 class Motion:
-    """Animators by the entity index of what a model stands on, bodies by that of the node that carries them.
+    """Animators by the entity index of the model's node, bodies by that of their node.
 
     Attributes:
-        time: Of the scene, of which all motion is a function [s]; whoever owns the frame sets it.
-        animators: Change them by `add` and `remove` only, as the next two.
-        bodies: What bends.
+        time: Scene time, which all motion is a function of [s]; set by the frame thread.
+        animators: Animators; change them by `add` and `remove` only, as the next two.
+        bodies: Skinned and morphed bodies.
         body_of: The body a mesh of the world belongs to.
-        machines: What decides by what happens, by the entity index of its model.
-        happened: What the clips passed in the last update: (entity index, event).
-        eye_world: From where the world is seen [m], [3]: what is far moves in larger steps of time; None: nothing does.
+        machines: State machines by the entity index of their model.
+        happened: Events of the clips in the last update: (entity index, event).
+        eye_world: Position of the camera [m], [3]: distant models are animated at a lower rate; None: none is.
     """
 
     def __init__(self) -> None:
@@ -50,29 +50,30 @@ class Motion:
 
     @property
     def alive(self) -> bool:
-        """Whether something moves as time goes by."""
+        """True when an animator is active."""
         return any(animator.moves for animator in self.animators.values())
 
     def add(self, index: int, animator: Animator) -> None:
-        """Let a model move."""
+        """Add the animator of a model."""
         self.animators[index] = animator
 
     def trigger(self, cause: str) -> None:
-        """Pass to all models that something happened, in the words of their transitions."""
+        """Pass an event to all state machines."""
         for machine in self.machines.values():
             machine.trigger(cause)
 
     def add_body(self, body: SkinnedBody) -> None:
-        """Let a body bend."""
+        """Add a deformable body."""
         self.bodies[body.entity] = body
         self.body_of |= dict.fromkeys(body.meshes, body)
 
     def remove(self, indices: Iterable[int]) -> list[str]:
-        """Forget models and bodies of these nodes; returns the meshes that were theirs alone."""
+        """Remove the animators and bodies of these nodes; return the meshes that were theirs alone."""
         gone: list[str] = []
         for index in indices:
             self.animators.pop(index, None)
             self.machines.pop(index, None)
+            self._owed.pop(index, None)
             body = self.bodies.pop(index, None)
             if body is not None:
                 gone += body.meshes
@@ -81,10 +82,10 @@ class Motion:
         return gone
 
     def pose(self, transforms: TransformTable) -> None:
-        """Bring what moves to the present time, and hand it to the nodes.
+        """Advance all animators to the present time and write their poses to the nodes.
 
         Raises:
-            ValueError: `time` is not finite; the next finite one goes on from the last.
+            ValueError: `time` is not finite; the next finite one continues from the last.
         """
         if not math.isfinite(self.time):
             raise ValueError(f"the time of the motion is {self.time} s")
@@ -99,7 +100,7 @@ class Motion:
                 self.happened += [(index, event) for event in animator.events]
 
     def _due(self, index: int, seconds: float, transforms: TransformTable) -> float | None:
-        """Time by which a model has to be moved now [s]; None while it is far and may wait."""
+        """Return the time step due for a model [s]; None while it is distant and may wait."""
         if self.eye_world is None:
             return seconds + self._owed.pop(index, 0.0)
         owed = self._owed.get(index, math.inf) + seconds
@@ -112,6 +113,6 @@ class Motion:
         return owed if owed < math.inf else seconds
 
     def follow(self, transforms: TransformTable) -> None:
-        """After the nodes' update: have bodies bend with their joints."""
+        """Update all bodies from their joints, after the nodes' update."""
         for body in self.bodies.values():
             body.follow(transforms)

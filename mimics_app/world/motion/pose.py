@@ -1,4 +1,4 @@
-"""Poses: where every node of a model is, as arrays by slot."""
+"""Pose: local transforms of all nodes of a model, as arrays by slot."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ class Pose:
     """Local transforms of a model's nodes, and the weights of its morph targets. The arrays are written in place.
 
     Attributes:
-        translations: [m], [slots, 3].
-        rotations: Unit xyzw, [slots, 4].
-        scales: [slots, 3].
-        morphs: Of all slots one after the other, [weights].
+        translations: Translations [m], [slots, 3].
+        rotations: Unit quaternions xyzw, [slots, 4].
+        scales: Scales, [slots, 3].
+        morphs: Morph weights of all slots in order, [weights].
     """
 
     translations: F8
@@ -27,14 +27,14 @@ class Pose:
 
     @property
     def arrays(self) -> tuple[F8, F8, F8, F8]:
-        """All of it, in the order kernels take it."""
+        """All arrays, in the order of kernel arguments."""
         return self.translations, self.rotations, self.scales, self.morphs
 
     def copy(self) -> Pose:
-        """One with arrays of its own."""
+        """Return a copy."""
         return Pose(*(array.copy() for array in self.arrays))
 
     def take(self, other: Pose) -> None:
-        """Become as another one."""
+        """Copy the values of another pose."""
         for own, array in zip(self.arrays, other.arrays, strict=True):
             own[:] = array

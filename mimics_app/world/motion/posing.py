@@ -1,4 +1,4 @@
-"""Where the vertices of a body that bends are, in double precision: for rays, for files, to check the quick methods."""
+"""Vertices of a deformed body in double precision: for ray casts, files, and as reference of the fast methods."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ __all__ = ["mix_duals", "mix_matrices", "posed_positions"]
 
 
 def posed_positions(mesh: MeshData, body: SkinnedBody) -> F8:
-    """Positions of a mesh as its body bends it now, in the frame of its node [m], [n, 3]."""
+    """Return the vertices of a mesh as deformed now, in the frame of its node [m], [n, 3]."""
     positions = mesh.positions.astype(np.float64)
-    for share, morph in zip(body.weights.tolist(), mesh.morphs, strict=True):
+    for share, morph in zip(body.weights.tolist(), mesh.morphs, strict=False):  # levels of detail may have fewer
         positions += share * morph.positions
     if body.binding is None or mesh.weights is None:
         return positions
@@ -25,11 +25,11 @@ def posed_positions(mesh: MeshData, body: SkinnedBody) -> F8:
 
 
 def mix_matrices(positions: F8, weights: VertexWeights, rows: F8) -> F8:
-    """Vertices moved by the mean of their joints' matrices, weights and joints per vertex; [n, 3].
+    """Return vertices after linear blend skinning, [n, 3].
 
     Args:
-        positions: [n, 3].
-        weights: Of the vertices.
+        positions: Undeformed vertices [m], [n, 3].
+        weights: Joints and weights of the vertices.
         rows: Three rows of each joint's matrix, [joints, 3, 4].
     """
     moved = np.zeros_like(positions)
@@ -41,11 +41,11 @@ def mix_matrices(positions: F8, weights: VertexWeights, rows: F8) -> F8:
 
 
 def mix_duals(positions: F8, weights: VertexWeights, duals: F8) -> F8:
-    """Vertices moved by the mean of their joints' dual quaternions (Kavan et al. 2008); [n, 3].
+    """Return vertices after dual quaternion skinning (Kavan et al. 2008), [n, 3].
 
     Args:
-        positions: [n, 3].
-        weights: Of the vertices.
+        positions: Undeformed vertices [m], [n, 3].
+        weights: Joints and weights of the vertices.
         duals: Real and dual part of each joint's motion, xyzw each, [joints, 8].
     """
     heaviest = duals[weights.joints[:, 0]]

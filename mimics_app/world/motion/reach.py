@@ -1,4 +1,4 @@
-"""A limb of a model that reaches for a point: what its two joints are turned by, blended over what clips say."""
+"""LimbReach: two-bone inverse kinematics of a limb, blended over the clips."""
 
 from __future__ import annotations
 
@@ -19,29 +19,29 @@ __all__ = ["SWIVEL_RATE", "Chain", "LimbReach", "ReachCase"]
 
 
 SWIVEL_RATE = math.radians(720.0)
-"""Fastest an elbow swings about the line from shoulder to hand [rad/s]."""
+"""Maximum swivel rate of an elbow about the line from shoulder to hand [rad/s]."""
 
 
 class ReachCase(IntFlag):
-    """What is special about a reach; none of it is an error."""
+    """Special cases of a reach; none is an error."""
 
     PLAIN = 0
     AT_SHOULDER = 1  # no direction: the last one is kept
     TOO_FAR = 2
     TOO_NEAR = 4  # bones of unequal lengths
-    ON_POLE = 8  # the pole gives no side: the last one is kept
+    ON_POLE = 8  # the pole vector gives no side: the last one is kept
     NO_LENGTH = 16
-    NOT_FINITE = 32  # elbow and hand stay where they were
-    TURNING = 64  # the elbow follows the pole as fast as it may
+    NOT_FINITE = 32  # elbow and hand keep their positions
+    TURNING = 64  # the elbow follows the pole at its maximum rate
 
 
 class Chain:
-    """Where the joints of a model are in its own frame, computed anew for each pose.
+    """Poses of the joints of a model in its own frame, by forward kinematics.
 
     Attributes:
-        places: [m], [slots, 3].
-        turns: xyzw, [slots, 4].
-        scales: [slots, 3].
+        places: Positions [m], [slots, 3].
+        turns: Orientations xyzw, [slots, 4].
+        scales: Scales, [slots, 3].
     """
 
     def __init__(self, rig: Rig) -> None:
@@ -53,30 +53,30 @@ class Chain:
         self.follow(rig.rest)
 
     def follow(self, pose: Pose) -> None:
-        """Take over a pose."""
+        """Compute all slots from a pose."""
         local = (pose.translations, pose.rotations, pose.scales)
         follow_chain(self.rig.parents, *local, self.places, self.turns, self.scales)
 
     def follow_slot(self, pose: Pose, slot: int) -> None:
-        """Take over one slot whose parent is right already."""
+        """Compute one slot whose parent is up to date."""
         local = (pose.translations, pose.rotations, pose.scales)
         follow_one(slot, self.rig.parents, *local, self.places, self.turns, self.scales)
 
 
 class LimbReach:
-    """Has a limb of two bones reach for a point in the frame of the model; a step of an animator.
+    """Reach of a two-bone limb to a point in the frame of the model; a step of an animator.
 
     Args:
-        rig: The model's nodes.
-        joints: Slots of shoulder, elbow and hand, or of hip, knee and foot; or toes, then the ankle keeps its bend.
-        target: Gives the point [m], or None while there is nothing to reach for.
-        pole: Gives a point the elbow points to [m], from the place of the shoulder.
-        weight: 0 to 1: share over what the clips say.
-        soft: Share of the limb's length in which the reach gives way.
+        rig: Nodes of the model.
+        joints: Slots of shoulder, elbow and hand, or of hip, knee and foot; or toes, then the ankle keeps its angle.
+        target: Returns the point [m], or None for none.
+        pole: Returns the pole point of the elbow [m] for a position of the shoulder.
+        weight: Blend weight over the clips, 0 to 1.
+        soft: Soft reach, as a share of the limb's length.
 
     Attributes:
-        weight: See above; change it as you like.
-        case: What was special in the last step.
+        weight: See above; may be set.
+        case: Special cases of the last step.
     """
 
     def __init__(
@@ -123,7 +123,7 @@ class LimbReach:
                 slerp(old, pose.rotations[slot].copy(), self.weight, pose.rotations[slot])
 
     def _aim(self, pose: Pose, slot: int, now: F8, wanted: F8) -> None:
-        """Turn a joint so that what points along `now` points along `wanted`."""
+        """Rotate a joint by the arc from direction `now` to direction `wanted`."""
         turn, turned = np.empty(4), np.empty(4)
         arc(np.ascontiguousarray(now), np.ascontiguousarray(wanted), turn)
         multiply(turn, self._chain.turns[slot], turned)
@@ -131,7 +131,7 @@ class LimbReach:
 
 
 def _way_down(rig: Rig, above: int, slot: int) -> list[int]:
-    """Slots from below one down to another, nearest first."""
+    """Return the slots from below one down to another, nearest first."""
     chain = list[int]()
     while slot not in (-1, above):
         chain.insert(0, slot)

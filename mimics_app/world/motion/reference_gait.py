@@ -1,19 +1,19 @@
-"""How people bend hip, knee and ankle when they walk: published curves, and the table a walk is shaped after.
+"""Reference gait: published joint angles of hip, knee and ankle, and the table a walk follows.
 
 Sources:
 
 - Natural speed: mean of healthy adults, one value per 2 % of the cycle from heel contact to heel contact [degrees]. The
-  numbers are those that SCONE Studio ships for its gait analysis (resources/gaitanalysis/default.zml). Who uses them
-  credits G. Bovi et al., A multiple-task gait analysis approach, Gait & Posture 33 (2011) 6-13; that credit is theirs
-  and not checked here. The ankle is given with the offset of 20 degrees that the file names. The hip is against the
-  pelvis, which is tilted ahead by `TILT`.
+  numbers are those that SCONE Studio ships for its gait analysis (resources/gaitanalysis/default.zml), which
+  credits G. Bovi et al., A multiple-task gait analysis approach, Gait & Posture 33 (2011) 6-13; that attribution is
+  not verified here. The ankle is given with the offset of 20 degrees that the file states. The hip is relative to the
+  pelvis, which is tilted forward by `TILT`.
 - Knee from 0.5 to 5 km/h: B. Koopman, E. H. F. van Asseldonk, H. van der Kooij, Speed-dependent reference joint
   trajectory generation for robotic gait support, J. Biomechanics 47 (2014) 1447-1458: regression of six events on
   speed [km/h] and body height [m], joined by quintic polynomials. Rows: 1, speed, its square, height. The
   coefficients were read from a public table of that regression, not from the paper itself.
 
-The two differ by 8 degrees (root mean square) in the knee at 1.2 m/s: by where the joint's zero is, and by later
-toe-off in the second. Of hip and ankle at other speeds no numbers are available: they are the natural ones, scaled
+The two differ by 8 degrees (root mean square) in the knee at 1.2 m/s: in the zero of the joint, and by a later
+toe-off in the second. For hip and ankle at other speeds no data are available: they are the natural ones, scaled
 with the step.
 """
 
@@ -29,11 +29,11 @@ __all__ = ["NATURAL", "NATURAL_STANCE", "SAMPLES", "TILT", "knee_by_speed", "sha
 
 
 SAMPLES = 50
-"""Of a cycle; row k is at k/50."""
+"""Samples of a cycle; row k is at k/50."""
 TILT = 9.1
-"""Mean tilt of the pelvis ahead in the natural table [degrees]."""
+"""Mean forward tilt of the pelvis in the natural table [degrees]."""
 NATURAL_STANCE = 0.60
-"""Share of the cycle in which a foot stands at natural speed."""
+"""Stance phase at natural speed, as a share of the cycle."""
 
 NATURAL: dict[str, tuple[float, ...]] = {
     "hip": (
@@ -56,11 +56,11 @@ NATURAL: dict[str, tuple[float, ...]] = {
 
 _WHEN = (
     (0.0, 0.0, 0.0, 0.0),  # heel contact
-    (17.1031, 0.0, 0.0, 0.0),  # greatest flexion in stance
-    (48.5422, -0.998055, 0.0, 0.0),  # least flexion in stance
-    (68.9475, -6.09610, 0.610870, 5.96713),  # bends fastest
-    (85.8158, -4.48022, 0.518829, 0.0),  # greatest flexion in swing
-    (92.4891, 0.0, 0.0, 0.0),  # straightens fastest
+    (17.1031, 0.0, 0.0, 0.0),  # maximum flexion in stance
+    (48.5422, -0.998055, 0.0, 0.0),  # minimum flexion in stance
+    (68.9475, -6.09610, 0.610870, 5.96713),  # maximum flexion velocity
+    (85.8158, -4.48022, 0.518829, 0.0),  # maximum flexion in swing
+    (92.4891, 0.0, 0.0, 0.0),  # maximum extension velocity
 )
 _ANGLE = (
     (31.5946, -4.31134, 0.494138, -13.0496), (5.99480, 3.02815, 0.0, 0.0), (-10.0373, 0.0, 0.0, 7.59433),
@@ -74,26 +74,26 @@ _BEND = (
     (0.301196, 0.0732306, 0.0, 0.0), (-0.0944567, 0.0, -0.00496254, 0.0), (0.0418350, 0.0, 0.00435602, 0.0),
     (0.0, 0.0, 0.0, 0.0), (-0.783686, 0.224573, -0.0263203, 0.0), (0.0, 0.0, 0.0, 0.0),
 )  # fmt: skip
-"""When the six events of the knee are [%], its angle there [degrees], and the angle's first and second derivative."""
+"""Times of the six events of the knee [%], its angles there [degrees], and their first and second derivatives."""
 
 _HEIGHT = 1.75
-"""Of the body for which the knee is computed [m]."""
+"""Body height for which the knee is computed [m]."""
 _SLOW, _NATURAL = 1.0, 1.3
-"""Up to which speed the knee is that of the regression, and from which it is the natural one [m/s]."""
-_LEAST_KNEE = 4.5
-"""Nobody here locks the knee [degrees]: of zeros of tables it is not known how straight the leg was."""
+"""Speeds up to which the knee is that of the regression, and from which it is the natural one [m/s]."""
+_MIN_KNEE = 4.5
+"""Minimum knee flexion [degrees]: the zero of the tables is uncertain."""
 _FLAT = (0.14, 0.28, 0.48, 0.70)
-"""Shares of the stance: the foot comes down flat, stays flat, and rises from the heel on to full."""
+"""Shares of the stance: begin and end of foot-flat, begin and end of heel rise."""
 
 
 def stance_share(speed: float) -> float:
-    """Share of a cycle in which a foot stands at a speed [m/s]: more when slower, as the knee's events come later."""
+    """Return the stance phase at a speed [m/s] as a share of the cycle, longer when slower."""
     return min(0.72, max(0.56, NATURAL_STANCE + 0.13 * (_NATURAL - speed)))
 
 
 def knee_by_speed(speed: float, height: float = _HEIGHT) -> F8:
-    """Flexion of the knee at a speed [m/s] of a body of a height [m], as the regression has it [degrees], [50]."""
-    kmh = 3.6 * min(max(speed, 0.14), 1.39)  # the range that was measured
+    """Return the knee flexion of the regression at a speed [m/s] for a body height [m], [degrees], [50]."""
+    kmh = 3.6 * min(max(speed, 0.14), 1.39)  # the measured range
     terms = np.array([1.0, kmh, kmh * kmh, height])
     when, angle, slope, bend = (np.array(rows) @ terms for rows in (_WHEN, _ANGLE, _SLOPE, _BEND))
     when = np.append(when, 100.0)
@@ -109,7 +109,7 @@ def knee_by_speed(speed: float, height: float = _HEIGHT) -> F8:
 
 
 def _quintic(x: F8, ends: tuple[float, ...]) -> F8:
-    """The polynomial of fifth degree with value, slope and bend given at 0 and at 1."""
+    """Evaluate the quintic polynomial with given value and two derivatives at 0 and 1."""
     y0, d0, c0, y1, d1, c1 = ends
     step, d, c = y1 - y0 - d0 - 0.5 * c0, d1 - d0 - c0, c1 - c0
     cubic, fourth, fifth = 10.0 * step - 4.0 * d + 0.5 * c, -15.0 * step + 7.0 * d - c, 6.0 * step - 3.0 * d + 0.5 * c
@@ -118,14 +118,14 @@ def _quintic(x: F8, ends: tuple[float, ...]) -> F8:
 
 @lru_cache(maxsize=64)
 def shape_gait(speed: float, stretch: float) -> F8:
-    """What a leg does over a cycle at a speed: lean of the thigh ahead, flexion of the knee, pitch of the foot [rad].
+    """Return the angles of a leg over a cycle: thigh forward, knee flexion, foot pitch [rad].
 
     Args:
-        speed: [m/s].
-        stretch: The step over the one of the natural table, in lengths of the leg.
+        speed: Speed [m/s].
+        stretch: Step over that of the natural table, both over the leg's length.
 
     Returns:
-        [50, 3]; pitch is toes up, and just 0 while the foot stands flat.
+        [50, 3]; pitch is positive toes up, and exactly 0 in foot-flat.
     """
     stance = stance_share(speed)
     phase = np.arange(SAMPLES) / SAMPLES
@@ -144,12 +144,12 @@ def shape_gait(speed: float, stretch: float) -> F8:
     thigh = middle * min(stretch, 1.0) + stretch * (thigh - middle)
     share = min(max((speed - _SLOW) / (_NATURAL - _SLOW), 0.0), 1.0)
     knee = share * knee + (1.0 - share) * knee_by_speed(speed)
-    knee = np.maximum(knee, _LEAST_KNEE)
+    knee = np.maximum(knee, _MIN_KNEE)
     x = phase / stance
     down, flat, rises, high = _FLAT
     window = np.clip((flat - x) / (flat - down), 0.0, 1.0) + np.clip((x - rises) / (high - rises), 0.0, 1.0)
     pitch = thigh - knee + min(stretch, 1.0) * ankle
-    # A foot that stands flat is pitched by nothing: where the ankle has its zero differs between tables.
+    # Pitch is 0 in foot-flat, because the zero of the ankle differs between tables.
     pitch -= float(pitch[(x > flat) & (x < rises)].mean())
     pitch = np.where(standing, window * pitch, pitch)
     pitch = np.where(x < flat, np.maximum(pitch, 0.0), np.where(standing, np.minimum(pitch, 0.0), pitch))

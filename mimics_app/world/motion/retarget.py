@@ -1,4 +1,4 @@
-"""What the joints of one skeleton do, done by another: turns relative to rest, in the axes of the model."""
+"""Retarget: transfer of poses between skeletons by rotations relative to rest, in the axes of the model."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ __all__ = ["Retarget"]
 
 
 class Retarget:
-    """Carries poses over from one rig to another, bone by bone.
+    """Transfer of poses from one rig to another, bone by bone.
 
-    A bone is turned from its rest as the other's is from its own, given in the axes of the model (+y up, +z ahead). The
-    hips also shift, scaled by the heights of both pairs of hips. Bones that one of the two does not have are left.
+    A bone has the rotation from rest of its counterpart, in the axes of the model (+y up, +z forward). The hips are
+    also translated, scaled by the ratio of hip heights. Bones that only one of the two has are ignored.
 
     Args:
-        source, source_bones: Whose poses come.
-        target, target_bones: Who takes them.
-        mirrored: Left does what right does.
+        source, source_bones: Rig of the given poses.
+        target, target_bones: Rig of the resulting poses.
+        mirrored: True: left and right are exchanged.
 
     Attributes:
-        report: What is carried over and what is not, for people.
+        report: Report of what is transferred and what is not.
     """
 
     def __init__(
@@ -53,15 +53,15 @@ class Retarget:
         self._scale = float(heights[1] / heights[0]) if heights[0] > 1e-6 else 1.0
         lost = [bone for bone in source_bones.slots if bone not in target_bones.slots]
         self.report = [f"{len(pairs)} bones carried over, lengths scaled by {self._scale:.3f}"]
-        self.report += [f"left out: {bone}, which the target has not" for bone in lost]
+        self.report += [f"left out: {bone}, which the target lacks" for bone in lost]
 
     def apply(self, rotations: F8, translations: F8, pose: Pose) -> None:
-        """Turn the target's bones as the source's are turned.
+        """Write a pose of the source to the target.
 
         Args:
             rotations: Local rotations of the source, [slots, 4].
             translations: Local translations of the source [m], [slots, 3].
-            pose: Of the target, changed.
+            pose: Pose of the target, changed.
         """
         delta = _multiply(rotations[self._from], _conjugate(self._rest_from))
         delta = self._sign * _multiply(_multiply(self._above_from, delta), _conjugate(self._above_from))
@@ -80,7 +80,7 @@ def _other_side(bone: str) -> str:
 
 
 def _parents_turns(rig: Rig, rest: Chain) -> F8:
-    """How what each slot hangs on is turned in the model at rest, [slots, 4]."""
+    """Return the orientation of each slot's parent at rest, [slots, 4]."""
     turns = np.tile([0.0, 0.0, 0.0, 1.0], (len(rig.names), 1))
     hung = rig.parents >= 0
     turns[hung] = rest.turns[rig.parents[hung]]
@@ -92,7 +92,7 @@ def _conjugate(q: F8) -> F8:
 
 
 def _multiply(a: F8, b: F8) -> F8:
-    """Products of quaternions row by row, [n, 4]."""
+    """Return products of quaternions row by row, [n, 4]."""
     product = np.empty_like(a)
     multiply_rows(a, b, product)
     return product

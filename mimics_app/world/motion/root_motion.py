@@ -1,4 +1,4 @@
-"""The path a clip walks over the ground taken from a joint and given to what the model stands on."""
+"""RootMotion: transfers the horizontal motion of a joint in a clip to the model's node."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ __all__ = ["RootMotion"]
 
 
 class RootMotion:
-    """Keeps a joint above its place at rest and moves the model instead; the last step of an animator.
+    """Root motion: a joint keeps its horizontal rest position, the model moves instead; an animator's last step.
 
     Args:
-        animator: Whose layers walk.
+        animator: Animator whose layers move the joint.
         slot: The joint.
-        transforms: Of the world.
-        entity: Index of what the model stands on.
+        transforms: Transform table of the world.
+        entity: Entity index of the model's node.
 
     Attributes:
-        travel: How far the model went in the last step, in its own frame [m], [3].
+        travel: Displacement of the model in the last step, in its own frame [m], [3].
     """
 
     def __init__(self, animator: Animator, slot: int, transforms: TransformTable, entity: int) -> None:

@@ -1,4 +1,4 @@
-"""A mesh that bends: its joints and morph weights as of this frame, and the box they keep it in."""
+"""SkinnedBody: a deformable body with palette, morph weights and bounding box of the present frame."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ __all__ = ["Binding", "SkinnedBody", "Skinning", "bind"]
 
 
 Skinning = Literal["linear", "dual"]
-"""How the joints of a vertex are mixed: their matrices (as glTF 2.0 says), or their dual quaternions, which keep the
-volume of what is twisted (Kavan et al. 2008)."""
+"""Skinning method: blended matrices (glTF 2.0), or dual quaternions, which keep the volume of twisted limbs (Kavan et
+al. 2008)."""
 
 _STRETCHED = 2e-3
-"""Error of a product of two axes of a joint from which it is no rotation: singular values 1e-3 beside 1."""
+"""Error of products of a joint's axes beyond which it is not a rotation: singular values 1e-3 from 1."""
 
 _BULGE = 0.12
-"""How far mixed dual quaternions may carry a vertex out of the box about its joints' boxes, of that box's size."""
+"""Margin for vertices that dual quaternions move out of the box about the joints' boxes, as a share of its size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class Binding:
     Attributes:
         joints: Entity index of each joint, int32 [joints].
         inverse_bind: T_joint_from_mesh at rest, float64 [joints, 4, 4].
-        boxes: About the vertices that follow each joint, as modelled [m], float64 [joints, 2, 3].
+        boxes: Bounding box of each joint's vertices in the mesh [m], float64 [joints, 2, 3].
     """
 
     joints: I4
@@ -43,7 +43,7 @@ class Binding:
 
 
 def bind(joints: I4, inverse_bind: F8, meshes: Sequence[MeshData]) -> Binding:
-    """A skin and the boxes about what of some meshes follows each of its joints."""
+    """Create the binding of a skin, with the bounding boxes of each joint's vertices in some meshes."""
     boxes = np.empty((len(joints), 2, 3))
     boxes[:, 0], boxes[:, 1] = np.inf, -np.inf
     for mesh in meshes:
@@ -58,22 +58,22 @@ def bind(joints: I4, inverse_bind: F8, meshes: Sequence[MeshData]) -> Binding:
 
 
 class SkinnedBody:
-    """One body that bends; all its meshes follow the same joints.
+    """One deformable body; all its meshes have the same skin.
 
     Args:
-        entity: Index of the node that carries it.
+        entity: Entity index of its node.
         meshes: Its meshes by key in the world.
-        binding: What it follows; None for a body that only has morph targets.
-        morphs: Weights of its morph targets; a view of the model's pose, [targets].
-        skinning: How joints are mixed where nothing stretches; where something does, matrices are.
+        binding: Its skin; None for a body with morph targets only.
+        morphs: Weights of its morph targets, a view of the model's pose, [targets].
+        skinning: Method while no joint is stretched; otherwise matrices are blended.
 
     Attributes:
-        rows: Palette in the frame of the node, three rows of a matrix each, float32 [joints, 3, 4].
-        duals: The same as dual quaternions, float32 [joints, 8].
-        weights: Of its morph targets in this frame, float32 [targets].
-        stretched: Whether a joint stretches in this frame, so that matrices are mixed.
-        bounds: Corners of the box about it in the frame of the node [m].
-        revision: Changes whenever it bends.
+        rows: Palette in the frame of the node, three matrix rows per joint, float32 [joints, 3, 4].
+        duals: Palette as dual quaternions, float32 [joints, 8].
+        weights: Weights of its morph targets in this frame, float32 [targets].
+        stretched: True when a joint is stretched in this frame.
+        bounds: Bounding box in the frame of the node: minimum and maximum [m].
+        revision: Changes with every deformation.
     """
 
     def __init__(
@@ -97,16 +97,16 @@ class SkinnedBody:
 
     @property
     def method(self) -> Skinning:
-        """How its joints are mixed in this frame."""
+        """Skinning method of this frame."""
         return "linear" if self.stretched else self.skinning
 
     @property
     def bounds(self) -> tuple[F8, F8]:
-        """Corners of the box about it in the frame of its node [m], [3] each."""
+        """Bounding box in the frame of its node: minimum and maximum [m], [3] each."""
         return self._least, self._greatest
 
     def follow(self, transforms: TransformTable) -> None:
-        """Take over where its joints are now."""
+        """Update the palette, morph weights and bounds from the present transforms."""
         bent = self.revision == 0 or not np.array_equal(self.weights, self._morphs.astype(np.float32))
         if self.binding is not None:
             if self._order != transforms.revision:
@@ -144,7 +144,7 @@ class SkinnedBody:
 
 
 def _growth(meshes: Sequence[MeshData]) -> F8:
-    """What morph targets at weight 1 may add on each side [m], with room for single precision, [3]."""
+    """Return the margin of all morph targets at weight 1 on each side [m], with rounding, [3]."""
     grown, size = np.zeros(3), 0.0
     for mesh in meshes:
         if mesh.morphs:

@@ -1,4 +1,4 @@
-"""A person's upper body out of head and hand trackers, and a second person who does the same: mirrored, or later."""
+"""Upper body from trackers of head and hands, and a second person that follows it, mirrored or delayed."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ _WANTED = (
 
 @dataclass(frozen=True, eq=False)
 class Trackers:
-    """What trackers say at one time, each place [m] and rotation xyzw, [7]; None where nothing is tracked.
+    """Poses of trackers at one time, each position [m] and rotation xyzw, [7]; None where untracked.
 
     Attributes:
-        head, left, right: Of the head and of both wrists.
+        head, left, right: Poses of the head and of both wrists.
 
     Raises:
-        ValueError: one is of another shape, such as a matrix.
+        ValueError: a pose has another shape, such as a matrix.
     """
 
     head: F8
@@ -53,14 +53,14 @@ class Trackers:
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """How what trackers say becomes what bones of a model do.
+    """Calibration from trackers to bones of a model.
 
     Attributes:
-        scale: Of places: the model's height of the head over the person's.
-        offsets: Place of each joint in its tracker's own frame [m, of the person], [3, 3]: head, left, right.
-        turns: Rotation of each tracker as the person stood, inverted, xyzw, [3, 4].
-        origin: Of the trackers' room in the model's frame, below the person's head as it stood [m], [3].
-        arm: The model's span over the person's, after `scale`: 1 where both are built alike.
+        scale: Scale of positions: head height of the model over that of the person.
+        offsets: Position of each joint in its tracker's frame [m, of the person], [3, 3]: head, left, right.
+        turns: Inverse rotation of each tracker in the calibration posture, xyzw, [3, 4].
+        origin: Origin of the trackers' room in the model's frame, below the head in that posture [m], [3].
+        arm: Arm span of the model over that of the person, after `scale`.
     """
 
     scale: float
@@ -71,15 +71,15 @@ class Calibration:
 
 
 def calibrate(rig: Rig, bones: HumanoidMap, standing: Trackers) -> Calibration:
-    """Fit trackers to a model from one moment in which the person stands like it rests: straight, arms at the sides.
+    """Calibrate trackers while the person stands in the model's rest posture: upright, arms at the sides.
 
     Args:
         rig: The model's nodes.
         bones: Its bones.
-        standing: What trackers said then; head and both hands.
+        standing: Trackers in that posture: head and both hands.
 
     Raises:
-        ValueError: a hand is not tracked, or the person has no height.
+        ValueError: a hand is not tracked, or the head is too low.
     """
     if standing.left is None or standing.right is None:
         raise ValueError("calibration needs both hands: stand straight with both trackers on")
@@ -88,7 +88,7 @@ def calibrate(rig: Rig, bones: HumanoidMap, standing: Trackers) -> Calibration:
     ground = min(rest.places[bones.slots[f"{side}Foot"], 1] for side in ("left", "right"))
     height = float(standing.head[1])
     if not height > 0.3:
-        raise ValueError(f"a head {height:.2f} m above the floor is no standing person's")
+        raise ValueError(f"a head {height:.2f} m above the floor is not that of a standing person")
     scale = float(head[1] - min(ground, 0.0)) / height
     seen = (standing.head, standing.left, standing.right)
     turns = np.array([turned_back(each[3:]) for each in seen])
@@ -106,13 +106,13 @@ def calibrate(rig: Rig, bones: HumanoidMap, standing: Trackers) -> Calibration:
 
 
 class UpperBody:
-    """Poses a model after trackers; a step of an animator.
+    """Pose of a model from trackers; a step of an animator.
 
     Args:
         rig: The model's nodes.
         bones: Its bones.
-        source: Gives the newest trackers in the model's room, or None while there are none.
-        calibration: From `calibrate`; None: trackers say where the joints are, turned from how they rest.
+        source: Returns the newest trackers in the model's room, or None for none.
+        calibration: From `calibrate`; None: trackers give joint positions, and rotations from rest.
 
     Attributes:
         weight: Share over what the clips say, 0 to 1.
@@ -163,7 +163,7 @@ class UpperBody:
             self._blend(before, pose)
 
     def _joint(self, joint: F8, which: int) -> F8:
-        """Place and rotation of a joint out of what its tracker says."""
+        """Return position and rotation of a joint from its tracker."""
         fit = self._calibration
         if fit is None:
             return joint
@@ -183,16 +183,16 @@ class UpperBody:
 
 
 class DelayedTwin:
-    """A second person whose joints turn as the first one's do: at once or later, as they are or mirrored.
+    """A second person whose joints follow the first one's, optionally delayed or mirrored.
 
-    Joints are followed, not hands: bodies of other proportions do the same movement.
+    Rotations of joints are followed, not positions of hands, so bodies of other proportions do the same movement.
 
     Args:
-        source: Whose joints are followed; it is stepped before the twin.
-        bones: Of both, the source's first.
-        twin: Who follows; this is a step of it.
-        mirrored: Left does what right does, as in a mirror.
-        delay: How much later [s].
+        source: Animator that is followed; it is stepped before the twin.
+        bones: Bones of both, the source's first.
+        twin: Animator that follows; this is a step of it.
+        mirrored: True: left and right are exchanged, as in a mirror.
+        delay: Delay [s].
     """
 
     def __init__(
@@ -219,7 +219,7 @@ class DelayedTwin:
         self._retarget.apply(rotations, translations, pose)
 
     def _at(self, time: float) -> tuple[F8, F8]:
-        """What the source's joints were at a time, between the two steps about it; the oldest before that."""
+        """Return the source's pose at a time, interpolated between two steps; the oldest before that."""
         first = self._line[0]
         if len(self._line) == 1 or time <= first[0]:
             return first[1], first[2]

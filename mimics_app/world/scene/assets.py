@@ -1,4 +1,4 @@
-"""The files a scene names under `assets`: found, of a known kind, and readable."""
+"""Assets of a scene: the files under `assets`, located, identified and decoded."""
 
 from __future__ import annotations
 
@@ -48,17 +48,17 @@ _KINDS: dict[str, AssetKind] = {
 
 @dataclass(frozen=True, eq=False)
 class SceneAsset:
-    """One file of the scene.
+    """One asset of the scene.
 
     Attributes:
         id: Its key under `assets`.
-        kind: By the file name's ending.
-        path: Where it is.
-        model: The decoded file of a model.
-        inside: Of a sound that a model holds: its number there; then `path` is the model.
-        picture: The decoded file of a picture.
-        files: It and every file it names in turn.
-        digest: SHA-256 over the bytes of `files`.
+        kind: Kind, by the file name's ending.
+        path: The file.
+        model: Decoded model, or None.
+        inside: Number of a sound embedded in a model, whose file `path` then is; else None.
+        picture: Decoded image file, or None.
+        files: The file and all files it refers to.
+        digest: SHA-256 over the bytes of `files`, in hexadecimal.
     """
 
     id: str
@@ -73,11 +73,11 @@ class SceneAsset:
 
 @dataclass(frozen=True, eq=False)
 class ModelPart:
-    """What a reference into a model means.
+    """Target of a reference into a model.
 
     Attributes:
-        nodes: Top nodes of the whole model; each brings all below it.
-        node: One node that is meant itself, with all below it, or None.
+        nodes: Root nodes of the whole model, each with its subtree.
+        node: One node with its subtree, or None.
         mesh: One mesh, or None.
     """
 
@@ -92,15 +92,15 @@ def read_asset(name: str, layer: Layer, root: Path) -> SceneAsset | None:
     """Find and decode one asset.
 
     Args:
-        name: Its id.
-        layer: What stands under `assets`; its shape was checked and reported already.
-        root: Folder it must stay inside.
+        name: Id of the asset.
+        layer: Its item under `assets`, whose shape was checked and reported already.
+        root: Folder that the file must be inside.
 
     Returns:
         The asset, or None when its shape is wrong.
 
     Raises:
-        SceneError: the file is missing, of an unknown kind, or itself wrong (then the issues name that file).
+        SceneError: the file is missing, unreadable, of an unknown kind, or broken (then the issues name that file).
     """
     spec = read_struct(AssetSpec, layer.value, lambda *fault: None)
     if spec is FAILED:
@@ -113,21 +113,31 @@ def read_asset(name: str, layer: Layer, root: Path) -> SceneAsset | None:
     kind = _KINDS.get(path.suffix.lower())
     if kind is None:
         known = ", ".join(_KINDS)
-        raise SceneError(Issue(layer.file, place, f'"{spec.uri}" is of no kind that is used', f"known: {known}"))
+        raise SceneError(Issue(layer.file, place, f'"{spec.uri}" is of an unknown kind', f"known: {known}"))
+    try:
+        return _decode(name, kind, path, spec, root)
+    except PictureFault as fault:
+        raise SceneError(Issue(layer.file, place, f'"{spec.uri}" {fault}')) from None
+    except OSError as error:
+        raise SceneError(Issue(layer.file, place, f'"{spec.uri}" cannot be read: {error.strerror}')) from None
+
+
+def _decode(name: str, kind: AssetKind, path: Path, spec: AssetSpec, root: Path) -> SceneAsset:
+    """Decode a file of known kind; raise SceneError, PictureFault or OSError."""
     if kind == "model":
         model = load_gltf(path, root if path.is_relative_to(root.resolve()) else path.parent)
         return SceneAsset(name, kind, path, model=model, files=tuple(model.files), digest=_digest(model.files))
+    picture = None
     if kind == "picture":
-        return SceneAsset(
-            name, kind, path, picture=_picture(path, spec, layer.file, place), files=(path,), digest=_digest([path])
-        )
-    if kind == "sound" and not _begins_as_named(path):
-        raise SceneError(Issue(layer.file, place, f'"{spec.uri}" is no {path.suffix[1:].upper()} file'))
-    return SceneAsset(name, kind, path, files=(path,), digest=_digest([path]))
+        with open_regular(path) as stream:
+            picture = TextureData(read_picture(stream), spec.srgb, spec.wrap, spec.filter)
+    elif kind == "sound" and not _has_signature(path):
+        raise PictureFault(f"is not in {path.suffix[1:].upper()} format")
+    return SceneAsset(name, kind, path, picture=picture, files=(path,), digest=_digest([path]))
 
 
 def sounds_of_model(asset: SceneAsset) -> list[SceneAsset]:
-    """The sounds of a model as assets of their own, "model#/audio/0" and so on."""
+    """Return the sounds of a model as assets, "model#/audio/0" and so on."""
     sounds = None if asset.model is None else asset.model.sounds
     return [
         SceneAsset(sound_of_model(asset.id, number), "sound", audio.path or asset.path, inside=inside)
@@ -137,12 +147,12 @@ def sounds_of_model(asset: SceneAsset) -> list[SceneAsset]:
 
 
 def sound_of_model(name: str, number: int) -> str:
-    """Id of the asset that a sound of a model is."""
+    """Return the asset id of a sound of a model."""
     return f"{name}#/audio/{number}"
 
 
 def find_in_model(assets: dict[str, SceneAsset], reference: str) -> ModelPart:
-    """What "asset", "asset#/nodes/Name" or "asset#/meshes/Name" refers to.
+    """Resolve a reference "asset", "asset#/nodes/Name" or "asset#/meshes/Name".
 
     Raises:
         KeyError: no such model, node or mesh; the message names the nearest.
@@ -163,16 +173,6 @@ def find_in_model(assets: dict[str, SceneAsset], reference: str) -> ModelPart:
     raise KeyError(f'"#{fragment}" refers to nothing; write {escape(name)}#/nodes/Name or {escape(name)}#/meshes/Name')
 
 
-def _picture(path: Path, spec: AssetSpec, file: str, place: str) -> TextureData:
-    try:
-        with open_regular(path) as stream:
-            return TextureData(read_picture(stream), spec.srgb, spec.wrap, spec.filter)
-    except PictureFault as fault:
-        raise SceneError(Issue(file, place, f'"{spec.uri}" {fault}')) from None
-    except OSError as error:
-        raise SceneError(Issue(file, place, f'"{spec.uri}" cannot be read: {error.strerror}')) from None
-
-
 def _digest(files: Sequence[Path]) -> str:
     digest = hashlib.sha256()
     for file in files:
@@ -180,12 +180,9 @@ def _digest(files: Sequence[Path]) -> str:
     return digest.hexdigest()
 
 
-def _begins_as_named(path: Path) -> bool:
-    """Whether a sound file begins as its name's ending promises."""
-    try:
-        with open_regular(path) as stream:
-            head = stream.read(12)
-    except OSError:
-        return False
+def _has_signature(path: Path) -> bool:
+    """True when a sound file begins with the signature of its name's ending."""
+    with open_regular(path) as stream:
+        head = stream.read(12)
     heads = {".wav": head[:4] == b"RIFF" and head[8:] == b"WAVE", ".ogg": head[:4] == b"OggS"}
     return heads.get(path.suffix.lower(), head[:4] == b"fLaC")

@@ -1,4 +1,4 @@
-"""From a loaded scene to a running world. Node names are entity ids; nodes of a model are "entity/Node"."""
+"""Construction of a world from a loaded scene. Node names are entity ids; nodes of a model are "entity/Node"."""
 
 from __future__ import annotations
 
@@ -30,6 +30,7 @@ from mimics_app.world.world import DEFAULT_MATERIAL, World
 __all__ = [
     "build",
     "build_entity",
+    "finish_model_node",
     "light_up",
     "load_library",
     "make_cord",
@@ -44,7 +45,7 @@ __all__ = [
 
 
 def build(scene: Scene) -> World:
-    """The world of a scene, updated once."""
+    """Build the world of a scene and update it once."""
     world = World()
     load_library(world, scene)
     for entity in scene.entities:
@@ -65,7 +66,7 @@ def build(scene: Scene) -> World:
 
 
 def set_in_motion(world: World, scene: Scene, entity: SceneEntity) -> None:
-    """Have the model of an entity do what its components say; nothing is loaded for one that says nothing."""
+    """Animate the model of an entity as its components state; modules of motion are imported only where needed."""
     if any(isinstance(component, Animation | Avatar | Encourager) for component in entity.components.values()):
         from mimics_app.world.scene.moving import set_moving
 
@@ -73,7 +74,7 @@ def set_in_motion(world: World, scene: Scene, entity: SceneEntity) -> None:
 
 
 def load_library(world: World, scene: Scene) -> None:
-    """Put the scene's materials, techniques, pictures and sky into the world, replacing those of the same name."""
+    """Put the scene's materials, techniques, textures and sky into the world, replacing those of the same name."""
     for material in scene.materials.values():
         if world.materials.get(material.name) != material:
             world.set_material(material)
@@ -89,7 +90,7 @@ def load_library(world: World, scene: Scene) -> None:
 
 
 def build_entity(world: World, scene: Scene, entity: SceneEntity) -> SceneNode:
-    """Make the node of an entity, on the root, with what it carries."""
+    """Create the node of an entity below the root, with its components."""
     node = world.create_node(entity.id)
     place(node, entity.transform)
     for name, component in entity.components.items():
@@ -111,11 +112,11 @@ def build_entity(world: World, scene: Scene, entity: SceneEntity) -> SceneNode:
 
 
 _LIVE_PICTURES = (Mirror, Screen, Inset)
-"""What `show_live_pictures` shows."""
+"""Component types that `show_live_pictures` handles."""
 
 
 def show_live_pictures(world: World, entity: SceneEntity) -> None:
-    """Have an entity that is built already mirror, or show what a camera sees, as its components say now."""
+    """Set up or remove the mirror, screen and inset of an entity that is built already."""
     for known in (world.mirrors, world.screens, world.insets):
         known.pop(entity.id, None)
     node = world.find(entity.id)
@@ -131,7 +132,7 @@ def show_live_pictures(world: World, entity: SceneEntity) -> None:
 
 
 def make_cord(component: CordComponent) -> Cord:
-    """A cord as its component says; where it ends is for whoever moves it."""
+    """Create a cord from its component; `place_cords` or a scenario places its ends."""
     return Cord(
         length=component.length,
         radius=component.radius,
@@ -143,7 +144,7 @@ def make_cord(component: CordComponent) -> Cord:
 
 
 def place_cords(world: World, scene: Scene) -> None:
-    """Fix the ends of all cords where their entities are now."""
+    """Move the ends of all cords to their entities."""
     for name, component, _ in scene.components(CordComponent):
         if name in world and component.to in world:
             for end, (node, offset) in enumerate(((name, component.offset), (component.to, component.to_offset))):
@@ -159,7 +160,7 @@ def place(node: SceneNode, transform: TransformSpec) -> None:
 
 
 def finish_model_node(world: World, scene: Scene, entity: SceneEntity) -> None:
-    """Give a node that came with its model what the scene or the modeller says about it."""
+    """Apply the components of an entity that is a node of a model, from the scene or the model itself."""
     if entity.id not in world:
         return
     node = world.find(entity.id)
@@ -182,7 +183,7 @@ def finish_model_node(world: World, scene: Scene, entity: SceneEntity) -> None:
 
 
 def turn_to_targets(world: World, scene: Scene, only: Container[str] | None = None) -> None:
-    """Turn lights and cameras that have a `target` towards it; those of the entities `only`, or all."""
+    """Aim lights and cameras at their `target`; those of the entities `only`, or all."""
     targets = [(name, light.target) for name, light, _ in scene.components(LightComponent)]
     targets += [(name, camera.target) for name, camera, _ in scene.components(CameraComponent)]
     for name, target in targets:
@@ -199,36 +200,36 @@ def show_mesh(world: World, scene: Scene, node: SceneNode, mesh: MeshComponent) 
         show_shape(world, node, mesh.primitive, mesh.material or DEFAULT_MATERIAL)
         bodies = [node]
     elif mesh.source is not None:
-        part = find_in_model(scene.assets, mesh.source)
-        bodies = ModelPrefab(part, mesh.material).instantiate(world, node)
+        source = find_in_model(scene.assets, mesh.source)
+        bodies = ModelPrefab(source, mesh.material).instantiate(world, node)
     for each in bodies:
         body = each.entity
         if body is not None:
-            for piece in body.subentities:
-                piece.visible = mesh.visible
-                piece.casts_shadow = mesh.casts_shadow
+            for part in body.subentities:
+                part.visible = mesh.visible
+                part.casts_shadow = mesh.casts_shadow
 
 
 def show_shape(world: World, node: SceneNode, shape: Shape, material: str) -> None:
-    """Show a primitive on a node, with coarser forms for far away where it is round."""
-    forms, coverages = shape_levels(shape)
-    for form in forms:
-        if shape_key(form) not in world.meshes:
-            world.set_mesh(shape_key(form), build_shape(form))
-    if len(forms) == 1:
+    """Show a primitive on a node, with coarser levels of detail where it is round."""
+    levels, coverages = shape_levels(shape)
+    for level in levels:
+        if shape_key(level) not in world.meshes:
+            world.set_mesh(shape_key(level), build_shape(level))
+    if len(levels) == 1:
         node.create_entity(shape_key(shape), material)
     else:
         world.require_material(material)
-        world.content.add_levels(node.index, [[(shape_key(form), material)] for form in forms], coverages)
+        world.content.add_levels(node.index, [[(shape_key(level), material)] for level in levels], coverages)
 
 
 def shape_key(shape: Shape) -> str:
-    """Key of a primitive's mesh; equal shapes share one."""
+    """Return the mesh key of a primitive; equal shapes share one."""
     return f"#{shape!r}"
 
 
 def light_up(node: SceneNode, light: LightComponent) -> None:
-    """Let a light component shine from a node."""
+    """Create the light of a light component on a node."""
     node.create_light(
         light.kind,
         colour=light.colour,

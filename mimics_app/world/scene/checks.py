@@ -1,4 +1,4 @@
-"""What the shape of a scene file cannot say: ids, parents, transforms, and the registered checks of meaning."""
+"""Checks of a decoded scene: ids, parents, transforms, and the registered checks of components and sections."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from mimics_app.world.scene.scene import Scene, SceneEntity
 __all__ = ["check_meaning"]
 
 _QUATERNION_TOLERANCE = 1e-3
-"""Farthest a written quaternion's length may be from 1: four decimals are enough, a forgotten one is not."""
+"""Largest deviation of a quaternion's length from 1: four decimals pass, a mistyped number does not."""
 
 
 def check_meaning(scene: Scene) -> list[Issue]:
-    """Every fault of a decoded scene that its types could not show; after `MOST_SOUGHT` no more are looked for."""
+    """Return the faults of a decoded scene that its types do not exclude; the search ends after `MOST_SOUGHT`."""
     issues: list[Issue] = []
     first: dict[str, SceneEntity] = {}
     for entity in scene.entities:
         issues += _check_id(scene, entity, first)
         issues += _check_transform(scene, entity)
     issues += _check_parents(scene, first)
-    too_many = _check_numbers(scene)
-    if too_many:
-        return issues + too_many
+    unbounded = _check_numbers(scene) + _check_depth(scene, first)
+    if unbounded:
+        return issues + unbounded
     for entity in scene.entities:
         if len(issues) >= MOST_SOUGHT:
             return issues
@@ -36,7 +36,7 @@ def check_meaning(scene: Scene) -> list[Issue]:
             for check in checks_of(name):
                 found = check(struct, pointer, scene)
                 issues += found
-                if found:  # later checks may rely on what this one looks at
+                if found:  # later checks may rely on this one
                     break
     for name, struct in scene.sections.items():
         section = section_of(name)
@@ -46,10 +46,10 @@ def check_meaning(scene: Scene) -> list[Issue]:
 
 
 def _check_numbers(scene: Scene) -> list[Issue]:
-    """Types of which a scene has more components than it may."""
+    """Faults of component types that a scene has too many of."""
     counts = Counter(name for entity in scene.entities for name in entity.components)
     return [
-        scene.issue("/entities", f'{counts[name]} entities have a "{name}"; {most} may')
+        scene.issue("/entities", f'{counts[name]} entities have a "{name}"; at most {most} may')
         for name, most in limits().items()
         if counts[name] > most
     ]
@@ -73,7 +73,7 @@ def _check_transform(scene: Scene, entity: SceneEntity) -> list[Issue]:
             scene.issue(f"{entity.pointer}/transform/rotation", what, "write x, y, z, w of a unit quaternion")
         )
     issues += [
-        scene.issue(f"{entity.pointer}/transform/scale/{i}", "a scale of 0 makes it flat", "hide it instead")
+        scene.issue(f"{entity.pointer}/transform/scale/{i}", "a scale of 0 flattens the entity", "hide it instead")
         for i, factor in enumerate(entity.transform.scale)
         if factor == 0.0
     ]
@@ -81,7 +81,7 @@ def _check_transform(scene: Scene, entity: SceneEntity) -> list[Issue]:
 
 
 def _check_reach(scene: Scene, by_id: dict[str, SceneEntity]) -> list[Issue]:
-    """The one fault of entities that their parents' scales make too large, or put too far away, for any picture."""
+    """Return the first entity that its parents' scales make too large, or put too far away, to be drawn."""
     reach: dict[str, tuple[float, float]] = {}
     for entity in scene.entities:
         path: dict[str, None] = {}
@@ -110,11 +110,11 @@ def _check_parents(scene: Scene, by_id: dict[str, SceneEntity]) -> list[Issue]:
             what, hint = f'no entity "{entity.parent}"', nearest(entity.parent, by_id)
             issues.append(scene.issue(f"{entity.pointer}/parent", what, hint))
     issues += _check_reach(scene, by_id)
-    depth: dict[str, int] = {}
+    done: set[str] = set()
     for entity in scene.entities:
         path: dict[str, None] = {}
         name: str | None = entity.id
-        while name is not None and name in by_id and name not in depth and name not in path:
+        while name is not None and name in by_id and name not in done and name not in path:
             path[name] = None
             name = by_id[name].parent
         if name in path:
@@ -123,10 +123,23 @@ def _check_parents(scene: Scene, by_id: dict[str, SceneEntity]) -> list[Issue]:
             issues.append(
                 scene.issue(f"{by_id[name].pointer}/parent", f"hangs on itself: {chain}", "choose another parent")
             )
+        done |= path.keys()
+    return issues
+
+
+def _check_depth(scene: Scene, by_id: dict[str, SceneEntity]) -> list[Issue]:
+    """Return the first entity with too many ancestors: other checks walk its parents once for each entity."""
+    depth: dict[str, int] = {}
+    for entity in scene.entities:
+        path: dict[str, None] = {}
+        name: str | None = entity.id
+        while name is not None and name in by_id and name not in depth and name not in path:
+            path[name] = None
+            name = by_id[name].parent
         above = depth.get(name, 0) if name is not None else 0
         depth |= {each: above + number for number, each in enumerate(reversed(path), start=1)}
-    deepest = next((name for name, number in depth.items() if number > MAX_DEPTH), None)
-    if deepest is not None:
-        what = f"more than {MAX_DEPTH} entities hang on each other"
-        issues.append(scene.issue(f"{by_id[deepest].pointer}/parent", what, "hang some of them on the scene itself"))
-    return issues
+        if above + len(path) > MAX_DEPTH:
+            deepest = next(each for each in reversed(path) if depth[each] > MAX_DEPTH)
+            what, fix = f"more than {MAX_DEPTH} entities hang on each other", "hang some of them on the scene itself"
+            return [scene.issue(f"{by_id[deepest].pointer}/parent", what, fix)]
+    return []

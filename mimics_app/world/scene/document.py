@@ -1,4 +1,4 @@
-"""From the files of a scene to one resolved document: includes joined, prefabs unfolded, every value's origin kept."""
+"""Resolution of a scene's files to one document: includes merged, prefabs expanded, the origin of every value kept."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["EntityDraft", "SceneDocument", "resolve"]
 _ID = re.compile(r"[A-Za-z0-9_.-]+")
 
 _MAX_NESTING = 32
-"""Most prefabs inside each other."""
+"""Maximum nesting of prefabs."""
 
 _TABLES = ("assets", "materials", "techniques", "prefabs")
 
@@ -32,8 +32,8 @@ class EntityDraft:
     Attributes:
         id: Full id; inside a prefab "instance/child".
         parent: Full id, or None.
-        layers: What it is made of, strongest first.
-        overrides: Changes of entities below it that no prefab took: meant for the nodes of a model. By path.
+        layers: Its sources, strongest first.
+        overrides: Changes of descendants that no prefab consumed, meant for nodes of a model; by path.
         in_model: True for a node of a model, made with the model.
     """
 
@@ -44,7 +44,7 @@ class EntityDraft:
     in_model: bool = False
 
     def part(self, key: str) -> dict[str, Any]:
-        """`transform` or `components`, all layers merged."""
+        """Return `transform` or `components`, all layers merged."""
         values = [_dict(layer.value.get(key)) for layer in reversed(self.layers)]
         result: dict[str, Any] = values[0] if len(values) == 1 and None not in values[0].values() else {}
         for value in values if not result else ():
@@ -52,18 +52,18 @@ class EntityDraft:
         return result
 
     def mentions(self, component: str) -> bool:
-        """True when a layer says something about a component."""
+        """True when a layer has a component."""
         return any(component in _dict(layer.value.get("components")) for layer in self.layers)
 
 
 @dataclass(eq=False)
 class SceneDocument:
-    """A scene in one piece, still plain JSON.
+    """A scene as one document, still plain JSON.
 
     Attributes:
-        origins: Where each value was written.
+        origins: File and pointer of each value.
         tables: `assets`, `materials`, `techniques`, `prefabs`: layer of each item, by id.
-        entities: In the order of the files, prefabs unfolded.
+        entities: Entities in the order of the files, prefabs expanded.
         sections: `systems` item by item ("systems/NAME"), `task` and other registered sections: layer of each.
     """
 
@@ -73,7 +73,7 @@ class SceneDocument:
     sections: dict[str, Layer]
 
     def add(self, draft: EntityDraft) -> str:
-        """Append an entity; returns its pointer."""
+        """Append an entity and return its pointer."""
         pointer = f"/entities/{len(self.entities)}"
         self.entities.append(draft)
         self.origins.set(pointer, draft.layers)
@@ -81,14 +81,14 @@ class SceneDocument:
 
 
 def resolve(sources: list[SceneSource], issues: list[Issue]) -> SceneDocument:
-    """Join the files of a scene, the first one strongest.
+    """Merge the files of a scene, the first one strongest.
 
     Args:
-        sources: From `scene_source.read_sources`; shapes were reported already, so odd ones are passed over here.
+        sources: From `source.read_sources`; faults of shape were reported there and are skipped here.
         issues: Receives ids defined twice, unknown prefabs and prefabs that contain themselves.
 
     Raises:
-        SceneError: there are more entities than a scene may have; nothing of them is looked at.
+        SceneError: there are more entities than a scene may have.
     """
     document = SceneDocument(Origins(sources[0].layer), {name: {} for name in _TABLES}, [], {})
     for source in sources:
@@ -125,7 +125,7 @@ def _join_sections(document: SceneDocument, layer: Layer) -> None:
 
 
 class _Unfolding:
-    """Entities out of entities and the prefabs they are instances of."""
+    """Expansion of entities and the prefabs they are instances of."""
 
     def __init__(self, document: SceneDocument, issues: list[Issue], *, whole: bool) -> None:
         self._document = document
@@ -133,7 +133,7 @@ class _Unfolding:
         self._whole = whole
 
     def unfold(self, layer: Layer) -> None:
-        """Add a top-level entity and all its prefab has below it."""
+        """Add a top-level entity and the children of its prefab."""
         parent = layer.value.get("parent")
         self._instance(layer, layer.value["id"], parent if isinstance(parent, str) else None, {}, ())
 
@@ -143,16 +143,16 @@ class _Unfolding:
         """Add one entity.
 
         Args:
-            own: Where it is written.
+            own: Its layer.
             name: Its full id.
             parent: Full id of its parent.
             above: Overrides of outer instances, by path from here ("" is this entity).
-            inside: Prefabs being unfolded.
+            inside: Prefabs being expanded.
         """
         if len(self._document.entities) >= MAX_ENTITIES:
-            raise SceneError(Issue(own.file, own.pointer, f"more than {MAX_ENTITIES} entities, prefabs unfolded"))
+            raise SceneError(Issue(own.file, own.pointer, f"more than {MAX_ENTITIES} entities, prefabs expanded"))
         if not _ID.fullmatch(own.value["id"]):
-            what = f'"{own.value["id"]}" is no id'
+            what = f'"{own.value["id"]}" is not an id'
             self._issues.append(Issue(own.file, f"{own.pointer}/id", what, "use letters, digits, _ - and ."))
         bodies = list(self._bodies(own, inside))
         overrides = {
@@ -179,7 +179,7 @@ class _Unfolding:
         self._instance(layer, f"{instance.id}/{step}", parent, above, inside)
 
     def _bodies(self, own: Layer, inside: tuple[str, ...]) -> Iterator[tuple[Layer, tuple[str, ...]]]:
-        """The entity itself, its prefab, the prefab that one is built on, and so on, each with what it is inside of."""
+        """Yield the entity itself, its prefab, the base of that one, and so on, each with its chain of prefabs."""
         yield own, inside
         layer = own
         while isinstance(name := layer.value.get("prefab"), str):

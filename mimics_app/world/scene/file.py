@@ -1,6 +1,6 @@
-"""Scene files: versioned JSON, read with all their faults at once (format: `spec`, types: `world.components`).
+"""Loading of scene files: versioned JSON, all faults reported at once (format: `spec`, types: `world.components`).
 
-`mimics check` and `mimics run` both come through `load_scene`, so that what the one accepts the other runs.
+`mimics check` and `mimics run` both use `load_scene`, so that the one accepts exactly what the other runs.
 """
 
 from __future__ import annotations
@@ -58,16 +58,16 @@ REGISTERING = (
     robot_checks,
     object_checks,
 )
-"""Modules whose import makes the built-in component types, systems and checks known."""
+"""Modules that register the built-in component types, systems and checks on import."""
 
 
 def load_scene(path: Path | str, root: Path | None = None, before: Scene | None = None) -> Scene:
-    """Read a scene file and everything it names.
+    """Read a scene file and all files it names.
 
     Args:
         path: The scene file.
-        root: Folder that every file it names must stay inside; default: see `paths.find_root`.
-        before: The scene it replaces; what was computed from that and would come out the same is taken over.
+        root: Folder that all its files must be inside; default: see `paths.find_root`.
+        before: Scene it replaces; data derived from equal sources is reused.
 
     Raises:
         SceneError: every fault found, each with file, JSON pointer, what is wrong, and the nearest right name.
@@ -96,20 +96,20 @@ def load_scene(path: Path | str, root: Path | None = None, before: Scene | None 
 
 
 def build_world(scene: Scene) -> World:
-    """The running world a scene describes."""
+    """Build the running world of a scene."""
     from mimics_app.world.scene.build import build  # compiled code: not needed to check a scene
 
     return build(scene)
 
 
 def _stop_after_many(issues: list[Issue], path: Path) -> None:
-    """Refuse a scene with very many faults as it is: what else is wrong with it would take long to find."""
+    """Refuse a scene with very many faults without further checks, which would take long."""
     if len(issues) >= MOST_SOUGHT:
-        raise SceneError([*dict.fromkeys(issues), Issue(str(path), "", "has more faults, which were not looked for")])
+        raise SceneError([*dict.fromkeys(issues), Issue(str(path), "", "has more faults, which were not searched for")])
 
 
 def _with_all_above(unusable: list[Issue]) -> set[tuple[str, str]]:
-    """File and pointer of all that holds a value that cannot be held: what follows from it is not reported again."""
+    """Return file and pointer of all values that contain an unusable one: consequences are not reported again."""
     places = set()
     for issue in unusable:
         pointer = issue.pointer
@@ -122,7 +122,7 @@ def _with_all_above(unusable: list[Issue]) -> set[tuple[str, str]]:
 def _hash(scene: Scene) -> str:
     """SHA-256 of the resolved document, comments left out, and of the bytes of every file it names.
 
-    The scene files themselves are left out: how a scene is spread over them, or laid out, changes nothing.
+    The scene files themselves do not count: layout and distribution over files do not change the hash.
     """
     text = _canonical(scene.document)
     if '"x-' in text:
@@ -131,7 +131,10 @@ def _hash(scene: Scene) -> str:
     for name in sorted(scene.assets):
         digest.update(f"{name}:{scene.assets[name].digest}".encode())
     for path in scene.named_files:
-        digest.update(hashlib.sha256(read_regular(path)).digest())
+        try:
+            digest.update(hashlib.sha256(read_regular(path)).digest())
+        except OSError as error:
+            raise SceneError(Issue(str(path), "", f"cannot be read: {error.strerror}")) from None
     return digest.hexdigest()
 
 

@@ -1,4 +1,4 @@
-"""Items of a table that are built on another one of the same table: `inherits` names it."""
+"""Inheritance between items of one table, by the key `inherits`."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ __all__ = ["inherit"]
 def inherit(
     table: dict[str, Layer], what: str, issues: list[Issue], built_in: Mapping[str, msgspec.Struct] | None = None
 ) -> dict[str, tuple[dict[str, Any], list[Layer]]]:
-    """What each item says with all it inherits, and the layers it is made of, strongest first.
+    """Return each item merged with all it inherits, and its layers, strongest first.
 
     Args:
-        table: Items by id; one that is no object is passed over.
-        what: What an item is called, for messages.
-        issues: Receives ids that are not there and items that inherit themselves.
-        built_in: Further items that can be inherited.
+        table: Items by id; one that is not an object is skipped.
+        what: Name of the kind of item in messages.
+        issues: Receives faults: unknown ids and items that inherit themselves.
+        built_in: Further items that may be inherited.
     """
     result = {}
     ground = {name: msgspec.to_builtins(struct) for name, struct in (built_in or {}).items()}

@@ -1,4 +1,4 @@
-"""Where in a JSON text a value stands, so that one value can be changed and all else keeps its author's hand."""
+"""Positions of values in a JSON text, to change one value and keep all other characters."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from collections.abc import Iterator, Sequence
 __all__ = ["Member", "Span", "find_span", "members"]
 
 Span = tuple[int, int]
-"""First character of a value, and the one after its last."""
+"""Index of a value's first character, and of the one after its last."""
 
 Member = tuple[str, int, Span]
-"""Key of an object (or number of a list's item as text), where its key or item begins, and the span of its value."""
+"""Key of an object's member (or number of a list's item as text), index where it begins, and span of its value."""
 
 _SPACE = re.compile(r"[ \t\n\r]*")
 _DECODER = json.JSONDecoder()
 
 
 def find_span(text: str, steps: Sequence[str]) -> Span | None:
-    """Span of the value that steps of a pointer lead to, from the top; None where nothing is.
+    """Return the span of the value at a pointer; None where there is none.
 
     Args:
-        text: Of a whole document that is right.
-        steps: Keys and numbers of items, unescaped.
+        text: A whole valid document.
+        steps: Steps of the pointer: keys and numbers of items, unescaped.
     """
     start = _skip(text, 0)
     span = (start, _DECODER.raw_decode(text, start)[1])
@@ -36,7 +36,7 @@ def find_span(text: str, steps: Sequence[str]) -> Span | None:
 
 
 def members(text: str, start: int) -> Iterator[Member]:
-    """What an object or a list that begins at `start` holds, in order; nothing for any other value."""
+    """Yield the members of an object or list that begins at `start`, in order; none for any other value."""
     if text[start] not in "{[":
         return
     keyed, at, number = text[start] == "{", _skip(text, start + 1), 0

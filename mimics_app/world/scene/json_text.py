@@ -1,4 +1,4 @@
-"""JSON read strictly: every fault of the text is reported with its place, nothing is dropped or turned to NaN."""
+"""Strict JSON parser: every fault of the text is reported with its place, nothing is dropped or turned to NaN."""
 
 from __future__ import annotations
 
@@ -16,34 +16,34 @@ from mimics_app.contracts.errors import Issue, SceneError
 __all__ = ["MAX_DEPTH", "NOT_FINITE", "TOO_LARGE", "TORN", "escape", "parse_json"]
 
 MAX_DEPTH = 128
-"""Deepest nesting of lists and objects; scene and glTF files need about ten."""
+"""Maximum nesting of lists and objects; scene and glTF files need about ten."""
 
 
 NOT_FINITE = "is not a finite number"
-"""What is said of NaN and infinities."""
+"""Message on NaN and infinities."""
 
 TOO_LARGE = f"is too large; at most {sys.float_info.max:.4g} may be"
-"""What is said of whole numbers beyond the greatest float."""
+"""Message on integers beyond the largest float."""
 
 TORN = "holds half of a character (a lone surrogate)"
-"""What is said of a text that no file can hold."""
+"""Message on a string that cannot be encoded."""
 
 _HUGE = re.compile(rb"[0-9.][eE]\+?\d{3}|\d{300}")
-"""Numbers that may be beyond the greatest float, 1.8e308."""
+"""Numbers that may exceed the largest float, 1.8e308."""
 
 _HALF = re.compile(rb"\\u[dD][89a-fA-F]")
-"""Escapes of halves of a character; two in a row are one."""
+"""Escapes of surrogates; two in a row are one character."""
 
 _ADVICE = {
     "Expecting ',' delimiter": "a comma or a closing bracket is missing before it",
     "Expecting ':' delimiter": "write a colon between a key and its value",
     "Expecting property name enclosed in double quotes": 'write the key in "',
     "Expecting value": 'write a number, a text in ", true, false, null, a list or an object',
-    "Extra data": "nothing may stand behind the last bracket",
-    "Illegal trailing comma before end of object": "take out the comma",
-    "Illegal trailing comma before end of array": "take out the comma",
+    "Extra data": "remove the text behind the last bracket",
+    "Illegal trailing comma before end of object": "remove the comma",
+    "Illegal trailing comma before end of array": "remove the comma",
 }
-"""What to do, by what Python's reader says."""
+"""Advice by message of Python's parser."""
 
 _STEPS = np.zeros(256, np.int8)
 _STEPS[[ord("["), ord("{")]] = 1
@@ -51,7 +51,7 @@ _STEPS[[ord("]"), ord("}")]] = -1
 
 
 class _RepeatedKeys(dict[str, Any]):
-    """An object in whose text keys stood more than once."""
+    """An object whose text has keys more than once."""
 
     repeated: tuple[str, ...] = ()
 
@@ -61,15 +61,15 @@ def parse_json(text: bytes, file: str) -> tuple[Any, list[Issue]]:
 
     Args:
         text: UTF-8, with or without a byte order mark.
-        file: Name for messages.
+        file: Name in messages.
 
     Returns:
-        (document, issues): keys that stand twice, halves of characters, and numbers that are not finite (NaN,
-        Infinity, 1e999, whole numbers beyond the greatest float), each with the pointer of its value. The document is
-        complete nevertheless: such whole numbers are infinite in it, halves of characters question marks.
+        (document, issues): repeated keys, lone surrogates, and numbers that are not finite (NaN, Infinity, 1e999,
+        integers beyond the largest float), each with the pointer of its value. The document is complete nevertheless:
+        such integers are infinite in it, lone surrogates question marks.
 
     Raises:
-        SceneError: it is empty, no UTF-8, no JSON, or nested too deeply.
+        SceneError: it is empty, not UTF-8, not JSON, or nested too deeply.
     """
     if not text.strip():
         raise SceneError(Issue(file, "", "the file is empty"))
@@ -89,41 +89,41 @@ def parse_json(text: bytes, file: str) -> tuple[Any, list[Issue]]:
         raise SceneError(Issue(file, "", f"is nested deeper than {MAX_DEPTH} levels")) from None
     except ValueError as error:  # a whole number of thousands of digits
         raise SceneError(Issue(file, "", f"is not JSON: {error}")) from None
-    return _freed_of_faults(document, file) if suspicious.found else (document, [])
+    return _without_faults(document, file) if suspicious.found else (document, [])
 
 
 def escape(name: str) -> str:
-    """A name as one step of a JSON pointer (RFC 6901)."""
+    """Return a name as one step of a JSON pointer (RFC 6901)."""
     return name.replace("~", "~0").replace("/", "~1")
 
 
 def _advice(error: json.JSONDecodeError) -> str:
-    """What to do about a text that is no JSON, by what stands where its reading stopped; "" where nothing is likely."""
+    """Return advice on a syntax error, from the text at its place; "" where none is likely."""
     rest, before = error.doc[error.pos :].lstrip(), error.doc[: error.pos].rstrip()
     if rest.startswith(("//", "/*", "#")):
         return 'JSON has no comments: write them as the value of a key that begins with "x-"'
     if not rest:
         return "the file ends before every bracket is closed"
     if before.endswith(",") and rest[0] in ",]}":
-        return "take out the comma before it"
+        return "remove the comma before it"
     if rest[0] == "'":
         return "write \" around texts, not '"
     return _ADVICE.get(error.msg, "")
 
 
 class _Suspicion:
-    """Whether a text may hold something that has to be looked for: nearly all do not, and looking takes long."""
+    """Detector of texts that need the slow search for faults, which nearly none does."""
 
     def __init__(self, text: bytes) -> None:
         self.found = _HUGE.search(text) is not None or _HALF.search(text) is not None or _deepest(text) > MAX_DEPTH
 
     def constant(self, token: str) -> float:
-        """NaN, Infinity or -Infinity."""
+        """Convert NaN, Infinity or -Infinity."""
         self.found = True
         return float(token)
 
     def object(self, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        """An object, marked where keys stood more than once."""
+        """Convert an object, marked where keys are repeated."""
         names = dict(pairs)
         if len(names) == len(pairs):
             return names
@@ -135,14 +135,14 @@ class _Suspicion:
 
 
 def _deepest(text: bytes) -> int:
-    """Deepest nesting, or more where texts hold brackets."""
+    """Return an upper bound of the nesting depth; strings with brackets raise it."""
     codes = np.frombuffer(text, np.uint8)
     steps = _STEPS[codes]
     return int(np.cumsum(steps[steps != 0], dtype=np.int64).max(initial=0))
 
 
-def _is_torn(text: str) -> bool:
-    """Whether a text holds half of a character: JSON can write one, but no file, window or terminal can show it."""
+def _has_lone_surrogate(text: str) -> bool:
+    """True when a string has a lone surrogate, which JSON can write but UTF-8 cannot encode."""
     try:
         text.encode()
     except UnicodeEncodeError:
@@ -150,8 +150,8 @@ def _is_torn(text: str) -> bool:
     return False
 
 
-def _freed_of_faults(document: object, file: str) -> tuple[Any, list[Issue]]:
-    """The document with values in it that can be held, and the faults of those that could not."""
+def _without_faults(document: object, file: str) -> tuple[Any, list[Issue]]:
+    """Return the document with unusable values replaced, and their faults."""
     issues: list[Issue] = []
     whole = [document]
     waiting: list[tuple[Any, Any, str, int]] = [(whole, 0, "", 0)]
@@ -165,7 +165,7 @@ def _freed_of_faults(document: object, file: str) -> tuple[Any, list[Issue]]:
             waiting += [(value, name, f"{pointer}/{escape(name)}", depth + 1) for name in reversed(value)]
         elif isinstance(value, list):
             waiting += [(value, i, f"{pointer}/{i}", depth + 1) for i in range(len(value) - 1, -1, -1)]
-        elif isinstance(value, str) and _is_torn(value):
+        elif isinstance(value, str) and _has_lone_surrogate(value):
             issues.append(Issue(file, pointer, TORN, "write the character"))
             holder[key] = value.encode("utf-8", "replace").decode()
         elif isinstance(value, int | float) and not abs(value) <= sys.float_info.max:
@@ -181,12 +181,12 @@ def _number_fault(value: float, file: str, pointer: str) -> Issue:
 
 
 def _key_faults(value: dict[str, Any], file: str, pointer: str) -> list[Issue]:
-    """Keys of an object that stand twice.
+    """Return the faults of repeated keys of an object.
 
     Raises:
-        SceneError: one that nobody could print.
+        SceneError: a key cannot be encoded.
     """
-    if any(_is_torn(name) for name in value):
+    if any(_has_lone_surrogate(name) for name in value):
         raise SceneError(Issue(file, pointer, f"a key {TORN}", "write the character"))
     repeated = getattr(value, "repeated", ())
-    return [Issue(file, f"{pointer}/{escape(name)}", f'the key "{name}" stands here twice') for name in repeated]
+    return [Issue(file, f"{pointer}/{escape(name)}", f'the key "{name}" is given twice') for name in repeated]

@@ -1,4 +1,4 @@
-"""From the resolved document of a scene to its decoded parts."""
+"""SceneLoader: decodes the resolved document of a scene."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ __all__ = ["SceneLoader"]
 
 
 class SceneLoader:
-    """Decodes a resolved document part by part; every fault goes to `issues` with the place it was written."""
+    """Decoder of a resolved document; every fault goes to `issues` with its place in the files."""
 
     def __init__(self, sources: list[SceneSource], root: Path, issues: list[Issue]) -> None:
         self._sources = sources
@@ -35,7 +35,7 @@ class SceneLoader:
         self._scene = Scene(_text(main, "name") or main.path.stem, main.path, root, {}, self._document.origins)
 
     def load(self) -> Scene:
-        """Decode everything, or up to `MOST_SOUGHT` faults."""
+        """Decode the scene, or stop after `MOST_SOUGHT` faults."""
         scene, main = self._scene, self._sources[0]
         scene.title = _text(main, "title") or scene.name.replace("_", " ")
         scene.description = _text(main, "description")
@@ -119,7 +119,7 @@ class SceneLoader:
                 self._report("/picture", fault.what, fault.fix)
 
     def _resolved(self, main: SceneSource) -> dict[str, Any]:
-        """The scene as one plain object."""
+        """Return the scene as one plain JSON object."""
         document = self._document
         result: dict[str, Any] = {
             key: main.document[key] for key in ("format", "version", "units", "up") if key in main.document

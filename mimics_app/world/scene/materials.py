@@ -1,4 +1,4 @@
-"""Materials and techniques of a scene, with what they inherit."""
+"""Materials and techniques of a scene, with inheritance."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from mimics_app.world.scene.spec import MaterialSpec, UvTransform
 
 __all__ = ["load_materials", "load_techniques"]
 
-_NOT_OF_A_MATERIAL = ("inherits", "uv_transform")
+_SPEC_ONLY = ("inherits", "uv_transform")
 
 
 def load_techniques(scene: Scene, document: SceneDocument, issues: list[Issue]) -> None:
-    """Decode the scene's own techniques; their shapes were checked and reported already."""
+    """Decode the scene's own techniques; faults of their shape were reported already."""
     known = built_in_techniques()
     for name, (value, layers) in inherit(document.tables["techniques"], "technique", issues, known).items():
         document.origins.set(f"/techniques/{escape(name)}", layers)
@@ -40,7 +40,7 @@ def load_techniques(scene: Scene, document: SceneDocument, issues: list[Issue]) 
 
 
 def load_materials(scene: Scene, document: SceneDocument, issues: list[Issue]) -> None:
-    """Decode the scene's materials; a technique that is not there is a note, because a safe one can stand in."""
+    """Decode the scene's materials; a missing technique is only noted, because a default replaces it."""
     known = scene.techniques | built_in_techniques()
     for name, (value, layers) in inherit(document.tables["materials"], "material", issues).items():
         document.origins.set(f"/materials/{escape(name)}", layers)
@@ -66,12 +66,12 @@ def _check_picture(scene: Scene, known: dict[str, Layer], pointer: str, texture:
 
 
 def _material(name: str, spec: MaterialSpec) -> Material:
-    fields = {key: getattr(spec, key) for key in spec.__struct_fields__ if key not in _NOT_OF_A_MATERIAL}
+    fields = {key: getattr(spec, key) for key in spec.__struct_fields__ if key not in _SPEC_ONLY}
     return Material(name, uv_transforms=(_affine(spec.uv_transform),) * len(MAPS), **fields)
 
 
-def _affine(placed: UvTransform) -> Affine:
-    """KHR_texture_transform: translation after rotation after scale, v downwards."""
-    cos, sin = math.cos(placed.rotation), math.sin(placed.rotation)
-    (right, down), (wide, high) = placed.offset, placed.scale
+def _affine(spec: UvTransform) -> Affine:
+    """Return the matrix of a KHR_texture_transform: scale, then rotation, then translation, v downwards."""
+    cos, sin = math.cos(spec.rotation), math.sin(spec.rotation)
+    (right, down), (wide, high) = spec.offset, spec.scale
     return cos * wide, sin * high, right, -sin * wide, cos * high, down

@@ -1,9 +1,9 @@
-"""Methods of other packages, and what scenes use a group of methods for.
+"""Methods of other packages, and the uses scenes have for groups of methods.
 
-A package offers entry points of the group `mimics_app.methods` (name: its own, object: a `MethodPlugin`): rivals for a
-group that is there, or a group of its own with what scenes use it for. They are measured and drawn by `mimics lab`
-beside the built-in ones, and the planner takes them where they are the cheapest within a scene's tolerance; who runs
-them reads `Scene.methods`.
+A package offers entry points of the group `mimics_app.methods` (name: its own, object: a `MethodPlugin`): further
+methods of an existing group, or a new group with its use. `mimics lab` measures and charts them beside the built-in
+ones, and the planner takes them where they are the cheapest within a scene's tolerance; the code that runs them reads
+`Scene.methods`.
 """
 
 from __future__ import annotations
@@ -37,17 +37,17 @@ def _nothing_named(scene: Scene) -> Settings | None:
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    """What a scene uses a group of methods for.
+    """Use of a group of methods in scenes.
 
     Attributes:
-        what: In words.
-        used: Whether a scene has a use for it.
-        named: Settings of the method a scene names; None where it leaves the choice to the planner.
-        allowed: Whether the planner may take a method, by its settings, for a scene that names none.
-        pixels: Of the frame its costs were measured at [px], where they grow with the picture and are borne by the
-            frame's budget; 0 where they are not.
-        within: The part of `explain` whose cost holds this one's already; "" where it stands for itself.
-        count: How many times a scene pays its cost in a tick, of a group of the haptic loop.
+        what: Short description.
+        used: Predicate: the scene uses the group.
+        named: Settings of the method that a scene names; None where it leaves the choice to the planner.
+        allowed: Predicate: the planner may take a method, by its settings, for a scene that names none.
+        pixels: Size of the frame its costs were measured at [px], where they grow with it and count in the frame's
+            budget; 0 where they do not.
+        within: Part of `explain` whose cost includes this one's; "" where it counts on its own.
+        count: Number of times a scene pays its cost in a tick, for a group of the haptic loop.
     """
 
     what: str
@@ -61,15 +61,15 @@ class Use:
 
 @dataclass(frozen=True, slots=True)
 class MethodPlugin:
-    """Methods of one group that a package brings.
+    """Methods of one group, from another package.
 
     Attributes:
-        group: Its name: one that is there, or a new one.
-        register: Adds the methods to a registry, and describes the group where it is new. Called by the laboratory
-            only, so what is compiled is imported in it.
-        rows: What the package's author measured of those that can run: the planner's figures until this machine
-            measures (`mimics lab measure --save`). Costs are taken by their ratio to the reference loop.
-        use: Of a new group: what scenes use it for. None: the planner knows the group, or is not to choose in it.
+        group: Name of an existing group, or of a new one.
+        register: Adds the methods to a registry, and describes the group where it is new. Only the laboratory calls
+            it, so compiled code is imported inside it.
+        rows: Measurements by the package's author, which the planner uses until this machine has its own
+            (`mimics lab measure --save`). Costs are relative to the reference loop.
+        use: Use of a new group. None: the planner knows the group, or does not choose in it.
     """
 
     group: str
@@ -80,15 +80,15 @@ class MethodPlugin:
 
 @cache
 def method_plugins() -> tuple[MethodPlugin, ...]:
-    """What installed packages bring, by the name of the entry point.
+    """Return the method plug-ins of installed packages, by name of the entry point.
 
-    One that cannot be imported, or is no `MethodPlugin`, is left out and said on stderr once.
+    One that cannot be imported, or is not a `MethodPlugin`, is skipped and reported on stderr once.
     """
     found = list[MethodPlugin]()
     for point in sorted(entry_points(group=ENTRY_POINT_GROUP)):
         try:
             plugin = point.load()
-        except Exception as error:  # noqa: BLE001  whatever a stranger's module does while it is imported
+        except Exception as error:  # noqa: BLE001  a third-party module may raise anything on import
             sys.stderr.write(f'mimics: the methods "{point.name}" cannot be imported: {error}\n')
             continue
         if fault := fault_of_method(plugin):
@@ -99,5 +99,5 @@ def method_plugins() -> tuple[MethodPlugin, ...]:
 
 
 def fault_of_method(loaded: object) -> str:
-    """Why this cannot be what a package brings; "" where it can."""
-    return "" if isinstance(loaded, MethodPlugin) else f"its plug-in is no {__name__}.MethodPlugin"
+    """Return why an object is not a method plug-in; "" where it is one."""
+    return "" if isinstance(loaded, MethodPlugin) else f"its plug-in is not a {__name__}.MethodPlugin"

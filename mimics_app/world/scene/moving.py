@@ -1,4 +1,4 @@
-"""What a scene says of how its models move, set up in the world: clips, states, heads that turn, limbs that reach."""
+"""Set-up of the animation of models from components: clips, state machines, look-at and reach."""
 
 from __future__ import annotations
 
@@ -23,32 +23,33 @@ if TYPE_CHECKING:
 __all__ = ["set_moving"]
 
 
-_MOVING = (Animation, Avatar, Encourager)
+_COMPONENTS = (Animation, Avatar, Encourager)
 
 
 def set_moving(world: World, scene: Scene, entity: SceneEntity) -> None:
-    """Have the model of an entity do what its components say, in place of what it did before.
+    """Animate the model of an entity as its components state, from the start.
 
     Raises:
-        SceneError: the model has no skeleton of a person, and the components request one.
+        SceneError: the components require a humanoid skeleton that the model lacks.
     """
     node = world.find(entity.id)
     animator = world.motion.animators.get(node.index)
-    asked = [each for each in entity.components.values() if isinstance(each, _MOVING)]
-    if animator is None or not asked:
+    if animator is None:
         return
-    scene.read.update(name for name, each in entity.components.items() if isinstance(each, _MOVING))
+    components = [each for each in entity.components.values() if isinstance(each, _COMPONENTS)]
+    scene.read.update(name for name, each in entity.components.items() if isinstance(each, _COMPONENTS))
     animator.reset()
-    hidden = any(isinstance(each, Encourager) and not each.shown for each in asked)
+    world.motion.machines.pop(node.index, None)
+    hidden = any(isinstance(each, Encourager) and not each.shown for each in components)
     animator.moves, node.visible = not hidden, node.visible and not hidden
     if hidden:
         return
-    for component in asked:
+    for component in components:
         if isinstance(component, Animation):
             _animate(world, node, animator, component)
         elif isinstance(component, Encourager):
             _encourage(world, node, animator, component)
-    for component in asked:
+    for component in components:
         if isinstance(component, Avatar):
             _enliven(world, scene, entity, animator, component)
 
@@ -58,7 +59,6 @@ def _animate(world: World, node: SceneNode, animator: Animator, wanted: Animatio
     from mimics_app.world.motion.machine import State, StateMachine, Transition
     from mimics_app.world.motion.root_motion import RootMotion
 
-    world.motion.machines.pop(node.index, None)
     if wanted.states:
         states = {
             name: State(state.clip, state.speed, state.loop, state.next, state.fade)
@@ -106,7 +106,7 @@ def _enliven(world: World, scene: Scene, entity: SceneEntity, animator: Animator
     bones = find_humanoid(rig)
     node = world.find(entity.id)
     if bones.missing:
-        what = f"the model is no person's: it has no {', '.join(bones.missing)}"
+        what = f"the model has no humanoid skeleton: {', '.join(bones.missing)} missing"
         raise SceneError(scene.issue(f"{entity.pointer}/components/avatar", what, "see mimics avatar import"))
     for number, reach in enumerate(wanted.reach):
         if reach.ball and f"{reach.limb.partition('_')[0]}Toes" not in bones.slots:
@@ -114,7 +114,7 @@ def _enliven(world: World, scene: Scene, entity: SceneEntity, animator: Animator
             raise SceneError(scene.issue(f"{entity.pointer}/components/avatar/reach/{number}/ball", what))
         animator.steps.append(_reaching(world, node, animator, bones, reach))
     if wanted.look_at is not None:
-        place = _place_of(world, node, wanted.look_at)
+        place = _target_of(world, node, wanted.look_at)
         animator.steps.append(LookAt(rig, bones, place, wanted.look_limit))
 
 
@@ -124,23 +124,23 @@ def _reaching(
     from mimics_app.world.motion.reach import LimbReach
 
     side = 1.0 if wanted.limb.startswith("left") else -1.0
-    # Elbows point behind, below and outside, knees ahead: so people hold them.
-    towards = np.array([0.45 * side, -0.8, -0.5] if wanted.limb.endswith("arm") else [0.1 * side, 0.0, 1.0])
+    # Pole vectors of a natural posture: elbows back, down and outwards, knees forwards.
+    pole = np.array([0.45 * side, -0.8, -0.5] if wanted.limb.endswith("arm") else [0.1 * side, 0.0, 1.0])
     upper, lower, end = bones.limb(wanted.limb)
     if wanted.ball:
         end = bones.slots[f"{wanted.limb.partition('_')[0]}Toes"]
     return LimbReach(
         animator.rig,
         (upper, lower, end),
-        _place_of(world, node, wanted.target),
-        lambda shoulder: np.asarray(shoulder + towards),
+        _target_of(world, node, wanted.target),
+        lambda shoulder: np.asarray(shoulder + pole),
         weight=wanted.weight,
         soft=wanted.soft,
     )
 
 
-def _place_of(world: World, node: SceneNode, target: str) -> Callable[[], F8 | None]:
-    """Where an entity, or the first camera, is in the frame of a model, asked anew each time."""
+def _target_of(world: World, node: SceneNode, target: str) -> Callable[[], F8 | None]:
+    """Return a function of the present position of an entity, or of the first camera, in the frame of a model."""
 
     def place() -> F8 | None:
         seen = world.cameras[0].node if target == "camera" and world.cameras else None

@@ -1,4 +1,4 @@
-"""Files that scene and glTF files name: found inside one folder, or refused."""
+"""Resolution of file names in scene and glTF files, confined to one folder."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from mimics_app.contracts.errors import MimicsError, nearest
 __all__ = ["SHIPPED", "PathFault", "find_file", "find_root"]
 
 SHIPPED = "mimics:"
-"""Prefix of URIs that name a file of the installation, e.g. "mimics:assets/sounds/goal.wav"."""
+"""Prefix of URIs of the installation's files, e.g. "mimics:assets/sounds/goal.wav"."""
 
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 
 
 class PathFault(Exception):
-    """A URI that names no file we may read: what is wrong, and what to do."""
+    """A URI without a permitted file: what is wrong, and what to do."""
 
     def __init__(self, what: str, fix: str = "") -> None:
         super().__init__(what)
@@ -27,7 +27,7 @@ class PathFault(Exception):
 
 
 def find_root(scene: Path) -> Path:
-    """The folder a scene's files must stay inside.
+    """Return the folder that all files of a scene must be inside.
 
     It is the nearest folder above that holds both `scenes` and `assets`, else the scene's own folder.
     """
@@ -39,12 +39,12 @@ def find_root(scene: Path) -> Path:
 
 
 def find_file(uri: str, folder: Path, root: Path) -> Path:
-    """The file a URI names.
+    """Return the file of a URI.
 
     Args:
         uri: Relative, percent-encoded where needed, with forward slashes; or one of the installation (`SHIPPED`).
         folder: Folder the URI is relative to.
-        root: Folder it must stay inside, links followed.
+        root: Folder that it must be inside, links followed.
 
     Raises:
         PathFault: another scheme, an absolute path, a path out of the root, or no such file.
@@ -59,7 +59,7 @@ def find_file(uri: str, folder: Path, root: Path) -> Path:
     try:
         path = (folder / _relative(uri)).resolve()
         is_file = path.is_file()
-    except (OSError, RuntimeError) as error:  # a name longer than any, a loop of links
+    except (OSError, RuntimeError) as error:  # a name too long, a loop of links
         raise PathFault(f'"{uri}" cannot be a file: {getattr(error, "strerror", None) or error}') from None
     if not path.is_relative_to(inside):
         raise PathFault(f'"{uri}" leads out of the folder {inside.name or inside}', "keep files inside it")
@@ -72,10 +72,10 @@ def _relative(uri: str) -> str:
     if not uri:
         raise PathFault("an empty file name")
     if _SCHEME.match(uri):
-        raise PathFault(f'"{uri[:60]}" is no relative path; nothing is fetched', "name a file of the scene's folder")
+        raise PathFault(f'"{uri[:60]}" is not a relative path; nothing is fetched', "name a file of the scene's folder")
     text = unquote(uri, errors="replace")
     if "\0" in text or "\ufffd" in text:
-        raise PathFault(f'"{uri}" is no file name')
+        raise PathFault(f'"{uri}" is not a file name')
     if text.startswith("/") or "\\" in text:
         raise PathFault(f'"{uri}" is an absolute path or has backslashes', "write it relative, with /")
     return text
@@ -84,6 +84,9 @@ def _relative(uri: str) -> str:
 def _similar(path: Path) -> str:
     if not path.parent.is_dir():
         return f'there is no folder "{path.parent.name}"'
-    names = sorted(entry.name for entry in path.parent.iterdir() if entry.is_file())
+    try:
+        names = sorted(entry.name for entry in path.parent.iterdir() if entry.is_file())
+    except OSError:  # a folder that may not be listed
+        return ""
     hint = nearest(path.name, names)
     return hint if hint.startswith("did") else ""

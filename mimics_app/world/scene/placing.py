@@ -1,4 +1,4 @@
-"""Where an entity of a scene stands in the world, before there is a world: the product of its parents' transforms."""
+"""World poses of a scene's entities before a world is built: products of their parents' transforms."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _SCALE_TOLERANCE = 1e-6
 
 
 def stands_somewhere(scene: Scene, name: str) -> bool:
-    """Whether an entity has a place: its parents exist, none hangs on itself, and every rotation is one."""
+    """True when an entity has a pose: its parents exist, form no loop, and no rotation is zero."""
     by_id = scene.by_id
     seen: set[str] = set()
     step: str | None = name
@@ -34,23 +34,23 @@ def stands_somewhere(scene: Scene, name: str) -> bool:
 
 
 def pose_of(scene: Scene, name: str) -> tuple[F8, F8]:
-    """Position [m] and unit quaternion xyzw of an entity in the world.
+    """Return position [m] and unit quaternion xyzw of an entity in the world.
 
     Raises:
-        SceneError: it, or something it hangs on, is scaled: a haptic shape has its size in metres.
+        SceneError: it, or an ancestor, is scaled: a haptic shape has its size in metres.
     """
     entity = scene.entity(name)
     translation, rotation, scale, shear = decompose_trs(world_matrix(scene, entity))
     if np.abs(scale - 1.0).max() > _SCALE_TOLERANCE or shear > _SCALE_TOLERANCE:
         factors = ", ".join(f"{factor:.4g}" for factor in scale)
-        what = f'"{name}" is scaled by {factors}; what can be touched has its size in metres'
+        what = f'"{name}" is scaled by {factors}; an object that can be touched has its size in metres'
         fix = "scale 1 here; put a scaled mesh on a child entity"
         raise SceneError(scene.issue(f"{entity.pointer}/transform/scale", what, fix))
     return translation, rotation
 
 
 def world_matrix(scene: Scene, entity: SceneEntity) -> F8:
-    """T_world_from_entity, shape [4, 4]; parents must form no loop."""
+    """Return T_world_from_entity, shape [4, 4]; parents must form no loop."""
     own = _local_matrix(scene, entity)
     if entity.parent is None:
         return own
@@ -59,7 +59,7 @@ def world_matrix(scene: Scene, entity: SceneEntity) -> F8:
 
 
 def model_matrix(part: ModelPart, index: int) -> F8:
-    """T_entity_from_node of a node of a model that an entity shows, shape [4, 4]."""
+    """Return T_entity_from_node of a node of an entity's model, shape [4, 4]."""
     node = part.model.nodes[index]
     if index == part.node:
         return np.eye(4)
@@ -68,12 +68,12 @@ def model_matrix(part: ModelPart, index: int) -> F8:
 
 
 def local_matrix(transform: TransformSpec) -> F8:
-    """T_parent_from_entity as a scene states it, shape [4, 4]."""
+    """Return T_parent_from_entity of a scene's transform, shape [4, 4]."""
     return _compose(transform.translation, transform.rotation, transform.scale)
 
 
 def node_matrix(node: GltfNode) -> F8:
-    """T_parent_from_node of a node of a model, shape [4, 4]."""
+    """Return T_parent_from_node of a node of a model, shape [4, 4]."""
     return _compose(node.translation, node.rotation, node.scale)
 
 

@@ -1,23 +1,26 @@
-"""Where each value of a resolved scene was written: which file, and which pointer in it."""
+"""Origins of the values of a resolved scene: file, and pointer in it."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 __all__ = ["Layer", "Origins", "merged"]
 
+_INDEX = re.compile(r"[0-9]{1,9}")
+
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """One place that contributes to a value.
+    """One source of a value.
 
     Attributes:
-        file: As shown to people.
-        folder: Folder relative file names in it are relative to.
+        file: Name in messages.
+        folder: Base folder of relative file names in it.
         pointer: JSON pointer in that file.
-        value: What stands there.
+        value: Value at that pointer.
     """
 
     file: str
@@ -26,7 +29,7 @@ class Layer:
     value: Any
 
     def child(self, key: str, value: Any) -> Layer:
-        """The layer of a part of the value; `key` is a step of a pointer already."""
+        """Return the layer of a part of the value; `key` is an escaped step of a pointer."""
         return Layer(self.file, self.folder, f"{self.pointer}/{key}", value)
 
 
@@ -37,14 +40,13 @@ class Origins:
         self._layers: dict[str, list[Layer]] = {"": [document]}
 
     def set(self, pointer: str, layers: list[Layer]) -> None:
-        """Say what the value at `pointer` was made of."""
+        """Set the layers of the value at `pointer`."""
         self._layers[pointer] = layers
 
     def locate(self, pointer: str) -> Layer:
-        """Where the value at a pointer of the resolved document was written.
+        """Return the layer that a value of the resolved document was written in.
 
-        The strongest layer that holds the whole path; where none does (a key that is missing), the one that holds
-        most of it.
+        It is the strongest layer with the whole path; where none has it (a missing key), the one with most of it.
         """
         prefix = pointer
         while prefix not in self._layers:
@@ -61,7 +63,7 @@ class Origins:
 
 
 def merged(low: Any, high: Any) -> Any:
-    """`high` laid over `low`: objects key by key, everything else replaced; null takes a key away."""
+    """Merge `high` over `low`: objects key by key, all else replaced; null removes a key."""
     if not (isinstance(low, dict) and isinstance(high, dict)):
         return high
     result = dict(low)
@@ -74,12 +76,12 @@ def merged(low: Any, high: Any) -> Any:
 
 
 def _depth(value: object, steps: list[str]) -> int:
-    """How many steps of a pointer lead to something."""
+    """Return the number of steps of a pointer that exist."""
     for done, step in enumerate(steps):
         key = step.replace("~1", "/").replace("~0", "~")
         if isinstance(value, dict) and key in value:
             value = value[key]
-        elif isinstance(value, list) and key.isdigit() and int(key) < len(value):
+        elif isinstance(value, list) and _INDEX.fullmatch(key) and int(key) < len(value):
             value = value[int(key)]
         else:
             return done

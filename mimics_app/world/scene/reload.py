@@ -1,4 +1,4 @@
-"""Live reload: a newly loaded scene laid over the running world, entity by entity."""
+"""Live reload: application of a newly loaded scene to the running world, entity by entity."""
 
 from __future__ import annotations
 
@@ -6,13 +6,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.components.visible import CameraComponent, LightComponent, MeshComponent
 from mimics_app.world.scene.build import (
     build_entity,
+    finish_model_node,
     light_up,
     load_library,
+    make_cord,
     place,
+    place_cords,
     set_in_motion,
     show_live_pictures,
     show_mesh,
@@ -24,18 +28,20 @@ from mimics_app.world.world import World
 
 __all__ = ["Changes", "apply_scene", "reload_scene"]
 
-_SHOWN = {"mesh", "model", "mirror", "screen"}
-"""Components that say how a body looks; any change makes it anew."""
+_BODY = {"mesh", "model", "mirror", "screen"}
+"""Components whose change rebuilds the body; "model" is a changed model file or override in it."""
+
+_MOTION = {"animation", "avatar", "encourager"}
 
 
 @dataclass(frozen=True)
 class Changes:
-    """What a reload changed.
+    """Changes made by a reload.
 
     Attributes:
         added, removed: Entity ids.
-        components: Types of components that were changed, added or taken away, by entity id; "transform" is one.
-        systems, sections: Names of those that differ.
+        components: Types of components that were changed, added or removed, by entity id; "transform" is one.
+        systems, sections: Names of changed systems and sections.
     """
 
     added: list[str] = field(default_factory=list)
@@ -45,15 +51,15 @@ class Changes:
     sections: set[str] = field(default_factory=set)
 
     def touch(self, component_type: str) -> bool:
-        """True when a component of this type was changed, added or taken away on an entity that stayed."""
+        """True when a component of this type was changed, added or removed on an entity that stayed."""
         return any(component_type in types for types in self.components.values())
 
 
 def reload_scene(world: World, old: Scene) -> tuple[Scene, Changes]:
-    """Load the scene's file again and lay it over the world.
+    """Load the scene's file again and apply it to the world.
 
     Raises:
-        SceneError: the file is wrong now; world and old scene are untouched.
+        SceneError: the file has faults now; world and old scene are untouched.
     """
     new = load_scene(old.path, old.root)
     return new, apply_scene(world, old, new)
@@ -62,57 +68,79 @@ def reload_scene(world: World, old: Scene) -> tuple[Scene, Changes]:
 def apply_scene(world: World, old: Scene, new: Scene) -> Changes:
     """Bring a world that was built from `old` to `new`.
 
-    Entities are matched by id. What the files say the same about stays as it runs now: a ball that has moved stays
-    where it is unless its transform was edited. Nodes and handles of entities that stay stay valid.
+    Entities are matched by id. Unchanged values keep their present state: a ball that has moved stays where it is
+    unless its transform was edited. Nodes and handles of entities that stay remain valid.
 
     Args:
         world: Built by `build_world(old)`, possibly changed since.
-        old: What it was built from.
-        new: What it is to become; loaded without error.
+        old: Scene it was built from.
+        new: Scene to apply; loaded without error.
     """
     changes = compare(old, new)
     before = {entity.id: entity for entity in old.entities}
     after = {entity.id: entity for entity in new.entities}
     load_library(world, new)
-    _free_survivors(world, changes.removed, after)
-    reshown = [name for name, types in changes.components.items() if types & _SHOWN]
-    for name in (*changes.removed, *_model_nodes(world, reshown, before)):
-        if name in world:
-            world.find(name).remove()
+    rebuilt = [name for name, types in changes.components.items() if types & _BODY]
+    going = [name for name in (*changes.removed, *_model_nodes(world, rebuilt, before)) if name in world]
+    _free_survivors(world, going, after)
+    for name in going:
+        world.find(name).remove()
+    for views in (world.cords, world.mirrors, world.screens, world.insets):
+        for name in changes.removed:
+            views.pop(name, None)
     world.update()
     for name in changes.added:
-        if not after[name].in_model:
-            build_entity(world, new, after[name])
+        build_entity(world, new, after[name])
     for name, types in changes.components.items():
-        if name in world and not after[name].in_model:
+        if name in world:
             _refresh(world, new, after[name], types)
     _reparent(world, new, before)
+    for entity in new.entities:
+        if entity.in_model and (entity.parent in rebuilt or entity.parent in changes.added):
+            finish_model_node(world, new, entity)
+    for name in changes.added:
+        set_in_motion(world, new, after[name])
     turn_to_targets(world, new, only={*changes.added, *changes.components})
     world.update()
+    place_cords(world, new)
     return changes
 
 
 def compare(old: Scene, new: Scene) -> Changes:
-    """What differs between two scenes, by entity id."""
+    """Return the differences between two scenes; a changed node of a model counts as "model" of its entity."""
     before = {entity.id: entity for entity in old.entities}
     after = {entity.id: entity for entity in new.entities}
     models = {
         name for name, asset in new.assets.items() if name in old.assets and asset.digest != old.assets[name].digest
     }
     changes = Changes(
-        [name for name in after if name not in before],
-        [name for name in before if name not in after],
+        [name for name, entity in after.items() if name not in before and not entity.in_model],
+        [name for name, entity in before.items() if name not in after and not entity.in_model],
         systems={name for name in {*old.systems, *new.systems} if old.systems.get(name) != new.systems.get(name)},
         sections={name for name in {*old.sections, *new.sections} if old.sections.get(name) != new.sections.get(name)},
     )
+    for name in after.keys() ^ before.keys():
+        _touch_model(changes, after.get(name) or before[name], after, before)
     for name in after.keys() & before.keys():
         types = _difference(before[name], after[name])
+        if after[name].in_model:
+            if types:
+                _touch_model(changes, after[name], after, before)
+            continue
         mesh = after[name].components.get("mesh")
         if isinstance(mesh, MeshComponent) and mesh.source and mesh.source.partition("#")[0] in models:
             types.add("model")
         if types:
-            changes.components[name] = types
+            changes.components.setdefault(name, set()).update(types)
     return changes
+
+
+def _touch_model(
+    changes: Changes, entity: SceneEntity, after: dict[str, SceneEntity], before: dict[str, SceneEntity]
+) -> None:
+    """Mark the entity whose model has a changed node, unless it came or went as a whole."""
+    if entity.in_model and entity.parent in after and entity.parent in before:
+        changes.components.setdefault(entity.parent, set()).add("model")
 
 
 def _difference(old: SceneEntity, new: SceneEntity) -> set[str]:
@@ -122,18 +150,23 @@ def _difference(old: SceneEntity, new: SceneEntity) -> set[str]:
     return types | ({"transform"} if old.transform != new.transform else set())
 
 
-def _free_survivors(world: World, removed: list[str], after: dict[str, SceneEntity]) -> None:
-    """Take entities that stay off nodes that go."""
-    going = {world.find(name) for name in removed if name in world}
-    for name in after:
-        if name in world and world.find(name).parent in going:
+def _free_survivors(world: World, going: list[str], after: dict[str, SceneEntity]) -> None:
+    """Attach entities that stay, but are below nodes to be removed, to the root."""
+    graph = world.graph
+    doomed = {
+        index for name in going for index in graph.hierarchy.subtree(graph.find(name), graph.store.capacity).tolist()
+    }
+    staying = {name for name, entity in after.items() if not entity.in_model and name in world} - set(going)
+    for name in staying:
+        parent = world.find(name).parent
+        if parent is not None and parent.index in doomed and parent.name not in staying:
             world.root.attach(world.find(name))
 
 
-def _model_nodes(world: World, reshown: list[str], before: dict[str, SceneEntity]) -> list[str]:
-    """Nodes that came with the models of these entities, and are no entities of the scene file."""
+def _model_nodes(world: World, rebuilt: list[str], before: dict[str, SceneEntity]) -> list[str]:
+    """Return the top nodes of the models of these entities, which are not entities of the scene file."""
     names = []
-    for name in reshown:
+    for name in rebuilt:
         if name in world:
             names += [child.name for child in world.find(name).children if _came_with_model(child.name, name, before)]
     return names
@@ -148,7 +181,7 @@ def _refresh(world: World, scene: Scene, entity: SceneEntity, types: set[str]) -
     index = np.array([node.index], np.int32)
     if "transform" in types:
         place(node, entity.transform)
-    if types & _SHOWN:
+    if types & _BODY:
         world.content.drop_bodies(index)
         world.forget_motion(node.index)
         mesh = entity.components.get("mesh")
@@ -168,13 +201,24 @@ def _refresh(world: World, scene: Scene, entity: SceneEntity, types: set[str]) -
 
 
 def _refresh_living(world: World, scene: Scene, entity: SceneEntity, types: set[str]) -> None:
-    """What shows the world itself, what moves on its own, and effects."""
-    if types & {*_SHOWN, "inset"}:
+    """Apply changes of mirrors, screens, insets, animation, cords and effects."""
+    if types & {*_BODY, "inset"}:
         show_live_pictures(world, entity)
-    if types & {*_SHOWN, "animation", "avatar"}:
+    node = world.find(entity.id)
+    if types & _MOTION and node.index in world.motion.animators:
+        from mimics_app.world.scene.moving import set_moving
+
+        node.visible = node.visible or "encourager" in types
+        set_moving(world, scene, entity)
+    elif types & _BODY:
         set_in_motion(world, scene, entity)
+    if "cord" in types:
+        world.cords.pop(entity.id, None)
+        cord = entity.components.get("cord")
+        if isinstance(cord, CordComponent):
+            world.cords[entity.id] = make_cord(cord)
     if types & {"billboard", "particles", "projector"}:
-        _refresh_effects(world, entity, world.find(entity.id).index)
+        _refresh_effects(world, entity, node.index)
 
 
 def _refresh_effects(world: World, entity: SceneEntity, index: int) -> None:

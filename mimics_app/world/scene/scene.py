@@ -1,4 +1,4 @@
-"""A loaded scene: everything its files say, decoded and checked, and where each of it was written."""
+"""Scene: the decoded and checked content of scene files, with the origin of each value."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ class SceneEntity:
         id: Unique in the scene; inside a prefab or model "instance/child".
         parent: Id of the entity it moves with, or None.
         transform: Relative to the parent.
-        components: By type.
-        pointer: Where it stands in the resolved document.
-        in_model: True for a node of a model: building the model makes it.
+        components: Components by type.
+        pointer: JSON pointer in the resolved document.
+        in_model: True for a node of a model, which is created with the model.
     """
 
     id: str
@@ -48,7 +48,7 @@ class SceneEntity:
 
 @dataclass(frozen=True, slots=True)
 class _Derived:
-    """What was computed, what all of it came from (None: of the scene as a whole), and what `make` read."""
+    """A derived value, its source (None: the scene as a whole), and the component types that `make` read."""
 
     made: object
     source: object
@@ -57,30 +57,30 @@ class _Derived:
 
 @dataclass(eq=False)
 class Scene:
-    """What a scene file and all it includes say.
+    """Content of a scene file and all it includes.
 
     Attributes:
         name: Short name.
         path: The scene file.
-        root: Folder all its files are in.
-        document: The whole scene in one plain object, includes and prefabs resolved.
-        title, description, picture: For the launcher; a picture file, or None.
+        root: Folder that contains all its files.
+        document: The whole scene as one plain JSON object, includes and prefabs resolved.
+        title, description, picture: Shown by the launcher; `picture` is an image file, or None.
         scenario: Name of the scenario that runs it.
-        hash: SHA-256 of that object and of every asset's bytes, in hexadecimal.
-        entities: In the order of the files.
-        materials: By id; their textures are asset ids.
+        hash: SHA-256 of `document` and of every asset's bytes, in hexadecimal.
+        entities: Entities in the order of the files.
+        materials: Materials by id; their textures are asset ids.
         techniques: The scene's own, by id.
-        assets: By id.
+        assets: Assets by id.
         systems: Settings of the stages, decoded, by name.
         task: The task as plain JSON, {} where there is none.
         sections: Registered sections, decoded ("task"), by name.
         files: Every file read, the scene file first.
-        broken: Ids of entities with a component that could not be read: what refers to them is not looked for there.
-        named_files: Those that components name, in the order they were requested.
-        methods: Settings the planner chose where the files leave the choice to it, by group of methods; {} before it
-            ran.
-        notes: What was left out of models or repaired, for people.
-        read: Names of the component types that something requested the values of, since it was last cleared.
+        broken: Ids of entities with a component that could not be read; references to them are not checked further.
+        named_files: Files that components name, in order of request.
+        methods: Settings chosen by the planner where the files leave the choice to it, by group of methods; {} before
+            it ran.
+        notes: Notes on parts of models that were left out or repaired.
+        read: Names of the component types whose values were requested since it was last cleared.
     """
 
     name: str
@@ -123,9 +123,9 @@ class Scene:
     def components(self, wanted: str) -> list[tuple[str, Any, str]]: ...
 
     def components(self, wanted: type[msgspec.Struct] | str) -> list[tuple[str, Any, str]]:
-        """(entity id, component, pointer) of every component of a type, given by its Struct or its name.
+        """Return (entity id, component, pointer) of every component of a type, given by its Struct or its name.
 
-        Who asks makes use of them, which is noted in `read`; `has` asks without.
+        The type is noted as used in `read`; `has` does not note it.
 
         Raises:
             KeyError: no component type has that name; the message names the nearest.
@@ -140,38 +140,37 @@ class Scene:
         ]
 
     def has(self, wanted: type[msgspec.Struct]) -> bool:
-        """Whether an entity has a component of a type."""
+        """True when an entity has a component of a type."""
         keys = _keys_of(wanted)
         return any(key in entity.components for entity in self.entities for key in keys)
 
     @property
     def unread(self) -> list[str]:
-        """Component types of the scene that nothing requested the values of since `read` was cleared, in order."""
+        """Component types of the scene whose values were not requested since `read` was cleared, sorted."""
         return sorted({name for entity in self.entities for name in entity.components} - self.read)
 
     def derive(self, key: Hashable, make: Callable[[], D], source: object = None) -> D:
-        """What is computed from the scene once and then handed on: tables of objects, curves, meshes.
+        """Return a value derived from the scene, computed once: tables of objects, curves, meshes.
 
-        Nobody may change what this returns; who needs a copy makes one. What `make` read counts as read by every
-        caller. A reloaded file is another scene, which takes over what was made from an equal source.
+        The value is shared and must not be changed. Component types that `make` reads count as read by every caller.
+        A reloaded scene reuses values with an equal source.
 
         Args:
-            key: Of what is made.
-            make: Makes it; what it raises is raised, and nothing is kept.
-            source: All that `make` goes by, as values that compare; None: it may go by anything, and is never taken
-                over.
+            key: Key of the value.
+            make: Computes it; an exception passes through, and nothing is stored.
+            source: All inputs of `make`, as comparable values; None: unknown, so the value is never reused.
         """
         if key not in self._derived:
             before = self._before.get(key)
             if source is not None and before is not None and before.source == source:
                 self._derived[key] = before
             else:
-                self._derived[key] = self._worked_out(make, source)
+                self._derived[key] = self._computed(make, source)
         found = self._derived[key]
         self.read |= found.used
         return cast("D", found.made)
 
-    def _worked_out(self, make: Callable[[], Any], source: object) -> _Derived:
+    def _computed(self, make: Callable[[], Any], source: object) -> _Derived:
         before, self.read = self.read, set()
         try:
             made = make()
@@ -180,24 +179,24 @@ class Scene:
         return _Derived(made, source, used)
 
     def take_over(self, before: Scene) -> None:
-        """Let what was computed from the scene that this one replaces serve again, where it comes from the same."""
+        """Allow `derive` to reuse values of the scene that this one replaces."""
         self._before = dict(before._derived)
 
     def first(self, wanted: type[S]) -> S | None:
-        """The first component of a type, None where the scene has none: `scene.first(Robot) or Robot()`."""
+        """Return the first component of a type, None where the scene has none: `scene.first(Robot) or Robot()`."""
         found = self.components(wanted)
         return found[0][1] if found else None
 
     def system(self, wanted: type[S]) -> S | None:
-        """The settings of that type among `systems`, None where the scene states none."""
+        """Return the settings of a type among `systems`, None where the scene states none."""
         return _of_type(self.systems, wanted)
 
     def section(self, wanted: type[S]) -> S | None:
-        """The section of that type, None where the scene has none."""
+        """Return the section of a type, None where the scene has none."""
         return _of_type(self.sections, wanted)
 
     def one(self, wanted: type[S]) -> tuple[str, S, str]:
-        """(entity id, component, pointer) of the first component of a type.
+        """Return (entity id, component, pointer) of the first component of a type.
 
         Raises:
             SceneError: the scene has none.
@@ -211,7 +210,7 @@ class Scene:
         return found[0]
 
     def entity(self, name: str) -> SceneEntity:
-        """The entity of that id.
+        """Return an entity by id.
 
         Raises:
             KeyError: there is none; the message names the nearest.
@@ -223,28 +222,28 @@ class Scene:
 
     @property
     def by_id(self) -> Mapping[str, SceneEntity]:
-        """Entities by id; of several with one id the first."""
+        """Entities by id; the first of several with one id."""
         if len(self.entities) != self._indexed:
             self._by_id = {entity.id: entity for entity in reversed(self.entities)}
             self._indexed = len(self.entities)
         return self._by_id
 
     def owner(self, pointer: str) -> SceneEntity:
-        """The entity a pointer of the resolved document leads into."""
+        """Return the entity that contains a pointer of the resolved document."""
         return self.entities[int(pointer.split("/", 3)[2])]
 
     def issue(self, pointer: str, what: str, fix: str = "") -> Issue:
-        """A fault at a pointer of the resolved document, reported with the file and pointer where it was written."""
+        """Return a fault at a pointer of the resolved document, with the file and pointer of its origin."""
         layer = self.origins.locate(pointer)
         return Issue(layer.file, layer.pointer, what, fix)
 
     def place(self, pointer: str) -> str:
-        """`file#pointer` where the value at a pointer of the resolved document was written."""
+        """Return the origin of a value of the resolved document as `file#pointer`."""
         layer = self.origins.locate(pointer)
         return f"{layer.file}#{layer.pointer}"
 
     def file_at(self, pointer: str, uri: str) -> Path:
-        """The file that a URI written at `pointer` names; it is added to `files`.
+        """Return the file of a URI at `pointer`, and add it to `files`.
 
         Raises:
             SceneError: it is missing or outside the root.
@@ -259,7 +258,7 @@ class Scene:
         return path
 
     def check_file(self, pointer: str, uri: str) -> list[Issue]:
-        """The fault of a URI written at `pointer`, if it has one."""
+        """Check a URI at `pointer`."""
         try:
             self.file_at(pointer, uri)
         except SceneError as error:
@@ -267,31 +266,31 @@ class Scene:
         return []
 
     def check_asset(self, pointer: str, name: str, kind: AssetKind) -> list[Issue]:
-        """The fault of an asset id written at `pointer`, if it has one."""
+        """Check an asset id at `pointer`."""
         if name not in self.assets:
             return self._unknown(pointer, "asset", name, self.document.get("assets", {}))
         found = self.assets[name].kind
         return [] if found == kind else [self.issue(pointer, f'asset "{name}" is a {found}, not a {kind}')]
 
     def check_material(self, pointer: str, name: str) -> list[Issue]:
-        """The fault of a material id written at `pointer`, if it has one."""
+        """Check a material id at `pointer`."""
         return self._unknown(pointer, "material", name, self.document.get("materials", {}))
 
     def check_entity(self, pointer: str, name: str) -> list[Issue]:
-        """The fault of an entity id written at `pointer`, if it has one."""
+        """Check an entity id at `pointer`."""
         return self._unknown(pointer, "entity", name, self.by_id)
 
     def check_entity_with(self, wanted: type[msgspec.Struct], pointer: str, name: str) -> list[Issue]:
-        """The fault of the id of an entity that must have a component of a type, if it has one."""
+        """Check the id at `pointer` of an entity that must have a component of a type."""
         known = [*(entity for entity, _, _ in self.components(wanted)), *self.broken]
         types = "".join(key for key, struct in component_types().items() if struct is wanted)
         return self._unknown(pointer, f'entity with a "{types}"', name, known)
 
     def check_model_reference(self, pointer: str, reference: str) -> list[Issue]:
-        """The fault of a reference into a model written at `pointer`, if it has one."""
+        """Check a reference into a model at `pointer`."""
         name = reference.partition("#")[0]
         if name not in self.assets and name in self.document.get("assets", {}):
-            return []  # the model itself is wrong, and that was reported
+            return []  # the fault of the model itself was reported
         faults = self.check_asset(pointer, name, "model")
         if faults:
             return faults
@@ -308,7 +307,7 @@ class Scene:
 
 
 def _keys_of(wanted: type[msgspec.Struct] | str) -> list[str]:
-    """Names of a component type; KeyError for a name that no type has."""
+    """Return the names of a component type; raise KeyError for an unknown name."""
     names = component_types()
     if isinstance(wanted, str) and wanted not in names:
         raise KeyError(f'no component type "{wanted}"; {nearest(wanted, names)}')

@@ -1,4 +1,4 @@
-"""JSON Schema of scene files, made of the same Structs that read them, for editors that complete and explain keys."""
+"""JSON Schema of scene files, generated from the Structs that read them, for editors."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from mimics_app.world.scene.spec import SceneSpec
 __all__ = ["scene_schema"]
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
-_COMMENTS = {"^x-": {"description": "Left to you; never read"}}
+_COMMENTS = {"^x-": {"description": "Free for comments; never read"}}
 _PARTIAL = "Partial"
-"""Suffix of the form in which nothing is required, for parts that are merged over a prefab's."""
+"""Suffix of the variant without required keys, for parts that are merged over a prefab's."""
 
 
 def scene_schema() -> dict[str, Any]:
-    """The schema as a plain object, with every registered component, system and section."""
+    """Return the schema as a plain object, with every registered component, system and section."""
     register_plugins()
     components, systems, task = component_types(), system_types(), section_of("task")
     types = [SceneSpec, *components.values(), *systems.values(), *([] if task is None else [task.type])]
@@ -47,7 +47,7 @@ def scene_schema() -> dict[str, Any]:
 
 
 def _set_table(definition: dict[str, Any], key: str, properties: dict[str, Any]) -> None:
-    """Give an object-valued property exactly these keys."""
+    """Restrict an object-valued property to these keys."""
     definition["properties"][key] |= {
         "properties": properties,
         "additionalProperties": False,

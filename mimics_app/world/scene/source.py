@@ -1,4 +1,4 @@
-"""The files of a scene: the one requested and all it includes, each decoded and its shape checked."""
+"""Reading of the files of a scene: the main file and all it includes, decoded and checked for shape."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from mimics_app.world.scene.spec import FORMAT, MAX_ENTITIES, VERSION, SceneSpec
 __all__ = ["MIGRATIONS", "SceneSource", "migrate", "read_bytes", "read_sources"]
 
 _MAX_BYTES = 64 * 1024 * 1024
-"""Largest scene file read [bytes]; one of 10,000 entities has about 2 million."""
+"""Maximum size of a scene file [bytes]; one of 10,000 entities has about 2 million."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,9 +28,9 @@ class SceneSource:
     """One decoded file.
 
     Attributes:
-        path: Where it is.
+        path: The file.
         layer: Its whole document, in the newest version.
-        whole: Of the scene file: False where an included file is missing, so that references into it lead nowhere.
+        whole: False for a scene file whose includes are incomplete, so that references may be unresolved.
     """
 
     path: Path
@@ -45,15 +45,15 @@ class SceneSource:
 
 
 def read_sources(path: Path, root: Path, issues: list[Issue]) -> list[SceneSource]:
-    """The scene file and, after it, everything it includes, each file once.
+    """Read the scene file and, after it, all it includes, each file once.
 
     Args:
         path: The scene file.
-        root: Folder all files must stay inside.
+        root: Folder that all files must be inside.
         issues: Receives faults of shape, and of files that cannot be included.
 
     Raises:
-        SceneError: the scene file itself cannot be read or is no scene.
+        SceneError: the scene file itself cannot be read or is not a scene.
     """
     reader = _Reader(root, issues)
     reader.read(path, str(path))
@@ -63,14 +63,14 @@ def read_sources(path: Path, root: Path, issues: list[Issue]) -> list[SceneSourc
 
 
 def read_bytes(path: Path, file: str, limit: int = _MAX_BYTES) -> bytes:
-    """The bytes of a file.
+    """Read the bytes of a file.
 
     Raises:
         SceneError: it cannot be read or is longer than `limit`.
     """
     try:
         data = read_regular(path, limit + 1)
-    except (OSError, ValueError) as error:  # ValueError: a name with a zero in it
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
         what = (
             "no such file"
             if isinstance(error, FileNotFoundError)
@@ -96,7 +96,7 @@ class _Reader:
         document, issues = parse_json(read_bytes(path, file), file)
         self._issues += issues
         if not isinstance(document, dict) or document.get("format") != FORMAT:
-            what = f'is no scene: it must be an object with "format": "{FORMAT}"'
+            what = f'is not a scene: it must be an object with "format": "{FORMAT}"'
             raise SceneError([*issues, Issue(file, "/format", what)])
         newest = migrate(document)
         if newest is None:
@@ -105,14 +105,14 @@ class _Reader:
         entities = newest.get("entities")
         if isinstance(entities, list) and len(entities) > MAX_ENTITIES:
             what = f"{len(entities)} entities are more than {MAX_ENTITIES}"
-            raise SceneError(Issue(file, "/entities", what, "draw many alike as one model"))
+            raise SceneError(Issue(file, "/entities", what, "merge equal ones into one model"))
         source = SceneSource(path, Layer(file, path.resolve().parent, "", newest))
         self._check_shape(source)
         self.sources.append(source)
         return source
 
     def follow_includes(self, source: SceneSource, above: tuple[Path, ...]) -> None:
-        """Read what a file includes; a file that was read already is not read again."""
+        """Read the includes of a file, each file once."""
         uris = source.document.get("include", [])
         for i, uri in enumerate(uris if isinstance(uris, list) else []):
             if not isinstance(uri, str):
@@ -158,11 +158,11 @@ def _display(including: str, uri: str, path: Path) -> str:
 
 
 MIGRATIONS: dict[int, Callable[[dict[str, Any]], dict[str, Any]]] = {}
-"""From version n to n + 1, by n. Each returns a new document and leaves the old one as it is."""
+"""Migrations from version n to n + 1, by n. Each returns a new document and leaves the old one unchanged."""
 
 
 def migrate(document: dict[str, Any]) -> dict[str, Any] | None:
-    """The document in the newest version, or None when its version cannot be read: too new, too old or no number."""
+    """Return the document in the newest version, or None for a version that is too new, too old or not a number."""
     version = document.get("version")
     if not isinstance(version, int) or isinstance(version, bool) or version > VERSION:
         return None

@@ -1,4 +1,4 @@
-"""The shape of a scene file: what stands at its top level. Component types stand in `world.components`."""
+"""Structs of the top level of a scene file; `world.components` has the component types."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ __all__ = [
 
 FORMAT = "mimics-scene"
 MAX_ENTITIES = 100_000
-"""Most entities of one scene, prefabs unfolded."""
+"""Maximum number of entities of a scene, prefabs expanded."""
 
 VERSION = 1
-"""Newest version of the format; older ones are read through `source.MIGRATIONS`."""
+"""Newest version of the format; `source.MIGRATIONS` converts older ones."""
 
 Share = Annotated[float, Meta(ge=0, le=1)]
 Pair = tuple[SignedFactor, SignedFactor]
@@ -48,9 +48,9 @@ Components = dict[str, dict[str, Any] | None]
 
 
 class TransformSpec(Component, frozen=True):
-    """Place, turn and size of an entity, relative to its parent."""
+    """Translation, rotation and scale of an entity, relative to its parent."""
 
-    translation: Annotated[FarPoint, Meta(description="[m]")] = (0.0, 0.0, 0.0)
+    translation: Annotated[FarPoint, Meta(description="Translation [m]")] = (0.0, 0.0, 0.0)
     rotation: Annotated[Quaternion, Meta(description="Unit quaternion x, y, z, w")] = (
         0.0,
         0.0,
@@ -61,32 +61,32 @@ class TransformSpec(Component, frozen=True):
 
 
 class OverrideSpec(Component, frozen=True):
-    """What one instance changes of an entity inside its prefab or model."""
+    """Changes of an entity inside a prefab or model, for one instance."""
 
-    transform: Annotated[TransformSpec | None, Meta(description="Replaces what it names")] = None
-    components: Annotated[Components, Meta(description="Merged over the original's; null takes one away")] = (
-        msgspec.field(default_factory=dict)
+    transform: Annotated[TransformSpec | None, Meta(description="Replaces the fields it names")] = None
+    components: Annotated[Components, Meta(description="Merged over the original's; null removes one")] = msgspec.field(
+        default_factory=dict
     )
 
 
 class PrefabSpec(Component, frozen=True):
-    """A pattern for entities. `prefab` names another one it is built on."""
+    """A prefab: template of entities, optionally based on another one."""
 
-    prefab: Annotated[str | None, Meta(description="Prefab this one is built on")] = None
+    prefab: Annotated[str | None, Meta(description="Base prefab")] = None
     transform: Annotated[TransformSpec | None, Meta(description="Default of the instances")] = None
     components: Annotated[Components, Meta(description="By type, one of each")] = msgspec.field(default_factory=dict)
     children: Annotated[
         list[EntitySpec],
-        Meta(max_length=MAX_ENTITIES, description="Entities below; the id of an instance is put before theirs"),
+        Meta(max_length=MAX_ENTITIES, description="Child entities; the id of an instance is prefixed to theirs"),
     ] = msgspec.field(default_factory=list)
 
 
 class EntitySpec(Component, frozen=True):
-    """One thing of the scene."""
+    """One entity of the scene."""
 
     id: Annotated[str, Meta(description="Unique; letters, digits, _ - and .")]
     parent: Annotated[str | None, Meta(description="Id of the entity it moves with")] = None
-    prefab: Annotated[str | None, Meta(description="Pattern it is an instance of")] = None
+    prefab: Annotated[str | None, Meta(description="Prefab it is an instance of")] = None
     transform: Annotated[TransformSpec | None, Meta(description="Relative to the parent")] = None
     components: Annotated[Components, Meta(description="By type, one of each")] = msgspec.field(default_factory=dict)
     overrides: Annotated[
@@ -95,31 +95,33 @@ class EntitySpec(Component, frozen=True):
 
 
 class AssetSpec(Component, frozen=True):
-    """A file the scene uses: model (.glb .gltf), picture (.png .jpg), sound (.wav .ogg .flac), head (.sofa), path."""
+    """A file of the scene: model (.glb .gltf), picture (.png .jpg), sound (.wav .ogg .flac), head (.sofa), path."""
 
     uri: Annotated[str, Meta(description="Relative to this file, inside the scene's folder; mimics:... is shipped")]
     srgb: Annotated[bool, Meta(description="Picture: colours are sRGB encoded")] = True
-    wrap: Annotated[tuple[Wrap, Wrap], Meta(description="Picture: what lies outside, along u and v")] = (
+    wrap: Annotated[
+        tuple[Wrap, Wrap], Meta(description="Picture: texture addressing outside 0 to 1, along u and v")
+    ] = (
         "repeat",
         "repeat",
     )
-    filter: Annotated[Filter, Meta(description="Picture: how texels are mixed")] = "trilinear"
+    filter: Annotated[Filter, Meta(description="Picture: texture filter")] = "trilinear"
 
 
 class UvTransform(Component, frozen=True):
-    """Where the pictures of a material lie (KHR_texture_transform): scaled, then turned, then shifted."""
+    """Texture transform of a material (KHR_texture_transform): scaled, then rotated, then translated."""
 
-    offset: Annotated[Pair, Meta(description="Of the origin, in texture coordinates")] = (0.0, 0.0)
-    rotation: Annotated[Angle, Meta(description="Anticlockwise about the origin, as texture coordinates lie [rad]")] = (
-        0.0
-    )
+    offset: Annotated[Pair, Meta(description="Offset of the origin, in texture coordinates")] = (0.0, 0.0)
+    rotation: Annotated[
+        Angle, Meta(description="Anticlockwise angle about the origin of texture coordinates [rad]")
+    ] = 0.0
     scale: Annotated[Pair, Meta(description="Factors on u and v")] = (1.0, 1.0)
 
 
 class MaterialSpec(Component, frozen=True):
-    """How a surface answers light; colours are linear."""
+    """Material of a surface; colours are linear."""
 
-    inherits: Annotated[str | None, Meta(description="Material whose keys it takes over where it has none")] = None
+    inherits: Annotated[str | None, Meta(description="Base material, whose keys hold where absent")] = None
     technique: Annotated[
         str,
         Meta(description="pbr, lit, lit_matt, unlit, glass (translucent with a bright rim), or one of `techniques`"),
@@ -127,51 +129,59 @@ class MaterialSpec(Component, frozen=True):
     base_colour: Annotated[tuple[Share, Share, Share, Share], Meta(description="Linear RGBA")] = (0.8, 0.8, 0.8, 1.0)
     metallic: Annotated[float, Meta(ge=0, le=1, description="0 dielectric, 1 metal")] = 0.0
     roughness: Annotated[float, Meta(ge=0, le=1, description="0 mirror, 1 matt")] = 0.6
-    emission: Annotated[tuple[Light, Light, Light], Meta(description="Linear RGB it gives off")] = (
+    emission: Annotated[tuple[Light, Light, Light], Meta(description="Emitted radiance, linear RGB")] = (
         0.0,
         0.0,
         0.0,
     )
-    base_texture: Annotated[str | None, Meta(description="Of the scene's `assets`, a picture")] = None
-    normal_texture: Annotated[str | None, Meta(description="Picture of normals, y upwards")] = None
-    surface_texture: Annotated[str | None, Meta(description="Picture of roughness (green) and metal (blue)")] = None
-    occlusion_texture: Annotated[str | None, Meta(description="Picture of sky light let in (red)")] = None
-    emission_texture: Annotated[str | None, Meta(description="Picture multiplied with `emission`")] = None
-    normal_scale: Annotated[SignedFactor, Meta(description="Factor on the slopes of the normal picture")] = 1.0
-    occlusion_strength: Annotated[float, Meta(ge=0, le=1, description="How much of the occlusion picture counts")] = 1.0
-    uv_transform: Annotated[UvTransform, Meta(description="Where its pictures lie")] = UvTransform()
-    alpha_mode: Annotated[AlphaMode, Meta(description="What alpha does")] = "opaque"
-    alpha_cutoff: Annotated[float, Meta(ge=0, le=1, description="Where mask cuts")] = 0.5
+    base_texture: Annotated[str | None, Meta(description="Base colour texture: image file of the scene's `assets`")] = (
+        None
+    )
+    normal_texture: Annotated[str | None, Meta(description="Normal map, y upwards")] = None
+    surface_texture: Annotated[str | None, Meta(description="Texture of roughness (green) and metallic (blue)")] = None
+    occlusion_texture: Annotated[str | None, Meta(description="Texture of ambient occlusion (red)")] = None
+    emission_texture: Annotated[str | None, Meta(description="Texture multiplied with `emission`")] = None
+    normal_scale: Annotated[SignedFactor, Meta(description="Factor on the slopes of the normal map")] = 1.0
+    occlusion_strength: Annotated[float, Meta(ge=0, le=1, description="Strength of the occlusion texture")] = 1.0
+    uv_transform: Annotated[UvTransform, Meta(description="Transform of all its textures")] = UvTransform()
+    alpha_mode: Annotated[AlphaMode, Meta(description="Use of alpha: opaque, mask or blend")] = "opaque"
+    alpha_cutoff: Annotated[float, Meta(ge=0, le=1, description="Threshold of mask")] = 0.5
     double_sided: Annotated[bool, Meta(description="Back faces are drawn too")] = False
     grid: Annotated[Extent, Meta(description="Spacing of lines drawn over it [m]; 0: none")] = 0.0
-    softness: Annotated[float, Meta(ge=0, le=1, description="Light creeps round into its shade: 0 stone, 1 skin")] = 0.0
+    softness: Annotated[
+        float, Meta(ge=0, le=1, description="Wrap of diffuse light into the shade: 0 stone, 1 skin")
+    ] = 0.0
 
 
 class SceneSpec(Component, frozen=True):
-    """A scene of the application. Keys that begin with x- are left to you."""
+    """A scene of the application. Keys that begin with x- are comments."""
 
     format: Annotated[Literal["mimics-scene"], Meta(description="Always mimics-scene")]
-    version: Annotated[int, Meta(ge=1, le=1000, description="Of the format; the newest is 1")]
+    version: Annotated[int, Meta(ge=1, le=1000, description="Version of the format; the newest is 1")]
     units: Annotated[Literal["m-kg-s"], Meta(description="SI: metres, kilograms, seconds, newtons, radians")] = "m-kg-s"
     up: Annotated[Literal["+Y"], Meta(description="Right-handed, +y up, as in glTF")] = "+Y"
     name: Annotated[str | None, Meta(description="Short name; absent: that of the file")] = None
-    title: Annotated[str | None, Meta(description="As people read it")] = None
+    title: Annotated[str | None, Meta(description="Title for display")] = None
     description: Annotated[str | None, Meta(description="One or two sentences for the launcher")] = None
-    picture: Annotated[str | None, Meta(description="Picture for the launcher, relative to this file")] = None
-    scenario: Annotated[str | None, Meta(description="What runs it; absent: that of its name; none: nothing")] = None
+    picture: Annotated[str | None, Meta(description="Image file for the launcher, relative to this file")] = None
+    scenario: Annotated[
+        str | None, Meta(description="Scenario that runs it; absent: that of its name; none: no code")
+    ] = None
     include: Annotated[Texts, Meta(description="Scene files whose content is added, relative to this one")] = (
         msgspec.field(default_factory=list)
     )
     assets: Annotated[dict[str, AssetSpec], Meta(description="Files by id")] = msgspec.field(default_factory=dict)
-    materials: Annotated[dict[str, MaterialSpec], Meta(description="By id")] = msgspec.field(default_factory=dict)
-    techniques: Annotated[dict[str, TechniqueSpec], Meta(description="Further techniques to draw surfaces, by id")] = (
+    materials: Annotated[dict[str, MaterialSpec], Meta(description="Materials by id")] = msgspec.field(
+        default_factory=dict
+    )
+    techniques: Annotated[dict[str, TechniqueSpec], Meta(description="Further techniques of materials, by id")] = (
         msgspec.field(default_factory=dict)
     )
-    prefabs: Annotated[dict[str, PrefabSpec], Meta(description="By id")] = msgspec.field(default_factory=dict)
-    entities: Annotated[list[EntitySpec], Meta(max_length=MAX_ENTITIES, description="Everything in the scene")] = (
+    prefabs: Annotated[dict[str, PrefabSpec], Meta(description="Prefabs by id")] = msgspec.field(default_factory=dict)
+    entities: Annotated[list[EntitySpec], Meta(max_length=MAX_ENTITIES, description="Entities of the scene")] = (
         msgspec.field(default_factory=list)
     )
     systems: Annotated[dict[str, dict[str, Any]], Meta(description="Settings of the stages, by name")] = msgspec.field(
         default_factory=dict
     )
-    task: Annotated[dict[str, Any] | None, Meta(description="What is to be done, and how it is scored")] = None
+    task: Annotated[dict[str, Any] | None, Meta(description="Task and its scoring")] = None

@@ -1,4 +1,4 @@
-"""How far the bodies of a scene are spread, before there is a world."""
+"""Spatial extent of a scene's shadow casters, before a world is built."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ __all__ = ["ENOUGH", "spread_of_casters"]
 
 
 _FLAT = 0.02
-"""Height over width of a body that is taken for a floor: what lies flat casts a shadow on nothing."""
+"""Height over width below which a body counts as a floor, which casts no shadow on anything."""
 
 _CORNERS = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 
 ENOUGH = 50.0
-"""Beyond this nothing more is counted [m]: a scene of 100,000 bodies is known to be wide after a few."""
+"""Extent at which the search ends [m]: a scene of 100,000 bodies reaches it after a few."""
 
 _known: WeakKeyDictionary[Scene, float] = WeakKeyDictionary()
 
 
 def spread_of_casters(scene: Scene) -> float:
-    """Half the diagonal of the box about what casts shadows [m], floors left out; no more than `ENOUGH` is counted.
+    """Return half the diagonal of the bounding box of all shadow casters but floors [m], at most `ENOUGH`.
 
-    Bodies of a model count with their boxes, shapes with their places. 0 where nothing casts. Computed once a scene.
+    Bodies of a model count with their boxes, primitives with their positions. 0 without casters. Computed once a scene.
     """
     if scene not in _known:
         _known[scene] = _measure(scene)
@@ -39,17 +39,17 @@ def spread_of_casters(scene: Scene) -> float:
 
 
 def _measure(scene: Scene) -> float:
-    least, greatest, spread = np.full(3, np.inf), np.full(3, -np.inf), 0.0
+    low, high, spread = np.full(3, np.inf), np.full(3, -np.inf), 0.0
     for points in _points(scene):
-        least, greatest = np.minimum(least, points.min(axis=0)), np.maximum(greatest, points.max(axis=0))
-        spread = 0.5 * float(np.linalg.norm(greatest - least))
+        low, high = np.minimum(low, points.min(axis=0)), np.maximum(high, points.max(axis=0))
+        spread = 0.5 * float(np.linalg.norm(high - low))
         if spread > ENOUGH:
             return ENOUGH
     return spread
 
 
 def _points(scene: Scene) -> Iterator[F8]:
-    """Corners of what casts shadows, world [m], [n, 3] each."""
+    """Yield corners of the boxes of shadow casters, world [m], [n, 3] each."""
     by_id = {entity.id: entity for entity in scene.entities}
     matrices: dict[str, F8] = {}
     for entity in scene.entities:
@@ -64,7 +64,7 @@ def _points(scene: Scene) -> Iterator[F8]:
 
 
 def _world_matrix(entity: SceneEntity, by_id: dict[str, SceneEntity], matrices: dict[str, F8]) -> F8:
-    """T_world_from_entity, [4, 4]; those of parents are kept, so that every one is computed once."""
+    """Return T_world_from_entity, [4, 4]; `matrices` caches those of parents."""
     chain = []
     step: SceneEntity | None = entity
     while step is not None and step.id not in matrices:
@@ -78,7 +78,7 @@ def _world_matrix(entity: SceneEntity, by_id: dict[str, SceneEntity], matrices: 
 
 
 def _model_points(part: ModelPart, world_from_entity: F8) -> Iterator[F8]:
-    """The same of a model's bodies."""
+    """Yield the corners of the bodies of a model, likewise."""
     model = part.model
     if part.mesh is not None:
         yield from _corners(part, part.mesh, world_from_entity)
@@ -94,10 +94,10 @@ def _model_points(part: ModelPart, world_from_entity: F8) -> Iterator[F8]:
 
 
 def _corners(part: ModelPart, mesh: int, matrix: F8) -> Iterator[F8]:
-    """Corners of the boxes of a mesh's parts that are no floors."""
+    """Yield the corners of the boxes of a mesh's primitives, floors left out."""
     for primitive in part.model.meshes[mesh].primitives:
-        least, greatest = primitive.mesh.bounds
-        corners = (least + _CORNERS * (greatest - least)) @ matrix[:3, :3].T + matrix[:3, 3]
+        low, high = primitive.mesh.bounds
+        corners = (low + _CORNERS * (high - low)) @ matrix[:3, :3].T + matrix[:3, 3]
         size = np.ptp(corners, axis=0)
         if size[1] > _FLAT * max(size[0], size[2]):
             yield corners

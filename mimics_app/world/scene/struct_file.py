@@ -1,4 +1,4 @@
-"""Reading a JSON file of one struct, strictly, with every fault at its place."""
+"""Strict reading of a JSON file as one Struct, with the place of every fault."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ T = TypeVar("T")
 
 
 def read_struct_file(path: Path, wanted: type[T], limit: int = _MAX_BYTES) -> T:
-    """What a file holds, as a Struct or any type msgspec knows.
+    """Read a file as a Struct or any type msgspec supports.
 
     Args:
         path: The file.
         wanted: The type.
-        limit: Most bytes the file may have.
+        limit: Maximum size of the file [bytes].
 
     Raises:
-        SceneError: no such file, too long, no JSON, or with every fault.
+        SceneError: the file is missing, too long or not JSON, or all faults of its content.
     """
     file = str(path)
     document, issues = parse_json(read_bytes(path, file, limit), file)

@@ -1,3 +1,3 @@
-"""Coarser forms of meshes: edge collapse, and levels of detail written into a model."""
+"""Mesh simplification by edge collapse, and levels of detail written into a model."""
 
 __all__: list[str] = []

@@ -1,9 +1,9 @@
-"""Coarser forms of a mesh: edges collapsed in the order of what the surface loses by it.
+"""Mesh decimation by edge collapses in order of their error.
 
-Quadric error metrics of Garland & Heckbert (1997) with half-edge collapses: what is left are corners of the mesh as it
-was, with their normals and texture coordinates, so that all levels of detail share one set of vertices. Open borders
-and seams of attributes are held in place by planes that stand on them. Of what bends, the loss is the greatest of
-several poses (deformation sensitive decimation, Mohr & Gleicher 2003, which adds them up).
+Quadric error metrics of Garland & Heckbert (1997) with half-edge collapses: the vertices left are vertices of the
+original mesh, with their normals and texture coordinates, so that all levels of detail share one set of vertices.
+Planes perpendicular to the surface hold open borders and seams of attributes in place. The error of a deformable mesh
+is the largest of several poses (deformation sensitive decimation, Mohr & Gleicher 2003, which adds them).
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ __all__ = ["Decimated", "decimate"]
 
 
 _BORDER_WEIGHT = 10.0
-"""Of the planes that stand on borders and seams, against those of triangles of the same area."""
+"""Weight of the planes on borders and seams, against those of triangles of the same area."""
 
 
 _WELD = 1e-6
-"""Vertices nearer than this share of the mesh's extent are one corner of it: a few steps of float32."""
+"""Weld distance over the mesh's extent, a few steps of float32: nearer vertices are one corner of the surface."""
 
 
 @dataclass(frozen=True, eq=False)
 class Decimated:
-    """A coarser form.
+    """A decimated mesh.
 
     Attributes:
-        indices: Three per triangle, of vertices the mesh had, uint32 [m].
-        error: Farthest that a corner of the mesh as it was lies from the coarser surface in any pose [m].
+        indices: Three per triangle, into the original vertices, uint32 [m].
+        error: Largest distance of an original vertex from the decimated surface in any pose [m].
     """
 
     indices: NDArray[np.uint32]
@@ -53,21 +53,21 @@ def decimate(
     error: float = np.inf,
     poses: Sequence[NDArray[np.floating]] = (),
 ) -> Decimated:
-    """Take triangles away.
+    """Decimate a mesh.
 
-    Vertices at the same place are one corner of the surface; where they differ in anything else there is a seam, which
-    is kept.
+    Vertices at the same position are one corner of the surface; where other attributes differ there is a seam, which is
+    kept.
 
     Args:
         positions: [m], shape [n, 3].
         indices: Three per triangle, shape [m].
-        triangles: Stop when so many or one fewer are left.
-        error: Stop before a corner that stays is farther than this from the planes it stands for [m], as root mean
-            square; the farthest corner that was taken away can lie several times as far.
-        poses: Where the vertices are as well [m], [n, 3] each: what bends must keep its form there too.
+        triangles: Target number of triangles; one fewer may be left.
+        error: Maximum root mean square distance of a remaining corner from the planes it represents [m]; the largest
+            distance of a removed one can be several times as large.
+        poses: Positions of the vertices in further poses [m], [n, 3] each, whose error counts as well.
 
     Returns:
-        What is left; more triangles than requested where no collapse is left that neither folds nor tears.
+        The decimated mesh; with more triangles than requested where every further collapse folds or tears it.
     """
     first, corner_of = _weld(np.asarray(positions, np.float64))
     places = np.stack([np.asarray(each, np.float64)[first] for each in (positions, *poses)])
@@ -85,7 +85,7 @@ def decimate(
 
 
 def _weld(positions: F8) -> tuple[I8, I8]:
-    """(a vertex of each corner, [c], corner of each vertex, [n]): what rounding keeps apart is one place."""
+    """Return (a vertex of each corner, [c]; corner of each vertex, [n]) of positions equal up to rounding."""
     extent = float(np.ptp(positions, axis=0).max(initial=0.0)) if len(positions) else 0.0
     cells = np.rint(positions / (_WELD * extent or 1.0)).astype(np.int64)
     _, first, corner_of = np.unique(cells, axis=0, return_index=True, return_inverse=True)
@@ -93,7 +93,7 @@ def _weld(positions: F8) -> tuple[I8, I8]:
 
 
 def _quadrics(places: F8, wedges: I8, corners: I8) -> F8:
-    """Per corner the sum of area x (n, d)(n, d)^T of its planes, 10 numbers, and the sum of the areas; [c, 11]."""
+    """Return for each corner the sum of area x (n, d)(n, d)^T of its planes, 10 numbers, and of the areas; [c, 11]."""
     a, b, c = (places[corners[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
     double = np.linalg.norm(normals, axis=1)
@@ -109,7 +109,7 @@ def _quadrics(places: F8, wedges: I8, corners: I8) -> F8:
 
 
 def _walls(places: F8, wedges: I8, corners: I8, normals: F8) -> tuple[I8, F8]:
-    """(ends [e, 2], quadrics [e, 11]) of planes that stand on edges where triangles do not share both wedges."""
+    """Return (ends [e, 2], quadrics [e, 11]) of planes on edges whose triangles do not share both wedges."""
     edges = np.concatenate([wedges[:, [k, (k + 1) % 3]] for k in range(3)])
     at = np.concatenate([corners[:, [k, (k + 1) % 3]] for k in range(3)])
     faces = np.tile(np.arange(len(wedges)), 3)

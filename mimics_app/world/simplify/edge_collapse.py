@@ -1,4 +1,4 @@
-"""Edge collapse on arrays: corners of a surface, the vertices (wedges) that stand at them, and an ordered heap."""
+"""Edge collapse on arrays: corners (positions) of a surface, wedges (vertices with attributes) at them, and a heap."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ __all__ = ["collapse", "farthest"]
 
 
 Edge = tuple[float, int, int, int, int]
-"""An edge to collapse: its loss [m^2], from, to, and the stamps of both as it was queued."""
+"""Queued collapse: its error [m^2], source corner, target corner, and the stamps of both when it was queued."""
 
-_LEAST_TURN = 0.25
-"""Cosine of the most a triangle's normal may turn by a collapse: about 75 degrees, so that nothing folds over."""
+_MIN_COSINE = 0.25
+"""Minimum cosine between a triangle's normals before and after a collapse: about 75 degrees, against folds."""
 
 _MAX_RING = 64
-"""Triangles about a corner that are looked at; a corner with more stays."""
+"""Maximum triangles about a corner; a corner with more is kept."""
 
 _BALL = 4
-"""Numbers of a ball: middle and radius."""
+"""Components of a bounding ball: centre and radius."""
 
 _VANISHED = 1e-12
-"""Square of the share of its area below which a triangle has vanished."""
+"""Square of the share of its area below which a triangle is degenerate."""
 
 
 @kernel
 def _link_corners(corners: I8, first: I8, following: I8) -> None:
-    """Chain the triangles' slots by their corner."""
+    """Link the triangles' slots into one list per corner."""
     for t in range(corners.shape[0]):
         for k in range(3):
             following[3 * t + k] = first[corners[t, k]]
@@ -42,16 +42,16 @@ def _link_corners(corners: I8, first: I8, following: I8) -> None:
 def collapse(
     places: F8, wedges: I8, corners: I8, quadrics: F8, alive: NDArray[np.bool_], wanted: int, most: float
 ) -> None:
-    """Collapse edges, the least loss first.
+    """Collapse edges in order of increasing error.
 
     Args:
-        places: Of the corners in every pose [m], [p, c, 3]; nothing folds over in the first one.
-        wedges: Vertices of the triangles, written, [t, 3].
-        corners: Their corners, written, [t, 3].
-        quadrics: Of the corners in every pose, written, [p, c, 11].
-        alive: False where a triangle is gone, written, [t].
-        wanted: Triangles to stop at.
-        most: Mean square distance to stop at [m^2].
+        places: Positions of the corners in every pose [m], [p, c, 3]; folds are tested in the first one.
+        wedges: Wedges of the triangles, written, [t, 3].
+        corners: Corners of the triangles, written, [t, 3].
+        quadrics: Quadrics of the corners in every pose, written, [p, c, 11].
+        alive: False for a removed triangle, written, [t].
+        wanted: Target number of triangles.
+        most: Maximum error [m^2].
     """
     first = np.full(places.shape[1], -1, np.int64)
     following = np.full(3 * wedges.shape[0], -1, np.int64)
@@ -80,7 +80,7 @@ def collapse(
 
 @kernel
 def _push(heap: list[Edge], t: int, only: int, corners: I8, quadrics: F8, places: F8, stamps: I8) -> None:
-    """Queue a triangle's edges, in both directions; of one corner only, or of all: -1."""
+    """Queue a triangle's edges in both directions; those of one corner `only`, or all (-1)."""
     for k in range(3):
         u, v = corners[t, k], corners[t, (k + 1) % 3]
         if only in (-1, u, v):
@@ -101,7 +101,7 @@ def _try_collapse(
     rings: I8,
     pairs: I8,
 ) -> int:
-    """Move u to v where nothing folds or tears; returns how many triangles vanish, 0: u stays."""
+    """Collapse u into v where no triangle folds or tears; return the number of triangles removed, 0 for none."""
     count_u, count_v = _ring(u, first, following, alive, rings[0]), _ring(v, first, following, alive, rings[1])
     if count_u <= 0 or count_v <= 0:
         return 0
@@ -116,7 +116,7 @@ def _try_collapse(
 
 @kernel
 def _loss(quadrics: F8, u: int, v: int, places: F8) -> float:
-    """Mean square distance [m^2] of v's place from the planes of both corners, in the pose where it is greatest."""
+    """Return the mean square distance [m^2] of v from the planes of both corners, in the worst pose."""
     worst = 0.0
     for pose in range(places.shape[0]):
         worst = max(worst, _loss_of_pose(quadrics[pose], u, v, places[pose, v]))
@@ -139,7 +139,7 @@ def _loss_of_pose(quadrics: F8, u: int, v: int, place: F8) -> float:
 
 @kernel
 def _ring(corner: int, first: I8, following: I8, alive: NDArray[np.bool_], out: I8) -> int:
-    """Triangles about a corner; -1: too many."""
+    """Write the triangles about a corner and return their number; -1: too many."""
     count = 0
     slot = first[corner]
     while slot >= 0:
@@ -154,7 +154,7 @@ def _ring(corner: int, first: I8, following: I8, alive: NDArray[np.bool_], out: 
 
 @kernel
 def _shared_corners(u: int, v: int, corners: I8, ring_u: I8, count_u: int, ring_v: I8, count_v: int) -> int:
-    """Corners that are neighbours of both u and v."""
+    """Return the number of corners that are neighbours of both u and v."""
     shared = 0
     for i in range(count_u):
         for k in range(3):
@@ -177,7 +177,7 @@ def _shared_corners(u: int, v: int, corners: I8, ring_u: I8, count_u: int, ring_
 
 @kernel
 def _turns_over(u: int, v: int, triangle: int, corners: I8, places: F8) -> bool:
-    """Whether a triangle's normal turns too far, or vanishes, when its corner u goes to v."""
+    """True when a triangle folds or degenerates as its corner u moves to v."""
     before, after = np.empty((3, 3)), np.empty((3, 3))
     for k in range(3):
         corner = corners[triangle, k]
@@ -189,12 +189,12 @@ def _turns_over(u: int, v: int, triangle: int, corners: I8, places: F8) -> bool:
         np.cross(after[1] - after[0], after[2] - after[0]),
     )
     old2, new2 = (old * old).sum(), (new * new).sum()
-    return new2 <= _VANISHED * old2 or (old * new).sum() < _LEAST_TURN * np.sqrt(old2 * new2)
+    return new2 <= _VANISHED * old2 or (old * new).sum() < _MIN_COSINE * np.sqrt(old2 * new2)
 
 
 @kernel
 def _match_wedges(u: int, v: int, wedges: I8, corners: I8, ring: I8, count: int, olds: I8, news: I8) -> tuple[int, int]:
-    """(pairs (wedge of u, wedge of v in the same triangle) written, triangles that u and v share).
+    """Match wedges of u and v in shared triangles; return (pairs written, triangles that u and v share).
 
     No pairs where one wedge of u would have to become two of v.
     """
@@ -221,7 +221,7 @@ def _match_wedges(u: int, v: int, wedges: I8, corners: I8, ring: I8, count: int,
 
 @kernel
 def _find(values: I8, count: int, wanted: int) -> int:
-    """Where a value stands, -1: nowhere."""
+    """Return the index of a value, -1 where it is missing."""
     for i in range(count):
         if values[i] == wanted:
             return i
@@ -232,9 +232,9 @@ def _find(values: I8, count: int, wanted: int) -> int:
 def _stay_sound(
     u: int, v: int, wedges: I8, corners: I8, places: F8, ring: I8, count: int, olds: I8, pairs: int
 ) -> bool:
-    """Whether u's triangles that are left have a wedge to go to and do not turn over.
+    """True when u's remaining triangles have a target wedge and do not fold.
 
-    A wedge without one ends at a seam: u on a seam goes along the seam only.
+    A wedge without a target ends at a seam: u on a seam moves along the seam only.
     """
     for i in range(count):
         t = ring[i]
@@ -250,7 +250,7 @@ def _stay_sound(
 
 @kernel
 def _keeps_topology(u: int, v: int, gone: int, corners: I8, ring_u: I8, count_u: int, ring_v: I8, count_v: int) -> bool:
-    """The link condition: u and v share as many neighbours as triangles; on a border u goes along it."""
+    """Link condition: u and v share as many neighbours as triangles; u on a border moves along it only."""
     if gone == 0 or gone > 2:
         return False
     if _shared_corners(u, v, corners, ring_u, count_u, ring_v, count_v) != gone:
@@ -260,7 +260,7 @@ def _keeps_topology(u: int, v: int, gone: int, corners: I8, ring_u: I8, count_u:
 
 @kernel
 def _on_border(u: int, corners: I8, ring: I8, count: int) -> bool:
-    """Whether u's triangles are one open fan."""
+    """True when u's triangles are one open fan."""
     ends = 0
     for i in range(count):
         for k in range(3):
@@ -287,7 +287,7 @@ def _move(
     pairs: I8,
     count: int,
 ) -> None:
-    """Give u's triangles to v; those that both have vanish."""
+    """Move u's triangles to v and remove those of both."""
     last, slot = -1, first[u]
     while slot >= 0:
         t, k = slot // 3, slot % 3
@@ -305,7 +305,7 @@ def _move(
 
 @kernel
 def farthest(points: F8, triangles: F8) -> float:
-    """Largest distance [m] of a point, [n, 3], from the nearest of some triangles, [t, 3, 3]."""
+    """Return the largest distance [m] of points, [n, 3], from their nearest triangle, [t, 3, 3]."""
     count = triangles.shape[0]
     balls = np.empty((count, _BALL))
     for t in range(count):
@@ -333,7 +333,7 @@ def _apart(a: F8, b: F8) -> float:
 
 @kernel
 def _distance2(p: F8, triangle: F8) -> float:
-    """Squared distance [m^2] of a point from a triangle by its regions (Ericson 2005, 5.1.5)."""
+    """Return the squared distance [m^2] of a point from a triangle by its regions (Ericson 2005, 5.1.5)."""
     a, b, c = triangle[0], triangle[1], triangle[2]
     ab, ac, ap = b - a, c - a, p - a
     d1, d2 = (ab * ap).sum(), (ac * ap).sum()

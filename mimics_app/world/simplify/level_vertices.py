@@ -1,7 +1,7 @@
-"""Vertices of their own for coarser forms of meshes that bend: what is far away is bent for little.
+"""Separate vertices for the levels of detail of deformable meshes.
 
-All the vertices of a mesh are bent, whether a triangle of it is left or not, so that a coarser form that shares them
-saves drawing only.
+Skinning transforms all vertices of a mesh, also those without a triangle, so a coarser level that shared them would
+save rasterisation only.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ F8 = NDArray[np.float64]
 _ARRAY_BUFFER = 34962
 _CODES = {"|i1": 5120, "|u1": 5121, "<i2": 5122, "<u2": 5123, "<u4": 5125, "<f4": 5126}
 _SET, _WORD = 4, 4
-"""Influences of one pair of attributes; bytes that vertices' attributes are laid out by (glTF 2.0 3.6.2.4)."""
+"""Influences of one pair of attributes; alignment of vertex attributes [bytes] (glTF 2.0 3.6.2.4)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bending:
-    """What makes a primitive bend.
+    """Deformation of a primitive.
 
     Attributes:
         positions: At rest [m], [n, 3].
-        weights: What its vertices follow; None: only morphs move it.
-        joints: What takes vertices to the poses it is judged in, [joints, 4, 4] each.
-        poses: Places of the vertices there, and with morphs shown [m], [n, 3] each.
+        weights: Joints and weights of its vertices; None: morph targets only.
+        joints: Joint matrices of the poses its error is measured in, [joints, 4, 4] each.
+        poses: Positions of the vertices in these poses, and with each morph target [m], [n, 3] each.
     """
 
     positions: NDArray[np.float32]
@@ -47,7 +47,7 @@ class Bending:
 
 
 def joint_parents(source: GltfSource, skin: GltfSkin) -> list[int]:
-    """Number of the joint next above each joint of a skin, -1 for none; nodes between them are passed over."""
+    """Return the nearest ancestor joint of each joint of a skin, -1 for none; nodes between them are skipped."""
     nodes = source.table("nodes")
     above = {child: number for number, node in enumerate(nodes) for child in node.get("children", ())}
     numbers = {node: joint for joint, node in enumerate(skin.joints)}
@@ -63,7 +63,7 @@ def joint_parents(source: GltfSource, skin: GltfSkin) -> list[int]:
 
 
 def lighter(bending: Bending, kept: NDArray[np.int64], error: float) -> tuple[VertexWeights | None, float]:
-    """The weights of some vertices by as few joints each as move none of them farther than `error`, and how far [m]."""
+    """Return weights with the fewest joints per vertex that move no vertex by more than `error`, and the error [m]."""
     if bending.weights is None:
         return None, 0.0
     whole, places = bending.weights.taken(kept), bending.positions[kept]
@@ -80,11 +80,11 @@ def lighter(bending: Bending, kept: NDArray[np.int64], error: float) -> tuple[Ve
 
 
 class LevelVertices:
-    """Reads what bends, and writes the vertices of a coarser form at the end of a file's one buffer.
+    """Reader of deformations and writer of the vertices of coarser levels, appended to a file's one buffer.
 
     Args:
         source: The file.
-        accessors: Its arrays.
+        accessors: Its accessors.
         blob: Its buffer.
     """
 
@@ -93,7 +93,7 @@ class LevelVertices:
         self._deforms = GltfDeforms(source, accessors)
 
     def bending(self, primitive: dict[str, Any], place: str, skin: GltfSkin | None) -> Bending | None:
-        """What makes a primitive bend on a skin; None where nothing does."""
+        """Read the deformation of a primitive with a skin; None for a rigid one."""
         attributes = self._source.object(primitive, "attributes", place)
         positions = self._accessors.floats(attributes["POSITION"], f"{place}/attributes/POSITION", "VEC3")
         poses = morphed_places(positions, self._deforms.morphs(primitive, place, len(positions)))
@@ -109,13 +109,13 @@ class LevelVertices:
     def write(
         self, primitive: dict[str, Any], place: str, kept: NDArray[np.int64], weights: VertexWeights | None
     ) -> None:
-        """Give a primitive arrays of some of its vertices only.
+        """Replace the arrays of a primitive by those of some of its vertices.
 
         Args:
             primitive: Written: its attributes and morph targets.
-            place: Where it stood in the file.
+            place: Pointer to it in the original file.
             kept: Numbers of the vertices.
-            weights: What these follow; None: nothing.
+            weights: Joints and weights of these; None for none.
         """
         attributes = primitive["attributes"]
         own = {name: number for name, number in attributes.items() if not name.startswith(("JOINTS_", "WEIGHTS_"))}
@@ -133,7 +133,7 @@ class LevelVertices:
         return self.add(values, {key: old[key] for key in ("type", "normalized") if key in old}, bounds="min" in old)
 
     def _weights(self, weights: VertexWeights | None) -> dict[str, int]:
-        """JOINTS_n and WEIGHTS_n, as many as there are joints to follow."""
+        """Write as many JOINTS_n and WEIGHTS_n as the weights need."""
         found: dict[str, int] = {}
         count = 0 if weights is None else weights.influences
         for number in range(-(-count // _SET)):
@@ -144,8 +144,8 @@ class LevelVertices:
                 found[f"{name}_{number}"] = self.add(whole, {"type": "VEC4"})
         return found
 
-    def add(self, values: NDArray[Any], told: dict[str, Any], *, bounds: bool = False) -> int:
-        """An accessor of vertices' values, [n, components]; `told` is what it says beside."""
+    def add(self, values: NDArray[Any], properties: dict[str, Any], *, bounds: bool = False) -> int:
+        """Append an accessor of vertex values, [n, components], with further properties."""
         stored = values.astype(values.dtype.newbyteorder("<"))
         size = stored.dtype.itemsize * stored.shape[1]
         padded = np.zeros((len(stored), size + -size % _WORD), np.uint8)
@@ -155,6 +155,6 @@ class LevelVertices:
         views.append(view | {"byteStride": padded.shape[1]})
         self._blob += padded.tobytes()
         accessor = {"bufferView": len(views) - 1, "componentType": _CODES[stored.dtype.str], "count": len(stored)}
-        least = {"min": stored.min(axis=0).tolist(), "max": stored.max(axis=0).tolist()} if bounds else {}
-        accessors.append(accessor | told | least)
+        limits = {"min": stored.min(axis=0).tolist(), "max": stored.max(axis=0).tolist()} if bounds else {}
+        accessors.append(accessor | properties | limits)
         return len(accessors) - 1

@@ -1,6 +1,6 @@
-"""Levels of detail written into a glTF file: coarser forms of its meshes.
+"""Levels of detail of meshes written into a glTF file.
 
-What stands still shares the vertices of the fine form, what bends has vertices of its own.
+Levels of rigid meshes share the vertices of the finest level, those of deformable meshes have vertices of their own.
 """
 
 from __future__ import annotations
@@ -28,24 +28,24 @@ from mimics_app.world.simplify.level_vertices import Bending, LevelVertices, lig
 __all__ = ["SHARES", "MeshLevels", "add_levels", "write_levels"]
 
 SHARES = (0.5, 0.2, 0.06)
-"""Of a mesh's triangles, level after level, unless others are requested."""
+"""Default shares of a mesh's triangles, level by level."""
 
 _TRIANGLES = 4
-_LEAST_GAIN = 0.8
-"""A level with more than this share of the triangles before is not worth having."""
+_MAX_SHARE = 0.8
+"""Maximum share of the previous level's triangles for a level that pays."""
 
 _ELEMENT_BUFFER, _U4 = 34963, 5125
 
 
 @dataclass(frozen=True)
 class MeshLevels:
-    """The levels of one mesh, the mesh itself first.
+    """Levels of detail of one mesh, the mesh itself first.
 
     Attributes:
-        name: Of the mesh.
-        triangles: Of each level.
-        errors: Farthest a corner of the mesh lies from each level's surface [m].
-        coverages: Least share of a picture's area at which each level is shown, the last one's 0.
+        name: Name of the mesh.
+        triangles: Number of triangles of each level.
+        errors: Largest distance of a vertex of the mesh from each level's surface [m].
+        coverages: Smallest share of the picture at which each level is shown, 0 for the last.
     """
 
     name: str
@@ -57,21 +57,21 @@ class MeshLevels:
 def write_levels(file: Path, out: Path, shares: Sequence[float] = SHARES, pixels: float = 1.0) -> list[MeshLevels]:
     """Read a .glb or .gltf file and write it as .glb with levels of detail (MSFT_lod, MSFT_screencoverage).
 
-    A level is shown from where its error covers less than `pixels` of a picture of 1920 x 1080. Meshes that get no
-    smaller, nodes that have levels already, and everything that is no triangle stay as they are.
+    A level is shown where its error is below `pixels` in a picture of 1920 x 1080. Meshes that get no
+    smaller, nodes that have levels already, and points and lines are unchanged.
 
     Args:
-        file: What is read; buffers and pictures it names are put into what is written.
-        out: What is written.
-        shares: Of a mesh's triangles, each level's, falling; at most seven.
-        pixels: Largest error seen [px].
+        file: Input file; its external buffers and images are embedded in the output.
+        out: Output file.
+        shares: Share of a mesh's triangles for each level, decreasing; at most seven.
+        pixels: Maximum visible error [px].
 
     Returns:
-        One line for each mesh that has levels now.
+        One item for each mesh that has levels now.
 
     Raises:
-        SceneError: the file cannot be read, or is wrong.
-        ValueError: the shares do not fall from below 1 to above 0.
+        SceneError: the file cannot be read, or has faults.
+        ValueError: the shares do not decrease from below 1 to above 0.
     """
     data, levels = add_levels(open_gltf(file, file.resolve().parent, str(file)), shares, pixels)
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -80,22 +80,22 @@ def write_levels(file: Path, out: Path, shares: Sequence[float] = SHARES, pixels
 
 
 def add_levels(source: GltfSource, shares: Sequence[float], pixels: float = 1.0) -> tuple[bytes, list[MeshLevels]]:
-    """An opened file as .glb with levels of detail, and the levels; see `write_levels`.
+    """Return an opened file as .glb with levels of detail, and the levels; see `write_levels`.
 
     Raises:
-        SceneError: the file is wrong.
-        ValueError: the shares do not fall from below 1 to above 0.
+        SceneError: the file has faults.
+        ValueError: the shares do not decrease from below 1 to above 0.
     """
     steps = itertools.pairwise([1.0, *shares, 0.0])
     if not 1 <= len(shares) < MAX_LEVELS or any(after >= before for before, after in steps):
-        raise ValueError(f"{list(shares)} are not 1 to {MAX_LEVELS - 1} falling shares between 1 and 0")
+        raise ValueError(f"{list(shares)} are not 1 to {MAX_LEVELS - 1} decreasing shares between 1 and 0")
     levels = _LevelWriter(source, shares, pixels).add_levels()
     return pack_glb(source.json, source.binary or b""), levels
 
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """A primitive: where it stands in the file, its positions and indices, and what makes it bend."""
+    """A primitive: its pointer in the file, positions, indices and deformation."""
 
     place: str
     positions: NDArray[np.float32]
@@ -103,13 +103,13 @@ class _Part:
     bending: Bending | None
 
     def decimate(self, share: float) -> Decimated:
-        """With a share of its triangles."""
+        """Return the primitive with a share of its triangles."""
         poses = self.bending.poses if self.bending else ()
         return decimate(self.positions, self.indices, round(share * len(self.indices) / 3), poses=poses)
 
 
 class _LevelWriter:
-    """Adds to a file's JSON, and to its one buffer."""
+    """Writer of levels into a file's JSON and its one buffer."""
 
     def __init__(self, source: GltfSource, shares: Sequence[float], pixels: float) -> None:
         self._source, self._shares, self._pixels = source, shares, pixels
@@ -120,7 +120,7 @@ class _LevelWriter:
         self._made: dict[tuple[int, int | None], tuple[list[int], MeshLevels] | None] = {}
 
     def add_levels(self) -> list[MeshLevels]:
-        """Give every node of the file that has a mesh its levels."""
+        """Add levels to every node of the file that has a mesh."""
         source, nodes = self._source, list(self._source.table("nodes"))
         levels = [source.object(node.get("extensions", {}), "MSFT_lod", "/nodes") for node in nodes]
         coarser = {id_ for level in levels for id_ in level.get("ids", ())}
@@ -151,7 +151,7 @@ class _LevelWriter:
             used.append("MSFT_lod")
 
     def _coarsen(self, mesh: int, skin: int | None) -> tuple[list[int], MeshLevels] | None:
-        """(numbers of the coarser meshes, what they are); None where none is smaller."""
+        """Return (indices of the coarser meshes, their levels); None where none is smaller."""
         source = self._source
         fine = source.table("meshes")[mesh]
         parts = [self._part(each, f"/meshes/{mesh}/primitives/{k}", skin) for k, each in enumerate(fine["primitives"])]
@@ -160,7 +160,7 @@ class _LevelWriter:
         for share in self._shares:
             coarse = [None if part is None else part.decimate(share) for part in parts]
             left = sum(each.triangle_count for each in coarse if each)
-            if not left or left > _LEAST_GAIN * triangles[-1]:
+            if not left or left > _MAX_SHARE * triangles[-1]:
                 continue
             triangles.append(left)
             made = dict(fine, primitives=[])
@@ -180,7 +180,7 @@ class _LevelWriter:
         return meshes, MeshLevels(name, tuple(triangles), tuple(errors), coverages_of(radius, errors, self._pixels))
 
     def _put(self, primitive: dict[str, Any], part: _Part, coarse: Decimated) -> float:
-        """Write a coarser form of a part into a primitive; returns how far a corner lies from it [m]."""
+        """Write a decimated part into a primitive; return its error [m]."""
         if part.bending is None:
             primitive["indices"] = self._write(coarse.indices)
             return coarse.error
@@ -198,7 +198,7 @@ class _LevelWriter:
         return _Part(place, *arrays, bending)
 
     def _arrays(self, primitive: dict[str, Any], place: str) -> tuple[NDArray[np.float32], NDArray[np.uint32]] | None:
-        """Positions and indices of triangles; None for lines, points and what has no indices of its own."""
+        """Return positions and indices of triangles; None for lines, points and primitives without indices."""
         attributes = self._source.object(primitive, "attributes", place)
         packed = bool(self._source.object(primitive, "extensions", place))
         plain = primitive.get("mode", _TRIANGLES) == _TRIANGLES and "indices" in primitive and "POSITION" in attributes
@@ -220,7 +220,7 @@ class _LevelWriter:
 
 
 def _gather(source: GltfSource) -> bytearray:
-    """All buffers and pictures of a file in one; the file's views follow."""
+    """Merge all buffers and images of a file into one buffer, and adapt its views."""
     buffers, blob, starts = GltfBuffers(source), bytearray(), []
     for number in range(len(source.table("buffers"))):
         starts.append(len(blob))
@@ -243,13 +243,13 @@ def _gather(source: GltfSource) -> bytearray:
 
 
 def _hold(source: GltfSource, blob: bytearray) -> None:
-    """Make it the file's one buffer."""
-    source.table("buffers")[:] = [{"byteLength": len(blob)}]  # in its place: the table has been looked through
+    """Make a blob the file's only buffer."""
+    source.table("buffers")[:] = [{"byteLength": len(blob)}]  # in place: the table is cached
     source.binary = bytes(blob)
 
 
 def _picture(source: GltfSource, uri: str, place: str) -> tuple[bytes, str]:
-    """Bytes and media type of a picture."""
+    """Return the bytes and media type of an image."""
     if uri[:5].lower() == "data:":
         return data_uri(source, uri, place), uri[5:].partition(";")[0]
     path = source.external(uri, place)

@@ -1,4 +1,4 @@
-"""Poses that coarser forms of a bending mesh are judged in: every joint bent, every morph shown."""
+"""Poses in which the error of a decimated deformable mesh is measured: every joint bent, every morph target applied."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ __all__ = ["bent_joints", "bent_places", "morphed_places"]
 F8 = NDArray[np.float64]
 
 _BENT = math.radians(45.0)
-"""How far each joint is turned against the one above it: what walking and reaching bend most joints by."""
-_MOST_MORPHS = 16
-"""Morphs that are looked at: a face of fifty would take fifty times as long."""
+"""Angle of each joint to its parent: what walking and reaching bend most joints by."""
+_MAX_MORPHS = 16
+"""Morph targets that are tested; the cost is proportional to their number."""
 
 
 def bent_joints(inverse_bind: F8, parents: Sequence[int]) -> list[F8]:
-    """What takes a vertex from the rest to three poses, every joint turned about its own x, y or z, [joints, 4, 4].
+    """Return the joint matrices of three poses, every joint rotated about its own x, y or z, [joints, 4, 4].
 
-    Only how neighbours stand to each other matters to the form between them, so all joints are turned at once.
+    Only relative rotations of neighbours matter for the surface between them, so all joints are rotated at once.
 
     Args:
         inverse_bind: T_joint_from_mesh at rest, [joints, 4, 4].
-        parents: Joint above each, by its number, -1 for none; in any order.
+        parents: Index of each joint's parent, -1 for none; in any order.
     """
     rest = np.asarray(np.linalg.pinv(inverse_bind), np.float64)
     return [_posed(rest, inverse_bind, parents, axis) @ inverse_bind for axis in np.eye(3)]
@@ -50,7 +50,7 @@ def _posed(rest: F8, inverse_bind: F8, parents: Sequence[int], axis: F8) -> F8:
 
 
 def bent_places(positions: NDArray[np.floating], weights: VertexWeights, joints: F8) -> F8:
-    """Places of vertices by linear blending [m], [n, 3]."""
+    """Return the vertices after linear blend skinning [m], [n, 3]."""
     ends = np.concatenate([positions, np.ones((len(positions), 1))], axis=1)
     places = np.zeros((len(positions), 3))
     for k in range(weights.influences):
@@ -60,5 +60,5 @@ def bent_places(positions: NDArray[np.floating], weights: VertexWeights, joints:
 
 
 def morphed_places(positions: NDArray[np.floating], morphs: Sequence[MorphTarget]) -> list[F8]:
-    """Places of vertices with one morph after the other shown whole [m], [n, 3] each."""
-    return [np.asarray(positions, np.float64) + morph.positions for morph in morphs[:_MOST_MORPHS]]
+    """Return the vertices with each morph target alone at weight 1 [m], [n, 3] each."""
+    return [np.asarray(positions, np.float64) + morph.positions for morph in morphs[:_MAX_MORPHS]]

@@ -14,7 +14,7 @@ from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.passes.eye_passes import EyePass
 from mimics_app.rendering.visual.view import View
-from mimics_app.world.cords import MOST_TAPS, Cord
+from mimics_app.world.cords import MAX_TAPS, Cord
 
 if TYPE_CHECKING:
     import moderngl
@@ -32,7 +32,7 @@ CORD_BLOCK = np.dtype(
         ("paint", "f4", (4,)),
         ("ball", "f4", (4,)),
         ("ball_light", "f4", (4,)),
-        ("tap", "f4", (MOST_TAPS, 4)),
+        ("tap", "f4", (MAX_TAPS, 4)),
     ]
 )
 """std140, the layout of shaders/cord/cord.vert."""

@@ -1,3 +1,3 @@
-"""Compiled passes over poses: keys to poses, poses to palettes, reaching limbs."""
+"""Compiled passes of animation: sampling, blending, palettes, inverse kinematics, gait."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""Poses followed along the skeleton: where each joint is and how it is turned, and back to its own frame."""
+"""Forward kinematics of a skeleton, and rotations from the model's frame back to local ones."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ __all__ = ["arc", "follow_chain", "follow_one", "localise", "multiply_rows", "sl
 
 
 _OPPOSED = 1e-12
-"""1 + cosine of two directions below which they are opposed: any axis at right angles will do."""
+"""1 + cosine below which two directions are opposite and any perpendicular axis is used."""
 
 
 @kernel
 def follow_one(slot: int, parents: I4, local_t: F8, local_r: F8, local_s: F8, t: F8, r: F8, s: F8) -> None:
-    """Place and turn of one slot in the frame of the model, out of those of its parent."""
+    """Compute the pose of one slot in the frame of the model from that of its parent."""
     above = parents[slot]
     if above < 0:
         t[slot], r[slot], s[slot] = local_t[slot], local_r[slot], local_s[slot]
@@ -41,7 +41,7 @@ def follow_one(slot: int, parents: I4, local_t: F8, local_r: F8, local_s: F8, t:
 
 @kernel
 def follow_chain(parents: I4, local_t: F8, local_r: F8, local_s: F8, t: F8, r: F8, s: F8) -> None:
-    """Place and turn of every slot in the frame of the model.
+    """Compute the pose of every slot in the frame of the model.
 
     Scales are multiplied along each axis, which is exact for the same scale along all three, as skeletons have it.
 
@@ -60,7 +60,7 @@ def follow_chain(parents: I4, local_t: F8, local_r: F8, local_s: F8, t: F8, r: F
 
 @kernel
 def localise(slot: int, wanted: F8, parents: I4, r: F8, local_r: F8) -> None:
-    """Set the local rotation of a slot so that it is turned as wanted in the model; that of its parent is known."""
+    """Set the local rotation of a slot for a given rotation in the model and the known one of its parent."""
     above = parents[slot]
     r[slot] = wanted
     if above < 0:
@@ -74,7 +74,7 @@ def localise(slot: int, wanted: F8, parents: I4, r: F8, local_r: F8) -> None:
 
 @kernel
 def arc(a: F8, b: F8, out: F8) -> None:
-    """Set out = the shortest turn that brings direction a to b, of any lengths; half a turn where they are opposed."""
+    """Set out to the shortest rotation from direction a to b, of any lengths; half a turn where they are opposite."""
     x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
     lengths = np.sqrt((a[0] ** 2 + a[1] ** 2 + a[2] ** 2) * (b[0] ** 2 + b[1] ** 2 + b[2] ** 2))
     w = lengths + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

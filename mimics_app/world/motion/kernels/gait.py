@@ -1,4 +1,4 @@
-"""Walking computed foot by foot: the foot that stands moves at exactly the pace backwards, the other one swings."""
+"""Placement of the feet in a gait: the stance foot moves backwards at exactly the pace, the other one swings."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ __all__ = ["place_feet"]
 
 
 _CLEARANCE = 0.004
-"""Of the sole over the ground in the middle of a swing, at least [m]."""
+"""Minimum clearance of the sole in mid-swing [m]."""
 
 _TOES_UP = 0.44
-"""How far toes are bent up in the middle of a swing, so that they clear the ground [rad]: 25 degrees."""
+"""Dorsiflexion of the toes in mid-swing for ground clearance [rad]: 25 degrees."""
 _HANDOVER = 0.6
-"""Share of the time in which both feet stand after which the one that came down carries all."""
+"""Share of double support after which the leading foot carries all load."""
 
 _HEEL_UNTIL = 0.45
-"""Share of the stance until which the pitch of the foot counts as the heel's, later as the ball's."""
+"""Share of the stance up to which the foot pitches about the heel, later about the ball."""
 
 _LEAST_FLEXION = 0.035
-"""A knee never bends the wrong way, nor is it quite straight [rad]: 2 degrees."""
+"""Minimum knee flexion [rad]: 2 degrees."""
 
 _LEAST_LEG = 0.25
-"""The distance from hip to ankle is at least half a thigh: this share of its square."""
+"""Minimum squared distance from hip to ankle over the thigh's squared length."""
 
 _SOFT_LIFT = 0.008
-"""Height over which a foot that would come too near to the ground is lifted smoothly [m]."""
+"""Height range in which a foot too close to the ground is lifted smoothly [m]."""
 
 _ENDS, _FOOT = 5, 6
 """Numbers that `_ends` and `_stand` write."""
@@ -38,14 +38,14 @@ _ENDS, _FOOT = 5, 6
 
 @kernel
 def _ease(x: float) -> float:
-    """From 0 to 1 without a kink at either end."""
+    """Smooth step from 0 to 1."""
     x = min(max(x, 0.0), 1.0)
     return x * x * x * (10.0 + x * (6.0 * x - 15.0))
 
 
 @kernel
 def _at(table: F8, phase: float, column: int) -> float:
-    """A column of a cycle's table at a phase: a cubic through its samples."""
+    """Interpolate a column of the cycle's table at a phase by a cubic."""
     count = table.shape[0]
     place = phase * count
     k = int(place)
@@ -57,7 +57,7 @@ def _at(table: F8, phase: float, column: int) -> float:
 
 @kernel
 def _stand(phase: float, stance: float, stride: float, touch: float, shape: F8, table: F8, out: F8) -> None:
-    """A foot that stands: heel, sole or ball keeps its place over the ground, the ankle goes about it."""
+    """Place a stance foot: heel, sole or ball is fixed on the ground, the ankle rotates about it."""
     base = touch - stride * phase
     pitch = _at(table, phase, 2)
     half = _HEEL_UNTIL * stance
@@ -78,20 +78,20 @@ def _stand(phase: float, stance: float, stride: float, touch: float, shape: F8, 
 
 @kernel
 def _chord(knee: float, shape: F8) -> float:
-    """Square of the distance from hip to ankle for a flexion of the knee."""
+    """Return the squared distance from hip to ankle for a knee flexion."""
     return shape[4] ** 2 + shape[5] ** 2 + 2.0 * shape[4] * shape[5] * math.cos(max(knee, _LEAST_FLEXION))
 
 
 @kernel
 def _hip_over(phase: float, shape: F8, table: F8, foot: F8) -> float:
-    """How high the hip is over a foot that stands, its knee bent as the table has it."""
+    """Return the height of the hip over a stance foot with the table's knee flexion."""
     high = _chord(_at(table, phase, 1), shape) - foot[0] ** 2
     return foot[1] + math.sqrt(max(high, _LEAST_LEG * shape[4] ** 2))
 
 
 @kernel
 def _swing(phase: float, stance: float, ends: F8, hip: float, shape: F8, table: F8, out: F8) -> None:
-    """A foot in the air: as thigh and knee of the table have it, led from where it left to where it comes down."""
+    """Place a swing foot by the table's thigh and knee, blended between toe-off and heel strike."""
     x = (phase - stance) / (1.0 - stance)
     left, comes = 1.0 - _ease(2.0 * x), _ease(2.0 * x - 1.0)
     thigh, knee = _at(table, phase, 0), _at(table, phase, 1)
@@ -114,7 +114,7 @@ def _swing(phase: float, stance: float, ends: F8, hip: float, shape: F8, table: 
 
 @kernel
 def place_feet(phase: float, stance: float, stride: float, touch: float, shape: F8, table: F8, out: F8) -> float:
-    """Where both ankles are, how the feet are pitched, and which points of the soles stand, relative to the hip.
+    """Compute positions of both ankles, pitch of the feet and points of support, relative to the hip.
 
     A sole touches with the heel, rolls down flat, and rolls off over the ball, by the table's pitch. The point that
     stands moves backwards by the stride in a cycle, whatever the foot does about it; the ankle follows from it. The hip
@@ -160,7 +160,7 @@ def place_feet(phase: float, stance: float, stride: float, touch: float, shape: 
 
 @kernel
 def _ends(stance: float, stride: float, touch: float, hip: float, shape: F8, table: F8, ends: F8) -> None:
-    """What the table lacks of where the foot leaves the ground and of where it comes down; pitch at which it leaves."""
+    """Compute the offsets of the table from the positions at toe-off and heel strike, and the pitch at toe-off."""
     foot = np.empty(_FOOT)
     for k in range(2):
         _stand(stance if k == 0 else 0.0, stance, stride, touch, shape, table, foot)

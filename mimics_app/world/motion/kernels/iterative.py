@@ -1,4 +1,4 @@
-"""The same reach by iteration: FABRIK (Aristidou & Lasenby 2011) and cyclic coordinate descent (Wang & Chen 1991)."""
+"""Two-bone reach by iteration: FABRIK (Aristidou & Lasenby 2011) and cyclic coordinate descent (Wang & Chen 1991)."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ __all__ = ["reach_by_descent", "reach_by_fabrik"]
 
 
 _NOWHERE = 1e-12
-"""Distance [m] in whose place none is divided by."""
+"""Lower bound of distances in divisions [m]."""
 
 _NO_ARC = 1e-18
-"""Product of two lengths [m^2] below which there is no direction to turn from or to."""
+"""Product of two lengths [m^2] below which directions are undefined."""
 
 _OPPOSED = 1e-9
-"""1 + cosine below which two directions are opposed and no arc is the shortest."""
+"""1 + cosine below which two directions are opposite and the shortest arc is not unique."""
 
 
 @kernel
@@ -30,7 +30,7 @@ def _away(a: F8, b: F8) -> float:
 
 @kernel
 def _pull(point: F8, anchor: F8, length: float) -> None:
-    """Bring a point to a distance from an anchor along the line between them."""
+    """Move a point to a distance from an anchor along the line between them."""
     scale = length / max(_away(point, anchor), _NOWHERE)
     for i in range(3):
         point[i] = anchor[i] + scale * (point[i] - anchor[i])
@@ -38,7 +38,7 @@ def _pull(point: F8, anchor: F8, length: float) -> None:
 
 @kernel
 def _begin(asked: F8, a: float, b: float, elbow: F8, hand: F8) -> None:
-    """Both bones, of lengths a and b, from the shoulder towards the pole, then towards the target."""
+    """Initialise both bones, of lengths a and b, from the shoulder towards the pole, then towards the target."""
     for i in range(3):
         elbow[i], hand[i] = asked[6 + i], asked[3 + i]
     _pull(elbow, asked[:3], a)
@@ -47,7 +47,7 @@ def _begin(asked: F8, a: float, b: float, elbow: F8, hand: F8) -> None:
 
 @kernel
 def reach_by_fabrik(asked: F8, limbs: F8, tolerance: float, most: int, out: F8) -> int:
-    """Elbows and hands of limbs that reach, forward and backward; the elbow begins towards the pole.
+    """Solve limbs by FABRIK, forward and backward; the elbow starts towards the pole.
 
     Args:
         asked: Shoulder, target and pole of each limb [m], [n, 9].
@@ -78,7 +78,7 @@ def reach_by_fabrik(asked: F8, limbs: F8, tolerance: float, most: int, out: F8) 
 
 @kernel
 def _find_arc(pivot: F8, hand: F8, target: F8, turn: F8) -> bool:
-    """The arc about a pivot that points the hand at the target: axis times sine, cosine; False: there is none."""
+    """Compute the arc about a pivot from hand to target: axis times sine, cosine; return False where there is none."""
     v0, v1, v2 = hand[0] - pivot[0], hand[1] - pivot[1], hand[2] - pivot[2]
     w0, w1, w2 = target[0] - pivot[0], target[1] - pivot[1], target[2] - pivot[2]
     lengths = math.sqrt((v0 * v0 + v1 * v1 + v2 * v2) * (w0 * w0 + w1 * w1 + w2 * w2))
@@ -103,7 +103,7 @@ def _apply_arc(pivot: F8, turn: F8, moved: F8) -> None:
 
 @kernel
 def reach_by_descent(asked: F8, limbs: F8, tolerance: float, most: int, out: F8) -> int:
-    """The same by turning elbow and shoulder in turn so that the hand points at the target; see `reach_by_fabrik`."""
+    """Solve limbs by cyclic coordinate descent: elbow and shoulder alternately; see `reach_by_fabrik`."""
     rounds, turn = 0, np.empty(QUATERNION)
     for k in range(asked.shape[0]):
         shoulder, target = asked[k, :3], asked[k, 3:6]

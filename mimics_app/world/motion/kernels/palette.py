@@ -1,4 +1,4 @@
-"""Joints to palettes: what takes each vertex from where it was modelled to where its joint is, and the box about it.
+"""Skinning palettes: matrices from the bind pose to the present pose of each joint, and the bounding box.
 
 Joints are followed in double precision; what leaves is single precision in the frame of the mesh's own node, so that
 the distance of a person from the origin of the world costs no digits.
@@ -30,7 +30,7 @@ _COLUMNS = 4
 
 @kernel
 def _invert(world: F8, out: F8) -> bool:
-    """Inverse of an affine matrix, [4, 4] to [3, 4]; False where it is flat."""
+    """Invert an affine matrix, [4, 4] to [3, 4]; return False where it is singular."""
     a, b, c = world[0, 0], world[0, 1], world[0, 2]
     d, e, f = world[1, 0], world[1, 1], world[1, 2]
     g, h, i = world[2, 0], world[2, 1], world[2, 2]
@@ -56,7 +56,7 @@ def _compose(a: F8, b: F8, out: F8) -> None:
 
 @kernel
 def _stretch(m: F8) -> float:
-    """How far three columns are from a rotation: the largest error of their products with each other."""
+    """Return the deviation of three columns from a rotation: the largest error of their products."""
     worst = 0.0
     for i in range(3):
         for j in range(i, 3):
@@ -67,7 +67,7 @@ def _stretch(m: F8) -> float:
 
 @kernel
 def _store_dual(m: F8, out: F4) -> None:
-    """A rigid motion as a unit dual quaternion, real part then dual part, xyzw each (Kavan et al. 2008)."""
+    """Convert a rigid motion to a unit dual quaternion, real part then dual part, xyzw each (Kavan et al. 2008)."""
     q = np.empty(QUATERNION)
     from_matrix(m, q)
     normalise(q, q)
@@ -82,7 +82,7 @@ def _store_dual(m: F8, out: F4) -> None:
 
 @kernel
 def write_palette(joint_rows: I4, mesh_row: int, world: F8, inverse_bind: F8, rows: F4, duals: F4) -> float:
-    """Write what each joint does to the vertices that follow it, in the frame of the mesh's node.
+    """Write the palette of all joints in the frame of the mesh's node.
 
     Args:
         joint_rows: Row of each joint in the Transform table, [joints].
@@ -113,7 +113,7 @@ def write_palette(joint_rows: I4, mesh_row: int, world: F8, inverse_bind: F8, ro
 
 @kernel
 def bound_joints(rows: F4, boxes: F8, grown: F8, least: F8, greatest: F8) -> None:
-    """The box about boxes that follow joints: no vertex that is a mean of them can lie outside.
+    """Compute the AABB of boxes that move with joints; it contains every blended vertex.
 
     Args:
         rows: Palette, [joints, 3, 4].

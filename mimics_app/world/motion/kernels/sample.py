@@ -1,4 +1,4 @@
-"""Keys of a clip to the pose at a time (glTF 2.0, appendix C), and poses laid over each other."""
+"""Sampling of clips (glTF 2.0, appendix C) and blending of poses."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _ROTATION, _SCALE, _WEIGHTS = 1, 2, 3
 
 @kernel
 def _find_key(times: F4, first: int, keys: int, at: float, near: int) -> int:
-    """Number of the last key at or before a time, -1: before the first; looked for from the last one found."""
+    """Return the last key at or before a time, -1: before the first; the search starts at the key found last."""
     k = min(max(near, 0), keys - 1)
     while k + 1 < keys and times[first + k + 1] <= at:
         k += 1
@@ -35,7 +35,7 @@ def _find_key(times: F4, first: int, keys: int, at: float, near: int) -> int:
 def _between(
     kind: int, width: int, here: int, after: int, t: float, span: float, turns: bool, values: F4, out: F8
 ) -> None:
-    """The value at a share t of the way between two keys whose values begin at `here` and `after`."""
+    """Interpolate between two keys, whose values begin at `here` and `after`, at the share t."""
     if kind == _LINEAR and turns:
         a, b = np.empty(QUATERNION), np.empty(QUATERNION)
         for i in range(QUATERNION):
@@ -56,7 +56,7 @@ def _between(
 
 @kernel
 def _value_at(times: F4, values: F4, track: I4, at: float, near: int, out: F8) -> int:
-    """The value of one track at a time, held before its first and after its last key; returns the key it is at."""
+    """Sample one track at a time, clamped to its first and last key; return the present key."""
     kind, first, keys, start, width = track[2], track[3], track[4], track[5], track[6]
     turns = track[1] == _ROTATION
     size = 3 * width if kind == _CUBIC else width
@@ -90,21 +90,21 @@ def sample_clip(
     morphs: F8,
     touched: U1,
 ) -> None:
-    """Write what a clip says at a time into the slots it moves; other slots are left as they are.
+    """Sample a clip at a time into the slots it animates; other slots are unchanged.
 
     Args:
         tracks: Slot, path, interpolation, first key, keys, first value, width; [tracks, 7].
         times: Of all keys [s].
         values: Of all keys.
         at: Time in the clip [s].
-        cursors: Key each track was at when it was asked last, kept between calls, [tracks].
+        cursors: Key of each track in the last call, kept between calls, [tracks].
         morph_first: First morph weight of each slot, [slots + 1].
         scratch: For one value, at least as long as the widest.
         translations: Local [m], [slots, 3].
         rotations: Local, unit xyzw, [slots, 4].
         scales: Local, [slots, 3].
         morphs: Weights of all slots, one after the other.
-        touched: 1 where the clip said something, by slot and path, [slots, 4].
+        touched: 1 where the clip has a track, by slot and path, [slots, 4].
     """
     for k in range(tracks.shape[0]):
         slot, path, width = tracks[k, 0], tracks[k, 1], tracks[k, 6]
@@ -123,7 +123,7 @@ def sample_clip(
 
 @kernel
 def _add_turn(rotation: F8, reference: F8, sampled: F8, share: float) -> None:
-    """Turn by a share of the way from a reference to what is sampled, in the joint's own frame."""
+    """Apply a share of the rotation from a reference to a sample, in the joint's own frame."""
     delta, back, still = np.empty(QUATERNION), np.empty(QUATERNION), np.zeros(QUATERNION)
     still[3] = 1.0
     back[0], back[1], back[2], back[3] = -reference[0], -reference[1], -reference[2], reference[3]
@@ -153,19 +153,19 @@ def blend_pose(
     scales: F8,
     morphs: F8,
 ) -> None:
-    """Lay a sampled pose over a pose, where it says something: in its place by a share, or added to it.
+    """Blend a sampled pose over a pose in the slots it animates, or add its difference from a reference.
 
     Args:
         weight: 0 to 1.
-        additive: True adds what the sample differs from the reference.
+        additive: True: the sample's difference from the reference is added.
         mask: Share of the weight for each slot, [slots].
-        touched: Where the sample says something, [slots, 4].
+        touched: 1 where the sample is animated, [slots, 4].
         morph_first: First morph weight of each slot, [slots + 1].
         from_translations: The sample, as are the next three; [slots, 3].
         from_rotations: [slots, 4].
         from_scales: [slots, 3].
         from_morphs: [weights].
-        reference_translations: What an additive sample is compared to, as are the next three.
+        reference_translations: Reference of an additive sample, as are the next three.
         reference_rotations: [slots, 4].
         reference_scales: [slots, 3].
         reference_morphs: [weights].

@@ -1,4 +1,4 @@
-"""Two bones that reach for a point, in closed form: shoulder, elbow, hand, or hip, knee, foot.
+"""Two-bone inverse kinematics in closed form: shoulder, elbow, hand, or hip, knee, foot.
 
 The triangle of the bones lies in the plane through the pole; near full stretch the reach gives way, so that the elbow
 never moves much faster than the hand; where the plane is not given it is kept from the time before.
@@ -20,24 +20,24 @@ _AT_SHOULDER, _TOO_FAR, _TOO_NEAR, _ON_POLE, _NO_LENGTH, _NOT_FINITE, _TURNING =
 """Cases of `reach.ReachCase`."""
 
 _NEAR = 1e-6
-"""Of the limb's length: distances below it have no direction."""
+"""Share of the limb's length below which a distance has no direction."""
 
 _OPPOSED = 1e-9
-"""1 + cosine below which a direction has turned over: no arc is the shortest."""
+"""1 + cosine below which two directions are opposite and the shortest arc is not unique."""
 
 _ASKED = 9
-"""Numbers of a limb that is asked: shoulder, target and pole."""
+"""Components of a request: shoulder, target and pole."""
 
 _ABSURD = 1e9
-"""Beyond this [m] a limb's length counts as not finite."""
+"""Length of a limb beyond which it counts as not finite [m]."""
 
 _SOON_NEAR = 1e-6
-"""Square of the share of the limb's length below which a target is left to the careful way."""
+"""Square of the share of the limb's length below which a target is left to the general solver."""
 
 
 @kernel
 def soften(distance: float, longest: float, shortest: float, soft: float) -> float:
-    """How far the hand gets: as far as it is asked, but never quite to full stretch, nor quite to the inner limit.
+    """Return the soft distance of the hand, which approaches full extension and the inner limit asymptotically.
 
     Beyond 1 - soft of the length what is missing falls off exponentially; so, mirrored, before the inner limit.
     """
@@ -55,7 +55,7 @@ def soften(distance: float, longest: float, shortest: float, soft: float) -> flo
 
 @kernel
 def _unit_or(x: float, y: float, z: float, least: float, out: F8) -> bool:
-    """Set out to the direction of a vector where it is longer than the least; returns whether it is."""
+    """Set out to the direction of a vector longer than the minimum; return True where it is."""
     length = math.sqrt(x * x + y * y + z * z)
     if not length > least:
         return False
@@ -65,7 +65,7 @@ def _unit_or(x: float, y: float, z: float, least: float, out: F8) -> bool:
 
 @kernel
 def _square_to(u: F8, v: F8, out: F8) -> None:
-    """Set out to the unit part of v at right angles to u; where v has none, of the axis farthest from u."""
+    """Set out to the unit component of v perpendicular to u; where v has none, of the axis farthest from u."""
     along = u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
     if _unit_or(v[0] - along * u[0], v[1] - along * u[1], v[2] - along * u[2], _NEAR, out):
         return
@@ -81,7 +81,7 @@ def _square_to(u: F8, v: F8, out: F8) -> None:
 
 @kernel
 def _carry(states: F8, i: int, u: F8, w: F8) -> None:
-    """Turn the side of the time before by the shortest arc that brings its direction to u."""
+    """Rotate the previous elbow direction by the shortest arc from the previous limb direction to u."""
     a, b, c = states[i, 0], states[i, 1], states[i, 2]
     d, e, f = states[i, 3], states[i, 4], states[i, 5]
     x, y, z = b * u[2] - c * u[1], c * u[0] - a * u[2], a * u[1] - b * u[0]
@@ -98,7 +98,7 @@ def _carry(states: F8, i: int, u: F8, w: F8) -> None:
 
 @kernel
 def _swing(u: F8, before: F8, wanted: F8, most: float) -> bool:
-    """Turn `wanted` back about u until it is no farther from `before` than an angle [rad]; returns whether it was."""
+    """Limit the angle [rad] of `wanted` from `before` about u; return True where it was limited."""
     cosine = before[0] * wanted[0] + before[1] * wanted[1] + before[2] * wanted[2]
     cx = before[1] * wanted[2] - before[2] * wanted[1]
     cy = before[2] * wanted[0] - before[0] * wanted[2]
@@ -117,7 +117,7 @@ def _swing(u: F8, before: F8, wanted: F8, most: float) -> bool:
 
 @kernel
 def _choose_side(asked: F8, limbs: F8, states: F8, i: int, u: F8, w: F8, before: F8) -> int:
-    """Which way the elbow points, w at right angles to u; from the pole, from the time before, or from any axis."""
+    """Compute the elbow direction w, perpendicular to u, from the pole, the previous one, or any axis."""
     px, py, pz = asked[i, 6] - asked[i, 0], asked[i, 7] - asked[i, 1], asked[i, 8] - asked[i, 2]
     along = px * u[0] + py * u[1] + pz * u[2]
     least = _NEAR * (limbs[i, 0] + limbs[i, 1])
@@ -137,7 +137,7 @@ def _choose_side(asked: F8, limbs: F8, states: F8, i: int, u: F8, w: F8, before:
 
 @kernel
 def _reach_one(asked: F8, limbs: F8, states: F8, i: int, out: F8, u: F8, w: F8, before: F8) -> int:
-    """One limb; see `reach_two_bones`."""
+    """Solve one limb; see `reach_two_bones`."""
     finite = 0.0
     for k in range(_ASKED):
         finite += 0.0 * asked[i, k]
@@ -173,7 +173,7 @@ def _reach_one(asked: F8, limbs: F8, states: F8, i: int, out: F8, u: F8, w: F8, 
 
 @kernel
 def _reach_plain(asked: F8, limbs: F8, states: F8, first: int, out: F8, cases: I4) -> int:
-    """The same, in registers alone, for limbs of which nothing is special, one after the other; which is the next one.
+    """Solve successive limbs without special cases, in registers alone; return the index of the first other one.
 
     A loop within one call: to hand over five arrays costs more than to solve a limb.
     """
@@ -210,7 +210,7 @@ def _reach_plain(asked: F8, limbs: F8, states: F8, first: int, out: F8, cases: I
 
 @kernel
 def reach_two_bones(asked: F8, limbs: F8, states: F8, out: F8, cases: I4) -> None:
-    """Elbows and hands of limbs that reach.
+    """Solve limbs for elbow and hand.
 
     Args:
         asked: Shoulder, target, and pole (a point the elbow points to) of each limb [m], [n, 9].

@@ -1,4 +1,4 @@
-"""The upper body out of what trackers know: head, and hands where they are tracked. One compiled pass for a person.
+"""Upper body from trackers of head and hands, in one compiled pass per person.
 
 In order: yaw of the chest from head and hands with a dead zone and a greatest rate, place of the neck below the head,
 spine bent so that the neck is there, head exactly as tracked, collar bones that give when an arm is nearly stretched,
@@ -36,35 +36,35 @@ STATE = 16
 
 _HIPS, _SPINE, _CHEST, _UPPER, _NECK, _HEAD, _LEFT, _RIGHT = 0, 1, 2, 3, 4, 5, 6, 10
 _HEAD_SHARE = 0.6
-"""Of the chest's direction that the head gives; the hands give the rest."""
+"""Share of the chest's direction from the head; the rest is from the hands."""
 _DEAD = math.radians(12.0)
-"""The head turns this far before the chest follows."""
+"""Angle of the head from which the chest follows [rad]."""
 _YAW_RATE = math.radians(240.0)
-"""Fastest the chest turns [rad/s]."""
+"""Maximum angular rate of the chest [rad/s]."""
 _HIPS_SHARE = 0.35
-"""Of the chest's yaw that the hips take."""
+"""Share of the chest's yaw that the hips take."""
 _NECK_SHARE = 0.45
-"""Of the way from chest to head that the neck turns."""
+"""Share of the rotation from chest to head that the neck takes."""
 _GIVES_FROM, _MOST_COLLAR = 0.9, math.radians(30.0)
-"""Reach, in lengths of the arm, from which the collar bone follows, and how far at most."""
+"""Reach over the arm's length from which the collar bone follows, and its maximum angle."""
 _ROLL_SHARE = 0.5
-"""Of the roll of the wrist that the forearm takes."""
+"""Share of the wrist's roll that the forearm takes."""
 _ARM_SOFT = 0.03
 
 _BEFORE = 0.15
-"""Hands less far from the body than this, over the ground [m], give no direction."""
+"""Minimum horizontal distance of hands from the body for a direction [m]."""
 
 _BEHIND = 0.6 * math.pi
-"""Nor do hands that are farther from where the head looks than this [rad]."""
+"""Maximum angle of hands to the head's direction for a direction [rad]."""
 
 _GIVES_OVER = 0.3
-"""Further reach, in lengths of the arm, over which the collar bone comes to follow altogether."""
+"""Range of reach over the arm's length in which the collar bone's share grows to 1."""
 
 _NO_TURN = 1e-9
-"""A turn by less than this [rad] has no axis."""
+"""Angle below which a rotation has no axis [rad]."""
 
 _ELBOW_OUT, _ELBOW_UP, _ELBOW_AHEAD = 0.45, -0.8, -0.5
-"""Where an elbow points from its shoulder: outwards, down and back [m]."""
+"""Pole vector of an elbow from its shoulder: outwards, down and back [m]."""
 
 _ASKED, _LIMB, _FOUND, _KEPT = 9, 4, 6, 7
 """Numbers of one arm's reach, see `reach_two_bones`: asked, of the limb, found, and kept from step to step."""
@@ -75,7 +75,7 @@ _ARM = 4
 
 @kernel
 def _azimuth(x: float, z: float) -> float:
-    """Direction over the ground about the vertical, 0: along +z."""
+    """Return the yaw of a direction, 0: along +z."""
     return math.atan2(x, z)
 
 
@@ -91,7 +91,7 @@ def _about_y(angle: float, out: F8) -> None:
 
 @kernel
 def _chest_yaw(head: F8, hands: F8, tracked: I4, middle: F8, seconds: float, state: F8) -> float:
-    """Where the chest is turned, as head and hands show, no faster than a chest turns."""
+    """Compute the yaw of the chest from head and hands, rate-limited."""
     ahead = np.array((0.0, 0.0, 1.0))
     rotate(head[3:], ahead, ahead)
     wanted = _azimuth(ahead[0], ahead[2])
@@ -116,7 +116,7 @@ def _chest_yaw(head: F8, hands: F8, tracked: I4, middle: F8, seconds: float, sta
 
 @kernel
 def _turn_in_model(slot: int, turn: F8, rest_r: F8, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8) -> None:
-    """Turn a slot by a rotation of the model's frame from how it rests, and take over where it is now."""
+    """Rotate a slot from rest by a rotation in the model's frame, and update its pose."""
     wanted = np.empty(QUATERNION)
     multiply(turn, rest_r[slot], wanted)
     follow_one(slot, parents, lt, lr, ls, t, r, s)
@@ -127,7 +127,7 @@ def _turn_in_model(slot: int, turn: F8, rest_r: F8, parents: I4, t: F8, r: F8, s
 def _bend_spine(
     bones: I4, yaw: float, bend: F8, rest_r: F8, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8
 ) -> None:
-    """Hips take some of the yaw, and spine, chest and upper chest the rest and the bend, in even steps."""
+    """Distribute the yaw over hips and spine, and the bend evenly over spine, chest and upper chest."""
     turn, leaned, part, still = np.empty(QUATERNION), np.empty(QUATERNION), np.empty(QUATERNION), np.zeros(QUATERNION)
     still[3] = 1.0
     levels = 0
@@ -158,7 +158,7 @@ def _chain_to_head(bones: I4, last: int, parents: I4, t: F8, r: F8, s: F8, lt: F
 def _give_shoulder(
     slot: int, arm: int, target: F8, length: float, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8
 ) -> None:
-    """Turn a collar bone towards what is nearly out of reach."""
+    """Rotate a collar bone towards a target that is nearly out of reach."""
     now, wanted, turn, turned = np.empty(3), np.empty(3), np.empty(QUATERNION), np.empty(QUATERNION)
     away = 0.0
     for i in range(3):
@@ -182,7 +182,7 @@ def _give_shoulder(
 
 @kernel
 def _twist_of(q: F8, axis: F8) -> float:
-    """How far a rotation turns about an axis (swing and twist), -pi to pi [rad]."""
+    """Return the twist of a rotation about an axis (swing-twist decomposition), -pi to pi [rad]."""
     along = q[0] * axis[0] + q[1] * axis[1] + q[2] * axis[2]
     return _wrap(2.0 * math.atan2(along, q[3]))
 
@@ -192,7 +192,7 @@ def _reach_arm(
     bones: I4, first: int, side: float, hand: F8, yaw: float, seconds: float, rate: float, state: F8,
     rest_r: F8, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8,
 ) -> int:  # fmt: skip
-    """One arm: collar bone, elbow, hand; the roll of the wrist goes half into the forearm."""
+    """Pose one arm: collar bone, elbow, hand; half the wrist's roll goes into the forearm."""
     collar, upper, lower, end = bones[first], bones[first + 1], bones[first + 2], bones[first + 3]
     for k in range(_ARM):
         if bones[first + k] >= 0:
@@ -233,7 +233,7 @@ def _reach_arm(
 def _roll(
     lower: int, end: int, hand: F8, axis: F8, rest_r: F8, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8
 ) -> None:
-    """Give the forearm its share of the wrist's roll, then turn the hand exactly as it is tracked."""
+    """Apply the forearm's share of the wrist's roll, then set the hand's tracked rotation exactly."""
     length = math.sqrt(axis[0] ** 2 + axis[1] ** 2 + axis[2] ** 2)
     wanted, relative, back, turn, turned = (
         np.empty(QUATERNION),
@@ -260,7 +260,7 @@ def _roll(
 
 @kernel
 def _find_neck(bones: I4, head: F8, chest_turn: F8, rest_t: F8, neck_turn: F8, place: F8) -> None:
-    """Rotation and place of the neck, whatever the bend of the spine: its yaw is between the chest's and the head's."""
+    """Compute rotation and position of the neck, independent of the spine's bend; its yaw is between chest and head."""
     neck, top = bones[_NECK], bones[_HEAD]
     slerp(chest_turn, head[3:], _NECK_SHARE, neck_turn)
     for i in range(3):
@@ -272,7 +272,7 @@ def _find_neck(bones: I4, head: F8, chest_turn: F8, rest_t: F8, neck_turn: F8, p
 
 @kernel
 def _find_bend(bones: I4, place: F8, chest_turn: F8, rest_t: F8, bend: F8) -> None:
-    """The rotation that leans the spine from upright to where the neck is."""
+    """Compute the rotation that leans the spine from upright towards the neck."""
     upright, leaned = np.empty(3), np.empty(3)
     for i in range(3):
         upright[i] = rest_t[bones[_NECK], i] - rest_t[bones[_HIPS], i]
@@ -283,7 +283,7 @@ def _find_bend(bones: I4, place: F8, chest_turn: F8, rest_t: F8, bend: F8) -> No
 
 @kernel
 def _sink_hips(bones: I4, place: F8, parents: I4, t: F8, r: F8, s: F8, local_t: F8) -> None:
-    """What the bend leaves over the hips make up: they sink when the person crouches."""
+    """Translate the hips by what the bend leaves: they sink when the person crouches."""
     neck, hips = bones[_NECK], bones[_HIPS]
     above = parents[hips]
     for i in range(3):
