@@ -110,7 +110,7 @@ def events_of(lines: list[dict[str, Any]]) -> NDArray[Any]:
             event["kind"] = _kind_of(line["kind"])
             for field in (*_SCALARS, *_VECTORS):
                 value = line[field] if field in line else line[_name(line["kind"], field)]
-                event[field] = value if isinstance(value, int) else np.array(value, np.float64)  # None becomes NaN
+                event[field] = value if EVENT[field].kind == "i" else np.array(value, np.float64)  # None becomes NaN
     return events
 
 
@@ -219,11 +219,21 @@ def _parse_line(text: bytes) -> dict[str, Any]:
         value = line["force"] if "force" in line else line.get(_name(kind, "force"), "")
         if value is not None and (isinstance(value, bool) or not isinstance(value, int | float)):
             raise ValueError("no number")
+        if isinstance(value, int):
+            _as_float(value)
         if abs(_kind_of(kind)) >= 2**31:
             raise ValueError("no kind of event")
     elif shape := _SHAPES.get((source, kind)):
         msgspec.convert(line, shape)
     return line
+
+
+def _as_float(value: int) -> float:
+    """Convert an integer of any size. ValueError: it is beyond the range of a float."""
+    try:
+        return float(value)
+    except OverflowError as error:
+        raise ValueError("no number of a float's range") from error
 
 
 def find_lines(data: bytes, source: str, kind: str = "") -> list[bytes]:

@@ -312,6 +312,17 @@ def test_event_line_reads_back_exactly_with_nan(tmp_path: Path) -> None:
     assert events_of(lines).tobytes() == event.tobytes()
 
 
+@pytest.mark.parametrize(("digits", "good", "read"), [(29, 1, 1e29), (60, 1, np.inf), (400, 0, None)])
+def test_an_event_with_a_number_of_many_digits_is_read_or_refused(tmp_path, digits, good, read):
+    event = np.zeros((), EVENT)
+    event["kind"] = EventKind.TRIP
+    line = encode_event(event, 0).replace(b'"cause":0.0', b'"cause":1' + digits * b"0")
+    (tmp_path / "events.jsonl").write_bytes(line + b"\n")
+    lines, bad = read_lines(tmp_path / "events.jsonl")
+    assert (len(lines), bad) == (good, 1 - good)
+    assert not good or events_of(lines)["force"][0] == np.float32(read)
+
+
 def test_trial_rows_read_back_as_they_were(tmp_path: Path) -> None:
     table = TrialTable(tmp_path / "trials.csv")
     rows: list[dict[str, object]] = [
