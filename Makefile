@@ -1,5 +1,5 @@
-# Every word here is a word of .ci/dev.sh, which also works where make is not installed: sh .ci/dev.sh run
-# make run ARGS="--seconds 20 --seed 7" hands arguments on.
+# Every target is a command of .ci/dev.sh, which also works without make: sh .ci/dev.sh run
+# make run ARGS="--seconds 20 --seed 7" passes arguments.
 
 .PHONY: setup run test test-long nightly check bench clean pins
 .NOTPARALLEL:

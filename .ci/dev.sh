@@ -1,14 +1,14 @@
 #!/bin/sh
-# The words of the Makefile, for any machine with a POSIX shell:
+# The targets of the Makefile, for any machine with a POSIX shell:
 #
-#   sh .ci/dev.sh run [arguments of mimics run]      set up what is missing, then travel the wavy tunnel
+#   sh .ci/dev.sh run [arguments of mimics run]      install what is missing, then run the wavy tunnel
 #   sh .ci/dev.sh setup | test | test-long | nightly | check | bench | clean | pins
 #
-# It never asks anything. Python packages go to .venv, exact and checked by hash (requirements.txt). System packages
-# come through apt where this user is root or may use sudo without a password; otherwise the one line to type is said.
+# It is never interactive. Python packages are installed into .venv, pinned and verified by hash (requirements.txt). System
+# packages are installed by apt if this user is root or may use sudo without a password; otherwise the command is printed.
 # All its own messages go to stderr, so that `run --json` leaves one object on stdout.
-#   PYTHON=/path/to/python3     the interpreter to build .venv with
-#   MIMICS_SKIP_SYSTEM=1        go on although system packages are missing
+#   PYTHON=/path/to/python3     interpreter for .venv
+#   MIMICS_SKIP_SYSTEM=1        continue without missing system packages
 set -eu
 
 cd "$(dirname "$0")/.."
@@ -21,8 +21,8 @@ needs=mimics_app/app/installation/system_packages.py
 oldest='(3, 11)'
 newest='(3, 14)'
 
-# Settings of a lab's other tools (ROS, a user-wide pip.conf) must not leak into this environment. Without byte code on
-# disk every start would translate six hundred modules again: half a second of processor time.
+# Settings of other tools (ROS, a user-wide pip.conf) must not affect this environment. Without byte code on
+# disk every start would compile six hundred modules again: half a second of processor time.
 unset PYTHONPATH PYTHONHOME PYTHONDONTWRITEBYTECODE
 export PIP_USER=0 PIP_NO_INPUT=1 PIP_DISABLE_PIP_VERSION_CHECK=1 UV_COMPILE_BYTECODE=1 UV_SYSTEM_CERTS=1 UV_NATIVE_TLS=1
 
@@ -47,7 +47,7 @@ apt() { # fd 9 is the lock: a daemon that a package starts must not inherit it
 }
 
 apt_updated=no
-apt_install() { # nothing that is there is taken away: a desktop's own sound server may stand in the way of another
+apt_install() { # --no-remove: a desktop's sound server may conflict with a package and must stay
     say "installing by apt: $* (log: .setup.log)"
     apt install -y --no-install-recommends --no-remove "$@" && return 0
     if [ $apt_updated = no ]; then
@@ -58,7 +58,7 @@ apt_install() { # nothing that is there is taken away: a desktop's own sound ser
     return 1
 }
 
-# What is used where it can be had is asked for once in the life of a .venv.
+# Optional packages are requested once in the life of a .venv.
 apt_install_once() {
     asked=$venv/.$1-asked
     [ ! -e "$asked" ] && [ -w "$venv" ] && may_install || return 0
@@ -75,11 +75,11 @@ line_to_type() {
         say "type this one line, then the same command again:"
         printf '%ssudo apt-get install -y %s\n' "$update" "$*" >&2
     else
-        say "missing here; these are the Debian names of what your package manager has to bring: $*"
+        say "missing here; install these packages (Debian names) by your package manager: $*"
     fi
 }
 
-# Every package that is needed, for the moment when there is no Python to ask which of them are missing.
+# All required packages, for use without a Python that could determine the missing ones.
 all_packages() {
     tr '\n' ' ' <$needs | sed 's/SystemNeed(/\n/g' | grep -v 'optional"' | sed -n 's/^ *"\([a-z0-9.-]*\)", *".*/\1/p' |
         tr '\n' ' '
@@ -95,11 +95,11 @@ system_packages() {
     if may_install && apt_install $missing; then missing=$("$vpython" $needs "$@"); fi
     [ -n "$missing" ] || return 0
     line_to_type "$missing"
-    say "(or MIMICS_SKIP_SYSTEM=1 to go on without)"
+    say "(or MIMICS_SKIP_SYSTEM=1 to continue without)"
     exit 69
 }
 
-# Rivals that PyPI has (pyproject.toml, dependency group "peers"); what cannot be had is not measured.
+# Peers from PyPI (pyproject.toml, dependency group "peers"); unavailable ones are not measured.
 peers_of_pypi() {
     peers=$("$vpython" -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["dependency-groups"]["peers"])')
     # shellcheck disable=SC2086
@@ -109,7 +109,7 @@ peers_of_pypi() {
 
 # --- Python ------------------------------------------------------------------------------------------------------
 
-suits() { # new enough, known to the pinned wheels, and built with what ctypes and downloads need
+suits() { # supported by the pinned wheels, and built with ctypes and ssl
     "$1" -c "import sys, ctypes, ssl; sys.exit(not $oldest <= sys.version_info[:2] <= $newest)" >/dev/null 2>&1
 }
 
@@ -147,13 +147,13 @@ ensure_venv_module() {
     exit 69
 }
 
-# PyOpenAL is a source package: setuptools has to be there before it, of the pinned version like everything else.
+# PyOpenAL is a source package: the pinned setuptools must be installed before it.
 build_requirements() {
     awk '/^setuptools==/ { take = 1 } take { print } take && !/\\$/ { exit }' requirements.txt >"$venv/build-requirements.txt"
     printf '%s\n' "$venv/build-requirements.txt"
 }
 
-install_into_venv() { # the words of an installer: uv pip install ..., or python -m pip install ...
+install_into_venv() { # the command of an installer: uv pip install ..., or python -m pip install ...
     "$@" --require-hashes -r "$(build_requirements)" &&
         "$@" --require-hashes --no-build-isolation -r requirements.txt &&
         "$@" --no-deps --no-build-isolation -e .
@@ -177,14 +177,14 @@ with_pip() {
     install_into_venv "$vpython" -m pip install
 }
 
-# A hospital's network may present a certificate that this machine knows and pip's own list does not.
+# A hospital's network may present a certificate that the system trusts and pip's own list does not.
 trust_system_certificates() {
     certificates=/etc/ssl/certs/ca-certificates.crt
     [ -z "${PIP_CERT:-}" ] && [ -r $certificates ] || return 0
     "$vpython" -m pip config get global.cert >/dev/null 2>&1 || export PIP_CERT=$certificates
 }
 
-# The folder's own path belongs to it: scripts and the editable install of a moved folder point to the old place.
+# Includes the folder's path: scripts and the editable install of a moved folder point to the old place.
 identity() {
     printf '%s ' "$venv"
     "$vpython" -c 'import platform, sys; print(sys.implementation.cache_tag, platform.machine())' 2>/dev/null
@@ -207,9 +207,9 @@ build() {
     same_place || rm -rf "$venv"
     ensure_python
     if ! with_uv; then
-        ! have_uv || say "uv did not manage; trying venv and pip"
+        ! have_uv || say "uv failed; trying venv and pip"
         [ -n "$python" ] || { say "Python 3.11 to 3.14 is needed"; exit 69; }
-        with_pip || { say "the packages could not be installed; is the network there? The reason stands above."; exit 69; }
+        with_pip || { say "the packages could not be installed; check the network. The reason is printed above."; exit 69; }
     fi
     { identity && content; } >"$mark.new"
     mv "$mark.new" "$mark"
@@ -224,11 +224,11 @@ lock() {
     exec 9>.venv.lock
     have flock || return 0
     flock -n 9 && return 0
-    say "another set-up is at work here; waiting for it"
+    say "another set-up is running here; waiting for it"
     flock 9
 }
 
-prepare() { # the kinds of system packages this word needs: run, test
+prepare() { # the kinds of system packages this command needs: run, test
     kinds=$*
     if ! ready; then
         lock
@@ -238,12 +238,12 @@ prepare() { # the kinds of system packages this word needs: run, test
     system_packages "$@"
 }
 
-# A file of tests stays in one process: its fixtures are made once. Three on two processors: one of them waits, for a
-# window, a robot, a second of sound. The order of the files is that of tests/conftest.py, the longest first. What was
-# skipped is listed with its reason.
+# A file of tests stays in one process: its fixtures are made once. Three processes on two processors, because one of them
+# usually waits for a window, a robot or a second of sound. Files are in the order of tests/conftest.py, the longest first.
+# Skipped tests are listed with their reason.
 pytest_beside() { "$vpython" -m pytest --numprocesses=3 --dist=loadfile --no-loadscope-reorder -rfEs "$@"; }
 
-# --- words -------------------------------------------------------------------------------------------------------
+# --- commands ----------------------------------------------------------------------------------------------------
 
 check() {
     failed=
@@ -281,7 +281,7 @@ case $word in
         prepare run test
         pytest_beside --hypothesis-profile=random "$@"
         ;;
-    nightly) # properties alone, many fresh examples of each; what fails is kept in tests/properties/found
+    nightly) # property tests only, many new examples of each; failing ones are kept in tests/properties/found
         prepare run test
         # shellcheck disable=SC2046
         pytest_beside --hypothesis-profile=nightly -m "not hardware and not gpu" "$@" \
