@@ -9,6 +9,7 @@ from __future__ import annotations
 import mmap
 import os
 import tempfile
+import weakref
 from collections.abc import Callable, Sequence
 from multiprocessing import reduction
 from typing import Any
@@ -33,6 +34,7 @@ class Segment:
     def __init__(self, size: int, fd: int | None = None) -> None:
         self.size = size
         self._fd = _anonymous_file(size) if fd is None else fd
+        weakref.finalize(self, os.close, self._fd)  # the map has a descriptor of its own
         self._map = mmap.mmap(self._fd, size)
 
     def __reduce__(self) -> tuple[Callable[..., Segment], tuple[int, Any]]:

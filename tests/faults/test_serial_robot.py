@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import DeviceStatus, SafetyState, TripCause
+from mimics_app.contracts.haptic import Button, DeviceStatus, SafetyState, TripCause
+from mimics_app.contracts.loop_ports import INBOX_BUTTONS
 from mimics_app.rendering.haptic.devices import serial_frames, serial_robot
 from mimics_app.rendering.haptic.devices.emulators.serial_robot import WATCHDOG
 from mimics_app.rendering.haptic.devices.registry import build_device
@@ -122,6 +123,20 @@ def test_pulling_the_plug_in_contact_is_zero_force_within_5_ticks_and_a_reset_br
         states = rig.advance(bench, 20)["state"].astype(int).tolist()
         assert states[:3] == [SafetyState.INIT, SafetyState.HOMED, SafetyState.READY]
         assert SafetyState.ACTIVE not in states
+        bench.engine.stop()
+
+
+def test_a_stop_button_released_between_two_ticks_still_stops(tmp_path: Path):
+    """A late tick finds several states; the newest one alone would not show the press."""
+    with serial_rig(tmp_path) as rig:
+        bench = bench_of(rig.build(), samples=ROWS)
+        rig.advance(bench, 20)
+        rig.emulator._inbox[INBOX_BUTTONS] = float(Button.STOP)
+        rig.step()
+        rig.emulator._inbox[INBOX_BUTTONS] = 0.0
+        rig.step()
+        samples = rig.advance(bench, 2)
+        assert samples["state"][-1] == SafetyState.E_STOP and samples["cause"][-1] == TripCause.DEVICE_BUTTON
         bench.engine.stop()
 
 

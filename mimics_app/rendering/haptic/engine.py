@@ -6,16 +6,18 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.arrays import Records
+from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.function_pointers import pointers_to
 from mimics_app.contracts.haptic import EVENT
-from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH, DevicePlugin
 from mimics_app.contracts.messages import HapticSnapshot
 from mimics_app.contracts.object_rows import Rows, slot_of
 from mimics_app.contracts.session_memory import ControlWord, SessionMemory
@@ -37,6 +39,13 @@ __all__ = ["HapticEngine"]
 
 
 _JOIN_S = 2.0
+"""Time-out of the haptic thread's end [s]."""
+
+_RELEASE_TICKS = 40
+"""Disabled commands that a real device is sent after the loop: at 1 ms each, also a line of 9600 baud carries one."""
+
+_RELEASE_NS = 1_000_000
+"""Time between two of them [ns]."""
 
 
 class HapticEngine:
@@ -76,7 +85,7 @@ class HapticEngine:
         self._work = new_work(objects or new_object_work(memory.capacities.objects))
         self._drained = np.zeros(memory.main_events.shape[0], EVENT)
         self._resets = 0
-        self._closed = False
+        self._closed = self._released = False
         self._granted: scheduler.Granted | None = None
         self._arranged = threading.Event()
         self._thread: threading.Thread | None = None
@@ -187,7 +196,7 @@ class HapticEngine:
         return self.granted
 
     def stop(self) -> None:
-        """End the live loop, if it runs, and close the device; a second call does nothing more.
+        """End the live loop, if it runs, disable the device and close it; a second call does nothing more.
 
         Raises:
             DeviceError: The loop did not end, or ended with an error.
@@ -199,6 +208,7 @@ class HapticEngine:
                 raise DeviceError("the haptic loop does not end", "switch the robot off at its own switch")
         if not self._closed:
             self._closed = True
+            self._release_device()
             self._plugin.close()
         if self._failure is not None:
             raise DeviceError(f"the haptic loop ended with an error: {self._failure}")
@@ -243,7 +253,27 @@ class HapticEngine:
     def _demote(self, *_: object) -> None:
         """A loop that ran away under SCHED_FIFO (SIGXCPU) goes on as an ordinary thread; its late ticks stop it."""
         if self._thread is not None and self._thread.native_id is not None and self.running:
-            self._granted = scheduler.demote(self._thread.native_id)
+            with suppress(ProcessLookupError):  # the thread has ended meanwhile
+                self._granted = scheduler.demote(self._thread.native_id)
+
+    def _release_device(self) -> None:
+        """Send a real device commands with zero force and disabled drives, once; the loop must have ended.
+
+        A device may hold the last command for as long as it has power, also after its line is closed.
+        """
+        if self._released or self._plugin.simulated:
+            return
+        self._released = True
+        plugin, clock, ticks = self._plugin, MonotonicClock(), self.ticks
+        command, data = np.zeros(COMMAND_LENGTH), np.zeros(DATA_LENGTH)
+        inbox = np.zeros(INBOX_LENGTH)
+        try:
+            for tick in range(ticks, ticks + _RELEASE_TICKS):
+                plugin.write(plugin.memory, command, tick)
+                clock.sleep_until_ns(clock.now_ns() + _RELEASE_NS)
+                plugin.read(plugin.memory, inbox, data, tick + 1)
+        except Exception as failure:  # noqa: BLE001  whatever a plug-in raises, its device is closed next
+            self._failure = self._failure or failure
 
     def _run(self, run_live: Callable[..., Any]) -> None:
         """Body of the haptic thread: arrange the scheduler, then one compiled call until the quit word."""
@@ -259,3 +289,5 @@ class HapticEngine:
             run_live(*self._loop_args, self._period_ns, spin_us * 1000)
         except BaseException as failure:  # noqa: BLE001  raised by stop()
             self._failure = failure
+        finally:
+            self._release_device()

@@ -105,8 +105,9 @@ def replay_recorded(
             work.command,
             out,
         )
-        publish_state(channels, work, scene.objects, (state.tick - 1) * period_ns)
-        publish_events(channels, work, rows, scene.objects, state.tick * period_ns)
+        t_ns = (state.tick - 1) * period_ns
+        publish_state(channels, work, scene.objects, t_ns)
+        publish_events(channels, work, rows, scene.objects, t_ns)
         out.lateness_ns = 0.0
         out.duration_ns = 0.0
     return inputs.shape[0]

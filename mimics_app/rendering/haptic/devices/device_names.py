@@ -67,8 +67,9 @@ def find_plugin(name: str) -> DeviceBuilder:
         raise DeviceError(f'there is no device "{name}"', nearest(name, [*ADDRESSES, *installed]))
     try:
         builder: DeviceBuilder = installed[name].load()
-    except (ImportError, AttributeError) as failure:
-        raise DeviceError(f'the plug-in of device "{name}" cannot be loaded: {failure}') from failure
+    except Exception as failure:
+        what = f'the plug-in of device "{name}" cannot be loaded: {type(failure).__name__}: {failure}'
+        raise DeviceError(what) from failure
     return builder
 
 

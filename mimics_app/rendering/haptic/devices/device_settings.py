@@ -31,6 +31,6 @@ def write_settings(
     for name, value in given.items():
         if name not in known:
             raise DeviceError(f'the {device} has no setting "{name}"', nearest(name, known))
-        if not isinstance(value, int | float) or not 0.0 < value < 1e5:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < 1e5:
             raise DeviceError(f'the setting "{name}" of the {device} is {value!r}', "give a positive number")
         memory[known[name][0]] = value

@@ -7,7 +7,8 @@ eight words at the head of the plug-in's memory:
     UP      1 while the loop uses the descriptor
     FD      the descriptor in use; the loop's own
 
-The loop sets UP before it clears OFFER, so that "down and nothing offered" always means that it has let go.
+The loop sets UP before it clears OFFER, and the keeper reads OFFER before UP: "nothing offered and down" always means
+that the loop has let go.
 """
 
 from __future__ import annotations
@@ -92,13 +93,16 @@ class LinkKeeper:
         return self._trouble
 
     def look(self) -> None:
-        """Open the line again if the loop has let go of it; what fails is reported by `trouble` and tried again."""
-        if self._close_line is None or (self._words[_UP] == 0 and self._words[_OFFER] == 0):
+        """Open the line again if the loop has let go of it; a failure is reported by `trouble` and tried again."""
+        if self._close_line is None or (self._words[_OFFER] == 0 and self._words[_UP] == 0):
             self._release()
-            self._trouble = f"{self._name} is gone: no force. Connect it again"
-            with suppress(DeviceError):
+            gone = f"{self._name} is gone: no force. Connect it again"
+            self._trouble = self._trouble or gone
+            try:
                 self._offer()
                 self._trouble = ""
+            except (DeviceError, OSError) as failure:
+                self._trouble = f"{gone} ({getattr(failure, 'what', failure)})"
 
     def close(self) -> None:
         """End for good; the loop must have ended. A second call does nothing more."""

@@ -14,7 +14,15 @@ import numpy as np
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.descriptors import HUNG_UP, READABLE, look_at, read_bytes, write_bytes
 from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_AGE, DATA_DELAY, INBOX_LENGTH, READ, WRITE
+from mimics_app.contracts.loop_ports import (
+    COMMAND_LENGTH,
+    DATA_AGE,
+    DATA_BUTTONS,
+    DATA_DELAY,
+    INBOX_LENGTH,
+    READ,
+    WRITE,
+)
 from mimics_app.rendering.haptic.devices.link import LINK_LENGTH, drop_link, link_words, take_link
 from mimics_app.rendering.haptic.devices.round_trip import (
     TRIP_LENGTH,
@@ -119,20 +127,26 @@ def _fill_buffer(memory: Vec, fd: int) -> bool:
 
 @kernel
 def _take_frames(memory: Vec, data: Vec, tick: int) -> int:
-    """The newest STATE frame into data; FRESH, NO_DATA, or the FAULT that the robot reports."""
+    """Read the newest STATE frame into `data`; return FRESH, NO_DATA, or FAULT where any frame reports one.
+
+    Several frames wait after a late tick: a button that was pressed in any of them counts as pressed.
+    """
     line = memory[LINE : LINE + LINE_LENGTH]
     trips = memory[TRIPS : TRIPS + TRIP_LENGTH]
     buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
     payload = memory[_PAYLOAD : _PAYLOAD + PAYLOAD_PLACES]
-    status = _NO_DATA
+    status, pressed = _NO_DATA, 0
     frame = next_frame(line, buffer)
     while frame >= 0:
         wanted = buffer[frame + 3] == STATE and buffer[frame + 2] == STATE_PAYLOAD
         if wanted and accept_sequence(line, word_at(buffer, frame + SEQUENCE), tick):
             fetch_payload(buffer, frame, payload)
             robot = unpack_state(payload, data)
+            pressed |= int(data[DATA_BUTTONS])
+            data[DATA_BUTTONS] = float(pressed)
             note_answer(trips, ended_trip(trips, word_at(buffer, frame + ECHO)), tick)
-            status = _FRESH if robot == ROBOT_READY else _FAULT if robot >= ROBOT_FAULT else _NO_DATA
+            if status != _FAULT:
+                status = _FRESH if robot == ROBOT_READY else _FAULT if robot >= ROBOT_FAULT else _NO_DATA
         frame = next_frame(line, buffer)
     if status == _FRESH:
         dt = memory[TICK]

@@ -164,5 +164,5 @@ def build_simulated_leg(request: DeviceRequest) -> DevicePlugin:
 def _check_lengths(request: DeviceRequest) -> None:
     for name in LENGTHS:
         value = request.robot.settings.get(name, LENGTHS[name])
-        if not isinstance(value, int | float) or not 0.0 < value < 2.0:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < 2.0:
             raise DeviceError(f'the length "{name}" of the leg is {value!r}', "give metres between 0 and 2")
