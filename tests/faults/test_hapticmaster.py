@@ -222,7 +222,8 @@ def test_what_is_not_there_refuses_or_is_set_wrongly_is_a_device_error():
         build_device(Robot(device=f"hapticmaster:127.0.0.1:{port}"))
     with pytest.raises(DeviceError, match="is no network address"):
         build_device(Robot(device="hapticmaster:somewhere:99999"))
-    wrong = (({"mode": "object"}, 'did you mean "objects"'), ({"inertia": 0.1}, "0.5 to 50"), ({"inertia": True}, "True"))
+    mode = ({"mode": "object"}, 'did you mean "objects"')
+    wrong = (mode, ({"inertia": 0.1}, "0.5 to 50"), ({"inertia": True}, "True"))
     for settings, reported in wrong:
         with pytest.raises(DeviceError, match=reported):
             build_device(Robot(device="hapticmaster:127.0.0.1:1", settings=settings))

@@ -51,9 +51,7 @@ def test_a_plug_in_is_found_and_runs_in_the_loop(monkeypatch: pytest.MonkeyPatch
 
 
 @pytest.mark.parametrize("failure", [ImportError, RuntimeError])
-def test_a_plug_in_that_cannot_be_imported_is_a_device_error(
-    failure: type[Exception], monkeypatch: pytest.MonkeyPatch
-):
+def test_a_plug_in_that_cannot_be_imported_is_a_device_error(failure: type[Exception], monkeypatch: pytest.MonkeyPatch):
     def broken():
         raise failure("no module named vendor_library")
 
