@@ -220,7 +220,7 @@ def test_what_is_not_there_refuses_or_is_set_wrongly_is_a_device_error():
         port = closed.getsockname()[1]
     with pytest.raises(DeviceError, match="no HapticMaster at"):
         build_device(Robot(device=f"hapticmaster:127.0.0.1:{port}"))
-    with pytest.raises(DeviceError, match="is no network address"):
+    with pytest.raises(DeviceError, match="is not a network address"):
         build_device(Robot(device="hapticmaster:somewhere:99999"))
     mode = ({"mode": "object"}, 'did you mean "objects"')
     wrong = (mode, ({"inertia": 0.1}, "0.5 to 50"), ({"inertia": True}, "True"))

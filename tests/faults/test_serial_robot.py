@@ -207,7 +207,7 @@ def test_a_robot_without_commands_lets_go_by_itself(tmp_path: Path):
 def test_what_is_not_there_or_does_not_answer_is_a_device_error(tmp_path: Path):
     with pytest.raises(DeviceError, match="cannot be opened"):
         build_device(Robot(device=f"serial:{tmp_path / 'nothing'}"))
-    with pytest.raises(DeviceError, match="is no serial line"):
+    with pytest.raises(DeviceError, match="is not a serial line"):
         build_device(Robot(device="serial:/dev/null@fast"))
     with pytest.raises(DeviceError, match=r"write serial:PORT\[@BAUD\]"):
         build_device(Robot(device="serial"))

@@ -40,7 +40,7 @@ def tunnel_of_scene(scene: Scene, entity: str | None = None) -> tuple[TunnelCurv
 
     Args:
         scene: A scene with tunnels.
-        entity: Entity of the tunnel; None: the first one.
+        entity: Entity of the tunnel; None, or an entity without a tunnel: the first one.
 
     Raises:
         SceneError: The scene has no tunnel, or the tunnel cannot be built.
