@@ -221,7 +221,7 @@ EFFECT = np.dtype(
         ("enabled", "i4"),
         ("body", "i4"),  # the effect acts between user and this body; STATIC: on the user alone
         ("on_body", "i4"),  # 1: it acts on the body alone, the user feels nothing
-        ("field", "i4"),  # number handed to the force field, for FIELD
+        ("field", "i4"),  # index of the force field, for FIELD
         ("path", "i4"),  # row of the path table, for PATH_SPRING and GUIDANCE
         ("position", "f8", (3,)),  # anchor or centre, world, or in the body's frame [m]
         ("direction", "f8", (3,)),  # unit, of CONSTANT and VIBRATION; half edges of a WORKSPACE box [m]

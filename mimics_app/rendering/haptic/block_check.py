@@ -34,7 +34,10 @@ _LARGEST = {
 """Largest value of the integer fields that the tick branches on or counts with; the smallest is 0."""
 
 _NOT_NEGATIVE = (*sorted(LIMIT_NAMES - {"joint_min", "joint_max"}), *(name for name, _ in FEEL))
-"""Fields of SCENE that must be 0 or more: a negative limit would turn a force round."""
+"""Fields of SCENE that must be 0 or more: a negative limit would reverse a force."""
+
+_ROTATION_TOLERANCE = 1e-3
+"""Largest excess of a rotation's norm over 1."""
 
 _CHOICES: dict[str, dict[str, int]] = {
     "shapes": {"kind": max(ShapeKind), "law": max(ForceLaw)},
@@ -57,8 +60,8 @@ def check_block(scene: Records, rows: Rows | None, capacities: ObjectCapacities,
         meshes: Number of meshes that shapes may refer to.
 
     Raises:
-        ValueError: A number is not finite, a limit negative, a choice, count or row out of range, a shape without
-            size, a surface with negative damping, or `sequence` is not positive.
+        ValueError: A number is not finite, a limit negative, a choice, count or row out of range, a rotation none, a
+            shape without size, a surface with negative damping, or `sequence` is not positive.
     """
     if int(scene[0]["sequence"]) < 1:
         raise ValueError("SCENE.sequence must count up from 1")
@@ -70,6 +73,8 @@ def check_block(scene: Records, rows: Rows | None, capacities: ObjectCapacities,
     for name in _NOT_NEGATIVE:
         if np.any(scene[0][name] < 0):
             raise ValueError(f"SCENE.{name} is {scene[0][name]}; it must not be negative")
+    if np.linalg.norm(scene[0]["R_world_from_robot"], 2) > 1.0 + _ROTATION_TOLERANCE:
+        raise ValueError("SCENE.R_world_from_robot is not a rotation: it would amplify forces")
     _check_rows(scene[0]["objects"], rows, capacities)
     _check_whole("SCENE.own_tunnel", int(scene[0]["own_tunnel"]), 0, max(0, int(scene[0]["objects"]["tunnels"]) - 1))
     if rows is not None:

@@ -195,15 +195,15 @@ def contact_modes(shape: np.void, body: np.void, contacts: int, tangential: floa
     # Keeps the matrix positive definite for an axis without a moment.
     mass[3:, 3:] += np.eye(3) * 1e-9 * np.trace(mass[3:, 3:])
     root = np.linalg.inv(np.linalg.cholesky(mass))
-    greatest = 0.0
+    largest = 0.0
     for direction, points, shares in _patches(shape, hull):
         total = np.zeros((6, 6))
         for side in (1.0, -1.0)[:contacts]:
             placed = side * points @ R.T + offset
             total += _stiffness(R @ direction, placed, shares, tangential)
         modes = (root @ total @ root.T) * np.outer(free, free)
-        greatest = max(greatest, float(np.linalg.eigvalsh(modes)[-1]))
-    return greatest
+        largest = max(largest, float(np.linalg.eigvalsh(modes)[-1]))
+    return largest
 
 
 def _partners(k: int, bodies: Table, shapes: Table) -> list[int]:

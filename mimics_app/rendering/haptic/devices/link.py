@@ -101,8 +101,8 @@ class LinkKeeper:
             try:
                 self._offer()
                 self._trouble = ""
-            except (DeviceError, OSError) as failure:
-                self._trouble = f"{gone} ({getattr(failure, 'what', failure)})"
+            except DeviceError as failure:
+                self._trouble = f"{gone} ({failure.what})"
 
     def close(self) -> None:
         """End the keeper and close the line; the loop must have ended. A second call does nothing."""
@@ -114,7 +114,10 @@ class LinkKeeper:
         self._release()
 
     def _offer(self) -> None:
-        descriptor, self._close_line = self._open_line()
+        try:
+            descriptor, self._close_line = self._open_line()
+        except OSError as failure:
+            raise DeviceError(f"{self._name} cannot be opened: {failure}") from failure
         store_release(self._words, _OFFER, descriptor + 1)
 
     def _release(self) -> None:
