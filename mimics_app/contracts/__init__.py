@@ -1,3 +1,3 @@
-"""What every layer agrees on: messages, ports, shared memory, clocks, units, errors. Imports nothing above it."""
+"""Shared definitions of all layers: messages, ports, shared memory, clocks, errors. Imports nothing above it."""
 
 __all__: list[str] = []

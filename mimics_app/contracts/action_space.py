@@ -1,4 +1,4 @@
-"""The adaptable parameters of a task: names, limits, units. Learning chooses inside it, the tasks enforce it."""
+"""Action space of a task: its adaptable parameters with limits and units, chosen by learning, enforced by the task."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ __all__ = ["ActionSpace", "Parameter"]
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One adaptable quantity.
+    """One adaptable parameter.
 
     Attributes:
-        name: What actions call it.
-        default: Value at the session's start, in `unit`.
+        name: Name in actions.
+        default: Value at the start of the session.
         low: Smallest value.
         high: Largest value, >= low.
-        step: Grid on which values lie, counted from low; 0: any value.
+        step: Spacing of the allowed values from `low` on; 0: any value.
         rate: Largest change per second inside a trial; 0: changes only between trials.
-        unit: Of all the values above; "-" for none.
-        kind: What it changes, as `tasks.task.ActionKind` names it.
-        harder: 1 where larger values make the task harder, -1 where smaller ones do, 0 where neither.
-        cost: What a change over the whole range costs a learning system, in units of its reward.
+        unit: Unit of all the values above; "-" for none.
+        kind: A `tasks.task.ActionKind`: what the parameter changes.
+        harder: 1: larger values make the task harder, -1: smaller ones do, 0: neither.
+        cost: Cost of a change over the whole range to a learning system, in units of its reward.
         dwell_s: Shortest time between two changes by a learning system [s].
     """
 
@@ -42,27 +42,27 @@ class Parameter:
     dwell_s: float = 0.0
 
     def demand(self, value: float) -> float | None:
-        """How hard a value makes the task, 0 to 1; None where this parameter does not say."""
+        """Return the difficulty at a value, 0 to 1; None for a parameter that does not affect it."""
         if self.harder == 0 or self.high <= self.low:
             return None
         share = (value - self.low) / (self.high - self.low)
         return share if self.harder > 0 else 1.0 - share
 
     def at_demand(self, demand: float) -> float:
-        """The value that makes the task so hard, 0 to 1; the default of a parameter that does not say."""
+        """Return the value for a difficulty of 0 to 1; the default for a parameter that does not affect it."""
         if self.harder == 0:
             return self.default
         share = min(max(demand, 0.0), 1.0)
         return self.clip(self.low + (self.high - self.low) * (share if self.harder > 0 else 1.0 - share))
 
     def clip(self, value: float) -> float:
-        """The allowed value nearest to a finite one."""
+        """Return the allowed value nearest to `value`, which is not NaN."""
         if self.step > 0.0:
             value = self.low + round((min(max(value, self.low), self.high) - self.low) / self.step) * self.step
         return min(max(value, self.low), self.high)
 
     def fits(self, value: float) -> bool:
-        """Whether a value lies inside the limits; False for NaN."""
+        """Whether a value is inside the limits; False for NaN."""
         return self.low <= value <= self.high
 
 
@@ -94,16 +94,16 @@ class ActionSpace:
         return {parameter.name: parameter.default for parameter in self}
 
     def demand(self, values: Mapping[str, float]) -> float | None:
-        """How hard values make the task, 0 to 1: the mean over the parameters that say; None where none does."""
+        """Return the mean difficulty at these values, 0 to 1, over the parameters that affect it; None for none."""
         shares = [share for p in self if p.name in values and (share := p.demand(values[p.name])) is not None]
         return sum(shares) / len(shares) if shares else None
 
     def clip(self, action: TaskAction) -> tuple[TaskAction, tuple[str, ...]]:
-        """Move an action inside the limits and onto the steps.
+        """Clip an action to the limits and round it to the steps.
 
         Returns:
-            The action that may be applied, and the names whose value was outside the limits, not a number, or unknown
-            (the last two are left out of the action: the parameter stays as it is). Rounding to a step is no clipping.
+            The valid action, and the names whose value was outside the limits, not a number, or unknown (the last two
+            are left out of the action, so that the parameter is unchanged). Rounding to a step is not reported.
         """
         values: dict[str, float] = {}
         clipped: list[str] = []

@@ -1,4 +1,4 @@
-"""Names of array types by the kind of number, for signatures: the shape stands in the docstring of who takes one."""
+"""Array types by number type, for signatures; docstrings give the shapes."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ Mat = F8
 """Two axes."""
 
 Words = I8
-"""Words of shared memory, or of a table that compiled code reads."""
+"""Words of shared memory, or of a table for compiled code."""
 
 Records = NDArray[Any]
-"""Rows of a record dtype, which stands where the array is made."""
+"""Rows of a structured dtype."""
 
 Vec3 = tuple[float, float, float]
 """x, y and z of a point [m] or a direction [-]."""

@@ -1,7 +1,7 @@
 """Atomic int64 words in shared arrays, the monotonic clock and the absolute sleep, callable from compiled code.
 
-Each function has a plain Python meaning (what it does without the compiler) and a machine meaning (`@overload`). The
-machine forms hold no address, so everything that calls them can be cached on disk.
+Each function has a Python implementation and a compiled one (`@overload`). The compiled ones contain no address, so
+that their callers can be cached on disk. The Python ones are ordinary loads and stores, not atomic operations.
 """
 
 from __future__ import annotations
@@ -52,17 +52,17 @@ def _exchange(typingctx, address, value):
 
 
 def load_acquire(words: Words, i: int) -> int:
-    """Read word i; everything the other side wrote before its release is visible afterwards."""
+    """Return word i; everything written before its `store_release` is visible afterwards."""
     return int(words[i])
 
 
 def store_release(words: Words, i: int, value: int) -> None:
-    """Write word i; everything written before is visible to whoever reads it with `load_acquire`."""
+    """Write word i; everything written before is visible after its `load_acquire`."""
     words[i] = value
 
 
 def exchange(words: Words, i: int, value: int) -> int:
-    """Swap word i for value in one step and return what stood there."""
+    """Replace word i by `value` in one atomic step and return the old value."""
     old = int(words[i])
     words[i] = value
     return old
@@ -121,5 +121,5 @@ def _overload_sleep_until_ns(timespec, deadline_ns):
 
 
 def scratch() -> NDArray[Any]:
-    """A fresh timespec for `now_ns` and `sleep_until_ns`, shape [2]."""
+    """Return a new timespec for `now_ns` and `sleep_until_ns`, shape [2]."""
     return np.zeros(2, np.int64)

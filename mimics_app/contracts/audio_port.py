@@ -1,4 +1,4 @@
-"""The seam of sound: what a mixer does, what the frame sees of it, and what it reports when it closes."""
+"""Ports of audio rendering: the mixer, the frame's view of it, and its report."""
 
 from __future__ import annotations
 
@@ -29,22 +29,22 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Heard:
-    """The listener and every sound that moves, as arrays: what a mixer goes by from the next block on. World, SI.
+    """Listener and moving sounds as arrays, used by the mixer from the next block on. World frame, SI.
 
     Attributes:
-        t_ns: Session time it is of.
+        t_ns: Session time of the values.
         head_position: [m], shape [3].
         head_velocity: [m/s], shape [3].
         head_forward: Unit vector, shape [3].
         head_up: Unit vector, shape [3].
-        room_level: Linear level of the reverberation where the head is; 0: none.
-        room_time: Time in which it falls by 60 dB [s].
-        handles: Of the sounds, shape [n]; one that has ended is passed over.
-        position: [m], shape [n, 3]; a row that is not finite stays where it was.
+        room_level: Linear level of the reverberation at the head; 0: none.
+        room_time: Reverberation time RT60 [s].
+        handles: Handles of the sounds, shape [n]; ended ones are ignored.
+        position: [m], shape [n, 3]; a row that is not finite leaves the sound where it was.
         velocity: [m/s], shape [n, 3].
         forward: Axis of the sound's cone, unit vectors, shape [n, 3].
         gain: Linear, shape [n].
-        passes: Linear share that obstacles let through, by band, shape [n, BANDS].
+        passes: Linear transmission through obstacles by band, shape [n, BANDS].
     """
 
     t_ns: int
@@ -64,7 +64,7 @@ class Heard:
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """Where a sound was put: handle (0: refused), frame of its start (-1: the device decides), and whether too late."""
+    """Start of a sound: handle (0: refused), frame of the start (-1: chosen by the device), True if it was late."""
 
     handle: int
     frame: int
@@ -73,12 +73,12 @@ class Start:
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """How session time and frames meet.
+    """Relation of session time and frames of the mix.
 
     Attributes:
         origin_ns: Session time of frame 0.
-        latency: Frames from an event's time to the start of its sound, the same for all.
-        pipeline: Frames from the start of a sound to its first sample in the mix, the mixer's own constant.
+        latency: Frames from an event to the start of its sound, constant.
+        pipeline: Frames from the start of a sound to its first sample in the mix, constant for a mixer.
     """
 
     origin_ns: int = 0
@@ -87,7 +87,7 @@ class Timing:
 
 
 def frame_at(t_ns: int, origin_ns: int, rate: int) -> int:
-    """The frame nearest to a time, in integers so that no session is too long for it."""
+    """Return the frame nearest to a time, in integer arithmetic, exact for sessions of any length."""
     return ((t_ns - origin_ns) * rate + 500_000_000) // 1_000_000_000
 
 
@@ -101,7 +101,7 @@ class Mixer(Protocol):
 
     @property
     def channels(self) -> int:
-        """Of what it mixes."""
+        """Channels of the mix."""
         ...
 
     @property
@@ -111,69 +111,69 @@ class Mixer(Protocol):
 
     @property
     def refused(self) -> int:
-        """Sounds that found every voice busy with louder ones."""
+        """Sounds refused because all voices had louder ones."""
         ...
 
     @property
     def timing(self) -> Timing:
-        """How session time and frames meet."""
+        """Relation of session time and frames."""
         ...
 
     def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
-        """Start a sound at t_ns plus the mixer's constant latency, at once when that has passed."""
+        """Start a sound at t_ns plus the mixer's constant latency, or at once if that has passed."""
         ...
 
     def first_sample(self, start: Start, submitted_ns: int) -> tuple[int, int]:
-        """Frame of a sound's first sample (-1: only the device knows) and the session time by which it is heard."""
+        """Return the frame of a sound's first sample (-1: not known) and the session time at which it is audible."""
         ...
 
     def hear(self, heard: Heard) -> None:
-        """Take the newest snapshot of the listener and of the sounds that move."""
+        """Set the newest listener and moving sounds."""
         ...
 
     def stop(self, handle: int) -> None:
-        """Fade a sound out and end it, without a click; nothing happens when it has ended."""
+        """Fade a sound out and end it; no effect on an ended one."""
         ...
 
     def master(self, value: float) -> None:
-        """Set the linear gain of everything."""
+        """Set the linear master gain."""
         ...
 
     @property
     def lead(self) -> int | None:
-        """Frames of silence that a sound which is filled while it plays begins with; None: none can be filled."""
+        """Frames of silence at the start of a sound that is filled while it plays; None: not supported."""
         ...
 
     def fill(self, handle: int, begin: int, samples: NDArray[np.float32]) -> None:
-        """Set samples of a live sound that plays, from its sample `begin` on; nothing happens when it has ended."""
+        """Set samples of a playing sound from its sample `begin` on; no effect on an ended one."""
         ...
 
     def render(self, frames: int) -> NDArray[np.float32]:
-        """Mix the next frames, shape [frames, channels]; shape [0, channels] when a live device draws its own."""
+        """Return the next mixed frames, shape [frames, channels]; [0, channels] for a device that mixes itself."""
         ...
 
     def connected(self) -> bool:
-        """False once the device has gone (unplugged, server stopped)."""
+        """False once the device is gone (unplugged, server stopped)."""
         ...
 
     def close(self) -> None:
-        """Give the device back."""
+        """Close the device."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class AudioStatus:
-    """What was opened.
+    """Status of the opened audio output.
 
     Attributes:
-        device: Name the sound library gives its output, "loopback", or "none".
-        sink: Where the sound goes: "device", "file" or "null".
-        hrtf: True when the head-related filters are on.
+        device: Name of the output in the sound library, "loopback", or "none".
+        sink: Destination of the sound: "device", "file" or "null".
+        hrtf: True when the HRTF is on.
         rate: Samples per second of the mix.
-        mixer: Which one mixes: "openal" or "spectral", "" where nothing does.
-        channels: Of the mix.
-        latency_ms: From an event's time to the sample of its sound, as set (file) or as the buffers say (device).
-        notice: One line for the person when it is not what was requested, else "".
+        mixer: "openal" or "spectral", "" for none.
+        channels: Channels of the mix.
+        latency_ms: Latency from an event to the first sample of its sound, as set (file) or by the buffers (device).
+        notice: One line for the user if the output is not the requested one, else "".
     """
 
     device: str
@@ -191,15 +191,15 @@ class SoundRow:
     """One sound that an event requested.
 
     Attributes:
-        t_ns: When the event happened, on the session clock.
-        tick: Haptic tick of a contact, -1 for a sound ordered by the task.
+        t_ns: Session time of the event.
+        tick: Haptic tick of a contact, -1 for a sound of the task.
         cause: "contact", "contact_end", "impact" or "order".
         sound: Name of the sound, with its variant.
-        gain: Linear gain it was started with.
-        submitted_ns: When the mixer got it, on the session clock.
-        onset_sample: Index of its first sample in the mix, -1 where a live device keeps that to itself.
-        heard_ns: Session time by which its first sample leaves the mix (file) or the device's buffers (device).
-        late: True when it came too late for its place and started at once.
+        gain: Linear gain at its start.
+        submitted_ns: Session time at which the mixer got it.
+        onset_sample: Index of its first sample in the mix, -1 if the device does not report it.
+        heard_ns: Session time at which its first sample leaves the mix (file) or the device's buffers (device).
+        late: True if it was too late for its frame and started at once.
     """
 
     t_ns: int
@@ -214,31 +214,31 @@ class SoundRow:
 
     @property
     def latency_ms(self) -> float:
-        """From the event to its first sample."""
+        """Latency from the event to the first sample [ms]."""
         return (self.heard_ns - self.t_ns) * 1e-6
 
 
 @dataclass(frozen=True, slots=True)
 class AudioReport:
-    """What the audio stage did in a session.
+    """Report of the audio stage of a session.
 
     Attributes:
-        status: What was open at the end.
-        rows: One row for every sound started, in order.
-        merged: Contacts that fell into the pause after another of the same pair and got no sound of their own.
-        stale: Events too old to be worth a sound when they were read.
+        status: Output at the end of the session.
+        rows: One row per started sound, in order.
+        merged: Contacts without a sound of their own, in the pause after another of the same pair.
+        stale: Events that were too old for a sound when read.
         dropped: Contact events lost because the ring was full.
-        orders_dropped: Sounds of the task lost because the audio process did not listen.
-        refused: Sounds that found every voice busy with louder ones.
-        blocks: Blocks rendered (file) or polls made (device).
-        late_blocks: Blocks or polls that began more than one block after their time.
-        underruns: How often a live device ran out of blocks that we mix for it.
-        block_us: Work of a turn in which something was mixed: p50, p99 and max [us], to the next 10, and `count`; empty
-            where a live device mixes on its own.
-        clipped: Samples of a file that were softened because they passed full scale.
+        orders_dropped: Sounds of the task lost because the audio process did not read them.
+        refused: Sounds refused because all voices had louder ones.
+        blocks: Blocks rendered (file) or polls (device).
+        late_blocks: Blocks or polls that began more than one block late.
+        underruns: Underruns of a live device that plays blocks mixed here.
+        block_us: Duration of a mixed block: p50, p99 and max [us], in steps of 10, and `count`; empty for a live device
+            that mixes itself.
+        clipped: Samples of a file beyond full scale, which were soft-clipped.
         file: Path of the sound file, or "".
         origin_ns: Session time of the file's frame 0.
-        crashed: True when the audio process ended without a report; then the counts above are zero.
+        crashed: True if the audio process ended without a report; the counts above are then zero.
     """
 
     status: AudioStatus
@@ -258,15 +258,15 @@ class AudioReport:
     crashed: bool = False
 
     def latency_ms(self) -> Mapping[str, float | None]:
-        """p50, p95 and max of contact to sample [ms]; None where no contact sounded."""
+        """Return p50, p95 and max of the latency from contact to sample [ms]; None without a contact sound."""
         return percentiles_ms(sorted(row.latency_ms for row in self.rows if row.cause == "contact"))
 
     def table(self) -> list[dict[str, Any]]:
-        """The rows as dictionaries, their latency included, ready for JSON or a table."""
+        """Return the rows with their latency as dictionaries, for JSON or a table."""
         return [{**asdict(row), "latency_ms": row.latency_ms} for row in self.rows]
 
     def summary(self) -> dict[str, Any]:
-        """Everything but the rows, ready for JSON."""
+        """Return everything except the rows, for JSON."""
         return {
             "device": self.status.device,
             "sink": self.status.sink,
@@ -295,27 +295,27 @@ class AudioReport:
 
 
 def percentiles_ms(ordered: Sequence[float]) -> Mapping[str, float | None]:
-    """p50, p95 and max of latencies in ascending order [ms]; None of none."""
+    """Return p50, p95 and max of latencies in ascending order [ms]; None for an empty sequence."""
     if not ordered:
         return {"p50": None, "p95": None, "max": None}
     return {"p50": _rank(ordered, 0.50), "p95": _rank(ordered, 0.95), "max": ordered[-1]}
 
 
 def _rank(ordered: Sequence[float], share: float) -> float:
-    """The smallest value that at least this share of the values does not pass (nearest rank)."""
+    """Return a quantile by nearest rank."""
     return ordered[max(0, math.ceil(share * len(ordered)) - 1)]
 
 
 class AudioOutput(Protocol):
-    """What the frame sees of sound, whether it is mixed in a process of its own (live) or in step (virtual clock)."""
+    """The frame's view of audio, mixed in its own process (live) or synchronously (virtual clock)."""
 
     def start(self) -> None:
-        """Begin opening the output; returns at once."""
+        """Begin to open the output; returns at once."""
         ...
 
     @property
     def ready(self) -> AudioStatus | None:
-        """What was opened, or None while it is still opening; never waits."""
+        """Status of the output, or None while it is opening; never waits."""
         ...
 
     def play(self, event: SoundEvent) -> None:
@@ -323,13 +323,13 @@ class AudioOutput(Protocol):
         ...
 
     def master(self, gain: float) -> None:
-        """Set the linear gain of everything; never waits."""
+        """Set the linear master gain; never waits."""
         ...
 
     def advance(self, now_ns: int) -> None:
-        """Mix up to now where sound is made in step; does nothing where it has a process of its own."""
+        """Mix up to now where audio is synchronous; no effect on an audio process."""
         ...
 
     def stop(self) -> AudioReport:
-        """End the sound and return what was done; calling it again returns the same report."""
+        """Stop audio and return the report; a second call returns the same report."""
         ...

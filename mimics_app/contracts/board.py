@@ -1,4 +1,4 @@
-"""What is laid over the picture for a person to read: a message, and cards with one figure each. It steers nothing."""
+"""Content of the heads-up display: a message, and cards with one figure each. For display only."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["Bar", "Board", "Card", "Tone"]
 
 
 class Tone(StrEnum):
-    """How urgent a figure is; the picture has a colour for each."""
+    """Urgency of a figure; each has its colour."""
 
     PLAIN = "plain"
     FAINT = "faint"
@@ -26,10 +26,10 @@ class Bar:
     """A bar on a card.
 
     Attributes:
-        value: What fills it, in the unit of the figure.
-        full: What fills all of it; None: the largest force of the scene's board (`hud.force_full`).
-        tone: Of the filled part.
-        right: Between which two values it is as it should be, drawn behind it, or None.
+        value: Present value, in the unit of the figure.
+        full: Value of a full bar; None: the largest force of the scene's board (`hud.force_full`).
+        tone: Tone of the filled part.
+        right: Target range (low, high), drawn behind the bar, or None.
     """
 
     value: float
@@ -40,16 +40,16 @@ class Bar:
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """One figure: a caption, a text, and a bar or a remark beside it.
+    """One figure: a caption, a text, and a bar or a remark.
 
     Attributes:
-        label: Caption in words.
+        label: Caption.
         text: The figure with its unit.
-        tone: Of the text.
-        bar: A bar below the caption, the text then small above its end; None: the text stands large.
+        tone: Tone of the text.
+        bar: A bar below the caption, with the text small above its end; None: the text is large.
         remark: A second, smaller text.
-        remark_tone: Its tone.
-        width: Of 1280 by 720 units of the canvas.
+        remark_tone: Tone of the remark.
+        width: Width in units of a canvas of 1280 by 720.
     """
 
     label: str
@@ -63,13 +63,13 @@ class Card:
 
 @dataclass(frozen=True, slots=True)
 class Board:
-    """Everything that may lie over one frame.
+    """Heads-up display of one frame.
 
     Attributes:
-        cards: By the name a scene's `hud.show` lists them under.
-        message: In the middle, "" for none; a line break where another line begins.
-        alarm: Whether the line is a warning.
-        count: What is counted down, large in the middle; 0 for nothing.
+        cards: Cards by their name in a scene's `hud.show`.
+        message: Text in the centre, possibly of several lines; "" for none.
+        alarm: True if the message is a warning.
+        count: Countdown figure, large in the centre; 0 for none.
     """
 
     cards: Mapping[str, Card] = field(default_factory=dict)
@@ -78,9 +78,9 @@ class Board:
     count: int = 0
 
     def saying(self, message: str) -> Board:
-        """The same cards under another line; the same board where there is none."""
+        """Return the board with another message; unchanged for an empty one."""
         return replace(self, message=message) if message else self
 
     def with_cards(self, cards: Mapping[str, Card]) -> Board:
-        """The same line over more cards."""
+        """Return the board with more cards."""
         return replace(self, cards={**self.cards, **cards})

@@ -1,10 +1,10 @@
-"""Arrays without their reference counts, for compiled code that owns nothing.
+"""Arrays without reference counts, for compiled code that owns nothing.
 
-Taking an array out of a tuple, or handing it to another compiled function, counts a reference up and down with atomic
-instructions or at least with two calls, and hands every array over as seven words and more: together more than a whole
-contact of a point and a shape in a kernel of a few dozen arrays. The loop borrows what others keep alive for its whole
-run, so it need not count: a borrowed array is a type of its own, for which numba emits no counting at all, and a
-borrowed tuple travels as one pointer, from which just those arrays are read that are used.
+Reading an array from a tuple, or passing it to another compiled function, increments and decrements a reference count
+with atomic instructions or at least two calls, and passes every array as seven words or more: together this costs more
+than a whole contact of a point and a shape in a kernel of a few dozen arrays. The loop borrows arrays that others keep
+alive for its whole run: a borrowed array is a type for which numba emits no reference counting, and a borrowed tuple
+is passed as one pointer, from which only the arrays in use are read.
 """
 
 from __future__ import annotations
@@ -27,32 +27,32 @@ T = TypeVar("T")
 
 
 class _BorrowedArray(types.Array):
-    """An array that counts no references; so do its views."""
+    """Type of an array without reference counting; its views have none either."""
 
     def __init__(self, dtype, ndim, layout, readonly=False, aligned=True):
         plain = types.Array(dtype, ndim, layout, readonly=readonly, aligned=aligned)
         super().__init__(dtype, ndim, layout, readonly=readonly, name=f"borrowed {plain}", aligned=aligned)
 
     def copy(self, dtype=None, ndim=None, layout=None, readonly=None):
-        """The type of a view of such an array, as numba requests it."""
+        """Return the type of a view of such an array, as numba requests it."""
         return borrowed_type(super().copy(dtype=dtype, ndim=ndim, layout=layout, readonly=readonly))
 
 
 class _BorrowedTuple(types.Type):
-    """A pointer to a named tuple of arrays and named tuples that lies in the frame of whoever borrowed it."""
+    """Pointer to a named tuple of arrays and named tuples in the stack frame of the borrowing function."""
 
     def __init__(self, of):
         self.of = of
-        digest = hashlib.sha256(of.name.encode()).hexdigest()[:12]  # the name of a hundred fields is no symbol
+        digest = hashlib.sha256(of.name.encode()).hexdigest()[:12]  # the full name is too long for a symbol
         super().__init__(name=f"borrowed {of.instance_class.__name__} {digest}")
 
     def can_convert_from(self, typingctx, other):
-        """Such a tuple itself may be handed over: it is borrowed for the call."""
+        """Accept the plain tuple as an argument: it is borrowed for the call."""
         return Conversion.safe if isinstance(other, types.BaseNamedTuple) and _counted(other) == self.of else None
 
 
 def _counted(kind: Any) -> Any:
-    """The type whose machine value is the same and counts."""
+    """Return the reference-counted type with the same machine value."""
     if isinstance(kind, types.BaseNamedTuple):
         members: Any = kind
         return types.NamedTuple([_counted(inner) for inner in members], members.instance_class)
@@ -62,7 +62,7 @@ def _counted(kind: Any) -> Any:
 
 
 def borrowed_type(kind: Any) -> Any:
-    """Type of `borrowed(value)` for a value of this numba type, for signatures; itself where nothing is counted."""
+    """Return the type of `borrowed(value)` for a value of this numba type; the same type if nothing is counted."""
     if isinstance(kind, types.BaseNamedTuple):
         return _BorrowedTuple(_counted(kind))
     if isinstance(kind, types.Array) and not isinstance(kind, (_BorrowedArray, types.NestedArray)):
@@ -72,7 +72,7 @@ def borrowed_type(kind: Any) -> Any:
 
 @register_model(_BorrowedArray)
 class _BorrowedArrayModel(models.StructModel):
-    """The machine value of an array, with nothing in it that numba would count."""
+    """Data model of an array without a member that numba would count."""
 
     def __init__(self, dmm, fe_type):
         extents = types.UniTuple(types.intp, fe_type.ndim)
@@ -92,7 +92,7 @@ register_model(_BorrowedTuple)(models.OpaqueModel)
 
 
 def _without_counts(context, builder, kind, value):
-    """The machine value of an array, or of a tuple of arrays and tuples, that counts no references."""
+    """Return the machine value of an array, or of a tuple of arrays and tuples, without reference counts."""
     if isinstance(kind, types.Array):
         array = cgutils.create_struct_proxy(kind)(context, builder, value=value)
         array.meminfo = ir.Constant(array.meminfo.type, None)
@@ -106,12 +106,12 @@ def _without_counts(context, builder, kind, value):
 
 
 def borrowed(value: T) -> T:
-    """The same array, or named tuple of arrays and named tuples, without reference counts.
+    """Return the same array, or named tuple of arrays and named tuples, without reference counts.
 
-    What is borrowed is not to be returned: a tuple lies in the frame of the function that borrowed it.
+    Do not return a borrowed value: a tuple is in the stack frame of the function that borrowed it.
 
     Args:
-        value: What somebody else keeps alive for as long as the result is used.
+        value: A value that outlives every use of the result.
     """
     return value
 
@@ -122,7 +122,7 @@ def _type_borrowed(context):
 
 
 def _into_frame(builder, value):
-    """Pointer to a copy of a machine value in the frame of the function that is being compiled."""
+    """Return a pointer to a copy of a machine value in the stack frame of the function being compiled."""
     return builder.bitcast(cgutils.alloca_once_value(builder, value), cgutils.voidptr_t)
 
 
@@ -145,7 +145,7 @@ def _to_plain(context, builder, kind, wanted, value):
 
 @unbox(_BorrowedTuple)
 def _unbox(kind, obj, c):
-    """A tuple of Python's, borrowed for the call."""
+    """Convert a Python tuple, borrowed for the call."""
     native = c.unbox(kind.of, obj)
 
     def let_go():
@@ -159,12 +159,12 @@ def _unbox(kind, obj, c):
 
 @infer_getattr
 class _BorrowedTupleFields(AttributeTemplate):
-    """What the fields of a borrowed tuple are: borrowed themselves."""
+    """Types of the fields of a borrowed tuple: borrowed themselves."""
 
     key = _BorrowedTuple
 
     def generic_resolve(self, value, attr):  # type: ignore[override]
-        """Type of a field, None: there is none of this name."""
+        """Return the type of a field, None for an unknown name."""
         fields = value.of.fields
         return borrowed_type(value.of.types[fields.index(attr)]) if attr in fields else None
 

@@ -1,4 +1,4 @@
-"""The one clock every stage is given. Nothing else in the package asks the operating system for the time."""
+"""Clocks of all stages; no other module of the package reads the time of the operating system."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ TICKS_PER_SECOND = 1000
 TICK_NS = SECOND_NS // TICKS_PER_SECOND
 
 FRAMES_PER_SECOND = 60
-"""Of the picture, and of the stages that are called once a frame; a film has as many."""
+"""Frame rate of the picture, of the stages called once per frame, and of films [Hz]."""
 
 FRAME_NS = SECOND_NS // FRAMES_PER_SECOND
-"""Shortest distance of two live frames, less than a nanosecond short of a sixtieth of a second."""
+"""Shortest period of live frames [ns], a sixtieth of a second rounded down."""
 
 
 class Stopwatch(Protocol):
-    """What can be read and not waited on: session time, or what a process has computed for."""
+    """A time that can only be read: session time, or processor time."""
 
     def now_ns(self) -> int:
-        """Nanoseconds on its own scale, which never runs backwards."""
+        """Return nanoseconds on a scale that never runs backwards."""
         ...
 
 
@@ -45,7 +45,7 @@ class Clock(Stopwatch, Protocol):
     """Session time that never runs backwards."""
 
     def sleep_until_ns(self, deadline_ns: int) -> None:
-        """Return at the deadline, or at once when it has passed."""
+        """Sleep until the deadline; return at once if it has passed."""
         ...
 
 
@@ -53,7 +53,7 @@ class MonotonicClock:
     """Real time: CLOCK_MONOTONIC, the same scale as the haptic loop and the audio process."""
 
     def now_ns(self) -> int:
-        """Nanoseconds since some fixed moment of this machine."""
+        """Return nanoseconds since a fixed time of this machine."""
         return time.monotonic_ns()
 
     def sleep_until_ns(self, deadline_ns: int) -> None:
@@ -64,30 +64,30 @@ class MonotonicClock:
 
 
 class VirtualClock:
-    """Time that moves only when somebody sleeps on it: deterministic and as fast as the work."""
+    """Time that advances only by sleeping: deterministic, and as fast as the work."""
 
     def __init__(self) -> None:
         self._now_ns = 0
 
     def now_ns(self) -> int:
-        """Nanoseconds slept so far."""
+        """Return the nanoseconds slept so far."""
         return self._now_ns
 
     def sleep_until_ns(self, deadline_ns: int) -> None:
-        """Make it be the deadline [ns]."""
+        """Advance to the deadline [ns]."""
         self._now_ns = max(self._now_ns, deadline_ns)
 
 
 def process_seconds() -> float:
-    """Processor time this process has used so far, all its threads together [s]."""
+    """Return the processor time of this process so far, over all threads [s]."""
     return time.process_time()
 
 
 def ticks_until_frame(frame: int) -> int:
-    """Ticks due before frame `frame` begins: 17/17/16 a frame at 60 Hz in a fixed pattern, no float accumulator."""
+    """Return the ticks due before a frame begins: 17, 16, 17 per frame at 60 Hz, without accumulated rounding."""
     return round(frame * TICKS_PER_SECOND / FRAMES_PER_SECOND)
 
 
 def wall_time() -> datetime:
-    """Calendar time (UTC), for names and headers of files only."""
+    """Return the calendar time (UTC), for names and headers of files only."""
     return datetime.now(UTC)

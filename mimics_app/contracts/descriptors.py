@@ -1,8 +1,8 @@
-"""Bytes in and out of an open descriptor (serial line, socket) from compiled code, without waiting and without errno.
+"""Non-blocking input and output on open descriptors (serial line, socket) from compiled code, without errno.
 
-As in `contracts.atomics` every function has a plain Python meaning and a machine meaning by the C library's symbol, so
-that what calls them can be cached on disk. The descriptor must be non-blocking. Whether the other end still exists is
-asked of `poll`: the result of a read alone does not distinguish a quiet line from a dead one on every system.
+As in `contracts.atomics` every function has a Python implementation and a compiled one by the C library's symbol, so
+that callers can be cached on disk. The descriptor must be non-blocking. `poll` tells whether the other end is still
+there: the result of a read alone does not distinguish a quiet line from a dead one on every system.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ __all__ = ["HUNG_UP", "QUIET", "READABLE", "look_at", "read_bytes", "receive_byt
 
 
 QUIET, READABLE, HUNG_UP = 0, 1, 2
-"""What `look_at` sees."""
+"""Results of `look_at`."""
 
 _IN = 0x001
 _GONE = 0x008 | 0x010 | 0x020
-"""POLLERR, POLLHUP, POLLNVAL; the same on Linux and macOS."""
+"""POLLERR, POLLHUP, POLLNVAL; equal on Linux and macOS."""
 
 _DONT_WAIT = int(getattr(socket, "MSG_DONTWAIT", 0))
 _NO_SIGNAL = int(getattr(socket, "MSG_NOSIGNAL", 0))
@@ -39,7 +39,7 @@ _send = types.ExternalFunction("send", types.intp(types.int32, types.uintp, type
 
 
 def look_at(fd: int, request: NDArray[np.int32]) -> int:
-    """QUIET, READABLE or HUNG_UP, at once; `request` is scratch, shape [2]."""
+    """Return QUIET, READABLE or HUNG_UP without waiting; `request` is scratch, shape [2]."""
     poller = select.poll()
     poller.register(fd, select.POLLIN)
     seen = dict(poller.poll(0)).get(fd, 0)
@@ -47,7 +47,7 @@ def look_at(fd: int, request: NDArray[np.int32]) -> int:
 
 
 def read_bytes(fd: int, buffer: U1, start: int, count: int) -> int:
-    """Read at most `count` bytes into buffer[start:]; how many, 0 at an end, -1 when there are none now."""
+    """Read at most `count` bytes into buffer[start:]; return their number, 0 at the end, -1 for none now."""
     try:
         got = os.read(fd, count)
     except OSError:
@@ -57,7 +57,7 @@ def read_bytes(fd: int, buffer: U1, start: int, count: int) -> int:
 
 
 def write_bytes(fd: int, buffer: U1, start: int, count: int) -> int:
-    """Write buffer[start : start + count]; how many were taken, -1 when none could be."""
+    """Write buffer[start : start + count]; return the number of bytes written, -1 for none."""
     try:
         return os.write(fd, buffer[start : start + count].tobytes())
     except OSError:
@@ -65,12 +65,12 @@ def write_bytes(fd: int, buffer: U1, start: int, count: int) -> int:
 
 
 def receive_bytes(fd: int, buffer: U1, start: int, count: int) -> int:
-    """`read_bytes` of a socket: 0 says that the other side has closed it."""
+    """`read_bytes` of a socket: 0 means that the other side has closed it."""
     return read_bytes(fd, buffer, start, count)
 
 
 def send_bytes(fd: int, buffer: U1, start: int, count: int) -> int:
-    """`write_bytes` of a socket; a closed one is -1, never a signal."""
+    """`write_bytes` of a socket; -1 for a closed one, without SIGPIPE."""
     return write_bytes(fd, buffer, start, count)
 
 
@@ -78,7 +78,7 @@ def send_bytes(fd: int, buffer: U1, start: int, count: int) -> int:
 def _overload_look_at(fd, request):
     def machine(fd, request):
         request[0] = fd
-        request[1] = _IN  # events in the low half, what was seen in the high one
+        request[1] = _IN  # requested events in the low half, returned events in the high one
         if _poll(request.ctypes.data, 1, 0) < 1:
             return QUIET
         seen = (request[1] >> 16) & 0xFFFF

@@ -1,15 +1,15 @@
-"""A device as the loop knows it: its joints, its points of contact, and its kinematics as compiled functions.
+"""Device descriptor for the loop: joints, points of contact, and kinematics as compiled functions.
 
 Every kinematics function has one signature, compiled alone with `typed_kernel(KINEMATICS)`:
 
     status = f(geometry, q, given, out)
 
-`geometry` are the numbers the descriptor computes from a scene's robot (lengths, offsets), `q` the joints; points come
-one behind the other, x y z each, in the device's own frame ("robot frame") [m]. A Jacobian is row by row: entry
-[3 c + i, j] of point c, axis i and joint j stands at (3 c + i) * joints + j. Rules as of every plug-in of the loop: no
-allocation, no exception, nothing beyond the lengths the descriptor states.
+`geometry` holds the numbers that the descriptor computes from a scene's robot (lengths, offsets), `q` the joints;
+points are concatenated, x y z each, in the device's own frame ("robot frame") [m]. A Jacobian is stored row by row:
+entry [3 c + i, j] of point c, axis i and joint j is at (3 c + i) * joints + j. The rules of every plug-in of the loop
+apply: no allocation, no exception, no access beyond the lengths of the descriptor.
 
-`forward` and `jacobian` must be given. What else is given in closed form is used, what is not is computed from them.
+`forward` and `jacobian` are required. Other closed forms are used where given, and computed from these two elsewhere.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ __all__ = [
 
 
 CONTACTS = ("hand", "fingers", "left foot", "right foot", "tool")
-"""What a point of contact may be."""
+"""Names of points of contact."""
 
 _VECTOR = types.float64[::1]
 
@@ -59,44 +59,44 @@ KINEMATICS = types.int64(_VECTOR, _VECTOR, _VECTOR, _VECTOR)
 
 
 class KinematicsStatus(IntEnum):
-    """What a kinematics function returns."""
+    """Return value of a kinematics function."""
 
     DONE = 0
-    SINGULAR = 1  # the answer is the nearest there is: some direction cannot be moved in
-    UNREACHABLE = 2  # likewise: no joints reach the place
-    NOT_GIVEN = 3  # this device has no closed form; `out` is untouched
+    SINGULAR = 1  # closest solution: the device cannot move in some direction
+    UNREACHABLE = 2  # closest solution: no joints reach the point
+    NOT_GIVEN = 3  # no closed form; `out` is unchanged
 
 
 FORWARD, JACOBIAN, INVERSE, VELOCITY, TORQUE, RATES, TO_ROBOT, TO_TOOL = range(8)
-"""Places of the functions in a device's `Kinematics`."""
+"""Indices of the functions in a device's `Kinematics`."""
 
 Kin = tuple[Callable[..., int], ...]
-"""A device's functions as the loop has them, in that order."""
+"""Functions of a device in the loop, in that order."""
 
 KINEMATICS_SET = types.UniTuple(types.FunctionType(KINEMATICS), 8)  # type: ignore[no-untyped-call]
-"""Compiled type of a device's functions, so that the loop's own code is the same whatever they are."""
+"""Compiled type of a device's functions: first-class, so that the loop's code does not depend on the device."""
 
 _NOT_GIVEN = int(KinematicsStatus.NOT_GIVEN)
 
 
 @typed_kernel(KINEMATICS)
 def not_given(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
-    """What stands in the place of a closed form that a device does not have."""
+    """Placeholder for a missing closed form."""
     return _NOT_GIVEN
 
 
 class Kinematics(NamedTuple):
-    """The functions of a device, in the order of FORWARD .. TO_TOOL.
+    """Functions of a device, in the order of FORWARD .. TO_TOOL.
 
     Attributes:
-        forward: Points x of the joints q [m]; nothing is given.
-        jacobian: dx/dq, row by row; nothing is given.
-        inverse: Joints of given points; `out` holds the last joints on entry.
-        velocity: Velocities of the points, J dq, of given joint velocities.
-        torque: J^T f of given forces on the points: forces [N] of sliding, torques [N m] of turning joints.
-        rates: Joint velocities of given velocities of the points.
-        to_robot: Forces from the frame of the sensor to the robot frame; absent: they are the same.
-        to_tool: The inverse.
+        forward: Points x at joints q [m]; `given` is unused.
+        jacobian: dx/dq, row by row; `given` is unused.
+        inverse: Joints at given points; `out` holds the last joints on entry.
+        velocity: J dq, velocities of the points at given joint velocities.
+        torque: J^T f of given forces on the points: forces [N] of prismatic, torques [N m] of revolute joints.
+        rates: Joint velocities at given velocities of the points.
+        to_robot: Forces from the sensor frame to the robot frame; absent: the frames are equal.
+        to_tool: Inverse of `to_robot`.
     """
 
     forward: Callable[..., Any]
@@ -114,14 +114,14 @@ class Joint:
     """One joint.
 
     Attributes:
-        name: For people.
-        unit: "m" for a sliding, "rad" for a turning joint.
-        lowest: Least position, where a scene states none.
+        name: Name for the user.
+        unit: "m" for a prismatic, "rad" for a revolute joint.
+        lowest: Smallest position, unless the scene sets one; likewise the limits below.
         highest: Largest position.
         velocity: Largest velocity [unit/s].
         acceleration: Largest acceleration [unit/s^2].
-        inertia: Virtual inertia of the joint itself [kg, kg m^2], beside the virtual mass at the points; keeps a
-            singular pose bounded.
+        inertia: Virtual inertia of the joint itself [kg, kg m^2], added to the virtual mass at the points; it bounds
+            the motion in a singular pose.
     """
 
     name: str
@@ -135,17 +135,17 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class DeviceDescriptor:
-    """What the loop must know of a device, known before it is opened.
+    """Description of a device for the loop, available before the device is opened.
 
     Attributes:
-        joints: 1 to MAX_JOINTS.
-        contacts: Names of its points of contact, 1 to MAX_CONTACTS of CONTACTS; the first is the one that a tunnel,
-            effects and a grip act on.
-        kinematics: Its functions.
-        geometry: Up to MAX_GEOMETRY numbers for them, from the scene's robot component.
-        polar: Its joints are radial, angle about the vertical, vertical: the admittance forms of D2.1 4.2.7 hold, and
-            joints are driven by the velocity of the one point. Otherwise motion is computed in its joints.
-        torques: It measures torques at its joints, and takes torques.
+        joints: 1 to MAX_JOINTS joints.
+        contacts: Names of its points of contact, 1 to MAX_CONTACTS of CONTACTS; tunnel, effects and grip act on the
+            first.
+        kinematics: Kinematics functions.
+        geometry: Computes up to MAX_GEOMETRY numbers for them from the scene's robot component.
+        polar: The joints are radial, angle about the vertical, vertical: the admittance forms of D2.1 4.2.7 apply, and
+            the joints follow the velocity of the one point. Otherwise motion is computed in joint space.
+        torques: The device measures joint torques, and takes torques.
     """
 
     joints: tuple[Joint, ...]
@@ -170,14 +170,14 @@ class DeviceDescriptor:
 
     @property
     def extent(self) -> Extent:
-        """Which of the loop's numbers this device has."""
+        """Subset of the loop's numbers that this device has."""
         return Extent(tuple(joint.unit for joint in self.joints), len(self.contacts), self.torques)
 
     def geometry_of(self, robot: object) -> Vec:
-        """The geometry of a scene's robot, shape [MAX_GEOMETRY], zeros behind.
+        """Return the geometry of a scene's robot padded with zeros, shape [MAX_GEOMETRY].
 
         Raises:
-            ValueError: More numbers than there is room for.
+            ValueError: More than MAX_GEOMETRY numbers.
         """
         numbers = np.asarray(self.geometry(robot), np.float64)
         if numbers.size > MAX_GEOMETRY:
@@ -189,7 +189,7 @@ B = TypeVar("B", bound=Callable[..., Any])
 
 
 def described(descriptor: DeviceDescriptor) -> Callable[[B], B]:
-    """Decorator of a device's builder: its joints, points of contact and kinematics, known before it is built."""
+    """Decorator that attaches a descriptor to the builder of a device, available before it is built."""
 
     def decorate(builder: B) -> B:
         builder.descriptor = descriptor  # type: ignore[attr-defined]

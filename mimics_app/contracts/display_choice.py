@@ -1,4 +1,4 @@
-"""The kinds of display there are, and reading which one is requested. Commands ask here first."""
+"""Kinds of displays, and the parser of `--display`."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ DISPLAY_KINDS: dict[str, Literal["never", "may", "must"]] = {
     "openxr": "never",
     "sim-hmd": "may",
 }
-"""Every kind of `--display`, and whether a file goes with it."""
+"""Kinds of `--display`, and whether each takes a file."""
 
 
 @dataclass(frozen=True, slots=True)
 class DisplayChoice:
-    """A display as it is requested: KIND or KIND:FILE."""
+    """Requested display: KIND or KIND:FILE."""
 
     kind: str = "desktop"
     file: str = ""
@@ -38,10 +38,10 @@ class DisplayChoice:
 
 
 def parse_display(text: str) -> DisplayChoice:
-    """Read KIND[:FILE].
+    """Parse KIND[:FILE].
 
     Raises:
-        UsageError: no such kind, a file that is missing, or one that does not belong there.
+        UsageError: Unknown kind, a missing file, or a file for a kind that takes none.
     """
     kind, colon, file = text.partition(":")
     if kind not in DISPLAY_KINDS:

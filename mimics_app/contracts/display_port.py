@@ -1,8 +1,8 @@
-"""What a display is: which eyes look out of which pictures, and how a drawn frame is handed over.
+"""Port of displays: the eyes of a frame with their rectangles, and the presentation of a drawn frame.
 
-The renderer draws a list of views and knows no display; a display knows no renderer. Frames: "room" is the frame of a
+The renderer draws a list of views and is independent of displays, and they of it. Frames: "room" is the frame of a
 display's trackers and walls, metres, +y up; "head" is between the eyes, looking along -z; the world is the scene's. A
-scene's camera says where in the world the head of a person is who stands at the display's resting place.
+scene's camera is the pose in the world of a head at the display's rest position.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ Size = tuple[int, int]
 Tangents = tuple[float, float, float, float]
 
 MAX_PREDICTION_NS = 50_000_000
-"""A head is predicted no farther ahead [ns]: constant velocity errs by A w^2 t^2 / 2, 1.5 deg at +-30 deg and 1 Hz."""
+"""Longest prediction of a head pose [ns]: constant velocity errs by A w^2 t^2 / 2, 1.5 deg at +-30 deg and 1 Hz."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +44,7 @@ class Viewpoint:
 
     Attributes:
         world_from_head: Rigid pose of a head at rest, float64 [4, 4].
-        vertical_fov: Of a plain picture, bottom to top [rad].
+        vertical_fov: Vertical field of view of a desktop view [rad].
     """
 
     world_from_head: F8
@@ -52,10 +52,10 @@ class Viewpoint:
 
     @property
     def world_from_rest(self) -> F8:
-        """The same place and heading, level: a person stands upright in the room, wherever a camera is tilted to."""
+        """Pose with the same position and heading, levelled: a person stands upright however the camera is tilted."""
         back = self.world_from_head[:3, 2] * np.array([1.0, 0.0, 1.0])
         length = float(np.linalg.norm(back))
-        if length < _STEEP:  # it looks straight up or down: its upper edge says where is forward
+        if length < _STEEP:  # straight up or down: the camera's up vector gives the heading
             back = self.world_from_head[:3, 1] * np.array([1.0, 0.0, 1.0]) * -np.sign(self.world_from_head[1, 2])
             length = float(np.linalg.norm(back))
         back = back / length
@@ -67,15 +67,15 @@ class Viewpoint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Eye:
-    """One picture of a frame.
+    """One view of a frame.
 
     Attributes:
-        name: For files and messages: "", "left", "wall_front", "wall_front_left".
+        name: Name for files and messages: "", "left", "wall_front", "wall_front_left".
         world_from_eye: Rigid pose; looks along -z, +y up; float64 [4, 4].
-        tangents: Of the frustum's edges: left, right, bottom, top.
-        rectangle: Where in the drawn picture: x, y of the lower left corner, width, height [px].
-        screen: Views of one screen share their heads-up display; -1: none is laid over it.
-        pair: Eyes of one number are the two before one picture, and may be drawn together; -1: an eye on its own.
+        tangents: Tangents of the frustum's edges: left, right, bottom, top.
+        rectangle: Viewport in the drawn picture: x, y of the lower left corner, width, height [px].
+        screen: Views of one screen share a heads-up display; -1: no heads-up display.
+        pair: Eyes with the same number form a stereo pair and may be drawn together; -1: a single eye.
     """
 
     name: str
@@ -88,12 +88,12 @@ class Eye:
 
 @dataclass(frozen=True, slots=True)
 class WindowPlace:
-    """A window of its own for one eye's picture, beside the surface.
+    """Additional window for the view of one eye.
 
     Attributes:
         title: Name of the eye.
-        at: Its upper left corner on the desktop [px]; None: it fills a monitor.
-        size: [px]; None: as large as its picture is drawn.
+        at: Upper left corner on the desktop [px]; None: full screen.
+        size: [px]; None: the size of the drawn view.
     """
 
     title: str
@@ -116,12 +116,12 @@ class HeadsetState(Enum):
 
 @dataclass(frozen=True, slots=True)
 class FrameTiming:
-    """When a frame will be seen.
+    """Timing of a frame.
 
     Attributes:
-        display_ns: Predicted, on the session's clock [ns].
-        period_ns: From one frame to the next [ns]; 0: the display does not pace.
-        render: False where nobody would see it: nothing is drawn, the frame is ended empty.
+        display_ns: Predicted display time, on the session's clock [ns].
+        period_ns: Frame period [ns]; 0: the display does not pace.
+        render: False if the frame will not be visible: nothing is drawn, and the frame is ended empty.
     """
 
     display_ns: int
@@ -134,10 +134,10 @@ class DisplayFrame:
     """A finished frame.
 
     Attributes:
-        eyes: As drawn; a headset's runtime gets these poses and angles.
-        size: Of the picture [px].
-        texture: OpenGL name of the texture it is in, 0 where it is in none.
-        read: Reads it: RGBA display values, uint8 [height, width, 4], row 0 at the top.
+        eyes: Eyes as drawn; a headset's runtime gets these poses and angles.
+        size: Size of the picture [px].
+        texture: OpenGL name of its texture, 0 for none.
+        read: Reads the pixels: RGBA display values, uint8 [height, width, 4], row 0 at the top.
     """
 
     eyes: Sequence[Eye]
@@ -148,12 +148,12 @@ class DisplayFrame:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Composing:
-    """How the eyes' pictures become the one that is shown.
+    """Composition of the eyes' views into the picture that is shown.
 
     Attributes:
         shader: Fragment shader below shaders/.
-        vectors: Its vector and matrix uniforms by name, each flat, column after column.
-        each_eye: True where it is run over each eye's rectangle, False where once over the whole picture.
+        vectors: Its vector and matrix uniforms by name, flattened column by column.
+        each_eye: True: run once per eye's rectangle, False: once over the whole picture.
     """
 
     shader: str
@@ -162,21 +162,21 @@ class Composing:
 
 
 _STEEP = 1e-6
-"""Horizontal part of a line of sight that has no heading."""
+"""Horizontal length of a line of sight below which it has no heading."""
 
 HeadSource = Callable[[int], F8 | None]
-"""Session time [ns] -> room_from_head, float64 [4, 4]; None where no tracker knows."""
+"""Session time [ns] -> room_from_head, float64 [4, 4]; None without tracking."""
 
 
 class Display(Protocol):
     """One display. Per frame: `begin_frame`, `eyes` (again just before submitting: late latch), `end_frame`.
 
     Attributes:
-        kind: Of `DISPLAY_KINDS`.
-        head: Where the person's head is, for displays that do not know on their own.
-        composing: None where the eyes' rectangles are the picture already.
-        leaving: True once the display wants the session to end.
-        windows: Where pictures have windows of their own; () where the surface shows all.
+        kind: One of `DISPLAY_KINDS`.
+        head: Source of the head pose, for displays without tracking of their own.
+        composing: Composition of the views; None where the eyes' rectangles form the picture.
+        leaving: True once the display requests the end of the session.
+        windows: Additional windows; () if the surface shows everything.
     """
 
     kind: str
@@ -186,41 +186,41 @@ class Display(Protocol):
     windows: Sequence[WindowPlace]
 
     def drawn_size(self, shown: Size) -> Size:
-        """Size of the picture to draw [px] where one of size `shown` is to be seen."""
+        """Return the size of the picture to draw for one shown at size `shown` [px]."""
         ...
 
     def begin_frame(self, now_ns: int) -> FrameTiming:
-        """Wait for the display where it paces; when the frame will be seen.
+        """Wait for the display where it paces; return the timing of the frame.
 
         Raises:
-            DeviceError: it is gone for good.
+            DeviceError: The display is gone for good.
         """
         ...
 
     def eyes(self, viewpoint: Viewpoint, drawn: Size, display_ns: int) -> list[Eye]:
-        """What each eye sees at a time, in a picture of size `drawn`."""
+        """Return the eyes at a time, in a picture of size `drawn`."""
         ...
 
     def end_frame(self, frame: DisplayFrame | None) -> None:
-        """Hand over what was drawn, None where nothing was."""
+        """Present the drawn frame, None for an empty one."""
         ...
 
     def take_faults(self) -> list[str]:
-        """What could not be shown as it should since the last call, a line each; each fault is reported once."""
+        """Return the faults of presentation since the last call, one line each; each is reported once."""
         ...
 
     def tracked(self) -> Sequence[TrackerSample]:
-        """What the display itself knows of head and hands, in the frame of the head at rest; () for nothing."""
+        """Return the display's own tracking of head and hands, in the frame of the head at rest; () for none."""
         ...
 
     def take_pressed(self) -> Sequence[str]:
-        """Gamepad buttons that the person's own controllers stand for and that went down since the last call."""
+        """Return the gamepad buttons, mapped from the display's controllers, pressed since the last call."""
         ...
 
     def renew(self) -> None:
-        """The surface has a new context: what was bound to the old one is gone."""
+        """Recreate the resources of a lost OpenGL context."""
         ...
 
     def close(self) -> None:
-        """Free everything."""
+        """Release all resources."""
         ...

@@ -1,4 +1,4 @@
-"""What a run was made with: versions of software, the machine, and pairs of wall and monotonic time."""
+"""Environment of a run: software versions, the machine, and pairs of wall and monotonic time."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _LIBRARIES = ("numpy", "numba", "moderngl", "glfw", "PyOpenAL", "msgspec", "pyar
 
 
 def clock_pair() -> dict[str, Any]:
-    """Wall time (UTC, ISO 8601) and monotonic time [ns] at one moment, to place a session in the calendar."""
+    """Return wall time (UTC, ISO 8601) and monotonic time [ns] of one moment, to date a session."""
     return {"utc": wall_time().isoformat(), "monotonic_ns": MonotonicClock().now_ns()}
 
 
@@ -32,7 +32,7 @@ def boot_id() -> str:
 
 @cache
 def describe_environment() -> dict[str, dict[str, Any]]:
-    """`versions` of the application and its libraries, and the `machine`; nothing that names a person or a host."""
+    """Return the `versions` of application and libraries, and the `machine`, without names of persons or hosts."""
     from importlib.metadata import PackageNotFoundError, version
 
     versions = {"mimics_app": mimics_app.__version__, "python": platform.python_version()}

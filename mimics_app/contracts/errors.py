@@ -1,11 +1,11 @@
-"""The tree of errors a person can meet, each with the exit code the command line gives it.
+"""Hierarchy of the errors reported to the user, each with the exit code of the command line.
 
 MimicsError                 what happened, and what to do
-|- UsageError         2     a command or an argument that cannot be
-|- SceneError         3     a scene, glTF, texture or action file, or no run folder; carries every issue found
-|- DeviceError        4     a device, display or sound output that cannot be had
+|- UsageError         2     invalid command or argument
+|- SceneError         3     invalid scene, glTF, texture or action file, or not a run folder; carries all issues
+|- DeviceError        4     a device, display or sound output is not available
 |- SafetyStop         5     the haptic loop latched SAFE_STOP or E_STOP
-`- PartialDataError   6     a recording that ends early or does not agree with itself
+`- PartialDataError   6     a recording is incomplete or inconsistent
 """
 
 from __future__ import annotations
@@ -36,19 +36,19 @@ __all__ = [
 ]
 
 MOST_LISTED = 100
-"""Most issues of one call that are reported one by one; of the rest their number is."""
+"""Largest number of issues listed per call; the others are counted."""
 
 MOST_SOUGHT = 1000
-"""Faults of one file after which no more of them are looked for."""
+"""Number of faults of one file after which its check ends."""
 
 _LONG_VALUE = re.compile(r"""(?P<mark>["'])(?P<quoted>(?:(?!(?P=mark)).){81,})(?P=mark)|[^\s/"']{81,}""", re.DOTALL)
-"""A value of a file, in quotes or without, that is longer than a line should be; a path stays whole."""
+"""Value of a file, quoted or not, of more than 80 characters; paths do not match."""
 _HEAD, _TAIL = 50, 25
-"""Characters of such a value that are shown of its beginning and its end."""
+"""Characters shown of the beginning and the end of such a value."""
 _MOST_TEXT = 1000
-"""Characters of a text that is long for another reason, such as a list of names."""
+"""Largest length of a text that is long for another reason, such as a list of names."""
 _MOST_NAMES = 1000
-"""Names that are compared for the nearest one; comparing one takes some microseconds."""
+"""Largest number of names compared for the nearest one, some microseconds each."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,7 @@ class Issue:
         file: Path as the user wrote it.
         pointer: JSON pointer (RFC 6901) of the value, or "" for the whole file.
         what: What is wrong, in one sentence.
-        fix: What to do, in one sentence; "" when `what` says it already.
+        fix: What to do, in one sentence; "" if `what` implies it.
     """
 
     file: str
@@ -77,24 +77,24 @@ class Issue:
 
 
 def listed_issues(issues: Sequence[Issue]) -> tuple[list[Issue], int]:
-    """The issues that are reported one by one, each once, and how many more there are."""
+    """Return the distinct issues to list, and the number of the others."""
     once = list(dict.fromkeys(issues))
     return once[:MOST_LISTED], max(len(once) - MOST_LISTED, 0)
 
 
 def all_sought(issues: Sequence[Issue]) -> bool:
-    """Whether these are all the faults there are; of `MOST_SOUGHT` or more some may never have been looked for."""
+    """Whether these are all the faults: the check of a file ends after `MOST_SOUGHT`."""
     return len(issues) < MOST_SOUGHT
 
 
 def more_issues(issues: Sequence[Issue]) -> str:
-    """How many issues there are beside those that are reported one by one, in words; "" for none."""
+    """Return the number of issues that are not listed, in words; "" for none."""
     more = listed_issues(issues)[1]
     return f"and {'' if all_sought(issues) else 'at least '}{counted(more, 'more errors')}" if more else ""
 
 
 class MimicsError(Exception):
-    """Root of every error that is reported to a person instead of traced."""
+    """Base class of errors that are reported to the user without a traceback."""
 
     exit_code = 1
 
@@ -110,13 +110,13 @@ class MimicsError(Exception):
 
 
 class UsageError(MimicsError):
-    """A command or an argument that cannot be."""
+    """An invalid command or argument."""
 
     exit_code = 2
 
 
 class SceneError(MimicsError):
-    """A file that describes the world is wrong, or a folder is no run folder. All faults found are carried at once."""
+    """Invalid file of a scene, or a folder that is not a run folder; carries all faults found."""
 
     exit_code = 3
 
@@ -132,13 +132,13 @@ class SceneError(MimicsError):
 
 
 class DeviceError(MimicsError):
-    """A device, a display or a sound output cannot be had.
+    """A device, a display or a sound output is not available.
 
     Args:
         what: What is wrong.
         fix: What to do.
-        file: Scene file that requests the device, where one does.
-        pointer: JSON pointer of the place in it.
+        file: Scene file that requests the device, or "".
+        pointer: JSON pointer of the request in it.
     """
 
     exit_code = 4
@@ -149,7 +149,7 @@ class DeviceError(MimicsError):
 
     @property
     def issues(self) -> list[Issue]:
-        """The error with the place that requested the device."""
+        """The error as one issue, with the place that requested the device."""
         return [Issue(*self._place, self.what, self.fix)]
 
 
@@ -160,13 +160,13 @@ class SafetyStop(MimicsError):
 
 
 class PartialDataError(MimicsError):
-    """A recording ends early, misses a part, or does not agree with its replay."""
+    """A recording ends early, lacks a part, or differs from its replay."""
 
     exit_code = 6
 
 
 def first_line(error: Exception) -> str:
-    """What a library says of its failure, or the failure's name where it says nothing."""
+    """Return the first line of an error's message, or its type if it has no message."""
     return (str(error) or type(error).__name__).splitlines()[0]
 
 
@@ -185,7 +185,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 def short_text(text: str) -> str:
-    """A text for people in which values of more than 80 characters are shortened to their beginning and their end."""
+    """Return a text with values of more than 80 characters shortened to their beginning and end."""
     if len(text) <= _HEAD:
         return text
     text = _LONG_VALUE.sub(_shortened, text)

@@ -1,4 +1,4 @@
-"""What each stage of a frame may cost at 60 frames a second: what the frame graph draws and the bench compares with."""
+"""Time budget of each stage of a frame at 60 frames per second, for the frame graph and the bench."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 __all__ = ["BUDGET_MS", "FRAME_MS", "over_budget"]
 
 FRAME_MS = 1000.0 / 60.0
-"""Of a whole frame [ms]."""
+"""Duration of a frame [ms]."""
 
 BUDGET_MS: Mapping[str, float] = {
     "reload": 0.1,
@@ -28,10 +28,10 @@ BUDGET_MS: Mapping[str, float] = {
     "post": 0.7,
     "swap": 0.5,
 }
-"""By stage, in the order they run [ms]; together they leave a frame some air. `submit` is the world in every view."""
+"""Budget by stage in order of execution [ms]; the sum is below FRAME_MS. `submit` draws the world in all views."""
 
 
 def over_budget(stages_ms: Mapping[str, float]) -> list[str]:
-    """Stages that took longer than they may [ms], the worst first."""
+    """Return the stages beyond their budget, ordered by the ratio, the worst first."""
     over = {name: ms / BUDGET_MS[name] for name, ms in stages_ms.items() if ms > BUDGET_MS.get(name, float("inf"))}
     return sorted(over, key=lambda name: -over[name])

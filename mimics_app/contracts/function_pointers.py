@@ -1,7 +1,7 @@
-"""Compiled functions as numbers in an array, for compiled code that is called often from Python.
+"""Addresses of compiled functions in an array, for compiled code that Python calls often.
 
-A function that is handed to compiled code is looked up by its signature at every call, in Python, which costs more than
-the ticks of a frame; the loop takes seventeen. Their addresses are looked up once instead.
+A function passed to compiled code is looked up by its signature at every call, in Python; for the loop's seventeen
+functions this costs more than the ticks of a frame. With this module their addresses are looked up once.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _MEMBERS = ("c_addr", "py_addr", "jit_addr")
 
 
 def pointers_to(functions: Sequence[Any], kind: Any) -> NDArray[np.int64]:
-    """The machine values of compiled functions, which must be kept alive for as long as the array is used.
+    """Return the machine values of compiled functions, which must outlive the array.
 
     Args:
         functions: Functions, and tuples of functions.
@@ -43,7 +43,7 @@ def pointers_to(functions: Sequence[Any], kind: Any) -> NDArray[np.int64]:
 
 
 def functions_at(pointers: NDArray[np.int64], kind: Any) -> Any:
-    """The functions again, as a tuple of type `kind`; a call for compiled code only."""
+    """Return the functions as a tuple of type `kind`; for compiled code only."""
     raise TypeError("functions_at is for compiled code")
 
 
@@ -62,7 +62,7 @@ def _functions_at(context, builder, signature, args):
 
 
 def _load(context, builder, kind, words, at):
-    """Machine value of a function or a tuple of them from the words behind index `at`, and the index behind it."""
+    """Return the machine value of a function, or a tuple of them, from the words at index `at`, and the next index."""
     if isinstance(kind, types.BaseTuple):
         kinds: Any = kind
         members = []

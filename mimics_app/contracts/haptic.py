@@ -1,9 +1,9 @@
-"""Records that cross the border of the 1 kHz loop, and their names and units.
+"""Records exchanged with the 1 kHz loop, with names and units.
 
-    SCENE     main -> loop   parameters, through a triple buffer; read in place, valid from one tick boundary on
-    INBOX     main -> loop   what a pointing device or the task passes to the device plug-in, through a triple buffer
-    SNAPSHOT  loop -> all    the newest state, through a triple buffer; poses of haptic bodies travel beside it
-    SAMPLE    loop -> recorder, one per tick, through a ring: inputs for replay and every output
+    SCENE     main -> loop   parameters, through a triple buffer; read in place, valid from a tick boundary on
+    INBOX     main -> loop   inputs of the device plug-in from pointing device and task, through a triple buffer
+    SNAPSHOT  loop -> all    the newest state, through a triple buffer, with the poses of haptic bodies beside it
+    SAMPLE    loop -> recorder, one per tick, through a ring: inputs for replay and all outputs
     EVENT     loop -> main, audio, recorder: 64 bytes, one ring each
 
 Frames: `world` is the scene's (right-handed, +y up, metres), `robot` is the device's own (of the HapticMaster its WCS:
@@ -55,7 +55,7 @@ SECOND_NS = 1e9
 
 
 class SafetyState(IntEnum):
-    """States of the haptic loop; OFF to ACTIVE in order, the last two latched until a person resets."""
+    """States of the haptic loop; OFF to ACTIVE in order, the last two latched until a reset by a person."""
 
     OFF = 0
     INIT = 1
@@ -85,7 +85,7 @@ class TripCause(IntEnum):
 
 
 class Controller(IntEnum):
-    """What drives the robot (D2.1 4.2.5-4.2.7)."""
+    """Controller of the robot (D2.1 4.2.5-4.2.7)."""
 
     OFF = 0
     JOINT_PD = 1
@@ -95,7 +95,7 @@ class Controller(IntEnum):
 
 
 class AdmittanceForm(IntEnum):
-    """How the virtual mass of a polar device moves: as printed (6, 7), with its coupling terms, or Cartesian."""
+    """Form of the virtual mass of a polar device: as printed (6, 7), with its coupling terms, or Cartesian."""
 
     SEED = 0
     POLAR = 1
@@ -103,7 +103,7 @@ class AdmittanceForm(IntEnum):
 
 
 class Projection(IntEnum):
-    """How the closest point of a tunnel's bisector is found; names as in the method registry."""
+    """Method for the closest point of a tunnel's bisector; names as in the method registry."""
 
     NEWTON_WARM = 0
     GOLDEN_SECTION = 1
@@ -119,7 +119,7 @@ class Button(IntFlag):
 
 
 class DeviceStatus(IntEnum):
-    """What a device plug-in's read returns."""
+    """Return value of a device plug-in's read."""
 
     FRESH = 0
     NO_DATA = 1
@@ -151,7 +151,7 @@ LIMITS: list[tuple[Any, ...]] = [
     ("position_jump", "f8"),  # [m] a position may move more than velocity_limit allows before SAFE_STOP
     ("max_acceleration", "f8"),  # [m/s^2] of the virtual mass
     ("max_velocity", "f8"),  # [m/s] of the command
-    ("drive_force", "f8"),  # [N] most that drive_stiffness and drive_damping do
+    ("drive_force", "f8"),  # [N] largest force of drive_stiffness and drive_damping together
     ("joint_min", "f8", (MAX_JOINTS,)),
     ("joint_max", "f8", (MAX_JOINTS,)),
     ("joint_velocity", "f4", (MAX_JOINTS,)),  # of the command, largest per joint
@@ -163,12 +163,12 @@ LIMITS: list[tuple[Any, ...]] = [
     ("cap_margin", "f8"),  # [-] stability margin that a capped contact keeps
     ("device_delay", "f8"),  # from command to motion [s]; as the device plug-in states it
     ("device_damping", "f8"),  # [N s/m] of a force driven device itself
-    ("arm_damping", "f8"),  # of the person's arm [N s/m], counted on in the stability limit
-    ("passivity", "i8"),  # 1: energy that a contact makes is dissipated; 0: only counted
-    ("passivity_damping", "f8"),  # [N s/m] most that taking it back may add
-    ("tank_size", "f8"),  # [J] energy that active forces can draw on
-    ("tank_refill", "f8"),  # [W] that always flows into the tank
-    ("tank_return", "f8"),  # [-] share of what the virtual damping takes that flows into the tank
+    ("arm_damping", "f8"),  # of the person's arm [N s/m], assumed in the stability limit
+    ("passivity", "i8"),  # 1: energy that a contact generates is dissipated; 0: only counted
+    ("passivity_damping", "f8"),  # [N s/m] largest damping of that dissipation
+    ("tank_size", "f8"),  # [J] energy available to active forces
+    ("tank_refill", "f8"),  # [W] constant inflow of the tank
+    ("tank_return", "f8"),  # [-] share of the virtual damping's dissipation that flows into the tank
     ("late_hold_ns", "i8"),  # a tick later than this is counted and its output held
     ("late_damp_ns", "i8"),  # later: DEGRADED, force ramped down with damping
     ("late_stop_ns", "i8"),  # later: SAFE_STOP
@@ -177,8 +177,8 @@ LIMITS: list[tuple[Any, ...]] = [
     ("stale_warn_ns", "i8"),  # device data older than this is counted
     ("stale_stop_ns", "i8"),  # older: SAFE_STOP
 ]
-"""Fields of SCENE that keep the user safe, and what the device is counted on for. They are written once, at the start
-of a session: no task, action, policy or plug-in can name one."""
+"""Fields of SCENE that keep the user safe, with the assumed properties of the device. They are written once, at the
+start of a session: no task, action, policy or plug-in can name one."""
 
 LIMIT_NAMES: frozenset[str] = frozenset(field[0] for field in LIMITS)
 """Their names."""
@@ -190,7 +190,7 @@ FEEL = [
     ("ball_radius_max", "f8"),  # [m] at no grasp
     ("grasp_force_full", "f8"),  # [N] that makes the ball smallest
 ]
-"""Fields of SCENE that a task may change while it runs, beside those of its tunnels and of its objects."""
+"""Fields of SCENE that a task may change during a run, beside those of its tunnels and objects."""
 
 SCENE = np.dtype(
     [
@@ -210,18 +210,18 @@ SCENE = np.dtype(
         ("torques", "i1"),  # 1: it takes torques at its joints
         ("polar", "i1"),  # 1: its joints are radial, angle, vertical (4.2.7); 0: motion is computed in its joints
         ("through_joints", "i1"),  # 1: WORLD_PD by inverse kinematics and joint PD (4.2.6), 0: straight
-        ("geometry", "f8", (MAX_GEOMETRY,)),  # what its kinematics functions are given; polar: d1 [m] of (1)
+        ("geometry", "f8", (MAX_GEOMETRY,)),  # argument of its kinematics functions; polar: d1 [m] of (1)
         ("joint_inertia", "f4", (MAX_JOINTS,)),  # virtual inertia of each joint itself [kg, kg m^2]
         ("R_world_from_robot", "f8", (3, 3)),
         ("origin_world", "f8", (3,)),  # WCS origin in the world [m]
         *FEEL,
         *LIMITS,
-        ("own_tunnel", "i8"),  # row of the tunnel that the task is about: the sample describes it
+        ("own_tunnel", "i8"),  # row of the task's tunnel, which the sample describes
         ("objects", OBJECT_COUNTS),  # rows in use of the tables beside this record
     ],
     align=True,
 )
-"""Everything the main thread passes to the loop. One writer: the main thread."""
+"""Parameters from the main thread to the loop. One writer: the main thread."""
 
 INBOX = np.dtype(
     [
@@ -233,7 +233,7 @@ INBOX = np.dtype(
     ],
     align=True,
 )
-"""What the main thread passes to the device plug-in."""
+"""Inputs of the device plug-in from the main thread."""
 
 SAMPLE = sample_dtype(LOOP_FIELDS)
 """One row per tick; every field float64, so a row is also a float64 vector. Fields and units: `LOOP_FIELDS`."""
@@ -249,7 +249,7 @@ EVENT = np.dtype(
         ("t_ns", "i8"),
         ("tick", "i8"),
         ("kind", "i4"),  # EventKind
-        ("body_a", "i2"),  # 0 is the hand, i + 1 is body i
+        ("body_a", "i2"),  # 0 is the HIP, i + 1 is body i
         ("body_b", "i2"),  # likewise; -1: the static scene
         ("material_a", "i2"),
         ("material_b", "i2"),
@@ -257,9 +257,9 @@ EVENT = np.dtype(
         ("normal_world", "f4", (3,)),  # out of the touched surface
         ("speed", "f4"),  # approach speed [m/s]
         ("force", "f4"),  # [N]; STATE, TRIP, PARAMETERS, MARGIN: the new state, cause, sequence or margin;
-        # CAP: share of the stiffness that is left; STALE: age of the device's data [s]; LEFT_OUT: pairs of shapes near
-        # each other that do not collide for want of room; QUARANTINE: row of the effect whose field was put away
+        # CAP: remaining share of the stiffness; STALE: age of the device's data [s]; LEFT_OUT: number of pairs of
+        # close shapes beyond the capacity, which do not collide; QUARANTINE: row of the effect of the force field
         ("value", "f4"),  # kind-specific: tunnel parameter s of a contact
     ]
 )
-"""What happened at one tick, 64 bytes."""
+"""One event of a tick, 64 bytes."""

@@ -1,13 +1,13 @@
-"""Records of the haptic objects (D2.1 4.2.8-4.2.10): what the main thread passes to the loop of them, and what they do.
+"""Records of the haptic objects (D2.1 4.2.8-4.2.10).
 
     SHAPE, BODY, EFFECT, POINT, WIRE, TUNNEL
-              main -> loop   rows beside SCENE in the same triple buffer, so that all of one sequence number are taken
+              main -> loop   rows beside SCENE in the same triple buffer, so that all of one sequence number take effect
                              at one tick boundary; SCENE.objects counts the rows in use
-    MOTION    loop alone     how the bodies move; their poses travel beside the snapshot
+    MOTION    loop only      motion of the bodies; their poses are published beside the snapshot
 
-A body is one haptic object; its shapes are what can be touched of it. A shape of no body belongs to the static scene.
-Shapes of kind WALL are half-spaces with their free side at local +z, as (16); the axis of a cylinder or capsule is
-local +y, as of the meshes that show them. Capacities are fixed when the session is built; only rows in use are copied.
+A body is one haptic object; its shapes are its collision geometry. A shape without a body belongs to the static scene.
+Shapes of kind WALL are half-spaces with their free side at local +z, as in (16); the axis of a cylinder or capsule is
+local +y, as in their visual meshes. Capacities are fixed when the session is built; only rows in use are copied.
 SI units; world = the scene's frame.
 """
 
@@ -39,17 +39,17 @@ __all__ = [
 ]
 
 MAX_POINTS = 4
-"""Most interaction points of one device: two fingers, two hands, two feet."""
+"""Largest number of interaction points of one device."""
 
 MAX_PIECES = 96
-"""Most cubic pieces one tunnel or path may have; fixes the size of its row."""
+"""Largest number of cubic pieces of a tunnel or path; it fixes the size of a row."""
 
 STATIC = -1
 """Body of a shape that belongs to the static scene."""
 
 
 class ShapeKind(IntEnum):
-    """What can be touched."""
+    """Geometry of a shape."""
 
     WALL = 0
     SPHERE = 1
@@ -60,14 +60,14 @@ class ShapeKind(IntEnum):
 
 
 class ForceLaw(IntEnum):
-    """Force of depth and its rate: max(0, k d + b d'), or k d^n (1 + a d') of Hunt and Crossley."""
+    """Contact force as a function of penetration depth: max(0, k d + b d'), or Hunt-Crossley k d^n (1 + a d')."""
 
     SPRING_DAMPER = 0
     HUNT_CROSSLEY = 1
 
 
 class BodyFlag(IntFlag):
-    """What 4.2.8.2 lets an author enable; SLEEPS: may be left out while nothing moves it."""
+    """Features of a body to enable (4.2.8.2); SLEEPS: not simulated while at rest."""
 
     TRANSLATION = 1
     ROTATION = 2
@@ -77,7 +77,7 @@ class BodyFlag(IntFlag):
 
 
 class ObjectIntegrator(IntEnum):
-    """How a body's translation is advanced; names as in the method registry's group "integrator"."""
+    """Integrator of a body's translation; names as in the method registry's group "integrator"."""
 
     SEMI_IMPLICIT = 0
     EXPLICIT = 1
@@ -101,7 +101,7 @@ class EffectKind(IntEnum):
 
 
 class SignalSource(IntEnum):
-    """Outputs of the blocks (4.2.8.2) that a wire may start from; numbers travel as (x, 0, 0)."""
+    """Outputs of the blocks (4.2.8.2) as sources of a wire; a scalar x is (x, 0, 0)."""
 
     POSITION_ROBOT = 0  # p_rob
     VELOCITY_ROBOT = 1  # v_rob
@@ -121,7 +121,7 @@ class SignalSource(IntEnum):
 
 
 class SignalTarget(IntEnum):
-    """Inputs that a wire may lead to; what several wires bring to one input is added."""
+    """Inputs as targets of a wire; the values of several wires to one input are added."""
 
     FORCE_AUX = 0  # F_aux of a body
     TORQUE_AUX = 1  # T_aux of a body
@@ -191,7 +191,7 @@ BODY = np.dtype(
     ],
     align=True,
 )
-"""One haptic object as the author wants it."""
+"""Parameters of one haptic object."""
 
 MOTION = np.dtype(
     [
@@ -204,7 +204,7 @@ MOTION = np.dtype(
         ("momentum", "f8", (3,)),  # angular, about the centre of mass, world [kg m^2/s]
         ("force", "f8", (3,)),  # gathered for this tick, without gravity and drag [N]
         ("torque", "f8", (3,)),  # about the centre of mass [N m]
-        ("force_user", "f8", (3,)),  # F_rob: what this body does to the user, before the limiter [N]
+        ("force_user", "f8", (3,)),  # F_rob: force of this body on the user, before the limiter [N]
         ("spawn", "i8"),  # BODY.spawn as last seen
         ("touched", "i4"),  # 1 while a point touches it
         ("collided", "i4"),  # 1 while it touches a shape of another body or the static scene
@@ -213,7 +213,7 @@ MOTION = np.dtype(
     ],
     align=True,
 )
-"""How one body moves. All zero is a body that has not been put in its place yet."""
+"""Motion of one body; all zero until the body is placed."""
 
 EFFECT = np.dtype(
     [
@@ -221,7 +221,7 @@ EFFECT = np.dtype(
         ("enabled", "i4"),
         ("body", "i4"),  # the effect acts between user and this body; STATIC: on the user alone
         ("on_body", "i4"),  # 1: it acts on the body alone, the user feels nothing
-        ("field", "i4"),  # number handed to the force field, for FIELD
+        ("field", "i4"),  # index of the force field, for FIELD
         ("path", "i4"),  # row of the path table, for PATH_SPRING and GUIDANCE
         ("position", "f8", (3,)),  # anchor or centre, world, or in the body's frame [m]
         ("direction", "f8", (3,)),  # unit, of CONSTANT and VIBRATION; half edges of a WORKSPACE box [m]
@@ -251,9 +251,9 @@ POINT = np.dtype(
 WIRE = np.dtype(
     [
         ("source", "i4"),  # SignalSource
-        ("source_row", "i4"),  # body it is read of
+        ("source_row", "i4"),  # body of the source
         ("target", "i4"),  # SignalTarget
-        ("target_row", "i4"),  # body or effect it is brought to
+        ("target_row", "i4"),  # body or effect of the target
         ("gain", "f8", (3, 3)),  # target = gain source + offset
         ("offset", "f8", (3,)),
     ],
@@ -263,9 +263,9 @@ WIRE = np.dtype(
 
 TUNNEL = np.dtype(
     [
-        ("pieces", "i8"),  # cubic pieces in use; 0: nothing that holds
+        ("pieces", "i8"),  # cubic pieces in use; 0: no tunnel
         ("projection", "i8"),  # Projection
-        ("frenet", "i8"),  # 1: n towards the centre of curvature, which turns over at inflections; 0: carried along
+        ("frenet", "i8"),  # 1: n towards the centre of curvature, flips at inflections; 0: rotation-minimising
         ("centre", "f8", (MAX_PIECES, 3, 4)),  # world [m]: a0 + a1 u + a2 u^2 + a3 u^3, u in [0, 1), per axis
         ("radius", "f8", (MAX_PIECES, 4)),  # [m], same parameter
         ("arc_length", "f8", (MAX_PIECES + 1,)),  # [m] at piece starts and the end
@@ -280,4 +280,4 @@ TUNNEL = np.dtype(
     ],
     align=True,
 )
-"""One tunnel of D2.1 4.2.10, or a path that an effect follows."""
+"""One tunnel of D2.1 4.2.10, or the path of an effect."""

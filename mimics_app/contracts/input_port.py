@@ -1,6 +1,6 @@
-"""What the input stage needs of the outside: a window's events, a ray through its picture, sources of input.
+"""Ports of the input stage: window events, picking rays, and sources of input.
 
-The window belongs to `rendering.visual`, the meaning of its events to `inputs`; neither imports the other.
+The window belongs to `rendering.visual`, the interpretation of its events to `inputs`; neither imports the other.
 """
 
 from __future__ import annotations
@@ -20,55 +20,55 @@ Ray = tuple[Vec3, Vec3]
 """(origin [m], direction of any length), both in the world."""
 
 RayFromWindow = Callable[[float, float], Ray | None]
-"""(right, up), each in [-1, 1] of the window -> the ray through that place; None where no view is drawn there."""
+"""(right, up), each in [-1, 1] of the window -> the ray through that point; None outside every view."""
 
 
 @dataclass(frozen=True, slots=True)
 class WindowFrame:
-    """What happened at the window since the last frame, and the gamepad as it stands."""
+    """Window events since the last frame, and the present state of the gamepad."""
 
     events: tuple[InputEvent, ...] = ()
     gamepad: GamepadState = field(default_factory=GamepadState)
 
 
 class Window(Protocol):
-    """Whatever has a window: drained once a frame."""
+    """A window, polled once per frame."""
 
     @property
     def gamepad(self) -> GamepadState:
-        """The first gamepad as of the last poll."""
+        """State of the first gamepad at the last poll."""
         ...
 
     def poll(self) -> Sequence[InputEvent]:
-        """Events since the last call, oldest first. Never blocks."""
+        """Return the events since the last call, oldest first; never blocks."""
         ...
 
 
 class PointerSource(Protocol):
-    """One method to point and grasp: mouse, keys and gamepad together, a simulated person, a recorded one."""
+    """Source of pointing and grasping: mouse, keys and gamepad together, a simulated person, or a recording."""
 
     def read(self, window: WindowFrame, now_ns: int) -> PointerState | None:
-        """Take one frame; None when this source has nothing to say yet."""
+        """Process one frame; return None while there is no state yet."""
         ...
 
     def hold_at(self, point_world: Vec3) -> None:
-        """The robot is being driven: rest the cursor at this point [m] until the person moves it."""
+        """Keep the cursor at this point [m], where the robot is driven, until the person moves it."""
         ...
 
     def aim(self, aim: Aim | None) -> None:
-        """What the scene asks the hand to do next; None where it leaves that to the person."""
+        """Set the next action of the hand in the scene; None: left to the person."""
         ...
 
 
 class SignalSource(Protocol):
-    """One recorder of body signals."""
+    """Source of body signals."""
 
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
-        """Blocks that arrived since the last call; () when none did."""
+        """Return the blocks since the last call; () for none."""
         ...
 
     def feel(self, experience: Experience) -> None:
-        """What the person went through in this frame: a simulated person answers to it, a movement is read from it."""
+        """Process the experience of this frame, from which simulated signals and movement signals are derived."""
 
     def close(self) -> None:
-        """Let go of what is behind it."""
+        """Release the device or file."""

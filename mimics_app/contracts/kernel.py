@@ -1,4 +1,4 @@
-"""One decorator for every compiled function; where its machine code is kept: contracts/kernel_cache.py."""
+"""Decorators of all compiled functions; their machine code is cached by contracts/kernel_cache.py."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ __all__ = ["kernel", "typed_kernel"]
 P = ParamSpec("P")
 R = TypeVar("R")
 
-# Plug-ins of the loop travel as first-class functions: pinned, tested, and nothing a person at the console can act on.
+# Plug-ins of the loop are first-class functions: numba is pinned, and the user cannot act on this warning.
 warnings.filterwarnings("ignore", "First-class function type", NumbaExperimentalFeatureWarning)
 
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 
 
 _plain: Callable[[Any], Any] = unliteral
-"""int64 for the type of the constant 7; other types as they are."""
+"""Literal types to plain ones: int64 for the constant 7; other types unchanged."""
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
@@ -40,9 +40,9 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def _of_its_callee(function: Callable[..., object]) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """What numba asks a function for when another calls it: those of its callee, which is made when it first does.
+    """Return the call template and overload functions of the callee, which is made at the first call.
 
-    A constant that is handed over is an argument like any other: numba would compile the function for each number.
+    A constant argument is treated like any other argument: numba would compile the function for each constant.
     """
 
     @cache
@@ -56,13 +56,13 @@ def _of_its_callee(function: Callable[..., object]) -> tuple[Callable[..., Any],
         except TypingError:
             if plain == (tuple(args), kws):
                 raise
-            return callee().get_call_template(args, kws)  # a number it needs to know: the place in a tuple
+            return callee().get_call_template(args, kws)  # the constant is needed, such as an index of a tuple
 
     return get_call_template, lambda signature: callee().get_overload(signature)
 
 
 def _with_environments(compile_core: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a function and give the callees linked into it their environments, which numba gives what it loads."""
+    """Wrap the compiler so that callees linked into a function get their environments, as loaded functions do."""
 
     def compile_all(args: Any, return_type: Any) -> Any:
         made = compile_core(args, return_type)

@@ -1,9 +1,9 @@
-"""The cache of compiled kernels: a private folder, one subfolder per module and state of the sources it can reach.
+"""Cache of compiled kernels: a private folder with one subfolder per module and state of the sources it reaches.
 
-numba's own cache looks at the file of the root function only: a changed helper in another file is not seen, a cache
-made with bounds checks is taken for one without, and its index is a pickle, so whoever may write the folder may run
-code as its reader. Here a module's key is the hash of its own source and of every source its imports reach, so an edit
-compiles its importers again and nothing else, and the folder belongs to this user alone.
+numba's own cache checks the file of the root function only: it misses a changed helper in another file and does not
+distinguish code with bounds checks; and its index is a pickle, so that write access to the folder is code execution as
+its reader. Here the key of a module is the hash of its own source and of every source its imports reach, so that an
+edit recompiles the importers alone, and the folder is accessible to this user only.
 """
 
 from __future__ import annotations
@@ -46,10 +46,10 @@ _OPEN_TO_OTHERS = 0o077
 
 
 def _load_arrays() -> None:
-    """Import numba's functions of arrays without all of scipy.linalg, which it would import to see that it is there.
+    """Import numba's array functions without scipy.linalg, which numba imports only to check that it is installed.
 
-    Machine code that calls a BLAS imports it then on its own; that scipy fits numba's width of integers is still looked
-    at. A numba of another build imports them its own way.
+    Machine code that calls BLAS imports it later; the check of scipy's integer width is kept. A numba of another
+    structure imports everything as usual.
     """
     from numba.np import linalg
 
@@ -65,12 +65,12 @@ _load_arrays()
 
 
 def _load_without_cffi() -> None:
-    """Import numba's side of cffi as if that were not installed: it would load a parser of C for functions of C.
+    """Import numba's cffi support as if cffi were not installed, which avoids loading its C parser.
 
-    No kernel calls one; cffi is there because libraries of sound are wrapped by it.
+    No kernel calls a cffi function; cffi is installed for wrappers of sound libraries.
     """
     known = sys.modules.get("cffi")
-    sys.modules["cffi"] = None  # type: ignore[assignment]  # how Python says: not to be imported
+    sys.modules["cffi"] = None  # type: ignore[assignment]  # makes `import cffi` fail
     try:
         from numba.core.typing import cffi_utils  # noqa: F401
     finally:
@@ -86,7 +86,7 @@ _load_without_cffi()
 
 
 def _candidates() -> Iterator[Path]:
-    """Where the folder may lie, best first."""
+    """Yield candidates for the folder, best first."""
     for variable in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
         if named := os.environ.get(variable):
             yield Path(named) / "mimics"
@@ -97,7 +97,7 @@ def _candidates() -> Iterator[Path]:
 
 
 def _make_private(folder: Path) -> bool:
-    """Whether `folder` is a directory (no link) of this user that nobody else may open; made or closed if need be."""
+    """Whether `folder` is a private directory (no link) of this user; it is created or its mode set if need be."""
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         with suppress(FileExistsError):
@@ -116,25 +116,25 @@ def _make_private(folder: Path) -> bool:
 
 
 def private_folder() -> Path | None:
-    """The first candidate that is this user's own, else a fresh folder for this process and its children, else None."""
+    """Return the first private candidate, else a new folder for this process and its children, else None."""
     for folder in _candidates():
         if _make_private(folder):
             return folder
     try:
-        fresh = Path(tempfile.mkdtemp(prefix="mimics-"))  # 0700 by its definition
+        fresh = Path(tempfile.mkdtemp(prefix="mimics-"))  # mode 0700
     except OSError:
         return None
-    os.environ["NUMBA_CACHE_DIR"] = str(fresh)  # children share it; it goes with this process
+    os.environ["NUMBA_CACHE_DIR"] = str(fresh)  # shared by children; removed with this process
     atexit.register(shutil.rmtree, fresh, ignore_errors=True)
     return fresh
 
 
 _FORM = 2
-"""Of the files."""
+"""Version of the file format."""
 
 
 def _compiler_key() -> str:
-    """What besides sources decides machine code; numba's own index knows the processor."""
+    """Return the hash of what affects machine code besides sources; numba's own index has the processor."""
     bounds = os.environ.get("NUMBA_BOUNDSCHECK", "0")
     return hashlib.sha256(f"{numba.__version__} {sys.version_info[:2]} {bounds} {_FORM}".encode()).hexdigest()[:8]
 
@@ -145,18 +145,18 @@ def _choose_cache_folder() -> Path | None:
 
 
 cache_folder: Path | None = _choose_cache_folder()
-"""Where machine code is kept, or None where nothing is writable (then each start compiles again)."""
+"""Folder of the machine code, or None where nothing is writable (then each start compiles again)."""
 
 
 # --- numba's side ---------------------------------------------------------------------------------------------------
 
 
 _NOT_LOADABLE = (ImportError, AttributeError, EOFError, pickle.UnpicklingError)
-"""What reading a file that is cut off, or that names things of another checkout, ends in."""
+"""Errors of reading a file that is truncated, or refers to modules of another checkout."""
 
 
 class _Locator(_CacheLocator):
-    """Puts a function's files into the folder of its module and of the sources that module reaches."""
+    """Locates a function's files in the folder of its module and of the sources that module reaches."""
 
     def __init__(self, py_func: Callable[..., object], py_file: str) -> None:
         source = Path(py_file).resolve()
@@ -169,7 +169,7 @@ class _Locator(_CacheLocator):
         return str((cache_folder or Path(tempfile.gettempdir())) / f"{self._module}-{self._key}")
 
     def ensure_cache_path(self) -> None:
-        """Make the folder; a process that makes one sweeps, once."""
+        """Create the folder; a process that creates one also sweeps the cache, once."""
         if not os.path.exists(self.get_cache_path()):
             _sweep_once()
         super().ensure_cache_path()  # type: ignore[no-untyped-call]
@@ -192,30 +192,30 @@ def _sweep_once() -> None:
 
 
 def _is_present(name: str) -> bool:
-    """Whether the folder of a module belongs to the sources as they are now."""
+    """Whether the folder of a module belongs to the present sources."""
     module, _, key = name.rpartition("-")
     source = ROOT.joinpath(*module.split(".")).with_suffix(".py")
     return source.is_file() and source_key(source) == key
 
 
 _MACHINE_CODE = "machine code"
-"""Kind of a library that is kept without its intermediate code; numba knows "object" and "bitcode"."""
+"""Kind of a library stored without its intermediate code; numba's own kinds are "object" and "bitcode"."""
 
 _UNRESOLVED = ".numba.unresolved$"
-"""How the name of a call begins that numba resolves in intermediate code: of functions that call themselves."""
+"""Prefix of symbols that numba resolves in intermediate code: calls of recursive functions."""
 
 
 class KernelFiles(CompileResultCacheImpl):
-    """numba's files of one function, in our folder.
+    """numba's cache files of one function, in our folder and without intermediate code.
 
-    numba keeps the intermediate code of everything it holds beside the machine code, so that callers can be linked with
-    it, and parses it at every start. Callers of a kernel are linked with its callee (`contracts/kernel_callee.py`).
+    numba stores the intermediate code beside the machine code, for linking with callers, and parses it at every start.
+    Here callers of a kernel are linked with its callee (`contracts/kernel_callee.py`).
     """
 
     _locator_classes = [_Locator]  # noqa: RUF012  numba's own form
 
     def reduce(self, cres: Any) -> Any:
-        """As numba's own, with names for intermediate code: those it defines, and those it needs."""
+        """Serialise like numba, with the names of defined and needed symbols in place of the intermediate code."""
         code, fndesc = cres.library._final_module, cres.fndesc
         fndesc.typemap = fndesc.calltypes = None
         environments = tuple(cres._find_referenced_environments())
@@ -230,7 +230,7 @@ class KernelFiles(CompileResultCacheImpl):
         return library, fndesc, cres.environment, cres.signature, tuple(cres.reload_init), environments
 
     def rebuild(self, target_context: Any, payload: Any) -> Any:
-        """What `reduce` gave, as a compile result."""
+        """Rebuild the compile result from the payload of `reduce`."""
         name, kind, content = payload[0]
         if kind != _MACHINE_CODE:
             target_context.refresh()
@@ -247,7 +247,7 @@ class KernelFiles(CompileResultCacheImpl):
 
 
 def _make_known(symbols: Sequence[str], target_context: Any) -> None:
-    """Have numba say where its own functions are that machine code calls: those of its memory, else all."""
+    """Have numba register the addresses of its own functions that machine code calls: of its runtime, else all."""
     for make_known in (rtsys.initialize, type(target_context).refresh):
         if all(ll.address_of_symbol(symbol) is not None for symbol in symbols):
             return
@@ -255,13 +255,13 @@ def _make_known(symbols: Sequence[str], target_context: Any) -> None:
 
 
 def rebuilt(target_context: Any, library: Any, payload: Any, entry_point: Any = None) -> Any:
-    """A compile result of what was kept.
+    """Return the compile result of a stored function.
 
     Args:
-        target_context: Of the compiler.
-        library: Read from `payload`.
-        payload: What `KernelFiles.reduce` gave, or one like it.
-        entry_point: What Python would call; None: the wrapper that is in the library.
+        target_context: Target context of the compiler.
+        library: Library read from `payload`.
+        payload: Payload of `KernelFiles.reduce` or of a subclass.
+        entry_point: Entry point from Python; None: the wrapper in the library.
     """
     _, fndesc, environment, signature, reload_init, environments = payload
     for function in reload_init:
@@ -287,19 +287,19 @@ def rebuilt(target_context: Any, library: Any, payload: Any, entry_point: Any = 
 
 
 compile_listeners: list[Callable[[], None]] = []
-"""Called after each function that was compiled in this process and kept."""
+"""Callbacks after each function that this process compiled and stored."""
 
 
 class KernelCache(FunctionCache):
-    """numba's cache of one function that takes what is damaged or foreign for missing."""
+    """numba's cache of one function, where damaged or foreign files count as missing."""
 
     _impl_class = KernelFiles
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Machine code kept earlier, or None: then it is compiled again.
+        """Return stored machine code, or None to compile again.
 
-        So it is where the file is damaged, or was made in a module that this process does not have under that name.
-        All that numba can compile is not made known before each, as numba does: what is compiled asks for it.
+        None also for a damaged file, or one that refers to a module that this process does not have. numba's refresh
+        of its registries before each load is left out: compilation does it.
         """
         try:
             with self._guard_against_spurious_io_errors():
@@ -309,7 +309,7 @@ class KernelCache(FunctionCache):
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep machine code; an index that names types of modules this process does not have is begun anew."""
+        """Store machine code; an index with types of modules that this process does not have is replaced."""
         try:
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
         except FileNotFoundError:  # another process swept the folder while this one opened it
@@ -322,10 +322,10 @@ class KernelCache(FunctionCache):
 
 
 class _Deferred:
-    """The cache of one function, opened when its machine code is first requested: most of what is imported never runs.
+    """Cache of one function, opened at the first request: most imported functions never run.
 
-    By then a source may have been edited while this process still has the old one: such a function is compiled for this
-    process alone, or the old code would be kept under the new text's key.
+    If a source was edited after this process loaded it, the function is compiled for this process only; otherwise the
+    old code would be stored under the key of the new text.
     """
 
     def __init__(self, py_func: Callable[..., object], kind: type[KernelCache]) -> None:
@@ -346,9 +346,9 @@ class _Deferred:
 
 
 def enable_cache(dispatcher: Any, kind: type[KernelCache] = KernelCache) -> None:
-    """Let a compiled function keep its machine code in `cache_folder`; without a folder or a source file, not at all.
+    """Store the machine code of a compiled function in `cache_folder`; no effect without a folder or a source file.
 
-    Functions typed at a prompt have no source file whose change could be seen, so they are compiled in each process.
+    Functions typed at a prompt have no source file to detect changes of, and are compiled in each process.
     """
     if cache_folder is not None and os.path.exists(dispatcher.py_func.__code__.co_filename):
         dispatcher._cache = _Deferred(dispatcher.py_func, kind)

@@ -1,8 +1,8 @@
-"""Kernels as other kernels call them: intermediate code alone, to be linked into whoever is called from Python.
+"""Callees: kernels as intermediate code only, to be linked into the kernels that Python calls.
 
-numba makes every function it compiles callable from Python and from C, and turns each into machine code with all it
-calls inside. Of some six hundred kernels a few dozen are called from outside; the others would be wrapped and made into
-machine code, once for each that calls them, for nobody: more than half of a cold start.
+numba wraps every function it compiles for Python and C, and generates machine code for each with all its callees
+inlined. Of some six hundred kernels a few dozen are called from outside; wrappers and machine code of the others would
+be unused, and are more than half of the time of a cold start.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ __all__ = ["callee_of"]
 
 
 class _Entry:
-    """Stands for a callee where numba requests the function that Python would call."""
+    """Placeholder for the entry point from Python, which a callee does not have."""
 
 
 class _LinkedLibrary(JITCodeLibrary):
-    """Intermediate code that is linked into others and never becomes machine code of its own."""
+    """Library of intermediate code for linking into others, without machine code of its own."""
 
     def _optimize_final_module(self) -> None:
-        """Inline what must be and prune references, no more: whoever this is linked into is optimised with all in it.
+        """Run only mandatory inlining and reference pruning: the code is optimised in the caller it is linked into.
 
-        Else each function would be optimised again at every level of calls above it.
+        Otherwise each function would be optimised again at every level of calls above it.
         """
         generator = self._codegen
         passes, builder = generator._module_pass_manager(
@@ -53,11 +53,11 @@ def _new_library(target_context: Any, name: str) -> Any:
 
 class _LinkedFiles(KernelFiles):
     def get_filename_base(self, fullname: str, abiflags: str) -> str:
-        """A name beside that of the same function's machine code."""
+        """Return a name different from that of the same function's machine code."""
         return f"linked-{super().get_filename_base(fullname, abiflags)}"
 
     def reduce(self, cres: Any) -> Any:
-        """As numba's own, with intermediate code for machine code."""
+        """Serialise like numba, with intermediate code in place of machine code."""
         fndesc = cres.fndesc
         fndesc.typemap = fndesc.calltypes = None
         environments = tuple(cres._find_referenced_environments())
@@ -65,7 +65,7 @@ class _LinkedFiles(KernelFiles):
         return content, fndesc, cres.environment, cres.signature, tuple(cres.reload_init), environments
 
     def rebuild(self, target_context: Any, payload: Any) -> Any:
-        """What `reduce` gave, as a compile result."""
+        """Rebuild the compile result from the payload of `reduce`."""
         name, _, bitcode = payload[0]
         library = _new_library(target_context, name)
         library._final_module = parse_bitcode(bitcode)
@@ -78,15 +78,15 @@ class _LinkedCache(KernelCache):
 
 
 class _Callee(CPUDispatcher):
-    """A function that is only called by compiled ones."""
+    """Dispatcher of a function that is called by compiled code only."""
 
     def add_overload(self, cres: Any) -> None:
-        """Keep it for callers; Python never sees it."""
+        """Store the result for compiled callers, without an entry point from Python."""
         self.overloads[tuple(cres.signature.args)] = cres
 
 
 def _compile_linked(dispatcher: Any, args: Any, return_type: Any) -> Any:
-    """As `_FunctionCompiler._compile_core` of numba, but for what is left out."""
+    """Compile like numba's `_FunctionCompiler._compile_core`, without wrappers and machine code."""
     descriptor = dispatcher.targetdescr
     flags: Any = compiler.Flags()
     descriptor.options.parse_as_flags(flags, dispatcher.targetoptions)
@@ -110,11 +110,11 @@ def _compile_linked(dispatcher: Any, args: Any, return_type: Any) -> Any:
 
 
 def callee_of(function: Callable[..., object], options: dict[str, Any]) -> Any:
-    """The dispatcher that compiled callers of `function` see.
+    """Return the dispatcher of `function` for compiled callers.
 
     Args:
-        function: Of Python, as written.
-        options: Of the decorator.
+        function: The Python function.
+        options: Options of the decorator.
     """
     options = {**options, "nopython": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     callee: Any = _Callee(function, targetoptions=options)

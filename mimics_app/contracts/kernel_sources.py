@@ -1,4 +1,4 @@
-"""Which sources a compiled function can reach: what the key of its machine code is made of."""
+"""Sources that a compiled function can reach, and the cache key from their content."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from mimics_app.contracts.clock import wall_time
 __all__ = ["ROOT", "changed_since_start", "source_key", "sources_reached"]
 
 ROOT = Path(__file__).resolve().parents[2]
-"""Folder of the package."""
+"""Folder that contains the package."""
 
 _STARTED = wall_time().timestamp()
-"""Sources changed after this [s since the epoch] may not be those this process has."""
+"""Start of this process [s since the epoch]: sources changed later may differ from those it loaded."""
 
 _KEEPERS = frozenset(Path(__file__).resolve().with_name(f"kernel_{name}.py") for name in ("cache", "sources", "sweep"))
-"""Where machine code is kept, and under which key, changes nothing in it."""
+"""Modules that store machine code but do not affect it; not part of any key."""
 
 _IMPORT = re.compile(
     rb"^[ \t]*(?:from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]*))", re.MULTILINE
@@ -30,7 +30,7 @@ _NAME = re.compile(rb"([\w.]+)(?:[ \t]+as[ \t]+\w+)?")
 
 @cache
 def _package_root(top: str) -> Path | None:
-    """The folder in which the top-level name of an import lies, if its sources can differ from run to run."""
+    """Return the folder that contains a top-level module, None if its sources cannot change between runs."""
     if top == __name__.partition(".")[0]:
         return ROOT
     if top in sys.stdlib_module_names:
@@ -48,7 +48,7 @@ def _package_root(top: str) -> Path | None:
 
 @cache
 def _source_of(name: str) -> Path | None:
-    """File of a dotted module name below its package's root, or None where that is no source file."""
+    """Return the source file of a dotted module name, or None."""
     root = _package_root(name.partition(".")[0])
     if root is None:
         return None
@@ -70,7 +70,7 @@ def _first_name(part: bytes) -> bytes:
 
 
 def _absolute(source: Path, name: str) -> str | None:
-    """`name` of an import inside `source` without leading dots; None where a relative one leaves every package."""
+    """Return the absolute form of an imported `name` in `source`; None if a relative one leaves the package."""
     dots = len(name) - len(name.lstrip("."))
     if not dots:
         return name
@@ -91,7 +91,7 @@ def _read(source: Path) -> bytes:
 
 @cache
 def _imports(source: Path) -> tuple[Path, ...]:
-    """Sources that `source` imports directly, wherever in its text the import stands."""
+    """Return the sources that `source` imports directly, anywhere in its text."""
     found: set[Path] = set()
     for origin, names, modules in _IMPORT.findall(_read(source)):
         if modules:
@@ -103,7 +103,7 @@ def _imports(source: Path) -> tuple[Path, ...]:
 
 
 def _is_fixed(source: Path, own: Path) -> bool:
-    """Whether `source` is an installed library: its version changes with the environment, not with an edit."""
+    """Whether `source` belongs to an installed library, which changes with the environment, not with an edit."""
     if "site-packages" not in source.parts or source.is_relative_to(ROOT / "mimics_app"):
         return False
     return not source.is_relative_to(own)
@@ -111,9 +111,9 @@ def _is_fixed(source: Path, own: Path) -> bool:
 
 @cache
 def sources_reached(source: Path) -> tuple[Path, ...]:
-    """`source` and every source file its imports reach, sorted.
+    """Return `source` and every source file that its imports reach, sorted.
 
-    Installed libraries of others are left out, and what keeps machine code.
+    Installed third-party libraries and the cache's own modules are left out.
     """
     own = source.parent
     while (own.parent / "__init__.py").is_file():
@@ -134,7 +134,7 @@ def _digest(source: Path) -> bytes:
 
 @cache
 def source_key(source: Path) -> str:
-    """16 hex digits that change with any byte of any source that `source` can reach."""
+    """Return 16 hex digits that change with any byte of any source that `source` can reach."""
     total = hashlib.sha256()
     for file in sources_reached(source):
         total.update(f"{file.parent.name}/{file.name}".encode())
@@ -144,15 +144,15 @@ def source_key(source: Path) -> str:
 
 @cache
 def changed_since_start(source: Path) -> bool:
-    """Whether a source that `source` can reach was edited since this process began; a date to come is no edit."""
+    """Whether a source that `source` can reach was edited since this process started; future dates are ignored."""
     now = wall_time().timestamp()
     return any(_STARTED < _changed_at(file) <= now for file in sources_reached(source))
 
 
 @cache
 def _changed_at(source: Path) -> float:
-    """When a source was changed last, as of the first time that is asked [s since the epoch].
+    """Return the modification time of a source at the first call [s since the epoch].
 
-    It was read before, so that an edit after that is neither in this process nor in any key.
+    The source was read before, so that a later edit is neither in this process nor in any key.
     """
     return source.stat().st_mtime

@@ -1,7 +1,7 @@
-"""What becomes of machine code that nobody uses any more: folders of other sources go after 30 days without use.
+"""Sweep of the kernel cache: folders of outdated sources are removed after 30 days without use.
 
-The date of a folder says when it was used last. A folder to go is renamed first: whoever compiles into it meanwhile
-makes it anew and is left alone.
+The modification time of a folder is that of its last use. A folder is renamed before its removal: a process that
+compiles into it meanwhile creates it again and is not disturbed.
 """
 
 from __future__ import annotations
@@ -17,41 +17,41 @@ from mimics_app.contracts.clock import wall_time
 __all__ = ["cache_bytes", "mark_used", "sweep"]
 
 _KEPT_S = 30 * 86_400.0
-"""How long machine code is kept that nobody uses [s]."""
+"""Time for which unused machine code is kept [s]."""
 
 _MARKED_S = 86_400.0
-"""A mark is renewed when it is older [s]: not at every start."""
+"""Age from which the mark of use is renewed [s]."""
 
 _GOING = ".going-"
 
 
 def mark_used(folder: Path) -> None:
-    """Note that machine code in `folder` is used, if there is any."""
+    """Mark the machine code in `folder` as used, if the folder exists."""
     with suppress(OSError):
         if _age_s(folder) > _MARKED_S:
             os.utime(folder)
 
 
 def sweep(base: Path, is_present: Callable[[str], bool]) -> list[Path]:
-    """Remove what was not used for 30 days; several processes may do so at one time.
+    """Remove folders that were not used for 30 days; safe for several processes at the same time.
 
     Args:
         base: Folder of the folders `kernels-*`, which hold one folder for each module and state of its sources.
-        is_present: Whether the folder of a module, by its name, belongs to the sources as they are now.
+        is_present: Whether the folder of a module, by its name, belongs to the present sources.
 
     Returns:
-        The folders that are gone.
+        The removed folders.
     """
     gone = []
     for compiler in (each for each in _folders(base) if each.name.startswith(("kernels-", _GOING))):
         gone += [each for each in _folders(compiler) if not is_present(each.name) and _removed(each)]
-        if not _folders(compiler) and _removed(compiler):  # also those of versions that kept files without folders
+        if not _folders(compiler) and _removed(compiler):  # also of older versions, without subfolders
             gone.append(compiler)
     return gone
 
 
 def cache_bytes(folder: Path) -> int:
-    """Size of everything in `folder` [bytes]."""
+    """Return the total size of the files in `folder` [bytes]."""
     total = 0
     for file in folder.rglob("*"):
         with suppress(OSError):  # another process sweeps
@@ -66,7 +66,7 @@ def _folders(folder: Path) -> list[Path]:
 
 
 def _removed(folder: Path) -> bool:
-    """Whether `folder` was old, or left over from a sweep that was broken off, and is gone now."""
+    """Remove `folder` if it is old, or left over from an interrupted sweep; return whether it was removed."""
     try:
         if _age_s(folder) <= _KEPT_S:
             return False

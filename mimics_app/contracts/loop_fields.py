@@ -1,8 +1,7 @@
-"""The one table of numbers that leave the 1 kHz loop: sample, snapshot, recording and their units are made from it.
+"""Table of all numbers that leave the 1 kHz loop: sample, snapshot, recording and their units are derived from it.
 
-A new number is a row here and the kernel that computes it, which writes the field of that name in STATE. The row alone
-adds it to the samples and so to every recording; `reader` adds it to the snapshot, with one typed line in
-`HapticSnapshot` below.
+A new number is a row here and a kernel that writes the field of that name in STATE. The row adds it to the samples and
+so to every recording; `reader` adds it to the snapshot, with one typed line in `HapticSnapshot` below.
 """
 
 from __future__ import annotations
@@ -34,13 +33,13 @@ __all__ = [
 
 
 Move = tuple[int, tuple[str, ...], str]
-"""Which record is copied from (0: STATE, 1: TOTALS of the objects), where in it, and the field copied to."""
+"""Copy of a field: source record (0: STATE, 1: TOTALS of the objects), path in it, and name of the target field."""
 
 MAX_JOINTS = 8
-"""Most joints of a device; every vector of joints in the loop has so many places, those behind a device's own are 0."""
+"""Largest number of joints of a device, and length of every vector of joints in the loop, zero beyond the device's."""
 
 MAX_CONTACTS = 4
-"""Most points of contact of a device."""
+"""Largest number of points of contact of a device."""
 
 _OTHERS = MAX_CONTACTS - 1
 _TORQUE_UNITS = {"m": "N", "rad": "N m"}
@@ -50,23 +49,23 @@ _TYPES = {"i8": "int", "f8": "float"}
 
 
 class Replay(Enum):
-    """What a replay does with a column of the recording."""
+    """Role of a column of the recording in a replay."""
 
     CLOCK = "counts the ticks"
-    INPUT = "is fed into the tick again, as the device gave it"
+    INPUT = "is an input of the tick, as read from the device"
     OUTPUT = "is compared bit for bit and part of the state hash"
-    TIMING = "says how punctual the live loop was; left alone"
+    TIMING = "is the punctuality of the live loop; ignored"
     ABSENT = "is not recorded"
 
 
 @dataclass(frozen=True, slots=True)
 class Extent:
-    """How much of the loop's numbers a device has: what of the samples is recorded, and in which units.
+    """Subset of the loop's numbers that a device has: the recorded components of the samples, and their units.
 
     Attributes:
-        joints: Unit of each joint, "m" or "rad"; those of older recordings are the HapticMaster's.
-        contacts: Points of contact.
-        torques: Whether it measures and takes torques at its joints.
+        joints: Unit of each joint, "m" or "rad"; in older recordings those of the HapticMaster.
+        contacts: Number of points of contact.
+        torques: Whether the device measures and takes joint torques.
     """
 
     joints: tuple[str, ...] = ("m", "rad", "m")
@@ -75,29 +74,29 @@ class Extent:
 
 
 class Per(Enum):
-    """Whose components a field has: how many of them a device fills, and what their units are."""
+    """Meaning of a field's components: how many a device fills, and in which units."""
 
-    TICK = "itself"
+    TICK = "fixed components"
     JOINT = "one for each joint, in its unit"
-    JOINT_RATE = "one for each joint, in its unit a second"
+    JOINT_RATE = "one for each joint, in its unit per second"
     TORQUE = "one for each joint of a device with torques, N or N m"
-    CONTACT = "the same number of components for each point of contact behind the first"
+    CONTACT = "the same number of components for each point of contact after the first"
 
 
 @dataclass(frozen=True, slots=True)
 class LoopField:
-    """One number, or vector, out of the loop.
+    """One scalar or vector output of the loop.
 
     Attributes:
-        name: Of its field in SAMPLE and SNAPSHOT.
-        unit: SI, "1" for a number without dimension; one for each component where they differ.
-        replay: What a replay does with it; OUTPUT and INPUT columns keep their order for ever, new ones go last.
-        source: "state": the field of STATE with this name, which this row makes; "state.own_tunnel.s", "totals.depth":
-            a field that a kernel declares; "": the loop writes it itself (kernels.rows, loop).
+        name: Name of its field in SAMPLE and SNAPSHOT.
+        unit: SI unit, "1" for dimensionless; one per component where they differ.
+        replay: Role in a replay; the order of OUTPUT and INPUT columns is fixed, new ones are appended.
+        source: "state": the field of STATE with this name, which this row declares; "state.own_tunnel.s",
+            "totals.depth": a field that a kernel declares; "": written by the loop itself (kernels.rows, loop).
         kind: "f8" or "i8", in STATE and SNAPSHOT; samples hold float64 only.
-        size: Components.
-        reader: Package below mimics_app that reads it from the snapshot; "": it is recorded only.
-        per: Whose components they are; the unit of a joint's is the device's to say.
+        size: Number of components.
+        reader: Package below mimics_app that reads it from the snapshot; "": recorded only.
+        per: Meaning of the components; units of joints are those of the device.
     """
 
     name: str
@@ -125,7 +124,7 @@ class LoopField:
         return (self.unit,) * self.size if isinstance(self.unit, str) else self.unit
 
     def present(self, extent: Extent) -> tuple[str, ...]:
-        """Units of the components that a device fills, the first ones of the field; () for none."""
+        """Return the units of the components that a device fills, the first ones of the field; () for none."""
         if self.per is Per.JOINT:
             return extent.joints
         if self.per is Per.JOINT_RATE:
@@ -138,23 +137,23 @@ class LoopField:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Of the field: () for one number."""
+        """Shape of the field: () for a scalar."""
         return () if self.size == 1 else (self.size,)
 
     @property
     def move(self) -> Move:
-        """Where the loop keeps it."""
+        """Source of the field in the loop's records."""
         record, _, path = self.source.partition(".")
         return _RECORDS.index(record), tuple(path.split(".")) if path else (self.name,), self.name
 
 
 def _of_joints(name: str, replay: Replay, source: str = "state", reader: str = "", per: Per = Per.JOINT) -> LoopField:
-    """A field with a component for each joint; "joint": the unit is the device's to say."""
+    """Return a field with a component for each joint, in the device's units ("joint")."""
     return LoopField(name, "joint", replay, source, size=MAX_JOINTS, reader=reader, per=per)
 
 
 def _of_others(name: str, unit: str, replay: Replay, each: int = 1, source: str = "state") -> LoopField:
-    """A field with `each` components for every point of contact behind the first."""
+    """Return a field with `each` components for every point of contact after the first."""
     return LoopField(name, unit, replay, source, size=each * _OTHERS, per=Per.CONTACT)
 
 
@@ -241,16 +240,16 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     _of_others("others_energy", "J", Replay.OUTPUT),  # taken by each since its contact began
     LoopField("others_seen", "m", Replay.ABSENT, "state.others_world", size=3 * _OTHERS, reader="scenarios"),
 )
-"""Every number that leaves the loop, recorded columns in the order of the recording."""
+"""All numbers that leave the loop, recorded columns in the order of the recording."""
 
 
 @dataclass(frozen=True, slots=True)
 class HapticSnapshot:
-    """The newest haptic state as the frame sees it: rows of `LOOP_FIELDS` that have a reader, vectors of shape [3].
+    """Newest haptic state for the frame: rows of `LOOP_FIELDS` that have a reader, vectors of shape [3].
 
     Attributes:
         q: Measured joints, shape [joints of the device].
-        others_seen: Where the points of contact behind the first are, world [m], shape [MAX_CONTACTS - 1, 3].
+        others_seen: Points of contact after the first, world [m], shape [MAX_CONTACTS - 1, 3].
         poses: Position xyz [m] and quaternion xyzw of each body, world, shape [capacity, 7].
     """
 
@@ -280,10 +279,10 @@ class HapticSnapshot:
 
 
 def check_snapshot(table: Sequence[LoopField], message: type[Any] = HapticSnapshot) -> None:
-    """Hold the typed message against the table.
+    """Compare the typed message with the table.
 
     Raises:
-        TypeError: A row with a reader has no line of its type in the message, or a line no row.
+        TypeError: A row with a reader has no field of its type in the message, or a field has no row.
     """
     wanted = {field.name: "Vec" if field.shape else _TYPES[field.kind] for field in table if field.reader}
     found = {field.name: field.type for field in fields(message) if field.name != "poses"}
@@ -294,22 +293,22 @@ def check_snapshot(table: Sequence[LoopField], message: type[Any] = HapticSnapsh
 
 
 def sample_dtype(table: Sequence[LoopField]) -> np.dtype[Any]:
-    """Of one row per tick; every field float64, so a row is also a float64 vector."""
+    """Return the dtype of a sample; all fields are float64, so that a row is also a float64 vector."""
     return np.dtype([(field.name, "f8", field.shape) for field in table if field.replay is not Replay.ABSENT])
 
 
 def snapshot_dtype(table: Sequence[LoopField]) -> np.dtype[Any]:
-    """Of the newest state."""
+    """Return the dtype of the newest state."""
     return np.dtype([(field.name, field.kind, field.shape) for field in table if field.reader], align=True)
 
 
 def state_fields(table: Sequence[LoopField]) -> list[tuple[Any, ...]]:
-    """Fields of STATE that the table makes: those the kernels write for nobody but the outside."""
+    """Return the fields of STATE that the table declares: outputs that no kernel reads."""
     return [(field.name, field.kind, field.shape) for field in table if field.source == "state"]
 
 
 def moves_of(table: Sequence[LoopField], *, recorded: bool) -> tuple[Move, ...]:
-    """What is copied from the loop's records into a sample's outputs, or into a snapshot."""
+    """Return the copies from the loop's records to the outputs of a sample, or to a snapshot."""
     if recorded:
         return tuple(field.move for field in table if field.replay is Replay.OUTPUT)
     return tuple(field.move for field in table if field.reader and field.source)

@@ -1,4 +1,4 @@
-"""The machine that figures were measured on, as a caption says it and as a file name keeps it apart from others."""
+"""Description of the machine of a measurement, for captions and file names."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ __all__ = ["Machine", "describe_machine"]
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """What a measured figure depends on; nothing that names a person or a host.
+    """Machine of a measurement, without names of persons or hosts.
 
     Attributes:
-        processor: As the system calls it.
-        cores: Logical ones.
+        processor: Name of the processor in the system.
+        cores: Number of logical cores.
         system: Kernel and its release.
-        software: Versions of Python and of what compiles the kernels.
+        software: Versions of Python, numpy and numba.
     """
 
     processor: str
@@ -30,16 +30,16 @@ class Machine:
 
     @property
     def key(self) -> str:
-        """A short name of the hardware for files, the same after an update of the system."""
+        """Short name of the hardware for files, unchanged by an update of the system."""
         return hashlib.sha256(f"{self.processor}/{self.cores}".encode()).hexdigest()[:12]
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain values for a file."""
+        """Return plain values for a file."""
         return asdict(self)
 
 
 def describe_machine() -> Machine:
-    """The machine this process runs on."""
+    """Return the machine of this process."""
     from mimics_app.contracts.environment import describe_environment
 
     environment = describe_environment()

@@ -1,4 +1,4 @@
-"""What flows between the stages of D2.1 Figure 1: one frozen message per arrow, left to right."""
+"""Messages between the stages of D2.1 Figure 1: one frozen type per arrow, left to right."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class PointerState:
-    """A person's pointing device at one frame: where it points, how hard it grasps, what is pressed."""
+    """State of a pointing device in one frame: target [m], grasp force [N], whether it is held, or requests a stop."""
 
     target_world: Vec3
     grasp: float
@@ -45,11 +45,11 @@ class PointerState:
 
 @dataclass(frozen=True, slots=True)
 class Aim:
-    """What a person in the scene does next with the hand.
+    """Next action of the hand in the scene.
 
     Attributes:
-        target_world: Where the hand goes [m].
-        close: The hand closes, or stays closed.
+        target_world: Target of the hand [m].
+        close: True if the hand closes, or stays closed.
     """
 
     target_world: Vec3
@@ -58,7 +58,7 @@ class Aim:
 
 @dataclass(frozen=True, slots=True)
 class SignalBlock:
-    """Raw samples of one signal: values [shape n] at `rate` [Hz], the first at `t_ns`; NaN: the sensor gave nothing.
+    """Raw samples of one signal: values [shape n] at `rate` [Hz], the first at `t_ns`; NaN: missing.
 
     Body signals are "ecg" [mV], "gsr" [uS], "emg" [mV], "resp" [any unit]; of the movement "speed" [m/s], "power" [W].
     """
@@ -71,12 +71,12 @@ class SignalBlock:
 
 @dataclass(frozen=True, slots=True)
 class VRInput:
-    """What the input stage gathered for one frame: body signals to the DSP, the pointer and the keys to the task.
+    """Inputs of one frame: body signals for the DSP, pointer and keys for the task.
 
     Attributes:
-        signals: Blocks that arrived since the last frame.
-        pointer: The pointing device, or None where there is none.
-        pressed: Names of keys and buttons that went down since the last frame (see contracts.input_port), in order.
+        signals: Blocks received since the last frame.
+        pointer: The pointing device, or None.
+        pressed: Names of keys and buttons pressed since the last frame (see contracts.window_input), in order.
     """
 
     signals: tuple[SignalBlock, ...] = ()
@@ -89,9 +89,9 @@ class FeatureFrame:
     """Features of the signals at one time.
 
     Attributes:
-        t_ns: The time up to which they are computed; the same frame comes again until there is a newer one.
-        values: By name, e.g. {"heart_rate": 72.0}; what is not known is not there.
-        quality: Of each signal by its name, 0 (says nothing) to 1.
+        t_ns: Time up to which they are computed; the same frame is repeated until there is a newer one.
+        values: Features by name, e.g. {"heart_rate": 72.0}; unknown ones are missing.
+        quality: Quality of each signal by name, 0 (useless) to 1.
     """
 
     t_ns: int
@@ -101,7 +101,7 @@ class FeatureFrame:
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """What is believed of one quantity."""
+    """Estimate of one quantity."""
 
     mean: float
     variance: float
@@ -113,15 +113,15 @@ LOADS = ("under", "challenged", "over")
 
 @dataclass(frozen=True, slots=True)
 class UserState:
-    """Estimated state of the person; None where nothing is known.
+    """Estimated state of the person; None for unknown quantities.
 
     Attributes:
-        t_ns: Of the features it comes from.
-        arousal: In [-1, 1], 0 as at rest in the calibration.
-        valence: In [-1, 1].
-        effort: Bodily effort, in [-1, 1], 0 at rest.
-        load: Probability of each of LOADS, adding up to 1.
-        quality: Of the signals it comes from, 0 to 1.
+        t_ns: Time of the features.
+        arousal: Arousal in [-1, 1], 0 at rest in the calibration.
+        valence: Valence in [-1, 1].
+        effort: Physical effort in [-1, 1], 0 at rest.
+        load: Probability of each of LOADS, summing to 1.
+        quality: Quality of the signals, 0 to 1.
     """
 
     t_ns: int
@@ -134,17 +134,17 @@ class UserState:
 
 @dataclass(frozen=True, slots=True)
 class TrialResult:
-    """What a trial came to, reported in the frame in which it ends.
+    """Result of a trial, reported in the frame in which it ends.
 
     Attributes:
-        trial: Its number, 0 first.
-        t_ns: When it ended.
-        outcome: "finished" or "timeout"; "step" where a step inside a trial ended, not the trial.
-        performance: How well it went, 0 to 1: the score's share, else whether the goal was reached.
-        reward: What the task itself finds it worth, for a learning system whose goal is the task's.
-        practice: Not a trial that counts.
-        values: The adaptable parameters as they were.
-        observed: What a task that is chosen for step by step sees of itself, by name; only with outcome "step".
+        trial: Number of the trial, from 0.
+        t_ns: End of the trial.
+        outcome: "finished" or "timeout"; "step" for a step inside a trial.
+        performance: 0 to 1: the score as a share, else whether the goal was reached.
+        reward: Reward defined by the task, for a learning system with the task's goal.
+        practice: True for a practice trial, which does not count.
+        values: Values of the adaptable parameters during the trial.
+        observed: Observations of the task by name, for actions per step; only with outcome "step".
     """
 
     trial: int
@@ -159,15 +159,15 @@ class TrialResult:
 
 @dataclass(frozen=True, slots=True)
 class Experience:
-    """What a person went through in one frame: the movement, and what the task asked of them.
+    """Experience of a person in one frame: the movement and the demand of the task.
 
     Attributes:
-        t_ns: Of the frame.
-        speed: Of the hand [m/s].
-        power: Mechanical power the person puts into the robot [W]; what is taken out of it counts as 0.
-        demand: How hard the task is, 0 easiest to 1 hardest of what its parameters allow; None: nothing says.
-        acting: The person was let act.
-        result: Of a trial that ended in this frame.
+        t_ns: Time of the frame.
+        speed: Speed of the hand [m/s].
+        power: Mechanical power from the person into the robot [W]; negative power counts as 0.
+        demand: Difficulty of the task, 0 to 1 within the range of its parameters; None: not known.
+        acting: True while the person may act.
+        result: Result of a trial that ended in this frame.
     """
 
     t_ns: int
@@ -184,8 +184,8 @@ class TaskAction:
 
     Attributes:
         values: New values by parameter name; parameters not named stay as they are.
-        at_trial: Number of the trial (0 first) whose beginning the values wait for; None: from now on.
-        propensity: With which probability, or density where continuous, the policy chose this; 1: it could not but.
+        at_trial: Trial (from 0) at whose start the values apply; None: at once.
+        propensity: Probability, or density of a continuous action, with which the policy chose this; 1: deterministic.
     """
 
     values: Mapping[str, float] = field(default_factory=dict)
@@ -199,9 +199,9 @@ class SoundEvent:
 
     Attributes:
         sound: Name of a sound of the scene.
-        t_ns: When it belongs, on the session's clock.
-        position_world: Where it is [m], or None to play it at the listener.
-        gain: Linear, 1 = as authored.
+        t_ns: Time of the sound, on the session's clock.
+        position_world: Position [m], or None to play it at the listener.
+        gain: Linear gain, 1 = as authored.
     """
 
     sound: str
@@ -212,13 +212,13 @@ class SoundEvent:
 
 @dataclass(frozen=True, slots=True)
 class SoundTrigger:
-    """Something that happened and may have a sound: which one, the scene says by kind and material.
+    """An event that may have a sound, which the scene assigns by kind and material.
 
     Attributes:
-        kind: Such as "step", "kick", "goal"; those of the haptic loop have a ring of their own.
-        t_ns: When, on the session's clock.
-        position_world: Where [m], or None to play it at the listener.
-        material: What of, such as "grass"; "" where it does not matter.
+        kind: Such as "step", "kick", "goal"; events of the haptic loop have their own ring.
+        t_ns: Time of the event, on the session's clock.
+        position_world: Position [m], or None to play it at the listener.
+        material: Such as "grass"; "" if it does not matter.
         strength: Linear factor on the sound's level, 1 = as authored.
     """
 
@@ -231,14 +231,14 @@ class SoundTrigger:
 
 @dataclass(frozen=True, slots=True)
 class TactileEvent:
-    """A tap to be felt.
+    """A tap of a vibrator.
 
     Attributes:
-        place: Of the body, e.g. "back"; the session knows which vibrator is there.
-        t_ns: When it belongs, on the session's clock; up to a frame ahead.
+        place: Place of the body, e.g. "back"; the session assigns the vibrator.
+        t_ns: Time of the tap, on the session's clock; up to a frame ahead.
         strength: 0 to 1.
-        seconds: How long it lasts [s].
-        number: Of the tap, for the journal.
+        seconds: Duration [s].
+        number: Number of the tap, for the journal.
     """
 
     place: str
@@ -250,20 +250,20 @@ class TactileEvent:
 
 @dataclass(frozen=True, slots=True)
 class TaskOrders:
-    """What the task manager wants of the renderers for one frame.
+    """Orders of the task manager to the renderers for one frame.
 
     Attributes:
         haptic: New values of SCENE fields by dotted name, e.g. {"tunnel.stiffness": 1500.0}; empty: unchanged.
         visual: New values of named scene parameters, e.g. {"tunnel.radius_scale": 1.2}.
         audio: New values of mixer parameters, e.g. {"gain": 0.5}.
         sounds: Sounds to start.
-        touches: Taps to be felt.
-        view: How the task stands.
-        board: What a person reads over the picture.
-        person_may_act: True while the pointer or the simulated person is let through to the robot (INBOX.active).
+        touches: Taps of vibrators.
+        view: State of the task.
+        board: Heads-up display.
+        person_may_act: True while the pointer or the simulated person may move the robot (INBOX.active).
         finished: True when the last trial is over.
-        result: Of the trial that ended in this frame.
-        demand: How hard the adaptable parameters make the task, 0 to 1; None where none of them says.
+        result: Result of the trial that ended in this frame.
+        demand: Difficulty by the adaptable parameters, 0 to 1; None if none of them affects it.
     """
 
     haptic: Mapping[str, object] = field(default_factory=dict)

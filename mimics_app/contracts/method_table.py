@@ -1,4 +1,4 @@
-"""The table of every method's cost and error: shipped with the product, and saved on a machine that measured itself.
+"""Table of the cost and error of every method, shipped with the product or measured and saved on a machine.
 
 {"machine": {...}, "reference_us": {GROUP: us},
  "groups": {GROUP: [{"method", "cost_us", "ratio", "error", "unit", "settings"}]}}
@@ -22,15 +22,15 @@ __all__ = ["Row", "Table", "saved_file", "shipped_file"]
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One method's figures.
+    """Figures of one method.
 
     Attributes:
         method: Name of the method.
         cost_us: Cost [us per call] on the table's machine.
         ratio: Cost as a multiple of the group's reference loop in the same run.
-        error: In `unit`; infinite where the method fails at what it was measured on.
+        error: Error in `unit`; infinite if the method fails on the measured input.
         unit: Unit of the error.
-        settings: What the product sets to run it, as in `Method.settings`.
+        settings: Settings to run it, as in `Method.settings`.
     """
 
     method: str
@@ -47,8 +47,8 @@ class Table:
 
     Attributes:
         groups: Rows by group, in the order of the registry.
-        machine: `Machine.as_dict()` of where they were measured.
-        reference_us: Cost of each group's reference loop there [us per call].
+        machine: `Machine.as_dict()` of the measurement.
+        reference_us: Cost of each group's reference loop [us per call].
     """
 
     groups: dict[str, list[Row]]
@@ -57,21 +57,21 @@ class Table:
 
     @classmethod
     def load_saved(cls) -> Table | None:
-        """The table this machine saved, None where it saved none or one that cannot be read."""
+        """Load the table of this machine; None if there is none, or it cannot be read."""
         file = saved_file()
         if file is None or not file.is_file():
             return None
         try:
             return cls.load(file)
-        except (OSError, ValueError, KeyError, TypeError):  # a table is remade by measuring again
+        except (OSError, ValueError, KeyError, TypeError):  # a new measurement makes a new table
             return None
 
     @classmethod
     def load_shipped(cls) -> Table:
-        """The table that comes with the product.
+        """Load the table of the product.
 
         Raises:
-            OSError: The installation is not complete.
+            OSError: The installation is incomplete.
         """
         return cls.load(shipped_file())
 
@@ -80,15 +80,15 @@ class Table:
         """Read a table.
 
         Raises:
-            OSError: It cannot be read.
-            ValueError, KeyError, TypeError: It is no table.
+            OSError: The file cannot be read.
+            ValueError, KeyError, TypeError: The file is not a table.
         """
         data = json.loads(file.read_text(encoding="utf-8"))
         groups = {group: [_row(row) for row in rows] for group, rows in data["groups"].items()}
         return cls(groups, data["machine"], data["reference_us"])
 
     def save(self, file: Path | None = None) -> Path | None:
-        """Write the table whole or not at all: to a file, or to this machine's place; None where nothing can be kept.
+        """Write the table atomically to a file, or to the file of this machine; None if there is no place for it.
 
         Raises:
             OSError: The folder cannot be written.
@@ -103,14 +103,14 @@ class Table:
         return file
 
     def with_groups(self, newer: Table) -> Table:
-        """This table with the groups of a newer one put in place of its own.
+        """Return this table with the groups of a newer one in place of its own.
 
-        The machine is the newer one's; where its groups are not all, the rest were measured before.
+        The machine is the newer one's; the other groups were measured before.
         """
         return Table({**self.groups, **newer.groups}, newer.machine, {**self.reference_us, **newer.reference_us})
 
     def with_rows(self, group: str, rows: Sequence[Row]) -> Table:
-        """This table with rows for methods it does not have yet, their costs scaled by its own reference loop."""
+        """Return this table with rows of further methods, their costs scaled by its own reference loop."""
         known = {row.method for row in self.groups.get(group, ())}
         loop_us = self.reference_us.get(group) or _middle(self.reference_us.values())
         added = [replace(row, cost_us=row.ratio * loop_us) for row in rows if row.method not in known]
@@ -120,7 +120,7 @@ class Table:
         return Table(groups, self.machine, {group: loop_us, **self.reference_us})
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain values; an infinite error is null, as JSON has no infinity."""
+        """Return plain values; an infinite error is null, as JSON has no infinity."""
         groups = {
             group: [{**asdict(row), "error": row.error if math.isfinite(row.error) else None} for row in rows]
             for group, rows in self.groups.items()
@@ -129,12 +129,12 @@ class Table:
 
 
 def _middle(costs: Collection[float]) -> float:
-    """Of the reference loops of all groups, which are one loop timed beside each [us]; 1 where there are none."""
+    """Return the median of the groups' reference loops, the same loop timed beside each [us]; 1 for none."""
     return median(costs) if costs else 1.0
 
 
 def saved_file() -> Path | None:
-    """Where this machine keeps its own table; None where nothing is writable."""
+    """Return the file of this machine's table; None where nothing is writable."""
     from mimics_app.contracts.kernel_cache import cache_folder
     from mimics_app.contracts.machine import describe_machine
 
@@ -142,7 +142,7 @@ def saved_file() -> Path | None:
 
 
 def shipped_file() -> Path:
-    """Where the product keeps the table it was shipped with."""
+    """Return the file of the product's table."""
     return resources.root() / "assets" / "methods.json"
 
 

@@ -1,8 +1,8 @@
-"""The Method registry: every algorithm that has a rival, with its measured cost and its measured error.
+"""Registry of methods: every algorithm with alternatives, with its measured cost and error.
 
-A stage registers its rivals beside the code that implements them; the planner chooses the cheapest one inside a
-scene's tolerance and hands its settings on; `mimics lab` measures and draws them. Probes call the very functions that
-the loop runs. Names are for people: nothing is decided by them.
+A stage registers its methods beside the code that implements them; the planner chooses the cheapest one within a
+scene's tolerance and passes its settings on; `mimics lab` measures and draws them. Probes call the same functions as
+the loop. Names are for display only: no decision depends on them.
 """
 
 from __future__ import annotations
@@ -13,26 +13,26 @@ from dataclasses import dataclass
 __all__ = ["Group", "Method", "Registry", "Settings", "registry"]
 
 Settings = Mapping[str, object]
-"""What the product sets to run a method: values of JSON by field, in the words of the scene's own settings."""
+"""Settings that select a method: JSON values by field, with the names and values of scene settings."""
 
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """One method to do one thing.
+    """One method of a group.
 
     Attributes:
-        group: What the rivals have in common, e.g. "tunnel projection".
-        name: Its own name, unique in the group.
-        source: One line: what it is and where it comes from.
-        cost: Probe that returns the measured cost [us per call].
-        error: Probe that returns the measured error in `unit` against a closed form or a brute-force reference.
+        group: Task of the methods, e.g. "tunnel projection".
+        name: Name, unique in the group.
+        source: One line: description and source.
+        cost: Probe of the cost [us per call].
+        error: Probe of the error in `unit` against a closed form or a brute-force reference.
         unit: Unit of the error, e.g. "m".
-        valid_range: One line: where the method may be used.
-        default: What the product uses unless a scene or the planner says otherwise; at most one of a group.
-        settings: What makes the product run it; {} where it runs it always. None: the product cannot run it, and it is
-            a yardstick, measured and drawn beside the others but never chosen.
-        growth: Probe of the cost [us per call] when the work has a given size; None where it does not grow.
-        sizes: Sizes of the work to measure the growth at, ascending; what they count is the group's `work`.
+        valid_range: One line: range of validity.
+        default: True for the default without a setting of the scene or the planner; at most one per group.
+        settings: Settings that make the product run it; {}: it always runs. None: the product cannot run it; a
+            yardstick that is measured and drawn beside the others but never chosen.
+        growth: Probe of the cost [us per call] at a size of the work; None if the cost is constant.
+        sizes: Sizes for `growth`, ascending, in units of the group's `work`.
     """
 
     group: str
@@ -49,23 +49,23 @@ class Method:
 
     @property
     def runnable(self) -> bool:
-        """Whether the product can run it; a yardstick otherwise."""
+        """Whether the product can run it; otherwise it is a yardstick."""
         return self.settings is not None
 
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """What the rivals of a group are for, and the yardstick their costs are compared with.
+    """Description of a group of methods.
 
     Attributes:
-        name: As in `Method.group`.
-        what: One line: the job all of them do, and on which input they are measured.
+        name: Name, as in `Method.group`.
+        what: One line: the task of the methods, and the input of the measurement.
         unit: Unit of the error, as in `Method.unit`.
-        work: What a size counts, e.g. "pieces of the tunnel"; "" where the cost does not grow.
-        reference: Probe of the group's reference loop [us per call], run right before the rivals so that the ratio
+        work: Unit of the sizes, e.g. "pieces of the tunnel"; "" if the cost is constant.
+        reference: Probe of the group's reference loop [us per call], run right before the methods, so that the ratio
             holds on any machine.
-        few: Why no third rival is measured; "" where there are three.
-        why_default: Why the default stands though a rival costs less at no greater error; "" where none does.
+        few: Reason for fewer than three methods; "" otherwise.
+        why_default: Reason for a default that another method beats in cost at no larger error; "" otherwise.
     """
 
     name: str
@@ -78,21 +78,21 @@ class Group:
 
 
 class Registry:
-    """Methods by group, in the order they were registered; imports nothing: `lab.catalogue` loads the stages' ones."""
+    """Methods by group, in the order of registration; `lab.catalogue` imports the modules that register them."""
 
     def __init__(self) -> None:
         self._groups: dict[str, dict[str, Method]] = {}
         self._described: dict[str, Group] = {}
 
     def describe(self, group: Group) -> Group:
-        """Say what a group is for; ValueError when it has been said already."""
+        """Add the description of a group; ValueError if it has one."""
         if group.name in self._described:
             raise ValueError(f'group "{group.name}" is described twice')
         self._described[group.name] = group
         return group
 
     def register(self, method: Method) -> Method:
-        """Add a method; ValueError when its group has one of that name already."""
+        """Add a method; ValueError for a duplicate name, a second default, or a default that cannot run."""
         group = self._groups.setdefault(method.group, {})
         if method.default and any(rival.default for rival in group.values()):
             raise ValueError(f'group "{method.group}" has two defaults, the second is "{method.name}"')
@@ -104,21 +104,21 @@ class Registry:
         return method
 
     def groups(self) -> list[str]:
-        """Names of the groups."""
+        """Return the names of the groups."""
         return list(self._groups)
 
     def rivals(self, group: str) -> list[Method]:
-        """The methods of a group; KeyError when there is none."""
+        """Return the methods of a group; KeyError for an unknown group."""
         return list(self._groups[group].values())
 
     def described(self, group: str) -> Group:
-        """The description of a group; KeyError when there is none."""
+        """Return the description of a group; KeyError if it has none."""
         return self._described[group]
 
     def default(self, group: str) -> Method | None:
-        """The method of a group that the product uses by default, None where none is marked; KeyError: no group."""
+        """Return the default method of a group, or None; KeyError for an unknown group."""
         return next((method for method in self._groups[group].values() if method.default), None)
 
 
 registry = Registry()
-"""The registry of this process; a stage's methods appear when its `methods` module is imported."""
+"""Registry of this process; a stage registers its methods when its `methods` module is imported."""

@@ -1,4 +1,4 @@
-"""The tables of haptic objects beside a SCENE record: their capacities, and how their rows become bytes and back."""
+"""Tables of haptic objects beside a SCENE record: capacities, copies, and serialisation."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ __all__ = [
 
 
 _NEIGHBOURS = 24
-"""Pairs to a shape: in a heap of equal cubes each has 26 neighbours, so 13 pairs; the rest is for unequal ones."""
+"""Pairs per shape: in a stack of equal cubes each has 26 neighbours, so 13 pairs; the rest is for unequal sizes."""
 
 
 class Rows(NamedTuple):
-    """What the main thread wants of the objects; dtypes of the same names in capitals, see `ROW_DTYPES`."""
+    """Parameters of the objects from the main thread; the dtypes are in `ROW_DTYPES`."""
 
     shapes: Records
     bodies: Records
@@ -45,7 +45,7 @@ ROW_DTYPES: dict[str, np.dtype[Any]] = dict(zip(Rows._fields, (SHAPE, BODY, EFFE
 
 @dataclass(frozen=True, slots=True)
 class ObjectCapacities:
-    """Rows of each table, and room for paths of effects, fixed when the session is built."""
+    """Capacities of the tables and of the paths of effects, fixed when the session is built."""
 
     shapes: int = 32
     bodies: int = 8
@@ -57,25 +57,25 @@ class ObjectCapacities:
 
     @property
     def pairs(self) -> int:
-        """Pairs of shapes near each other: all there are, or as many as lie around each in a heap."""
+        """Capacity of pairs of close shapes: all pairs, or _NEIGHBOURS per shape."""
         return max(1, min(self.shapes * (self.shapes - 1) // 2, _NEIGHBOURS * self.shapes))
 
 
 def new_rows(capacities: ObjectCapacities, *slots: int) -> Rows:
-    """Empty tables, shape [capacity] each, or [*slots, capacity]."""
+    """Return empty tables, shape [capacity] each, or [*slots, capacity]."""
     return Rows(
         *(np.zeros((*slots, getattr(capacities, name)), dtype) for name, dtype in ROW_DTYPES.items()),
     )
 
 
 def count_rows(counts: np.void) -> dict[str, int]:
-    """Rows in use of each table by its name, from a record of OBJECT_COUNTS; an older version's may lack a table."""
+    """Return the rows in use by table, from a record of OBJECT_COUNTS; older versions may lack a table."""
     known = counts.dtype.names or ()
     return {name: int(counts[name]) if name in known else 0 for name in Rows._fields}
 
 
 def has_objects(counts: np.void) -> bool:
-    """Whether a record of OBJECT_COUNTS counts what touches, moves or pulls; tunnels are felt without their code."""
+    """Whether a record of OBJECT_COUNTS counts shapes, bodies or effects; tunnels do not need the objects' code."""
     return any(int(counts[name]) > 0 for name in ("shapes", "bodies", "effects"))
 
 
@@ -86,20 +86,20 @@ def slot_of(tables: Rows, slot: int, source: Rows, counts: np.void) -> None:
 
 
 def pack_rows(rows: Rows, counts: np.void) -> bytes:
-    """The rows in use as bytes, table after table."""
+    """Serialise the rows in use, table by table."""
     return b"".join(getattr(rows, name)[:count].tobytes() for name, count in count_rows(counts).items())
 
 
 def unpack_rows(data: bytes | memoryview, counts: np.void, dtypes: Mapping[str, np.dtype[Any]] = ROW_DTYPES) -> Rows:
-    """What `pack_rows` made, as tables that hold just the rows in use.
+    """Deserialise rows packed by `pack_rows`, as tables without spare rows.
 
     Args:
         data: The bytes.
-        counts: Record of OBJECT_COUNTS that was packed with them.
-        dtypes: Of the version that packed them; a table it did not know stays empty.
+        counts: Record of OBJECT_COUNTS of the packed rows.
+        dtypes: Dtypes of the version that packed them; a table unknown to it stays empty.
 
     Raises:
-        ValueError: The bytes are not those rows.
+        ValueError: The number of bytes is wrong.
     """
     numbers = count_rows(counts)
     dtypes = {**ROW_DTYPES, **dtypes}

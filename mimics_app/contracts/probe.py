@@ -1,7 +1,7 @@
-"""What cost probes share: the shortest of a few runs, and the loop that every cost is compared with.
+"""Shared parts of cost probes: the shortest of a few runs, and the reference loop.
 
-A virtual machine's clock rate, and what else runs on it, change from minute to minute. The ratio of a cost to a
-reference loop timed in the same run holds where microseconds do not.
+Clock rate and load of a virtual machine change from minute to minute. The ratio of a cost to a reference loop timed in
+the same run is reproducible where microseconds are not.
 """
 
 from __future__ import annotations
@@ -14,26 +14,26 @@ from mimics_app.contracts.kernel import kernel
 __all__ = ["REFERENCE_STEPS", "reference_us", "run_reference", "shortest_us"]
 
 REFERENCE_STEPS = 100
-"""Steps of the reference loop that count as one call: about as much work as a haptic tick's force law."""
+"""Steps of the reference loop per call: about the work of a haptic tick's force law."""
 
 _CALLS = 200
 _REPEATS = 5
 
 _STIFFNESS, _DAMPING, _DT = 400.0, 0.02, 1e-3
-"""Of the reference loop: a mass of 1 kg [N/m, N s/m, s]."""
+"""Stiffness [N/m], damping [N s/m] and step [s] of the reference loop, with a mass of 1 kg."""
 
 
 @kernel
 def run_reference(calls: int, x: float, v: float) -> float:
-    """A spring-damper of 1 kHz stepped semi-implicitly, `REFERENCE_STEPS` steps a call: a chain of dependent sums.
+    """Step a spring-damper semi-implicitly at 1 kHz, `REFERENCE_STEPS` steps per call: a chain of dependent sums.
 
     Args:
-        calls: How many calls.
-        x: Place at the start [m].
-        v: Velocity at the start [m/s].
+        calls: Number of calls.
+        x: Initial position [m].
+        v: Initial velocity [m/s].
 
     Returns:
-        Place at the end [m], so that nothing can be left out.
+        Final position [m], so that the compiler cannot remove the loop.
     """
     for _ in range(calls * REFERENCE_STEPS):
         v -= _DT * (_STIFFNESS * x + _DAMPING * v)
@@ -42,7 +42,7 @@ def run_reference(calls: int, x: float, v: float) -> float:
 
 
 def shortest_us(work: Callable[[], object], calls: int = 1, repeats: int = _REPEATS) -> float:
-    """Shortest of a few runs of `work`, after one that compiles it, divided by the calls it makes [us per call]."""
+    """Return the shortest of a few runs of `work`, after a first one that compiles it, per call [us]."""
     clock = MonotonicClock()
     work()
     shortest = float("inf")
@@ -54,5 +54,5 @@ def shortest_us(work: Callable[[], object], calls: int = 1, repeats: int = _REPE
 
 
 def reference_us() -> float:
-    """Cost of one call of the reference loop here and now [us]."""
+    """Return the present cost of one call of the reference loop [us]."""
     return shortest_us(lambda: run_reference(_CALLS, 1e-3, 0.0), _CALLS)

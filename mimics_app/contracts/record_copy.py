@@ -1,4 +1,4 @@
-"""Copy many fields from record to record in compiled code: one load and one store each, written out from a list."""
+"""Compiled copies of many record fields, generated from a list: one load and one store per component."""
 
 from __future__ import annotations
 
@@ -15,10 +15,9 @@ __all__ = ["field_copier"]
 
 
 def field_copier(moves: Sequence[Move]) -> Callable[[Any, Any, Any], None]:
-    """Function for kernels, `copy(state, totals, out)`: `out.NAME = float or int of the field at PATH` for every move.
+    """Return a function for kernels, `copy(state, totals, out)`: `out.NAME = field at PATH`, converted, for each move.
 
-    The machine code is what an assignment for each would give; there is no list left to walk when it runs, and no
-    line of Python for numba to infer.
+    The machine code is that of one assignment per field, without a list at run time and without type inference.
     """
 
     @intrinsic
@@ -40,7 +39,7 @@ def field_copier(moves: Sequence[Move]) -> Callable[[Any, Any, Any], None]:
 
 
 def _find(record: Any, path: Sequence[str]) -> tuple[int, Any]:
-    """Offset [bytes] and type of a field, through records within records."""
+    """Return offset [bytes] and type of a field, through nested records."""
     offset, kind = 0, record
     for name in path:
         if not isinstance(kind, types.Record) or name not in kind.fields:
@@ -54,7 +53,7 @@ def _size(kind: Any) -> int:
 
 
 def _pointer(context: Any, builder: Any, record: Any, place: tuple[int, Any], k: int) -> tuple[Any, Any]:
-    """Number k of a field: its type and its address."""
+    """Return type and address of component k of a field."""
     offset, kind = place
     number = kind.dtype if isinstance(kind, types.NestedArray) else kind
     at = offset + k * number.bitwidth // 8

@@ -1,4 +1,4 @@
-"""Opening what people name as a file: regular files only, so that a FIFO or a device cannot hang a command."""
+"""Opening of regular files only, so that a FIFO or a device as a file name cannot block a command."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ _NEVER_WAIT = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXE
 
 
 def open_regular(path: str | os.PathLike[str]) -> BufferedReader:
-    """A regular file (or a link to one), opened for reading without ever waiting for somebody to write.
+    """Open a regular file (or a link to one) for reading, without blocking.
 
     Raises:
-        FileNotFoundError: There is nothing of this name.
+        FileNotFoundError: There is no such file.
         IsADirectoryError: It is a folder.
-        OSError: It is a pipe, a socket or a device (EINVAL), or may not be read.
+        OSError: It is a pipe, a socket or a device (EINVAL), or not readable.
     """
     descriptor = os.open(path, _NEVER_WAIT)
     try:
@@ -35,17 +35,17 @@ def open_regular(path: str | os.PathLike[str]) -> BufferedReader:
 
 
 def read_regular(path: str | os.PathLike[str], at_most: int | None = None) -> bytes:
-    """All bytes of a regular file, or its first `at_most`.
+    """Return all bytes of a regular file, or its first `at_most`.
 
     Raises:
-        OSError: As `open_regular`.
+        OSError: See `open_regular`.
     """
     with open_regular(Path(path)) as stream:
         return stream.read() if at_most is None else stream.read(at_most)
 
 
 def read_or_nothing(path: Path) -> bytes:
-    """All bytes of a regular file; none where it cannot be read."""
+    """Return all bytes of a regular file; b"" if it cannot be read."""
     try:
         return read_regular(path)
     except OSError:

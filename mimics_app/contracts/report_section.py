@@ -1,6 +1,6 @@
-"""What a kind of task adds to the report of a run: its tiles, the figure of the movement, and traces over time.
+"""Section of a kind of task in the report of a run: tiles, the figure of the movement, and traces over time.
 
-It is data: whoever makes the report draws it.
+It is data; the report draws it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from mimics_app.contracts.arrays import F8
 __all__ = ["Curve", "Marks", "ReportSection", "ReportedAttempt", "Traces", "TunnelShape", "Word", "frontal"]
 
 Traces = Mapping[str, Mapping[str, tuple[str, F8]]]
-"""By the label of an axis with its unit: by style, the name and the values of each line."""
+"""Axis label with unit -> style -> (name, values) of a line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class TunnelShape:
 
 
 class ReportedAttempt(Protocol):
-    """One attempt at a trial, as a section sees it."""
+    """One attempt at a trial."""
 
     @property
     def samples(self) -> NDArray[Any]:
@@ -38,28 +38,28 @@ class ReportedAttempt(Protocol):
 
     @property
     def free(self) -> NDArray[np.bool_]:
-        """Where the person led, shape [n]; elsewhere the robot was driven."""
+        """True for samples where the person led, False where the robot was driven, shape [n]."""
         ...
 
     @property
     def tunnel(self) -> TunnelShape | None:
-        """The tunnel it went through, None where there is none."""
+        """Tunnel of the attempt, or None."""
         ...
 
     @property
     def row(self) -> Mapping[str, Any]:
-        """Its row of trials.csv, {} where it has none."""
+        """Its row of trials.csv, {} for none."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A line in the frontal plane, lateral and vertical [m], shape [n, 2]; nan breaks it.
+    """A line in the frontal plane, lateral and vertical [m].
 
     Attributes:
-        points: Where it runs.
-        style: One of the report's: "robot", "wall", "bisector", "carried", "measured", "felt".
-        label: In the legend, "" for none.
+        points: Points of the line, shape [n, 2]; NaN interrupts it.
+        style: Style of the report: "robot", "wall", "bisector", "carried", "measured", "felt".
+        label: Entry in the legend, "" for none.
     """
 
     points: F8
@@ -69,7 +69,7 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Marks:
-    """Points in the frontal plane [m], shape [n, 2], with what a pointer over each reads."""
+    """Points in the frontal plane [m], shape [n, 2], with a tooltip each."""
 
     points: F8
     label: str
@@ -79,7 +79,7 @@ class Marks:
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A word at a place of the frontal plane [m], pushed away from there along a direction, shape [2] each."""
+    """A label at a point of the frontal plane [m], offset along a direction, shape [2] each."""
 
     text: str
     place: F8
@@ -87,16 +87,16 @@ class Word:
 
 
 class ReportSection:
-    """The movement of a run in which nothing but the hand's path is known; a kind of task says more.
+    """Default section with the path of the hand; kinds of tasks extend it.
 
     Attributes:
-        heading: Of the section.
-        colours: What its colours mean, a sentence.
-        touching: In words, what being in contact is.
-        contact: In words, the beginning of a contact.
+        heading: Heading of the section.
+        colours: Sentence that explains the colours.
+        touching: Term for being in contact.
+        contact: Term for the beginning of a contact.
         path_error: Caption of the tile with the path error.
         contacts: Caption of the tile with the number of contacts.
-        from_floor: Whether the figure begins at height 0.
+        from_floor: Whether the figure starts at height 0.
     """
 
     heading: ClassVar[str] = "Movement of the hand"
@@ -108,35 +108,35 @@ class ReportSection:
     from_floor: ClassVar[bool] = False
 
     def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
-        """Whether a run is of this kind, by the scenario's facts and what was recorded."""
+        """Whether a run is of this kind, by the scenario's facts and the recorded attempts."""
         return True
 
     def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
-        """Figures of the run by caption: value (None: left out) and unit; `task` holds the session's totals."""
+        """Return figures of the run by caption: value (None: left out) and unit; `task` holds the session's totals."""
         return {}
 
     def behind(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Curve]:
-        """What the path is drawn over."""
+        """Return the curves in the background of the path."""
         return ()
 
     def hand(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Curve]:
-        """The path of the hand, where the person led."""
+        """Return the path of the hand where the person led."""
         return [Curve(np.where(attempt.free[:, None], frontal(attempt), np.nan), "robot", "handle path")]
 
     def marks(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Marks]:
-        """Moments on the path."""
+        """Return marked points of the path."""
         return ()
 
     def words(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Sequence[Word]:
-        """Words in the figure."""
+        """Return the labels in the figure."""
         return ()
 
     def traces(self, attempt: ReportedAttempt, facts: Mapping[str, Any]) -> Traces:
-        """Lines over time, besides force, velocity and stability."""
+        """Return lines over time, besides force, velocity and stability."""
         return {}
 
 
 def frontal(attempt: ReportedAttempt) -> F8:
-    """Path of the hand in the frontal plane, lateral and vertical [m], shape [n, 2]."""
+    """Return the path of the hand in the frontal plane, lateral and vertical [m], shape [n, 2]."""
     path: F8 = attempt.samples["hip_world"][:, :2]
     return path

@@ -1,4 +1,4 @@
-"""Where shaders, scenes and assets lie: inside an installed package, or at the root of a checkout."""
+"""Location of shaders, scenes and assets: inside an installed package, or at the root of a checkout."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ FOLDERS = ("assets", "scenes", "shaders")
 
 
 def root() -> Path:
-    """The folder that holds `assets`, `scenes` and `shaders`.
+    """Return the folder with `assets`, `scenes` and `shaders`.
 
-    A wheel carries them as `mimics_app/data`; an editable install and a checkout have them beside the package.
+    A wheel has them in `mimics_app/data`; an editable install and a checkout have them beside the package.
 
     Raises:
-        MimicsError: Neither is complete.
+        MimicsError: Neither folder is complete.
     """
     package = Path(__file__).resolve().parents[1]
     for candidate in (package / "data", package.parent):

@@ -1,4 +1,4 @@
-"""Single-producer single-consumer ring of records: nothing lost while there is room, every loss counted."""
+"""Single-producer single-consumer ring buffer of records; records that find it full are counted as dropped."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Records = NDArray[np.void]
 
 @kernel
 def push(words: Words, slots: Records, record: Records) -> bool:
-    """Producer: append record[0] to slots (structured, shape [2**k]); False, and counted, when the ring is full."""
+    """Producer: append record[0] to slots (structured, shape [2**k]); False, and counted, if the ring is full."""
     head = words[HEAD]
     if head - load_acquire(words, TAIL) >= slots.shape[0]:
         words[DROPPED] += 1
@@ -29,19 +29,19 @@ def push(words: Words, slots: Records, record: Records) -> bool:
 
 @kernel
 def room(words: Words, slots: Records) -> int:
-    """Producer: how many records fit now."""
+    """Producer: return the number of free slots."""
     return slots.shape[0] - (words[HEAD] - load_acquire(words, TAIL))
 
 
 @kernel
 def waiting(words: Words) -> int:
-    """Consumer: how many records can be drained now."""
+    """Consumer: return the number of records to drain."""
     return load_acquire(words, HEAD) - words[TAIL]
 
 
 @kernel
 def drain(words: Words, slots: Records, out: Records) -> int:
-    """Consumer: move up to len(out) records into out, oldest first, and return how many."""
+    """Consumer: move up to len(out) records to out, oldest first; return their number."""
     tail = words[TAIL]
     count = min(load_acquire(words, HEAD) - tail, out.shape[0])
     for i in range(count):
@@ -52,13 +52,13 @@ def drain(words: Words, slots: Records, out: Records) -> int:
 
 @kernel
 def position(words: Words) -> int:
-    """Consumer: how many records were consumed since the ring was made."""
+    """Consumer: return the number of records consumed since the ring was created."""
     return words[TAIL]
 
 
 @kernel
 def peek(words: Words, slots: Records, out: Records) -> int:
-    """Consumer: copy up to len(out) records into out, oldest first, and return how many; they stay until `release`."""
+    """Consumer: copy up to len(out) records to out, oldest first; return their number; they stay until `release`."""
     tail = words[TAIL]
     count = min(load_acquire(words, HEAD) - tail, out.shape[0])
     for i in range(count):
@@ -68,5 +68,5 @@ def peek(words: Words, slots: Records, out: Records) -> int:
 
 @kernel
 def release(words: Words, count: int) -> None:
-    """Consumer: give up the `count` oldest records, once they are safe elsewhere."""
+    """Consumer: remove the `count` oldest records, after they were stored elsewhere."""
     store_release(words, TAIL, words[TAIL] + count)

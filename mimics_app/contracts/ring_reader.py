@@ -1,4 +1,4 @@
-"""The consumer's end of a ring in plain Python: for a process that has no use for a compiler but this."""
+"""Consumer of a ring buffer in plain Python, for processes without compiled code."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ _LOCK = Lock()
 
 
 def _fence() -> None:
-    """What is before it happens before what is behind it, on processors that reorder loads, too.
+    """Full memory fence, for processors that reorder loads.
 
-    Giving back a lock keeps what is before from sinking below it, taking it again what is behind from rising above.
-    x86-64 keeps the order of loads on its own.
+    Releasing a lock keeps earlier accesses before it, acquiring it keeps later ones after it. x86-64 keeps the order of
+    loads without it.
     """
     for _ in range(2):
         with _LOCK:
@@ -27,11 +27,11 @@ def _fence() -> None:
 
 
 class RingReader:
-    """Consumes what `ring.push` appends; the only consumer of its ring.
+    """Consumer of the records that `ring.push` appends; the only consumer of its ring.
 
     Args:
-        words: Of the ring, shape [RING_WORDS].
-        slots: Its records, shape [2**k].
+        words: Words of the ring, shape [RING_WORDS].
+        slots: Records of the ring, shape [2**k].
     """
 
     def __init__(self, words: NDArray[np.int64], slots: NDArray[Any]) -> None:
@@ -39,23 +39,23 @@ class RingReader:
 
     @property
     def waiting(self) -> int:
-        """How many records can be consumed now."""
+        """Number of records to consume."""
         head = int(self._words[HEAD])
         _fence()
         return head - int(self._words[TAIL])
 
     @property
     def position(self) -> int:
-        """How many records were consumed since the ring was made."""
+        """Number of records consumed since the ring was created."""
         return int(self._words[TAIL])
 
     @property
     def dropped(self) -> int:
-        """How many records found no room."""
+        """Number of records dropped because the ring was full."""
         return int(self._words[DROPPED])
 
     def peek(self, out: NDArray[Any]) -> int:
-        """Copy up to len(out) records into out, oldest first, and return how many; they stay until `release`."""
+        """Copy up to len(out) records to out, oldest first; return their number; they stay until `release`."""
         count = min(self.waiting, len(out))
         first = self.position % len(self._slots)
         until_end = min(count, len(self._slots) - first)
@@ -64,6 +64,6 @@ class RingReader:
         return count
 
     def release(self, count: int) -> None:
-        """Give up the `count` oldest records, once they are safe elsewhere."""
+        """Remove the `count` oldest records, after they were stored elsewhere."""
         _fence()
         self._words[TAIL] += count

@@ -1,4 +1,4 @@
-"""What the application needs of a scenario, and what a scenario passes to the task about its scene."""
+"""Port of scenarios for the application, and the context that a scenario passes to the task."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ __all__ = ["BodyPose", "Home", "Scenario", "TaskContext"]
 
 
 BodyPose = Callable[[str, int], NDArray[np.float64] | None]
-"""(role, session time [ns]) -> room_from_part, float64 [4, 4]; None where no tracker knows that part of the body."""
+"""(role, session time [ns]) -> room_from_part, float64 [4, 4]; None if that part of the body is not tracked."""
 
 
 @dataclass(frozen=True, slots=True)
 class Home:
-    """How the robot gets to the start of a trial.
+    """Drive of the robot to the start of a trial.
 
     Attributes:
         target: SCENE.target: joints [m or rad] for JOINT_PD, points of contact in the robot frame [m] for WORLD_PD.
-        controller: Either of the two.
+        controller: JOINT_PD or WORLD_PD.
     """
 
     target: tuple[float, ...]
@@ -35,18 +35,18 @@ class Home:
 
 @dataclass(frozen=True, slots=True)
 class TaskContext:
-    """What a task must know of its scene.
+    """Properties of a scene for its task.
 
     Attributes:
-        start_joints: Where the robot begins a trial [m or rad].
-        home: How it gets there; None: by joint PD.
+        start_joints: Joints of the robot at the start of a trial [m or rad].
+        home: Drive to the start; None: joint PD.
         bodies: Names of the haptic bodies in the order of their rows.
-        places: Where the entities are that a task may name [m].
-        offers: What the scene has for kinds of task, e.g. "tunnel".
-        feel: Controller under which the person leads: ADMITTANCE, or IMPEDANCE on a force driven device.
-        simulated: Nobody is there: whoever asks the person something answers itself.
-        by_pointer: The person plays with mouse, keys or gamepad; prompts name what to press.
-        introduced: Somebody at a window reads the page of keys before the first trial, which is then counted down.
+        places: Positions of the entities that a task may name [m].
+        offers: Features of the scene for kinds of tasks, e.g. "tunnel".
+        feel: Controller while the person leads: ADMITTANCE, or IMPEDANCE on a force driven device.
+        simulated: No person is present: questions to the person are answered automatically.
+        by_pointer: The person uses mouse, keys or gamepad; prompts name the keys.
+        introduced: The page of keys is shown before the first trial, which then starts with a countdown.
     """
 
     start_joints: tuple[float, ...]
@@ -61,44 +61,44 @@ class TaskContext:
 
 
 class Scenario(Protocol):
-    """A scene brought to life; made with (scene, world), anew when the scene file is reloaded.
+    """Behaviour of a scene, created with (scene, world), and again when the scene file is reloaded.
 
-    Inherit from it: what a scene does not need has an answer here already.
+    Inherit from it: optional methods have defaults.
     """
 
     @property
     def task_context(self) -> TaskContext:
-        """Where the robot begins a trial, and how it gets there."""
+        """Properties of the scene for its task."""
         ...
 
     @property
     def via_points_world(self) -> NDArray[np.float64]:
-        """Points a simulated person reaches for in turn [m], shape [n, 3]."""
+        """Points that a simulated person reaches for in order, world [m], shape [n, 3]."""
         ...
 
     @property
     def facts(self) -> Mapping[str, Any]:
-        """What a report should know of the scene's geometry, as plain values."""
+        """Geometry of the scene for the report, as plain values."""
         ...
 
     def scene_block(self) -> NDArray[Any]:
-        """Haptic parameters of the scene as a SCENE record, shape [1]."""
+        """Return the haptic parameters of the scene as a SCENE record, shape [1]."""
         ...
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
-        """Bring the world up to date with the newest haptic state and the task's visual parameters."""
+        """Update the world from the newest haptic state and the task's visual parameters."""
         ...
 
     def see_body(self, where: BodyPose, now_ns: int) -> None:
-        """Take where the person's head and hands are, before `apply`; a scene without a body needs nothing of it."""
+        """Set the poses of the person's head and hands, before `apply`; ignored by scenes without a body."""
 
     def stand_before_walls(self) -> None:
-        """The picture is on screens about the person, who sees the real body before them: none is drawn for it."""
+        """Hide the avatar of the person, whose real body is visible before the screens."""
 
     def aim(self, snapshot: HapticSnapshot) -> Aim | None:
-        """What a person does next with the hand, going by what is seen; None where the path alone says it."""
+        """Return the next action of the hand; None where the path alone defines it."""
         return None
 
     def haptic_orders(self) -> Mapping[str, object]:
-        """Haptic fields by dotted name as the scene's own helpers want them now; unchanged values cost nothing."""
+        """Return haptic fields by dotted name from the scene itself; unchanged values cost nothing."""
         return {}

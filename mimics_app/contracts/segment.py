@@ -1,7 +1,7 @@
-"""One nameless block of shared memory per session.
+"""Anonymous shared memory, one segment per session.
 
-On Linux it is a memfd: it has no name to leak, needs no tracker, and the kernel frees it with its last holder, also
-after SIGKILL. Elsewhere a temporary file that is unlinked as soon as everybody holds it does the same service.
+On Linux it is a memfd: it has no name to leak, needs no resource tracker, and the kernel frees it with its last holder,
+also after SIGKILL. Elsewhere it is a temporary file that is unlinked at once.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import mmap
 import os
 import tempfile
+import weakref
 from collections.abc import Callable, Sequence
 from multiprocessing import reduction
 from typing import Any
@@ -25,14 +26,15 @@ _CACHE_LINE = 64
 
 
 class Segment:
-    """Shared memory that lives exactly as long as its last holder. Pass it as an argument of a spawned process.
+    """Shared memory that lives exactly as long as its last holder. Pass it as an argument to a spawned process.
 
-    Never closed by hand: arrays of it may still be in use.
+    It has no close method: its arrays may still be in use.
     """
 
     def __init__(self, size: int, fd: int | None = None) -> None:
         self.size = size
         self._fd = _anonymous_file(size) if fd is None else fd
+        weakref.finalize(self, os.close, self._fd)  # the map has its own duplicate
         self._map = mmap.mmap(self._fd, size)
 
     def __reduce__(self) -> tuple[Callable[..., Segment], tuple[int, Any]]:
@@ -40,11 +42,11 @@ class Segment:
 
     @classmethod
     def for_arrays(cls, specs: Sequence[ArraySpec]) -> Segment:
-        """A zeroed segment large enough for these arrays."""
+        """Return a zeroed segment large enough for these arrays."""
         return cls(sum(_padded_size(shape, dtype) for _, shape, dtype in specs))
 
     def arrays(self, specs: Sequence[ArraySpec]) -> dict[str, NDArray[Any]]:
-        """The arrays by name, each starting on a cache line; the same specs give the same places in every process."""
+        """Return the arrays by name, each on its own cache line; the same specs give the same layout everywhere."""
         offset = 0
         arrays: dict[str, NDArray[Any]] = {}
         for name, shape, dtype in specs:

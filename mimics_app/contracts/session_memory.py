@@ -1,6 +1,6 @@
-"""The shared memory of one session: who writes which array, and where each lies.
+"""Shared memory of one session: its arrays by name, with their layout and their writers.
 
-Main, audio, recorder and console processes attach to the same segment and see the same arrays by name.
+Main, audio, recorder and console processes attach to the same segment.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ __all__ = ["SHARED_ARRAYS", "Capacities", "ControlWord", "SessionMemory", "Share
 
 
 class ControlWord(IntEnum):
-    """Indices into `control`; each word on a cache line of its own, one writer each."""
+    """Indices into `control`; each word has its own cache line and one writer."""
 
-    STOP = 0  # stop key, device supervisor or console: 1 requests E_STOP
+    STOP = 0  # main: 1 requests E_STOP, 0 again with a reset
     QUIT = 8  # main: 1 ends the loop
     TICKS = 16  # loop: ticks done
     MISSED = 24  # loop: ticks that ended more than one period after their release, after the first second
@@ -37,28 +37,28 @@ class ControlWord(IntEnum):
     STALE = 40  # loop: ticks with device data older than stale_warn_ns
     STOPS = 48  # loop: stops latched since the start
     HOLDS = 72  # loop: times the force was ramped down for late ticks (DEGRADED) since the start
-    CLOSED = 56  # main: 1 means that nothing more will come
+    CLOSED = 56  # main: 1: no further data
     START_NS = 64  # loop: monotonic time of tick 0's release [ns]
 
 
 @dataclass(frozen=True, slots=True)
 class Capacities:
-    """Sizes fixed when the session is built."""
+    """Capacities fixed when the session is built; rings have a power of two."""
 
     objects: ObjectCapacities = field(default_factory=ObjectCapacities)
-    samples: int = 16384  # 16 s at 1 kHz, twice what a recorder on a busy machine takes to be replaced; a power of two
-    events: int = 2048  # for as long; a power of two
-    forces: int = 4096  # of contacts for the sound: half a second of as many as are followed; a power of two
+    samples: int = 16384  # 16 s at 1 kHz, twice the time to replace a recorder on a busy machine
+    events: int = 2048  # for the same time
+    forces: int = 4096  # half a second of FOLLOWED_AT_ONCE contacts
     lateness_bins: int = 2048
-    extent: Extent = field(default_factory=Extent)  # which of the loop's numbers the device has
+    extent: Extent = field(default_factory=Extent)  # subset of the loop's numbers that the device has
 
 
 @dataclass(frozen=True, slots=True)
 class Shared:
-    """Where an array of a session lies.
+    """Layout of a shared array.
 
     Attributes:
-        dtype: Of its elements.
+        dtype: Dtype of its elements.
         shape: Numbers, or names of capacities ("events", "objects.bodies").
     """
 
@@ -66,7 +66,7 @@ class Shared:
     shape: tuple[int | str, ...]
 
     def sizes(self, capacities: Capacities) -> tuple[int, ...]:
-        """The shape in numbers."""
+        """Return the shape in numbers."""
         return tuple(each if isinstance(each, int) else int(attrgetter(each)(capacities)) for each in self.shape)
 
 
@@ -76,11 +76,11 @@ _Events = Annotated[Records, Shared(EVENT, ("events",))]
 
 
 class SessionMemory:
-    """The arrays of a session by name: this list is all that is said of them."""
+    """Arrays of a session by name; their layout is derived from these annotations."""
 
     control: Annotated[Words, Shared(np.int64, (80,))]  # see `ControlWord`
 
-    # triple buffer main -> loop: a block of parameters and the tables beside it
+    # triple buffer main -> loop: a parameter block with its tables
     scene_words: _Exchange
     scenes: Annotated[Records, Shared(SCENE, (3,))]
     shapes: Annotated[Records, Shared(ROW_DTYPES["shapes"], (3, "objects.shapes"))]
@@ -115,7 +115,7 @@ class SessionMemory:
     recorder_event_words: _Ends
     recorder_events: _Events
 
-    # ring loop -> audio: the force of contacts, tick by tick
+    # ring loop -> audio: forces of contacts per tick
     audio_force_words: _Ends
     audio_forces: Annotated[Records, Shared(CONTACT_FORCE, ("forces",))]
 
@@ -149,7 +149,7 @@ def _shared_arrays() -> dict[str, Shared]:
 
 
 SHARED_ARRAYS: dict[str, Shared] = _shared_arrays()
-"""Every array of a `SessionMemory` by name, in the order in which they lie."""
+"""All arrays of a `SessionMemory` by name, in the order of their layout."""
 
 
 def _specs(capacities: Capacities) -> list[ArraySpec]:

@@ -1,4 +1,4 @@
-"""Layout of the int64 words beside rings and triple buffers, for compiled code and for processes without a compiler."""
+"""Layout of the int64 words of rings and triple buffers, for compiled code and for processes without it."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ __all__ = [
 ]
 
 RING_WORDS = 24
-"""Length of a ring's word array: head, tail and the count of dropped records, each on a cache line of its own."""
+"""Length of a ring's word array: head, tail and the count of dropped records, one cache line each."""
 
 HEAD, TAIL, DROPPED = 0, 8, 16
-"""Records appended since the ring was made, records consumed, and records that found no room; the consumer writes the
-second, the producer the others."""
+"""Records appended, consumed and dropped since the ring was created; the consumer writes the second, the producer the
+others."""
 
 EXCHANGE_WORDS = 24
-"""Length of a triple buffer's word array: three words, each on a cache line of its own."""
+"""Length of a triple buffer's word array: three words, one cache line each."""
 
 SHARED, BACK, FRONT = 0, 8, 16
-"""The slot in exchange, the writer's and the reader's."""
+"""Words with the exchanged slot, the writer's slot and the reader's slot."""
 
 
 def initialise_exchange(words: NDArray[np.int64]) -> None:
-    """Give slot 0 to the exchange, 1 to the writer, 2 to the reader; nothing is fresh."""
+    """Assign slot 0 to the exchange, 1 to the writer, 2 to the reader; none is fresh."""
     words[SHARED], words[BACK], words[FRONT] = 0, 1, 2

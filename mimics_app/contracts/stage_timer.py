@@ -1,4 +1,4 @@
-"""Port of whoever times the stages of a frame; nobody does by default."""
+"""Port of the timer of a frame's stages, with a null implementation."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class StageTimer(Protocol):
     """Times named stages of a frame, one after another."""
 
     def stage(self, name: str) -> AbstractContextManager[None]:
-        """What happens within it is the time of that stage; stages do not lie in each other."""
+        """Return a context manager that times a stage; stages are not nested."""
         ...
 
 
@@ -25,4 +25,4 @@ class _Untimed:
 
 
 UNTIMED: StageTimer = _Untimed()
-"""Times nothing."""
+"""Null timer."""

@@ -1,4 +1,4 @@
-"""The stages of D2.1 Figure 1 that have a null form, as the frame calls them, left to right.
+"""Ports of the stages of D2.1 Figure 1 that have a null form, in the order of the frame.
 
 inputs -> dsp -> estimation -> learning -> tasks -> (haptic, visual, audio rendering)
 """
@@ -17,7 +17,7 @@ class Dsp(Protocol):
     """Signals -> features."""
 
     def process(self, signals: Sequence[SignalBlock], now_ns: int) -> FeatureFrame:
-        """Features as they stand at now_ns, computed from all blocks so far."""
+        """Return the features at now_ns, computed from all blocks so far."""
         ...
 
 
@@ -25,19 +25,19 @@ class Estimation(Protocol):
     """Features -> state of the person."""
 
     def update(self, features: FeatureFrame) -> UserState:
-        """The state as it stands at the features' time; None where nothing is known."""
+        """Return the state at the features' time, with None for unknown quantities."""
         ...
 
     def judge(self, result: TrialResult) -> UserState:
-        """The state with what a trial that ended says of it, before the learning system is asked."""
+        """Return the state updated with the result of a trial, before the learning system is called."""
         ...
 
 
 class Goal(Protocol):
-    """What the learning system is to bring about."""
+    """Goal of the learning system."""
 
     def reward(self, state: UserState, result: TrialResult | None) -> float | None:
-        """What this frame is worth; None where there is nothing to judge, which is in most frames."""
+        """Return the reward of this frame; None in frames without one, which are most."""
         ...
 
 
@@ -47,12 +47,12 @@ class Learning(Protocol):
     def choose(
         self, state: UserState, result: TrialResult | None, reward: float | None, now_ns: int
     ) -> TaskAction | None:
-        """The next adaptation, or None to leave the task as it is. Called once a frame, after the task.
+        """Return the next adaptation, or None to leave the task unchanged. Called once per frame, after the task.
 
         Args:
-            state: Of the person.
-            result: Of the trial that ended in this frame.
-            reward: What the goal finds this frame worth.
-            now_ns: Of the frame.
+            state: State of the person.
+            result: Result of a trial that ended in this frame.
+            reward: Reward of this frame by the goal.
+            now_ns: Time of the frame.
         """
         ...

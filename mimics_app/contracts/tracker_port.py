@@ -1,6 +1,6 @@
-"""What a tracker is: poses with the time they arrived at, one sensor after another.
+"""Port of trackers: poses of sensors with their time of arrival.
 
-Positions and rotations are the device's own until the hub has brought them into the room: metres, +y up.
+Positions and rotations are in the device's frame until the hub converts them to the room: metres, +y up.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 __all__ = ["STALE_NS", "TrackedPose", "TrackerSample", "TrackerSink", "TrackerSource"]
 
 STALE_NS = 100_000_000
-"""A sensor that has reported nothing for so long [ns] is stale."""
+"""Time without a report after which a sensor is stale [ns]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,11 +23,11 @@ class TrackerSample:
     """One report of one sensor.
 
     Attributes:
-        sensor: Its name, e.g. "1" or "person/wrist_left".
-        t_ns: When it arrived, on the session's clock [ns].
+        sensor: Name of the sensor, e.g. "1" or "person/wrist_left".
+        t_ns: Time of arrival, on the session's clock [ns].
         position: x, y, z [m].
         rotation: Unit quaternion x, y, z, w.
-        device_ns: When it was measured, on the device's clock [ns]; None where it does not say.
+        device_ns: Time of measurement, on the device's clock [ns]; None if not reported.
     """
 
     sensor: str
@@ -39,13 +39,13 @@ class TrackerSample:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrackedPose:
-    """Where a sensor is at a time.
+    """Pose of a sensor at a requested time.
 
     Attributes:
-        pose: float64 [4, 4], rigid.
-        age_ns: From its newest report to the time requested [ns]; negative where it lies between two.
-        stale: True where nothing has been heard of it for `STALE_NS`: the pose is its last one.
-        capped: True where it would have had to be predicted farther than is allowed.
+        pose: Rigid pose, float64 [4, 4].
+        age_ns: Requested time minus that of the newest report [ns]; negative between two reports.
+        stale: True after `STALE_NS` without a report: the pose is the last one.
+        capped: True if the prediction was limited to the longest one allowed.
     """
 
     pose: NDArray[np.float64]
@@ -55,16 +55,16 @@ class TrackedPose:
 
 
 TrackerSink = Callable[[TrackerSample], None]
-"""Takes each sample; called in the source's own thread."""
+"""Receiver of samples; called in the source's own thread."""
 
 
 class TrackerSource(Protocol):
-    """One device. It has a thread of its own, or none where it is asked (`poll`).
+    """One tracking device, with a thread of its own, or polled (`poll`).
 
     Attributes:
-        name: As the scene calls it.
-        problem: What is wrong with it now, "" while all is well.
-        rejected: Reports that were not whole or not possible.
+        name: Name in the scene.
+        problem: Present fault, "" for none.
+        rejected: Reports that were incomplete or invalid.
     """
 
     name: str
@@ -75,14 +75,14 @@ class TrackerSource(Protocol):
         """Begin to report.
 
         Raises:
-            DeviceError: it cannot be had.
+            DeviceError: The device is not available.
         """
         ...
 
     def poll(self, now_ns: int) -> None:
-        """Once a frame, for sources without a thread."""
+        """Read the device once per frame, for sources without a thread."""
         ...
 
     def stop(self) -> None:
-        """End, and free the device."""
+        """Stop, and release the device."""
         ...

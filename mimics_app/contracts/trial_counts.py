@@ -1,7 +1,7 @@
-"""How many trials of a session ended and were completed: one definition for the terminal, `--json` and the report.
+"""Counts of ended and completed trials of a session, the same for the terminal, `--json` and the report.
 
-A trial *ended* when it reached its goal, ran out of time, or its last attempt was aborted; one that the end of the
-session cut off did not. It is *completed* when an attempt at it reached its goal. Practice is counted apart.
+A trial *ended* when it reached its goal, ran out of time, or its last attempt was aborted, but not when the session
+ended during it. It is *completed* when an attempt at it reached its goal. Practice is counted separately.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ ABORTED = "aborted"
 """Outcome of an attempt that neither reached its goal nor ran out of time."""
 
 SESSION_ENDED = "session ended"
-"""Cause of the row of an attempt that was under way when the session was closed."""
+"""Cause in the row of an attempt during which the session was closed."""
 
 COUNTED_TRIALS, COUNTED_PRACTICE, COUNTED_UNDER_WAY = "trials", "practice", "under way"
-"""What the totals of a session are over (its key `counted`): trials that ended, practice alone, or one under way."""
+"""Basis of a session's totals (key `counted`): trials that ended, practice only, or a trial under way."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +39,8 @@ class TrialCounts:
     """Trials of a session.
 
     Attributes:
-        completed, trials: Completed and ended ones, practice left out.
-        practice_completed, practice_trials: The same of practice.
+        completed, trials: Completed and ended trials without practice.
+        practice_completed, practice_trials: Completed and ended practice trials.
     """
 
     completed: int = 0
@@ -49,7 +49,7 @@ class TrialCounts:
     practice_trials: int = 0
 
     def as_dict(self) -> dict[str, object]:
-        """Under the keys of `mimics run --json`; `practice` only where some ended."""
+        """Return the counts under the keys of `mimics run --json`; `practice` only if such trials ended."""
         practice = {"completed": self.practice_completed, "trials": self.practice_trials}
         return {
             "completed": self.completed,
@@ -59,7 +59,7 @@ class TrialCounts:
 
 
 def count_trials(rows: Iterable[Mapping[str, object]]) -> TrialCounts:
-    """Count the trials that rows of trials.csv, in order, describe; the last attempt at a trial decides."""
+    """Count the trials in rows of trials.csv, in order; the last attempt at a trial decides."""
     last = {str(row.get("trial")): row for row in rows}  # a damaged table may hold any value
     ended = [row for row in last.values() if row.get("cause") != SESSION_ENDED]
     practice = [row for row in ended if row.get("practice")]
@@ -68,9 +68,9 @@ def count_trials(rows: Iterable[Mapping[str, object]]) -> TrialCounts:
 
 
 def counted_rows(rows: Iterable[Mapping[str, object]]) -> tuple[str, list[Mapping[str, object]]]:
-    """What the totals of a session are over, and these rows; none ended: ("under way", []).
+    """Return the basis of a session's totals and its rows; ("under way", []) if none ended.
 
-    They are those of travels that came to their goal or their time; practice only where there is nothing else.
+    The rows are those of attempts that reached their goal or ran out of time; practice only if there are no others.
     """
     ended = [row for row in rows if row.get("outcome") != ABORTED]
     trials = [row for row in ended if not row.get("practice")]

@@ -1,4 +1,4 @@
-"""Where a trial stands: what stages other than the task steer by."""
+"""State of a trial for stages other than the task."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ __all__ = ["TaskView", "TrialState"]
 
 
 class TrialState(StrEnum):
-    """States of a trial; which follows which: `tasks.state_machine`."""
+    """States of a trial; transitions are in `tasks.state_machine`."""
 
     APPROACH = "approach"  # PD drives the robot to the start
-    READY = "ready"  # start cue; the force is let in softly
+    READY = "ready"  # start cue; soft start of the force
     TRAVEL = "travel"  # the person acts; the clock runs
-    FINISHED = "finished"  # goal met; the result is shown
+    FINISHED = "finished"  # goal reached; the result is shown
     TIMEOUT = "timeout"  # time over; the result is shown
-    ABORTED = "aborted"  # start not reached, or soft start not over, in time
+    ABORTED = "aborted"  # start not reached, or soft start not finished, in time
     STOPPED = "stopped"  # safety stop; waits for the operator
     REST = "rest"  # pause before the next trial
     DONE = "done"  # the last trial is over
@@ -27,17 +27,17 @@ _PERSON_LEADS = frozenset({TrialState.READY, TrialState.TRAVEL, TrialState.STOPP
 
 @dataclass(frozen=True, slots=True)
 class TaskView:
-    """How the task stands in one frame, for whoever acts on it; what a person reads is the board's.
+    """State of the task in one frame, for other stages; text for the person is on the board.
 
     Attributes:
-        state: Of the trial under way.
-        progress: Share of that trial that is done, 0-1: of its path, else of its time.
-        trial: Its number, from 1; 0 before the first.
-        trials: How many there are.
+        state: State of the current trial.
+        progress: Progress of that trial, 0-1: along its path, else of its time.
+        trial: Number of the trial, from 1; 0 before the first.
+        trials: Number of trials.
         elapsed_s: Time in the present state [s].
-        measures_progress: Whether a kind of task measures the progress; else it is that of the time.
-        paused: The task and its clock are halted until the person goes on.
-        reading: The first trial waits until somebody at the window has read the page of keys.
+        measures_progress: Whether the kind of task measures the progress; otherwise it is that of the time.
+        paused: The task and its clock are paused until the person continues.
+        reading: The first trial waits until the page of keys at the window is confirmed.
     """
 
     state: TrialState = TrialState.APPROACH
@@ -51,5 +51,5 @@ class TaskView:
 
     @property
     def robot_leads(self) -> bool:
-        """Whether the robot moves, or holds, the hand: a cursor then rests on the ball."""
+        """Whether the robot moves or holds the hand; the cursor then stays on the ball."""
         return self.paused or self.state not in _PERSON_LEADS

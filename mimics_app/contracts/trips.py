@@ -1,6 +1,6 @@
-"""Trips of the safety machine as people read them: what happened, and what to do.
+"""Trips of the safety state machine in words for the user: what happened, and what to do.
 
-A trip either latches a stop, which a person has to reset, or is a short hold (DEGRADED), which ends on its own.
+A trip either latches a stop, which a person must reset, or is a short hold (DEGRADED), which ends by itself.
 """
 
 from __future__ import annotations
@@ -40,9 +40,9 @@ class Trip:
     """One trip.
 
     Attributes:
-        tick: When.
-        cause: Why.
-        latched: True for a stop that a person has to reset, False for a short hold.
+        tick: Tick of the trip.
+        cause: Cause of the trip.
+        latched: True for a stop that a person must reset, False for a short hold.
     """
 
     tick: int
@@ -51,7 +51,7 @@ class Trip:
 
     @property
     def seconds(self) -> float:
-        """When, in the session's time [s]."""
+        """Session time of the trip [s]."""
         return self.tick / TICKS_PER_SECOND
 
     @property
@@ -66,13 +66,13 @@ class Trip:
 
 
 class TripReader:
-    """Finds the trips among the loop's events, which come in any number of pieces."""
+    """Finds the trips among the loop's events, which arrive in batches."""
 
     def __init__(self) -> None:
         self._state = int(SafetyState.OFF)
 
     def take(self, events: NDArray[Any]) -> list[Trip]:
-        """Trips among EVENT records [n], oldest first; the state a trip leads to comes before it."""
+        """Return the trips among EVENT records [n], oldest first; the STATE event of a trip comes before it."""
         trips: list[Trip] = []
         for event in events:
             if event["kind"] == EventKind.STATE:
@@ -84,7 +84,7 @@ class TripReader:
 
 
 def _whole(number: float) -> int:
-    """A number of an event as an integer; -1 where a damaged recording has none."""
+    """Return a number of an event as an integer; -1 for an invalid one of a damaged recording."""
     return int(number) if abs(float(number)) < 1e9 else -1
 
 

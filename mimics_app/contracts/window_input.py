@@ -1,4 +1,4 @@
-"""What a person does at a window, as plain data, so that the input stage needs no window library."""
+"""Input events of a window as plain data, independent of the window library."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ InputKind = Literal["key", "text", "button", "move", "wheel", "pad", "resize", "
 
 @dataclass(frozen=True, slots=True)
 class InputEvent:
-    """One event of a window, in the order it happened.
+    """One event of a window.
 
     Attributes:
-        kind: "key", "text" (a character that a key or several made), "button" (mouse), "move" (pointer), "wheel", "pad"
-            (gamepad button), "resize" or "close".
+        kind: "key", "text" (a character typed with one or more keys), "button" (mouse), "move" (pointer), "wheel",
+            "pad" (gamepad button), "resize" or "close".
         name: Key ("a", "space", "escape", "up", "f11", ...), the character, mouse button ("left", "right", "middle") or
             gamepad button ("a", "b", "start", "dpad_up", ...); "" for the other kinds.
         pressed: True on press and on key repeat, False on release.
@@ -51,5 +51,5 @@ class GamepadState:
 
     @property
     def connected(self) -> bool:
-        """True when a gamepad answers."""
+        """Whether a gamepad is connected."""
         return bool(self.name)

@@ -6,7 +6,10 @@ copy is never torn. So the same run is made with a planted plain copy, which mus
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
+import os
+import sys
 import threading
 
 import numpy as np
@@ -18,6 +21,7 @@ from mimics_app.contracts.haptic_objects import BodyFlag
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.segment import Segment
+from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.shared_words import EXCHANGE_WORDS, RING_WORDS, initialise_exchange
 from mimics_app.rendering.haptic.objects import new_object_work
 from tests.support.haptic_bench import patient_bench
@@ -260,3 +264,12 @@ def test_a_hundred_bodies_between_live_loop_and_main_are_never_torn():
         seen.append(float(poses[0, 0]))
     bench.engine.stop()
     assert np.all(np.diff(seen) >= 0.0) and len(set(seen)) > 50
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="counts descriptors in /proc")
+def test_shared_memory_goes_with_its_last_holder():
+    before = len(os.listdir("/proc/self/fd"))
+    for _ in range(5):
+        SessionMemory()
+    gc.collect()
+    assert len(os.listdir("/proc/self/fd")) <= before

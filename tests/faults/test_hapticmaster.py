@@ -186,14 +186,45 @@ def test_a_machine_that_was_just_switched_on_is_initialised():
         plugin.close()
 
 
+def test_the_end_of_the_program_stops_a_machine_that_would_keep_its_bias_force():
+    with hapticmaster_rig() as rig:
+        bench = _bench(rig)
+        assert _force(_in_contact(rig, bench))[-1] > 4.0
+        rig.emulator.model.let_go = lambda: None
+        with rig.attended():
+            bench.engine.stop()
+        assert rig.emulator.model.state == "stop"
+        assert np.all(rig.emulator.model.force_at(np.zeros(3), np.zeros(3)) == 0.0)
+
+
+def test_a_machine_that_lost_its_calibration_is_not_moved_when_the_line_is_back():
+    with hapticmaster_rig() as rig:
+        bench = _bench(rig)
+        rig.advance(bench, 100)
+        rig.spoil("unplug")
+        rig.advance(bench, 5)
+        rig.emulator.model.state, rig.emulator.model._calibrated = "off", False
+        rig.spoil("plug")
+        trouble = bench.engine.plugin.trouble
+        for _ in range(PATIENCE // 20):
+            rig.advance(bench, 20)
+            if "calibration" in trouble():
+                break
+        assert "is gone: no force" in trouble() and "calibration" in trouble()
+        assert rig.emulator.model.state == "off"
+        bench.engine.stop()
+
+
 def test_what_is_not_there_refuses_or_is_set_wrongly_is_a_device_error():
     with socket.create_server(("127.0.0.1", 0)) as closed:
         port = closed.getsockname()[1]
     with pytest.raises(DeviceError, match="no HapticMaster at"):
         build_device(Robot(device=f"hapticmaster:127.0.0.1:{port}"))
-    with pytest.raises(DeviceError, match="is no network address"):
+    with pytest.raises(DeviceError, match="is not a network address"):
         build_device(Robot(device="hapticmaster:somewhere:99999"))
-    for settings, reported in (({"mode": "object"}, 'did you mean "objects"'), ({"inertia": 0.1}, "0.5 to 50")):
+    mode = ({"mode": "object"}, 'did you mean "objects"')
+    wrong = (mode, ({"inertia": 0.1}, "0.5 to 50"), ({"inertia": True}, "True"))
+    for settings, reported in wrong:
         with pytest.raises(DeviceError, match=reported):
             build_device(Robot(device="hapticmaster:127.0.0.1:1", settings=settings))
     with hapticmaster_rig() as rig:

@@ -5,16 +5,26 @@ from __future__ import annotations
 import signal
 import sys
 import time
+from contextlib import suppress
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from mimics_app.app.play.pace import run_live
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.contracts.loop_ports import READ, DevicePlugin
+from mimics_app.contracts.loop_ports import (
+    COMMAND_DQ,
+    COMMAND_ENABLED,
+    COMMAND_VIBRATION,
+    DATA_FORCE,
+    READ,
+    WRITE,
+    DevicePlugin,
+)
 from mimics_app.contracts.stage_timer import UNTIMED
 from tests.support.haptic_bench import Bench, bench_of, ignore, script, scripted
 
@@ -28,6 +38,47 @@ def read_until_fault(memory, inbox, data, tick):
     if tick >= FAULT_TICK:
         raise ZeroDivisionError
     return 0
+
+
+ENABLED_EVER, ENABLED, MOTION = 0, 1, 2
+"""Memory of a device that keeps its last command, as a real one may."""
+
+
+@typed_kernel(WRITE)
+def keep_command(memory, command, tick):
+    memory[ENABLED] = command[COMMAND_ENABLED]
+    memory[ENABLED_EVER] = max(memory[ENABLED_EVER], memory[ENABLED])
+    memory[MOTION] = np.abs(command[COMMAND_DQ:COMMAND_VIBRATION]).sum()
+    return 0
+
+
+@typed_kernel(READ)
+def read_moving(memory, inbox, data, tick):
+    data[DATA_FORCE] = 5.0
+    return 0
+
+
+@typed_kernel(READ)
+def read_moving_until_fault(memory, inbox, data, tick):
+    if tick >= FAULT_TICK:
+        raise ZeroDivisionError
+    data[DATA_FORCE] = 5.0
+    return 0
+
+
+@pytest.mark.parametrize("read", [read_moving, read_moving_until_fault])
+def test_a_device_is_disabled_when_the_loop_ends(read):
+    """Also when the loop ends with an error: a machine may keep its last force after the program is gone."""
+    bench = bench_of(DevicePlugin("keeps", read, keep_command, np.zeros(3)))
+    memory = bench.engine.plugin.memory
+    bench.engine.start()
+    end = time.monotonic() + PATIENCE_S
+    while bench.engine.running and bench.engine.ticks < 2 * FAULT_TICK and time.monotonic() < end:
+        time.sleep(0.005)
+    assert memory[ENABLED_EVER] == 1.0
+    with suppress(DeviceError):
+        bench.engine.stop()
+    assert memory[ENABLED] == memory[MOTION] == 0.0
 
 
 def _bench() -> Bench:

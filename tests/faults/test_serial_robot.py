@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.haptic import DeviceStatus, SafetyState, TripCause
+from mimics_app.contracts.haptic import Button, DeviceStatus, SafetyState, TripCause
+from mimics_app.contracts.loop_ports import INBOX_BUTTONS
 from mimics_app.rendering.haptic.devices import serial_frames, serial_robot
 from mimics_app.rendering.haptic.devices.emulators.serial_robot import WATCHDOG
 from mimics_app.rendering.haptic.devices.registry import build_device
@@ -125,6 +126,20 @@ def test_pulling_the_plug_in_contact_is_zero_force_within_5_ticks_and_a_reset_br
         bench.engine.stop()
 
 
+def test_a_stop_button_released_between_two_ticks_still_stops(tmp_path: Path):
+    """A late tick finds several states; the newest one alone would not show the press."""
+    with serial_rig(tmp_path) as rig:
+        bench = bench_of(rig.build(), samples=ROWS)
+        rig.advance(bench, 20)
+        rig.emulator._inbox[INBOX_BUTTONS] = float(Button.STOP)
+        rig.step()
+        rig.emulator._inbox[INBOX_BUTTONS] = 0.0
+        rig.step()
+        samples = rig.advance(bench, 2)
+        assert samples["state"][-1] == SafetyState.E_STOP and samples["cause"][-1] == TripCause.DEVICE_BUTTON
+        bench.engine.stop()
+
+
 def test_a_robot_that_is_not_plugged_in_again_is_reported(tmp_path: Path):
     with pushed_serial_rig(tmp_path) as rig:
         plugin = rig.build()
@@ -192,7 +207,7 @@ def test_a_robot_without_commands_lets_go_by_itself(tmp_path: Path):
 def test_what_is_not_there_or_does_not_answer_is_a_device_error(tmp_path: Path):
     with pytest.raises(DeviceError, match="cannot be opened"):
         build_device(Robot(device=f"serial:{tmp_path / 'nothing'}"))
-    with pytest.raises(DeviceError, match="is no serial line"):
+    with pytest.raises(DeviceError, match="is not a serial line"):
         build_device(Robot(device="serial:/dev/null@fast"))
     with pytest.raises(DeviceError, match=r"write serial:PORT\[@BAUD\]"):
         build_device(Robot(device="serial"))

@@ -264,6 +264,24 @@ def test_a_tap_is_felt_at_its_time_through_a_serial_line() -> None:
     assert "knee" in lines[2]["problem"]
 
 
+def test_a_lost_line_of_the_vibrators_is_reported_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    box = EmulatedVibrators()
+    drive = SerialVibrators(box.port, {"back": 1})
+
+    def unplugged(_: int) -> bytes:
+        raise OSError("unplugged")
+
+    try:
+        monkeypatch.setattr(drive._line, "read", unplugged)
+        lines = [drive.step((), frame * FRAME_NS) for frame in range(3)]
+        late = drive.step([TactileEvent("back", 0, 1.0, 0.05, 1)], 3 * FRAME_NS)
+    finally:
+        drive.close()
+        box.close()
+    assert [len(each) for each in lines] == [1, 0, 0] and "unplugged" in str(lines[0])
+    assert "not sent" in str(late[0]["problem"]) and not box.taps
+
+
 def test_without_vibrators_the_times_are_kept() -> None:
     (line,) = NoVibrators().step([TactileEvent("back", 50, 1.0, 0.05, 3)], 10)
     assert (line["felt_ns"], line["error_ms"], line["channel"]) == (50, 0.0, None)

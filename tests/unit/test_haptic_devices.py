@@ -50,9 +50,10 @@ def test_a_plug_in_is_found_and_runs_in_the_loop(monkeypatch: pytest.MonkeyPatch
     assert bench.advance(10)["hip_world"][-1].tolist() == pytest.approx([0.0, 0.0, 0.05])
 
 
-def test_a_plug_in_that_cannot_be_imported_is_a_device_error(monkeypatch: pytest.MonkeyPatch):
+@pytest.mark.parametrize("failure", [ImportError, RuntimeError])
+def test_a_plug_in_that_cannot_be_imported_is_a_device_error(failure: type[Exception], monkeypatch: pytest.MonkeyPatch):
     def broken():
-        raise ImportError("no module named vendor_library")
+        raise failure("no module named vendor_library")
 
     monkeypatch.setattr(importlib.metadata, "entry_points", lambda group: [_entry("broken", broken)])
     with pytest.raises(DeviceError, match="vendor_library"):

@@ -79,7 +79,7 @@ def faulty(folder: Path, **component: object) -> list[str]:
         ("haptic_object", {"shapes": [CUBE], "damping": 1e300}, "/damping", "<= 1000000"),
         ("haptic_object", {"shapes": [CUBE], "friction_dynamic": 1e300}, "/friction_dynamic", "<= 100"),
         ("haptic_object", {"shapes": [CUBE], "environment_translation_damping": 1e5}, "/mass", "exact_drag"),
-        ("haptic_object", {"shapes": [CUBE], "environment_rotation_damping": 1e3}, "/mass", "least moment"),
+        ("haptic_object", {"shapes": [CUBE], "environment_rotation_damping": 1e3}, "/mass", "smallest moment"),
         ("haptic_object", {"shapes": [{**CUBE, "position": [1e300, 0, 0]}]}, "/shapes/0/position/0", "<= 1000"),
         ("haptic_effect", {"effect": {"kind": "constant_force", "force": [1e308, 0, 0]}}, "/effect/force/0", "<="),
         ("haptic_path", {"control_points": [[0, 0, 0], [1, 0, 0], [2, 0, 0]]}, "/control_points", "takes 4 to 99"),

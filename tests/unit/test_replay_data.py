@@ -237,5 +237,5 @@ def test_meshes_come_back_from_disk_as_the_compiled_loop_takes_them(tmp_path: Pa
     back = ObjectStatics.from_arrays(kept.arrays, kept.fields)
     for before, after in zip(given.meshes, back.meshes, strict=True):
         assert typeof(after) == typeof(before) and np.array_equal(after, before)
-    with pytest.raises(ValueError, match="of another form"):
+    with pytest.raises(ValueError, match="another dtype"):
         ObjectStatics.from_arrays({**kept.arrays, "rows": np.zeros(1)}, kept.fields)

@@ -58,6 +58,14 @@ def test_the_door_of_the_loop_asks():
     check_block(scene, play.rows, ObjectCapacities(), meshes=1)
     with pytest.raises(ValueError, match="mesh"):
         check_block(scene, play.rows, ObjectCapacities(), meshes=0)
+    scene["force_limit"] = -1.0
+    with pytest.raises(ValueError, match=r"force_limit is -1.0"):
+        check_block(scene, play.rows, ObjectCapacities(), meshes=1)
+    scene["force_limit"] = 0.0
+    scene["R_world_from_robot"] = 2.0 * np.eye(3)
+    with pytest.raises(ValueError, match=r"R_world_from_robot"):
+        check_block(scene, play.rows, ObjectCapacities(), meshes=1)
+    scene["R_world_from_robot"] = np.eye(3)
     play.rows.points[0]["radius"] = -0.001
     with pytest.raises(ValueError, match=r"points\[0\]\.radius"):
         check_block(scene, play.rows, ObjectCapacities(), meshes=1)

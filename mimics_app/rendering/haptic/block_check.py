@@ -1,4 +1,4 @@
-"""The door of the parameter blocks: compiled code checks no index, so nothing wrong may come in."""
+"""Validation of parameter blocks before the loop reads them: compiled code checks neither indices nor signs."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.arrays import Records
-from mimics_app.contracts.haptic import AdmittanceForm, Controller, Projection
+from mimics_app.contracts.haptic import FEEL, LIMIT_NAMES, AdmittanceForm, Controller, Projection
 from mimics_app.contracts.haptic_objects import (
     MAX_PIECES,
     STATIC,
@@ -31,7 +31,13 @@ _LARGEST = {
     "joints": MAX_JOINTS,
     "contacts": MAX_CONTACTS,
 }
-"""Largest value of the whole-number fields the tick branches or counts by; the least is 0."""
+"""Largest value of the integer fields that the tick branches on or counts with; the smallest is 0."""
+
+_NOT_NEGATIVE = (*sorted(LIMIT_NAMES - {"joint_min", "joint_max"}), *(name for name, _ in FEEL))
+"""Fields of SCENE that must be 0 or more: a negative limit would reverse a force."""
+
+_ROTATION_TOLERANCE = 1e-3
+"""Largest excess of a rotation's norm over 1."""
 
 _CHOICES: dict[str, dict[str, int]] = {
     "shapes": {"kind": max(ShapeKind), "law": max(ForceLaw)},
@@ -41,21 +47,21 @@ _CHOICES: dict[str, dict[str, int]] = {
     "wires": {"source": max(SignalSource), "target": max(SignalTarget)},
     "tunnels": {"projection": max(Projection), "pieces": MAX_PIECES},
 }
-"""Likewise of each table's rows."""
+"""Largest value of such fields in the rows of each table."""
 
 
 def check_block(scene: Records, rows: Rows | None, capacities: ObjectCapacities, meshes: int = 0) -> None:
-    """Refuse a parameter block that the loop could not run on.
+    """Refuse a parameter block that the loop cannot run with.
 
     Args:
         scene: SCENE record, shape [1].
-        rows: The tables of objects it counts; None where it counts none.
-        capacities: Room there is for rows.
-        meshes: How many meshes shapes may refer to.
+        rows: Tables of objects that the record counts; None where it counts none.
+        capacities: Capacities of the tables.
+        meshes: Number of meshes that shapes may refer to.
 
     Raises:
-        ValueError: A number is not finite, a choice, count or row out of range, a shape without size, a surface that
-            would feed the hand, or `sequence` is not positive.
+        ValueError: A number is not finite, a limit negative, a choice, count or row out of range, a rotation none, a
+            shape without size, a surface with negative damping, or `sequence` is not positive.
     """
     if int(scene[0]["sequence"]) < 1:
         raise ValueError("SCENE.sequence must count up from 1")
@@ -64,6 +70,11 @@ def check_block(scene: Records, rows: Rows | None, capacities: ObjectCapacities,
     for name in _float_fields(scene.dtype):
         if not np.all(np.isfinite(scene[0][name])):
             raise ValueError(f"SCENE.{name} is not finite")
+    for name in _NOT_NEGATIVE:
+        if np.any(scene[0][name] < 0):
+            raise ValueError(f"SCENE.{name} is {scene[0][name]}; it must not be negative")
+    if np.linalg.norm(scene[0]["R_world_from_robot"], 2) > 1.0 + _ROTATION_TOLERANCE:
+        raise ValueError("SCENE.R_world_from_robot is not a rotation: it would amplify forces")
     _check_rows(scene[0]["objects"], rows, capacities)
     _check_whole("SCENE.own_tunnel", int(scene[0]["own_tunnel"]), 0, max(0, int(scene[0]["objects"]["tunnels"]) - 1))
     if rows is not None:
@@ -90,7 +101,7 @@ def _check_rows(counts: np.void, rows: Rows | None, capacities: ObjectCapacities
 
 
 def _check_table(name: str, table: Records) -> None:
-    """Choices in range and numbers finite in one table."""
+    """Refuse a table with a choice out of range or a number that is not finite."""
     for field, largest in _CHOICES[name].items():
         _check_column(f"{name}.{field}", table[field], 0, int(largest))
     for field in _float_fields(table.dtype):
@@ -110,5 +121,5 @@ def _check_whole(name: str, value: int, least: int, largest: int) -> None:
 
 
 def _float_fields(dtype: np.dtype[Any]) -> list[str]:
-    """Names of all float fields of a record type."""
+    """Return the names of all float fields of a record type."""
     return [name for name in dtype.names or () if dtype[name].base.kind == "f"]

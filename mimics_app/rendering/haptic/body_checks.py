@@ -1,12 +1,13 @@
-"""What of a scene's haptic objects the loop cannot simulate: refused before it starts, with the formula that says why.
+"""Checks of a scene's haptic objects before the loop starts: masses, sizes, and the stability of their contacts.
 
-A contact is a spring and a damper that act once a tick. A body on it keeps still while
+A contact is a spring and a damper that act once a tick. A body resting on it is stable while
 
     m > n (h^2 k + 2 h b) / 4
 
-with k, b those of the pair (17) and n = lambda (1 + m/m'): lambda is the greatest eigenvalue of the stiffness of all
-its contacts at once per mass, for k = 1 N/m and m = 1 kg; 1 for a body that is only shifted by one contact, 2 between
-two, more where it can also be turned and where friction holds it. m' is the mass of the partner, which gives way too.
+with k, b of the pair (17) and n = lambda (1 + m/m'). lambda is the largest eigenvalue of the stiffness of all its
+contacts together per mass, for k = 1 N/m and m = 1 kg: 1 for a body that one contact only shifts, 2 between two
+contacts, more where the body can also turn and where friction holds it. m' is the mass of the partner, which also
+yields.
 """
 
 from __future__ import annotations
@@ -24,31 +25,25 @@ from mimics_app.rendering.haptic.kernels.objects.manifold import CORNER_SHARE
 from mimics_app.rendering.haptic.kernels.objects.pairs import join_surfaces
 from mimics_app.rendering.haptic.kernels.objects.records import PAIR
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
+from mimics_app.rendering.haptic.row_checks import SIZE_COMPONENTS
 
 __all__ = ["BodyFault", "check_bodies", "contact_modes"]
 
 Table = NDArray[np.void]
 
-_SIZES = {
-    ShapeKind.WALL: 0,
-    ShapeKind.SPHERE: 1,
-    ShapeKind.BOX: 3,
-    ShapeKind.CYLINDER: 2,
-    ShapeKind.CAPSULE: 2,
-    ShapeKind.MESH: 0,
-}
-"""Entries of SHAPE.size that mean something."""
-
 _SURFACE = ("law", "stiffness", "damping", "exponent", "friction_static", "friction_dynamic", "friction_stiffness")
 
 _RIM = 8
-_NO_CORNERS = np.zeros((0, 3))
+"""Points of contact on the rim of a cylinder."""
+
+_NO_VERTICES = np.zeros((0, 3))
 
 _LEVEL = 1e-6
-"""Corners of a hull within this share of its size of the outermost one lie on one side."""
+"""Vertices of a hull belong to one side within this share of the hull's size."""
 
 _FARTHEST = 16
-"""So many of the corners farthest from the middle are tried alone."""
+"""Number of vertices farthest from the centroid that are tried one at a time."""
+
 _FREE = int(BodyFlag.TRANSLATION | BodyFlag.ROTATION)
 _PUSHED = int(BodyFlag.FORCE_ON_OBJECT)
 _HELD_FORCE = (ObjectIntegrator.EXACT_DRAG, ObjectIntegrator.IMPLICIT_MIDPOINT)
@@ -56,11 +51,11 @@ _HELD_FORCE = (ObjectIntegrator.EXACT_DRAG, ObjectIntegrator.IMPLICIT_MIDPOINT)
 
 @dataclass(frozen=True, slots=True)
 class BodyFault:
-    """One thing the loop cannot simulate.
+    """One fault of a body or a shape.
 
     Attributes:
-        body: Row of BODY, or -1 where a shape of the static scene is meant.
-        shape: Row of SHAPE, or -1 where the body as a whole is meant.
+        body: Row of BODY, or -1 for a shape of the static scene.
+        shape: Row of SHAPE, or -1 for the body as a whole.
         what: What is wrong, with numbers.
         fix: What to do.
     """
@@ -72,13 +67,13 @@ class BodyFault:
 
 
 def check_bodies(rows: Rows, counts: np.void, dt: float, meshes: MeshTable | None = None) -> list[BodyFault]:
-    """Everything that keeps the rows from being simulated; empty when they can be.
+    """Return all faults of the rows; empty when the loop can simulate them.
 
     Args:
-        rows: Rows as the loop gets them.
+        rows: Rows as passed to the loop.
         counts: OBJECT_COUNTS record.
         dt: Tick [s].
-        meshes: Those that SHAPE.mesh refers to; None: there are none.
+        meshes: Meshes by SHAPE.mesh; None: no meshes.
     """
     table = meshes or build_mesh_table()
     shapes, bodies = rows.shapes[: int(counts["shapes"])], rows.bodies[: int(counts["bodies"])]
@@ -99,19 +94,19 @@ def _check_body(k: int, body: np.void) -> list[BodyFault]:
         return [BodyFault(k, -1, f"a mass of {body['mass']:g} kg", "give a mass above 0")]
     inertia = np.asarray(body["inertia"])
     if not np.all(np.isfinite(inertia)) or not np.allclose(inertia, inertia.T):
-        return [BodyFault(k, -1, "its inertia is no symmetric 3 x 3 matrix", "give it about the centre of mass")]
+        return [BodyFault(k, -1, "its inertia is not a symmetric 3 x 3 matrix", "give it about the centre of mass")]
     moments = np.linalg.eigvalsh(inertia)
     if moments[2] <= 0.0 or moments[0] < -1e-9 * moments[2]:
-        return [BodyFault(k, -1, f"principal moments of {moments} kg m^2", "no body has a negative or no moment")]
+        return [BodyFault(k, -1, f"principal moments of {moments} kg m^2", "give moments above 0")]
     if moments[2] > (1.0 + 1e-6) * (moments[0] + moments[1]):
-        what = f"principal moments of {moments} kg m^2: the greatest exceeds the sum of the others"
-        return [BodyFault(k, -1, what, "no mass is spread like this: check the inertia")]
+        what = f"principal moments of {moments} kg m^2: the largest exceeds the sum of the others"
+        return [BodyFault(k, -1, what, "no distribution of mass has these: check the inertia")]
     return []
 
 
 def _check_shape(i: int, shape: np.void) -> list[BodyFault]:
     body = int(shape["body"])
-    size = np.asarray(shape["size"])[: _SIZES[ShapeKind(int(shape["kind"]))]]
+    size = np.asarray(shape["size"])[: SIZE_COMPONENTS[int(shape["kind"])]]
     if not np.all(np.isfinite(size) & (size > 0.0)):
         return [BodyFault(body, i, f"a size of {size} m", "every size must be above 0")]
     if not (np.isfinite(shape["stiffness"]) and shape["stiffness"] > 0.0):
@@ -129,16 +124,16 @@ def _matrix(orientation: F8) -> F8:
 
 
 def _hull_of(shape: np.void, meshes: MeshTable) -> F8:
-    """Corners of the hull of a mesh shape; none of another."""
+    """Return the vertices of the convex hull of a mesh shape; none for other kinds."""
     if shape["kind"] != ShapeKind.MESH:
-        return _NO_CORNERS
+        return _NO_VERTICES
     mesh = meshes.rows[int(shape["mesh"])]
     first = int(mesh["first_hull"])
     return meshes.hulls[first : first + int(mesh["hull_corners"])]
 
 
 def _hull_patches(hull: F8) -> list[tuple[F8, F8, F8]]:
-    """A mesh on its flat sides and on its outermost corners; see `kernels.objects.collisions_carried_mesh`."""
+    """Return the patches of a hull: flat sides and outermost vertices (`kernels.objects.collisions_carried_mesh`)."""
     axes, patches = np.eye(3), []
     level = _LEVEL * float(np.ptp(hull, axis=0).max())
     for d in (*axes, *-axes):
@@ -150,7 +145,7 @@ def _hull_patches(hull: F8) -> list[tuple[F8, F8, F8]]:
 
 
 def _patches(shape: np.void, hull: F8) -> list[tuple[F8, F8, F8]]:
-    """(direction, points, shares) of the ways a shape can rest, in its own frame; see `kernels.objects.manifold`."""
+    """Return (direction, points, shares) of each contact patch, shape frame; see `kernels.objects.manifold`."""
     size, kind = np.asarray(shape["size"]), ShapeKind(int(shape["kind"]))
     x, y, z = np.eye(3)
     if kind is ShapeKind.MESH:
@@ -172,7 +167,7 @@ def _patches(shape: np.void, hull: F8) -> list[tuple[F8, F8, F8]]:
 
 
 def _stiffness(direction: F8, points: F8, shares: F8, tangential: float) -> F8:
-    """6 x 6 stiffness of one patch against shifts and turns of its body, for 1 N/m; points from the centre of mass."""
+    """Return the 6 x 6 stiffness of one patch for shift and rotation, at 1 N/m; points from the centre of mass."""
     total = np.zeros((6, 6))
     along = np.outer(direction, direction)
     grip = along + tangential * (np.eye(3) - along)
@@ -183,36 +178,36 @@ def _stiffness(direction: F8, points: F8, shares: F8, tangential: float) -> F8:
     return total
 
 
-def contact_modes(shape: np.void, body: np.void, contacts: int, tangential: float, hull: F8 = _NO_CORNERS) -> float:
-    """Greatest eigenvalue lambda of the stiffness of a body's contacts per mass, for k = 1 N/m and m = 1 kg.
+def contact_modes(shape: np.void, body: np.void, contacts: int, tangential: float, hull: F8 = _NO_VERTICES) -> float:
+    """Return the largest eigenvalue lambda of the stiffness of a body's contacts per mass, for k = 1 N/m and m = 1 kg.
 
     Args:
         shape: SHAPE row of the body.
         body: BODY row.
         contacts: 1, or 2 for contacts on two opposite sides of the shape.
         tangential: Stiffness of friction as a share of k; 0: frictionless.
-        hull: Corners of a mesh's convex hull in the frame of the shape [m], shape [n, 3].
+        hull: Vertices of a mesh's convex hull, shape frame [m], shape [n, 3].
     """
     R, offset = _matrix(shape["orientation"]), np.asarray(shape["position"]) - np.asarray(body["centre"])
     free = np.repeat([bool(body["flags"] & 1), bool(body["flags"] & 2)], 3)
     mass = np.zeros((6, 6))
     mass[:3, :3], mass[3:, 3:] = np.eye(3), np.asarray(body["inertia"]) / body["mass"]
-    # A moment of nothing belongs to an axis that does not turn.
+    # Keeps the matrix positive definite for an axis without a moment.
     mass[3:, 3:] += np.eye(3) * 1e-9 * np.trace(mass[3:, 3:])
     root = np.linalg.inv(np.linalg.cholesky(mass))
-    greatest = 0.0
+    largest = 0.0
     for direction, points, shares in _patches(shape, hull):
         total = np.zeros((6, 6))
         for side in (1.0, -1.0)[:contacts]:
             placed = side * points @ R.T + offset
             total += _stiffness(R @ direction, placed, shares, tangential)
         modes = (root @ total @ root.T) * np.outer(free, free)
-        greatest = max(greatest, float(np.linalg.eigvalsh(modes)[-1]))
-    return greatest
+        largest = max(largest, float(np.linalg.eigvalsh(modes)[-1]))
+    return largest
 
 
 def _partners(k: int, bodies: Table, shapes: Table) -> list[int]:
-    """Shapes that a body can meet, one of each surface and mass: what is alike is alike."""
+    """Return the shapes that a body can meet, one per combination of surface and mass."""
     seen: dict[tuple[float, ...], int] = {}
     for j in np.flatnonzero((shapes["body"] != k) & (shapes["enabled"] != 0)):
         shape = shapes[j]
@@ -223,7 +218,7 @@ def _partners(k: int, bodies: Table, shapes: Table) -> list[int]:
 
 
 def _check_contacts(k: int, bodies: Table, shapes: Table, meshes: MeshTable, dt: float) -> list[BodyFault]:
-    """The worst of all pairs of a body's shapes with what they can meet."""
+    """Return the faults of the worst pair of a body's shapes with their possible partners."""
     body, worst = bodies[k], 0.0
     faults: list[BodyFault] = []
     partners = _partners(k, bodies, shapes)
@@ -250,7 +245,7 @@ def _check_contacts(k: int, bodies: Table, shapes: Table, meshes: MeshTable, dt:
 
 
 def _check_touch(k: int, body: np.void, shapes: Table, meshes: MeshTable, dt: float) -> list[BodyFault]:
-    """A body that the hand pushes with the whole stiffness of its surface; the hand is as good as rigid."""
+    """Return the fault of a body pushed by the HIP with the full stiffness of its surface; the HIP counts as rigid."""
     for i in np.flatnonzero((shapes["body"] == k) & (shapes["enabled"] != 0)):
         stiffness, damping = _at_usual_depth(shapes[i])
         rough = float(shapes[i]["friction_stiffness"]) or stiffness
@@ -263,22 +258,22 @@ def _check_touch(k: int, body: np.void, shapes: Table, meshes: MeshTable, dt: fl
 
 
 def _check_drag(k: int, body: np.void, dt: float) -> list[BodyFault]:
-    """The environment's drag must not turn a motion round within a tick: m > h b/2, and so each moment."""
+    """Return the faults of drag that reverses a motion within a tick: m > h b/2, and likewise for each moment."""
     if ObjectIntegrator(int(body["integrator"])) in _HELD_FORCE:
         return []
     moments = np.linalg.eigvalsh(np.asarray(body["inertia"]))
     rest = [("mass", "kg", float(body["mass"]), float(body["damping_translation"]))] if body["flags"] & 1 else []
     if body["flags"] & 2:
-        rest.append(("least moment", "kg m^2", float(moments[moments > 0.0].min()), float(body["damping_rotation"])))
+        rest.append(("smallest moment", "kg m^2", float(moments[moments > 0.0].min()), float(body["damping_rotation"])))
     for name, unit, inert, b in rest:
         if 0.5 * dt * b >= inert:
             what = f"its {name} of {inert:.4g} {unit} is below h b/2 = {0.5 * dt * b:.4g} of the environment's damping"
-            return [BodyFault(k, -1, what, "take the integrator exact_drag, or less damping")]
+            return [BodyFault(k, -1, what, "use the integrator exact_drag, or less damping")]
     return []
 
 
 def _at_usual_depth(pair: np.void) -> tuple[float, float]:
-    """Stiffness and damping of a pair, of Hunt and Crossley's law at 1 mm."""
+    """Return stiffness and damping of a pair; of a Hunt-Crossley law those at a depth of 1 mm."""
     if pair["law"] == 0:
         return float(pair["stiffness"]), float(pair["damping"])
     pressed = float(pair["stiffness"]) * 1e-3 ** float(pair["exponent"])
@@ -290,18 +285,18 @@ def _too_light(
 ) -> BodyFault:
     what = (
         f"{mass:.4g} kg is too light: contacts of {stiffness:g} N/m and {damping:g} N s/m at {1e3 * dt:g} ms need "
-        f"m > n (h^2 k + 2 h b)/4 = {least:.4g} kg, n = {n:.3g} with its turning, friction and partner counted"
+        f"m > n (h^2 k + 2 h b)/4 = {least:.4g} kg, n = {n:.3g} with rotation, friction and partner included"
     )
     return BodyFault(k, i, what, f"make it heavier than {least:.2g} kg, or its surface softer or less damped")
 
 
 def _check_integrator(k: int, i: int, body: np.void, stiffness: float, damping: float, dt: float) -> list[BodyFault]:
-    """Integrators that move a body by its old velocity too need damping: without it every contact gains energy."""
+    """Return the fault of too little damping for an integrator that also uses the old velocity and so gains energy."""
     which = ObjectIntegrator(int(body["integrator"]))
     if which is ObjectIntegrator.SEMI_IMPLICIT:
         return []
     rule, least = ("k h/2", 0.5 * stiffness * dt) if which in _HELD_FORCE else ("k h", stiffness * dt)
     if damping > least:
         return []
-    what = f"{which.name.lower()} keeps a contact of {stiffness:g} N/m still only with b > {rule} = {least:.4g} N s/m"
-    return [BodyFault(k, i, what, "take the integrator semi_implicit, or more damping")]
+    what = f"{which.name.lower()} is stable at a contact of {stiffness:g} N/m with b > {rule} = {least:.4g} N s/m only"
+    return [BodyFault(k, i, what, "use the integrator semi_implicit, or more damping")]

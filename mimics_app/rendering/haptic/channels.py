@@ -1,4 +1,4 @@
-"""The loop's view of the session memory and of its own working arrays, as tuples that compiled code can take."""
+"""Session memory and working arrays of the loop as named tuples for compiled code."""
 
 from __future__ import annotations
 
@@ -24,28 +24,28 @@ __all__ = ["CHANNELS", "WORK", "Channels", "Work", "channels_of", "new_work", "n
 
 
 _CHANNELS = ("rows", *(name for name in SHARED_ARRAYS if name not in Rows._fields))
-"""The arrays of a session as the loop takes them: one by one, the tables of objects as one tuple."""
+"""Names of the session's arrays in the loop: one by one, the tables of objects as one tuple."""
 
 if TYPE_CHECKING:
     Channels = SessionMemory
 else:
     Channels = namedtuple("Channels", _CHANNELS, module=__name__)
-    Channels.__doc__ = "Arrays of `SessionMemory` that the loop reads or writes; see there for who owns what."
+    Channels.__doc__ = "Arrays of `SessionMemory`, which also names the writer of each."
 
 
 class Work(NamedTuple):
-    """Arrays of the loop alone.
+    """Private arrays of the loop.
 
     Attributes:
         state: STATE records of the points of contact, shape [MAX_CONTACTS].
-        objects: What the loop makes of the haptic objects.
-        sample: SAMPLE record being filled, shape [1].
-        event: EVENT record being filled, shape [1].
-        struck: Contacts that are followed for the sound, shape [FOLLOWED_AT_ONCE].
-        force: CONTACT_FORCE record being filled, shape [1].
-        data: From the device, shape [DATA_LENGTH].
-        command: To the device, shape [COMMAND_LENGTH].
-        inbox: To the device, shape [INBOX_LENGTH].
+        objects: Working arrays of the haptic objects.
+        sample: Current SAMPLE record, shape [1].
+        event: Current EVENT record, shape [1].
+        struck: STRUCK records of the contacts followed for the sound, shape [FOLLOWED_AT_ONCE].
+        force: Current CONTACT_FORCE record, shape [1].
+        data: Data vector from the device, shape [DATA_LENGTH].
+        command: Command vector to the device, shape [COMMAND_LENGTH].
+        inbox: Inbox vector to the device, shape [INBOX_LENGTH].
         timespec: Scratch of the clock, shape [2].
     """
 
@@ -62,12 +62,12 @@ class Work(NamedTuple):
 
 
 def channels_of(memory: SessionMemory) -> Channels:
-    """The channels of a session."""
+    """Return the arrays of a session for the loop."""
     return Channels(**{name: getattr(memory, name) for name in _CHANNELS})
 
 
 def new_work(objects: ObjectWork) -> Work:
-    """Fresh working arrays around those of the objects."""
+    """Return fresh working arrays around those of the objects."""
     return Work(
         state=new_states(),
         objects=objects,
@@ -83,7 +83,7 @@ def new_work(objects: ObjectWork) -> Work:
 
 
 def newest_snapshot(memory: SessionMemory, joints: int) -> HapticSnapshot:
-    """The newest state that the loop offered, of a device with so many joints; its arrays are copies."""
+    """Return the newest published state of a device with `joints` joints; its arrays are copies."""
     slot, _ = triple_buffer.acquire(memory.snapshot_words)
     record = memory.snapshots[slot]
     values: dict[str, Any] = {
@@ -102,7 +102,7 @@ def _channel_type(name: str) -> Any:
 
 
 CHANNELS = types.NamedTuple([_channel_type(name) for name in _CHANNELS], Channels)  # type: ignore[no-untyped-call]
-"""Compiled type of `Channels`, field by field."""
+"""Compiled type of `Channels`."""
 
 WORK = typeof(new_work(new_object_work(ObjectCapacities(1, 1, 1, 1, 1))))  # type: ignore[no-untyped-call]
 """Compiled type of `Work`; the same for all capacities."""

@@ -1,4 +1,4 @@
-"""A cord that can be touched: a hanging tube as a force field, its numbers changed as the cord moves."""
+"""Force field of a cord: a tube around a catenary, whose parameters follow the moving cord."""
 
 from __future__ import annotations
 
@@ -14,21 +14,24 @@ __all__ = ["cord"]
 
 
 _SAMPLES = 16
-"""Places along the cord among which the nearest begins Newton's method."""
+"""Samples along the cord for the start of Newton's method."""
+
 _STEPS = 4
-_LEAST_SLOPE = 0.2
-"""Of the function whose zero is sought, at least: near the middle of a bend the closest point runs ahead."""
+"""Newton steps."""
+
+_MIN_SLOPE = 0.2
+"""Smallest derivative of the function whose zero is sought: it vanishes near the centre of a bend."""
 
 _PLACE = 4
-"""Numbers of a place of the cord: along and up of the middle line, and of its tangent."""
+"""Components of a point of the cord: position along and up, tangent along and up."""
 
 _ON_THE_LINE = 1e-6
-"""Nearer to the middle line than this [m] there is no direction to push in."""
+"""Distance from the centre line below which there is no normal [m]."""
 
 
 @kernel
 def _place(a: float, q: float, s: float, out: Vec) -> None:
-    """Along and up of the middle line at an arc length, then the tangent's two; see maths.cord.Catenary.point."""
+    """Write position and tangent of the centre line, along and up, at arc length s; see maths.cord.Catenary.point."""
     w = s / a
     p = q + w
     root_p, root_q = math.sqrt(1.0 + p * p), math.sqrt(1.0 + q * q)
@@ -41,7 +44,7 @@ def _place(a: float, q: float, s: float, out: Vec) -> None:
 
 @kernel
 def _nearest(a: float, q: float, length: float, x: float, y: float, at: Vec) -> None:
-    """The place of the cord that is nearest in its own plane, into `at` as `_place` has it."""
+    """Write the closest point of the cord in its own plane into `at`, as `_place` does."""
     best, s = np.inf, 0.0
     for k in range(_SAMPLES + 1):
         _place(a, q, length * k / _SAMPLES, at)
@@ -53,18 +56,18 @@ def _nearest(a: float, q: float, length: float, x: float, y: float, at: Vec) -> 
         dx, dy = x - at[0], y - at[1]
         bend = at[2] * at[2] / a
         slope = 1.0 - bend * (dy * at[2] - dx * at[3])
-        s += (dx * at[2] + dy * at[3]) / max(slope, _LEAST_SLOPE)
+        s += (dx * at[2] + dy * at[3]) / max(slope, _MIN_SLOPE)
         s = min(max(s, 0.0), length)
     _place(a, q, s, at)
 
 
 @typed_kernel(FIELD)
 def cord(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
-    """A tube about a hanging line pushes out what is in it, and pulls nothing.
+    """Tube around a catenary: spring and damper along its normal, outward only.
 
-    Its place is where the cord begins. Parameters: direction of the other end along world x and z (unit), a [m] and the
-    slope at the start (maths.cord.Catenary), length [m], radius of the tube and the hand together [m],
-    stiffness [N/m], damping [N s/m]. A length of 0: none.
+    The field's position is the start of the cord. Parameters: direction of the other end along world x and z (unit),
+    a [m] and the slope at the start (maths.cord.Catenary), length [m], sum of the radii of tube and HIP [m],
+    stiffness [N/m], damping [N s/m]. Length 0: no force.
     """
     out[0] = out[1] = out[2] = 0.0
     ax, az, a, length, radius = parameters[0], parameters[1], parameters[2], parameters[4], parameters[5]

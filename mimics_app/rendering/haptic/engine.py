@@ -1,4 +1,4 @@
-"""The haptic engine: owns the loop of one session, live or on the virtual clock."""
+"""Haptic engine: owner of the loop of one session, live or on the virtual clock."""
 
 from __future__ import annotations
 
@@ -6,16 +6,18 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.arrays import Records
+from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.function_pointers import pointers_to
 from mimics_app.contracts.haptic import EVENT
-from mimics_app.contracts.loop_ports import DevicePlugin
+from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_LENGTH, INBOX_LENGTH, DevicePlugin
 from mimics_app.contracts.messages import HapticSnapshot
 from mimics_app.contracts.object_rows import Rows, slot_of
 from mimics_app.contracts.session_memory import ControlWord, SessionMemory
@@ -37,21 +39,28 @@ __all__ = ["HapticEngine"]
 
 
 _JOIN_S = 2.0
+"""Time-out of the haptic thread's end [s]."""
+
+_RELEASE_TICKS = 40
+"""Disabled commands that a real device is sent after the loop: at 1 ms each, also a line of 9600 baud carries one."""
+
+_RELEASE_NS = 1_000_000
+"""Time between two of them [ns]."""
 
 
 class HapticEngine:
     """One haptic loop over one session memory and one device.
 
-    Either `advance` it on the virtual clock or `start` it live; the tick is the same. Publish parameters first: without
-    any the loop stays OFF.
+    Either `advance` it on the virtual clock or `start` it live; the tick is the same. Without published parameters the
+    loop stays OFF.
 
     Args:
-        memory: The session's shared memory; the engine is the loop's side of it and main's.
+        memory: The session's shared memory; the engine writes both the loop's and the main thread's side of it.
         plugin: The device.
         rate: Ticks per second.
-        spin_us: Spin before each deadline [us]; None: what suits the scheduler recipe granted.
+        spin_us: Spin before each deadline [us]; None: chosen for the scheduler recipe granted.
         recipe: One of `scheduler.RECIPES`.
-        objects: Working arrays for the scene's haptic objects, of the session's capacities; None: there are none.
+        objects: Working arrays of the scene's haptic objects, with the session's capacities; None: no objects.
         fields: Force fields by EFFECT.field, MAX_FIELDS of them.
     """
 
@@ -76,14 +85,15 @@ class HapticEngine:
         self._work = new_work(objects or new_object_work(memory.capacities.objects))
         self._drained = np.zeros(memory.main_events.shape[0], EVENT)
         self._resets = 0
-        self._closed = False
+        self._closed = self._released = False
         self._granted: scheduler.Granted | None = None
         self._arranged = threading.Event()
         self._thread: threading.Thread | None = None
         self._failure: BaseException | None = None
         simulate = no_objects if objects is None else load_simulation()
         kin = tuple(self._descriptor.kinematics)
-        self._functions = (loop_tick, tick, plugin.read, plugin.write, simulate, fields, kin)  # the loop has no count
+        # Kept alive here: the loop holds addresses without references.
+        self._functions = (loop_tick, tick, plugin.read, plugin.write, simulate, fields, kin)
         pointers = pointers_to(self._functions, LOOP_FUNCTIONS)
         self._loop_args = (self._channels, self._work, pointers, plugin.memory)
         advance_ticks(*self._loop_args, 0, self._period_ns)
@@ -100,25 +110,25 @@ class HapticEngine:
 
     @property
     def ticks(self) -> int:
-        """Ticks done so far; a supervisor that sees it stop knows that the loop is dead."""
+        """Ticks done so far; a count that stands still means a dead loop."""
         return int(self._memory.control[ControlWord.TICKS])
 
     @property
     def granted(self) -> scheduler.Granted:
-        """Scheduler recipe of the live loop; on the virtual clock "virtual"."""
+        """Scheduler recipe of the live loop; "virtual" on the virtual clock."""
         return self._granted or scheduler.Granted("virtual", False)
 
     def publish(self, scene: Records, rows: Rows | None = None) -> None:
-        """Hand a parameter block to the loop; it is used from one tick boundary on.
+        """Pass a parameter block to the loop; it takes effect at a tick boundary.
 
-        A changed count of resets also releases the stop word, so that a latched stop can be left.
+        A changed count of resets also clears the stop word, so that a latched stop can be left.
 
         Args:
             scene: SCENE record, shape [1]; `sequence` must count up from 1.
-            rows: The tables of objects it counts; None where it counts none.
+            rows: Tables of objects that the record counts; None where it counts none.
 
         Raises:
-            ValueError: A number is not finite, a choice, count or row out of range, or `sequence` not positive.
+            ValueError: The loop cannot run with this block, see `check_block`.
         """
         check_block(scene, rows, self._memory.capacities.objects, len(self._work.objects.meshes.rows))
         if int(scene[0]["resets"]) != self._resets:
@@ -132,23 +142,23 @@ class HapticEngine:
         triple_buffer.publish(memory.scene_words)
 
     def send(self, inbox: Records) -> None:
-        """Hand the pointing device's newest state (INBOX record, shape [1]) to the device plug-in."""
+        """Pass the newest state of the pointing device (INBOX record, shape [1]) to the device plug-in."""
         memory = self._memory
         memory.inboxes[triple_buffer.back_slot(memory.inbox_words)] = inbox[0]
         triple_buffer.publish(memory.inbox_words)
 
     def snapshot(self) -> HapticSnapshot:
-        """The newest state of the loop; its arrays are copies."""
+        """Return the newest state of the loop; its arrays are copies."""
         return newest_snapshot(self._memory, len(self._descriptor.joints))
 
     def events(self) -> Records:
-        """Events since the last call, EVENT records, oldest first."""
+        """Return the EVENT records since the last call, oldest first."""
         memory = self._memory
         count = ring.drain(memory.main_event_words, memory.main_events, self._drained)
         return self._drained[:count].copy()
 
     def advance(self, ticks: int) -> int:
-        """Run `ticks` ticks on the virtual clock, as fast as they go; return the ticks done in all.
+        """Run `ticks` ticks on the virtual clock at full speed; return the total number of ticks done.
 
         Raises:
             RuntimeError: The live loop is running, or the device is closed.
@@ -160,14 +170,14 @@ class HapticEngine:
         return int(advance_ticks(*self._loop_args, ticks, self._period_ns))
 
     def start(self) -> scheduler.Granted:
-        """Start the live loop in a thread of its own and say how it is scheduled.
+        """Start the live loop in its own thread; return how it is scheduled.
 
-        When the result says `lower_main`, the calling thread should go `scheduler.lower_this_thread()` before it makes
-        its GL context.
+        If the result has `lower_main` set, the calling thread should call `scheduler.lower_this_thread()` before it
+        creates its GL context.
 
         Raises:
-            RuntimeError: Started already, or stopped for good: the device is closed.
-            DeviceError: The thread could not be started.
+            RuntimeError: The loop is running, or the device is closed.
+            DeviceError: The thread could not be scheduled.
         """
         if self.running:
             raise RuntimeError("the live loop is running already")
@@ -175,7 +185,7 @@ class HapticEngine:
             raise RuntimeError("the device is closed; build another engine")
         if sys.platform.startswith("linux") and threading.current_thread() is threading.main_thread():
             signal.signal(signal.SIGXCPU, self._demote)
-        from mimics_app.rendering.haptic.live_loop import run_live  # compiled here, before the first deadline
+        from mimics_app.rendering.haptic.live_loop import run_live  # compiled before the first deadline
 
         self._memory.control[ControlWord.QUIT] = 0
         self._arranged.clear()
@@ -187,7 +197,7 @@ class HapticEngine:
         return self.granted
 
     def stop(self) -> None:
-        """End the live loop, if it runs, and close the device; a second call does nothing more.
+        """End the live loop, if it runs, disable the device and close it; a second call does nothing more.
 
         Raises:
             DeviceError: The loop did not end, or ended with an error.
@@ -199,6 +209,7 @@ class HapticEngine:
                 raise DeviceError("the haptic loop does not end", "switch the robot off at its own switch")
         if not self._closed:
             self._closed = True
+            self._release_device()
             self._plugin.close()
         if self._failure is not None:
             raise DeviceError(f"the haptic loop ended with an error: {self._failure}")
@@ -208,7 +219,7 @@ class HapticEngine:
         self._memory.control[ControlWord.STOP] = 1
 
     def histogram(self) -> LatenessReport:
-        """How punctual the loop has been."""
+        """Return the lateness and duration of the ticks so far."""
         control = self._memory.control
         late = self._memory.lateness
         return LatenessReport(
@@ -228,25 +239,45 @@ class HapticEngine:
         )
 
     def stability(self) -> StabilityReport:
-        """What the stability monitor saw so far."""
+        """Return the results of the stability monitor so far."""
         return stability_of(self._work.state[: len(self._descriptor.contacts)], self._work.objects.margins)
 
     def replay_ticks(
         self, inputs: Records, scenes: Mapping[int, Records], rows: Mapping[int, Rows] | None = None
     ) -> Records:
-        """Samples of `replay_run`, with this engine's rate."""
-        from mimics_app.rendering.haptic.replay import replay_run  # a loop of its own, compiled where it is used
+        """Return the samples of `replay_run` at this engine's rate and with its device's kinematics."""
+        from mimics_app.rendering.haptic.replay import replay_run  # another compiled loop, loaded on demand
 
         kinematics = self._descriptor.kinematics
         return replay_run(inputs, scenes, rows, kinematics=kinematics, period_ns=self._period_ns).samples
 
     def _demote(self, *_: object) -> None:
-        """A loop that ran away under SCHED_FIFO (SIGXCPU) goes on as an ordinary thread; its late ticks stop it."""
+        """Handle SIGXCPU: a runaway loop continues without SCHED_FIFO, and its late ticks stop it."""
         if self._thread is not None and self._thread.native_id is not None and self.running:
-            self._granted = scheduler.demote(self._thread.native_id)
+            with suppress(ProcessLookupError):  # the thread has ended meanwhile
+                self._granted = scheduler.demote(self._thread.native_id)
+
+    def _release_device(self) -> None:
+        """Send a real device commands with zero force and disabled drives, once; the loop must have ended.
+
+        A device may hold the last command for as long as it has power, also after its line is closed.
+        """
+        if self._released or self._plugin.simulated:
+            return
+        self._released = True
+        plugin, clock, ticks = self._plugin, MonotonicClock(), self.ticks
+        command, data = np.zeros(COMMAND_LENGTH), np.zeros(DATA_LENGTH)
+        inbox = np.zeros(INBOX_LENGTH)
+        try:
+            for tick in range(ticks, ticks + _RELEASE_TICKS):
+                plugin.write(plugin.memory, command, tick)
+                clock.sleep_until_ns(clock.now_ns() + _RELEASE_NS)
+                plugin.read(plugin.memory, inbox, data, tick + 1)
+        except Exception as failure:  # noqa: BLE001  whatever a plug-in raises, its device is closed next
+            self._failure = self._failure or failure
 
     def _run(self, run_live: Callable[..., Any]) -> None:
-        """Body of the haptic thread: arrange the scheduler, then one compiled call until the quit word."""
+        """Body of the haptic thread: set the scheduler, then make one compiled call until the quit word is set."""
         try:
             self._granted = scheduler.arrange_thread(self._recipe)
             spin_us = scheduler.spin_for(self._granted) if self._spin_us is None else self._spin_us
@@ -259,3 +290,5 @@ class HapticEngine:
             run_live(*self._loop_args, self._period_ns, spin_us * 1000)
         except BaseException as failure:  # noqa: BLE001  raised by stop()
             self._failure = failure
+        finally:
+            self._release_device()

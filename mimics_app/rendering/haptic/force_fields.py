@@ -1,6 +1,6 @@
-"""Force fields by name: built-in ones, those a scenario brings, and plug-ins of the group mimics_app.force_fields.
+"""Force fields by name: built-in ones, those of scenarios, and plug-ins of the group mimics_app.force_fields.
 
-A field is a compiled function of the signature `contracts.loop_ports.FIELD`.
+A field is a function compiled with the signature `contracts.loop_ports.FIELD`.
 """
 
 from __future__ import annotations
@@ -28,33 +28,33 @@ ENTRY_POINT_GROUP = "mimics_app.force_fields"
 
 
 _BUILT_IN = ("cord", "curl", "saddle", "well")
-"""Fields of `cord_field` and `standard_fields`, which are imported and compiled when one of theirs is requested."""
+"""Fields of `cord_field` and `standard_fields`, imported and compiled on request."""
 
 _FIELDS: dict[str, Field] = {}
-"""Fields that were added, or requested, by name."""
+"""Fields of scenarios and loaded plug-ins, by name."""
 
 
 def add_field(name: str, field: Field) -> None:
-    """Let scenes use a field of a scenario: a function compiled with `typed_kernel(FIELD)`.
+    """Register a field of a scenario, a function compiled with `typed_kernel(FIELD)`.
 
     Raises:
-        ValueError: another one has that name.
+        ValueError: Another field has this name.
     """
     if name in _BUILT_IN or _FIELDS.setdefault(name, field) is not field:
-        raise ValueError(f'force field "{name}" is there twice')
+        raise ValueError(f'there are two force fields "{name}"')
 
 
 def field_names() -> list[str]:
-    """Names of all fields that can be requested."""
+    """Return the names of all fields."""
     return sorted({*_BUILT_IN, *_FIELDS, *(point.name for point in entry_points(group=ENTRY_POINT_GROUP))})
 
 
 def find_field(name: str) -> Field:
-    """The compiled function of that name.
+    """Return the compiled field of this name.
 
     Raises:
-        KeyError: there is none; the message names the nearest.
-        ValueError: its plug-in cannot be imported, it is no compiled field, or a trial call raised.
+        KeyError: No such field; the message names the nearest.
+        ValueError: The plug-in cannot be imported, is not a compiled field, or raised in a test call.
     """
     if name in _BUILT_IN:
         return _built_in(name)
@@ -67,7 +67,7 @@ def find_field(name: str) -> Field:
 
 
 def check_field(field: ForceField, pointer: str, scene: Scene) -> list[Issue]:
-    """Faults of the function a scene names: find it, compile it, and call it once."""
+    """Return the faults of the field that a scene names: it is loaded and called once."""
     try:
         find_field(field.function)
     except (KeyError, ValueError) as error:
@@ -94,14 +94,14 @@ def _loaded(point: EntryPoint) -> object:
 
 
 def _tried(field: Any) -> Field:
-    """A field that has the signature and does not raise where nothing is special."""
+    """Return the field after a check of its signature and a test call at an ordinary point."""
     compiled = getattr(field, "nopython_signatures", [])
     if FIELD not in compiled:
-        raise ValueError("it is not compiled for the loop; decorate it with typed_kernel(FIELD)")
+        raise ValueError("the field is not compiled for the loop; decorate it with typed_kernel(FIELD)")
     try:
         field(np.zeros(FIELD_PARAMETERS), np.full(3, 0.01), np.full(3, 0.1), 0.0, np.zeros(3))
-    except Exception as error:  # noqa: BLE001  anything it raises would end the loop
+    except Exception as error:  # noqa: BLE001  any exception would end the loop
         raise ValueError(
-            f"it raises {type(error).__name__}, which would end the loop; return a force instead"
+            f"the field raises {type(error).__name__}, which would end the loop; return a force instead"
         ) from None
     return field

@@ -22,7 +22,7 @@ _BINS_PER_OCTAVE = 64
 
 @kernel
 def count(bins: I8, value_ns: int) -> None:
-    """Add one value [ns] to the histogram; negative values count as 0, too large ones in the last bin."""
+    """Add one value [ns] to the histogram; negative values count as 0, values beyond the range in the last bin."""
     value = max(value_ns, 0)
     octave = 0
     while value >= 2 * _BINS_PER_OCTAVE:
@@ -33,14 +33,14 @@ def count(bins: I8, value_ns: int) -> None:
 
 
 def edges_ns(bins: int) -> NDArray[np.int64]:
-    """Lower edge of each bin and the upper edge of the last [ns], shape [bins + 1]."""
+    """Return the lower edge of each bin and the upper edge of the last [ns], shape [bins + 1]."""
     index = np.arange(bins + 1, dtype=np.int64)
     octave = np.maximum(index // _BINS_PER_OCTAVE - 1, 0)
     return (index - octave * _BINS_PER_OCTAVE) << octave
 
 
 def percentile_us(bins: I8, share: float) -> float:
-    """Value [us] below which `share` (0-1) of the counts lie: the middle of the bin that reaches it; 0 when empty."""
+    """Return the `share` quantile (0-1) of the counts [us], as the centre of its bin; 0 when empty."""
     total = int(bins.sum())
     if total == 0:
         return 0.0
@@ -51,18 +51,18 @@ def percentile_us(bins: I8, share: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class LatenessReport:
-    """How punctual the loop was. Times in microseconds; everything after the first second.
+    """Punctuality of the loop. Lateness, durations and misses are counted after the first second.
 
     Attributes:
-        p50, p99, p99_9, max: Percentiles of the wake-up's lateness [us].
-        duration_p50, duration_p99: Percentiles of a tick's work [us].
+        p50, p99, p99_9, max: Percentiles of the wake-up lateness [us].
+        duration_p50, duration_p99: Percentiles of the duration of a tick [us].
         missed: Ticks that ended more than one period after their release.
-        held: Ticks whose output was held because they came late.
-        stale: Ticks with old device data.
-        stops: Stops that were latched.
-        holds: Times the force was ramped down for late ticks, and came back on its own.
-        ticks: Ticks done, all of them.
-        recipe: How the thread was scheduled.
+        held: Late ticks: output held, or more.
+        stale: Ticks with stale device data.
+        stops: Latched stops.
+        holds: Times the force was ramped down for late ticks and returned by itself.
+        ticks: Total number of ticks.
+        recipe: Scheduler recipe of the thread.
     """
 
     p50: float
@@ -85,5 +85,5 @@ class LatenessReport:
         return self.missed / self.ticks if self.ticks else 0.0
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain values for the header of a report."""
+        """Return plain values for the header of a report."""
         return {name: getattr(self, name) for name in self.__slots__} | {"missed_share": self.missed_share}

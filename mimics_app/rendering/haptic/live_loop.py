@@ -1,10 +1,10 @@
-"""The live loop around the tick, against absolute deadlines: one compiled call for the whole run.
+"""Live loop around the tick with absolute deadlines: one compiled call for the whole run.
 
-It holds no lock, asks Python for nothing, allocates nothing, and ends when the quit word is set.
+It holds no lock, does not call Python, allocates nothing, and ends when the quit word is set.
 
-A tick that comes late is run at once and the ones behind it follow back to back, so that tick k always stands for
-session time k * period; beyond `late_stop_ns` (a latched stop, or a pause of a simulated device) the releases that
-passed are skipped and counted as missed.
+A late tick runs at once and the next ones follow back to back, so that tick k always stands for session time
+k * period. Beyond `late_stop_ns` (a latched stop, or a pause of a simulated device) the missed releases are skipped
+and counted.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ _MISSED = int(ControlWord.MISSED)
 _START_NS = int(ControlWord.START_NS)
 
 _UNCOUNTED_NS = 1_000_000_000
-"""Lateness is counted from the second second on [ns]: the first one warms caches."""
+"""Start of the run in which lateness is not counted [ns]: caches are cold."""
 
 
 @kernel
 def _wake(timespec: NDArray[np.int64], due: int, spin_ns: int) -> int:
-    """Sleep until shortly before the release, spin for the rest; the time then [ns]."""
+    """Sleep until `spin_ns` before the release, spin for the rest; return the wake-up time [ns]."""
     sleep_until_ns(timespec, due - spin_ns)
     woke = now_ns(timespec)
     while woke < due:
@@ -50,7 +50,7 @@ def _wake(timespec: NDArray[np.int64], due: int, spin_ns: int) -> int:
 
 @kernel
 def _misses_in_row(before: int, missed: bool, own: bool) -> int:
-    """Ticks in a row that ended after the next release; a burst that catches up counts once (`own`: not in one)."""
+    """Return the number of consecutive misses; a catch-up burst counts once (`own`: the tick is not part of one)."""
     if not missed:
         return 0
     return before + 1 if own else before
@@ -60,11 +60,10 @@ def _misses_in_row(before: int, missed: bool, own: bool) -> int:
 def run_live(
     channels: Channels, work: Work, pointers: NDArray[np.int64], memory: Vec, period_ns: int, spin_ns: int
 ) -> int:
-    """Run a tick every `period_ns` until the quit word is set; return the ticks done in all.
+    """Run a tick every `period_ns` until the quit word is set; return the total number of ticks done.
 
-    Sleeps to absolute deadlines and spins for the last `spin_ns`. Counts lateness and duration after the first second.
-    `pointers` are those of
-    `loop_tick.LOOP_FUNCTIONS`, `memory` is the device's.
+    Sleeps to absolute deadlines and spins for the last `spin_ns`. Lateness and duration are counted after the first
+    second. `pointers` are the addresses of `loop_tick.LOOP_FUNCTIONS`, `memory` belongs to the device.
     """
     loop_tick, tick, read, write, simulate, fields, kin = functions_at(pointers, LOOP_FUNCTIONS)
     channels, work = borrowed(channels), borrowed(work)

@@ -1,4 +1,4 @@
-"""The loop around the tick, un-timed on the virtual clock; `live_loop` and `replay_loop` run the same machine code."""
+"""Untimed loop around the tick on the virtual clock; `live_loop` and `replay_loop` run the same machine code."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ _TICKS = int(ControlWord.TICKS)
 def advance_ticks(
     channels: Channels, work: Work, pointers: NDArray[np.int64], memory: Vec, ticks: int, period_ns: int
 ) -> int:
-    """Run `ticks` ticks un-timed on the virtual clock (tick k at k * period_ns); return the ticks done in all.
+    """Run `ticks` ticks untimed on the virtual clock (tick k at k * period_ns); return the total number of ticks done.
 
-    `pointers` are those of `loop_tick.LOOP_FUNCTIONS`, `memory` is the device's.
+    `pointers` are the addresses of `loop_tick.LOOP_FUNCTIONS`, `memory` belongs to the device.
     """
     loop_tick, tick, read, write, simulate, fields, kin = functions_at(pointers, LOOP_FUNCTIONS)
     channels, work = borrowed(channels), borrowed(work)

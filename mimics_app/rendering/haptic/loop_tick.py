@@ -1,6 +1,6 @@
-"""One tick of the loop with all around it, compiled once: live, un-timed and replayed loops are handed it as a pointer.
+"""One tick with its input and output, compiled once: the live, virtual and replay loops call it by pointer.
 
-Compiled into each of the loops the tick would be made into machine code three times, and loaded three times.
+Inlined into each loop, the tick would be compiled and loaded three times.
 """
 
 from __future__ import annotations
@@ -109,16 +109,16 @@ LOOP_FUNCTIONS = types.Tuple(  # type: ignore[no-untyped-call]
         KINEMATICS_SET,
     )
 )
-"""Compiled functions a loop is handed: the tick in two layers, the device's, and the objects' part."""
+"""Types of the compiled functions that a loop gets: both layers of the tick, the device's, and the objects' part."""
 
 
 tick: Tick = typed_kernel(TICK)(ticking.tick.py_func)  # type: ignore[attr-defined]
-"""`kernels.tick.tick` as a pointer: the same function, compiled for the loop's own types."""
+"""`kernels.tick.tick` compiled for the loop's types, callable by pointer."""
 
 
 @kernel
 def late_class(scene: SceneRecord, late_ns: int, missed_in_row: int) -> int:
-    """Late-tick class of a tick that woke `late_ns` after its release with `missed_in_row` misses behind it."""
+    """Return the late-tick class of a tick `late_ns` after its release and with `missed_in_row` misses before it."""
     held = IN_TIME
     if scene.sequence == 0:
         held = IN_TIME
@@ -135,7 +135,7 @@ def late_class(scene: SceneRecord, late_ns: int, missed_in_row: int) -> int:
 
 @kernel
 def _take_inbox(channels: Channels, work: Work, scene: SceneRecord) -> None:
-    """Newest INBOX record as the device sees it: target in the robot frame."""
+    """Copy the newest INBOX record to work.inbox, with the target in the robot frame."""
     slot, _ = acquire(channels.inbox_words)
     record = channels.inboxes[slot]
     target = work.state[0].work_a
@@ -150,7 +150,7 @@ def _take_inbox(channels: Channels, work: Work, scene: SceneRecord) -> None:
 
 @kernel
 def rows_of(stack: Rows, slot: int) -> Rows:
-    """One slot of the tables of objects."""
+    """Return the tables of objects in one slot."""
     return Rows(
         stack.shapes[slot],
         stack.bodies[slot],
@@ -178,7 +178,7 @@ def loop_tick(
     t_ns: int,
     dt: float,
 ) -> int:
-    """Read, tick, write, publish; return `late_stop_ns` of the parameters used."""
+    """Read the device, tick, write the device, publish; return `late_stop_ns` of the parameters used."""
     slot, _ = acquire(channels.scene_words)
     scene = channels.scenes[slot]
     rows = borrowed(rows_of(channels.rows, slot))

@@ -1,4 +1,4 @@
-"""Triangle meshes as the loop takes them: one set of tables for all, with neighbours and trees of boxes."""
+"""Tables of triangle meshes for the loop: all meshes of a scene with adjacency and bounding-box trees (BVH)."""
 
 from __future__ import annotations
 
@@ -15,29 +15,30 @@ __all__ = ["MeshTable", "box_tree", "build_mesh_table", "curve_order", "sharp_si
 
 
 _LEAF = 4
-"""Most triangles of a leaf, on average at least half of it."""
+"""Largest number of triangles per leaf; the average is at least half of it."""
 
 _WELD = 1e-9
-"""Corners closer than this share of the mesh's size are one."""
+"""Grid on which vertices are welded, as a share of the mesh's size."""
 
 _CURVE_BITS = 20
+"""Bits per axis of the Morton code."""
 
 _SHARP = 0.94
-"""Cosine between the normals of two triangles below which the edge between them is sharp: 20 degrees."""
+"""Cosine between the normals of two triangles below which their edge is sharp: 20 degrees."""
 
 
 class MeshTable(NamedTuple):
-    """All meshes of a scene, one after the other; SHAPE.mesh is a row of `rows`.
+    """All meshes of a scene, concatenated; SHAPE.mesh is a row of `rows`.
 
     Attributes:
         rows: MESH, shape [meshes].
-        vertices: Corners [m], each in the frame of its shape, shape [vertices, 3].
-        corners: Rows of vertices, counter-clockwise from outside, shape [triangles, 3].
+        vertices: Vertices, shape frame [m], shape [vertices, 3].
+        corners: Vertex indices of each triangle, counter-clockwise from outside, shape [triangles, 3].
         neighbours: Triangle across the edge from each corner to the next, -1: none, shape [triangles, 3].
-        fan_starts: Where the triangles round each vertex begin in `fans`, shape [vertices + 1].
+        fan_starts: Start of the triangles around each vertex in `fans`, shape [vertices + 1].
         fans: Triangles by vertex, shape [3 triangles].
-        boxes: Least and greatest corner of each node of the trees [m], shape [nodes, 6].
-        hulls: Corners of the convex hulls of meshes that bodies carry [m], shape [corners, 3].
+        boxes: Bounding box of each node of the trees, minimum and maximum [m], shape [nodes, 6].
+        hulls: Vertices of the convex hulls of meshes on bodies [m], shape [hull vertices, 3].
         edges: Both ends of the sharp edges of the same meshes [m], shape [edges, 6].
     """
 
@@ -53,17 +54,17 @@ class MeshTable(NamedTuple):
 
 
 def build_mesh_table(meshes: Sequence[tuple[F8, I4]] = (), hulls: Mapping[int, F8] | None = None) -> MeshTable:
-    """Tables of meshes given as (vertices [m] [n, 3], triangles [m, 3]), in the order of SHAPE.mesh.
+    """Build the tables of meshes given as (vertices [m] [n, 3], triangles [m, 3]), in the order of SHAPE.mesh.
 
-    A mesh that a body carries also needs the corners of its convex hull [m] [n, 3], by its number: with them it meets
-    other bodies.
+    A mesh on a body also needs the vertices of its convex hull [m] [n, 3] in `hulls`, by mesh number, for collisions
+    with other bodies.
 
-    Corners at the same place are joined and triangles without area left out; a closed mesh whose triangles face inward
-    is turned. Parts of one mesh must not cut through one another: make them shapes of their own.
+    Coincident vertices are welded and degenerate triangles dropped; a closed mesh with inward normals is flipped.
+    Parts of one mesh must not intersect: make them separate shapes.
 
     Raises:
-        ValueError: a mesh has no triangle with an area, is not finite, refers to a corner that is not there, has an
-            edge of three triangles, or neighbours that face opposite ways.
+        ValueError: A mesh has no triangle with an area, is not finite, refers to a missing vertex, has an edge of three
+            triangles, or neighbouring triangles of opposite orientation.
     """
     rows = np.zeros(len(meshes), MESH)
     parts: list[tuple[F8, I4, I4, F8]] = []
@@ -93,7 +94,7 @@ def build_mesh_table(meshes: Sequence[tuple[F8, I4]] = (), hulls: Mapping[int, F
 
 
 def _joined(rows: NDArray[Any], parts: list[tuple[F8, I4, I4, F8]], count: int, hulls: F8, edges: F8) -> MeshTable:
-    """One table of all parts, with the triangles round each of the `count` vertices."""
+    """Concatenate all meshes, with the triangles around each of the `count` vertices."""
     empty = (np.zeros((0, 3)), np.zeros((0, 3), np.int32), np.zeros((0, 3), np.int32), np.zeros((0, 6)))
     vertices, corners, neighbours, boxes = (
         np.ascontiguousarray(np.concatenate(x)) for x in zip(empty, *parts, strict=True)
@@ -106,11 +107,12 @@ def _joined(rows: NDArray[Any], parts: list[tuple[F8, I4, I4, F8]], count: int, 
 
 
 def _clean(vertices: F8, triangles: NDArray[np.int64]) -> tuple[F8, NDArray[np.int64]]:
-    """Corners joined, triangles without area left out."""
+    """Weld coincident vertices and drop triangles without area."""
     if not np.isfinite(vertices).all():
-        raise ValueError("a corner of the mesh is not finite")
+        raise ValueError("a vertex of the mesh is not finite")
     if triangles.size and (triangles.min() < 0 or triangles.max() >= len(vertices)):
-        raise ValueError(f"a triangle refers to corner {triangles.max()} of {len(vertices)}")
+        wrong = triangles.min() if triangles.min() < 0 else triangles.max()
+        raise ValueError(f"a triangle refers to vertex {wrong} of {len(vertices)}")
     if not triangles.size:
         raise ValueError("the mesh has no triangles")
     size = float(np.ptp(vertices[triangles].reshape(-1, 3), axis=0).max())
@@ -124,22 +126,22 @@ def _clean(vertices: F8, triangles: NDArray[np.int64]) -> tuple[F8, NDArray[np.i
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     corners = corners[area > (size * _WELD) ** 2]
     if not len(corners):
-        raise ValueError("no triangle of the mesh has an area")
+        raise ValueError("all triangles of the mesh are degenerate")
     return points, corners
 
 
 def _neighbours(corners: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Triangle across the edge from each corner to the next, -1 where there is none."""
+    """Return the triangle across the edge from each corner to the next, -1 for none, shape [triangles, 3]."""
     heads, tails = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
     span = int(corners.max()) + 1
     keys = np.minimum(heads, tails) * span + np.maximum(heads, tails)
     order = np.argsort(keys, kind="stable")
     same = keys[order][1:] == keys[order][:-1]
     if (same[1:] & same[:-1]).any():
-        raise ValueError("an edge belongs to three triangles: make the parts that meet there shapes of their own")
+        raise ValueError("an edge belongs to three triangles: make the parts that meet there separate shapes")
     first, second = order[:-1][same], order[1:][same]
     if (heads[first] == heads[second]).any():
-        raise ValueError("two neighbouring triangles face opposite ways: let all corners run counter-clockwise")
+        raise ValueError("two neighbouring triangles have opposite orientations: order all vertices counter-clockwise")
     found = np.full(len(heads), -1, np.int64)
     found[first], found[second] = second // 3, first // 3
     return found.reshape(-1, 3)
@@ -148,15 +150,15 @@ def _neighbours(corners: NDArray[np.int64]) -> NDArray[np.int64]:
 def sharp_sides(
     points: F8, corners: NDArray[np.integer], neighbours: NDArray[np.integer]
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], F8]:
-    """The edges at which a mesh turns outward by more than 20 degrees, each once.
+    """Return the convex edges with more than 20 degrees between their faces, each once.
 
     Args:
-        points: Shape [vertices, 3] [m].
-        corners: Rows of `points`, shape [triangles, 3].
+        points: Vertices [m], shape [vertices, 3].
+        corners: Vertex indices of each triangle, shape [triangles, 3].
         neighbours: Triangle across the edge from each corner to the next, -1: none, shape [triangles, 3].
 
     Returns:
-        (triangle of each edge, corner of it at which the edge begins, unit normals of all triangles).
+        (triangle of each edge, its corner at which the edge begins, unit normals of all triangles).
     """
     a, b, c = (points[corners[:, i]] for i in range(3))
     normals = np.cross(b - a, c - a)
@@ -170,19 +172,19 @@ def sharp_sides(
 
 
 def _sharp_edges(points: F8, corners: NDArray[np.int64], neighbours: NDArray[np.int64]) -> F8:
-    """Both ends of the sharp edges of a mesh, shape [edges, 6]."""
+    """Return both ends of the sharp edges of a mesh, shape [edges, 6]."""
     triangle, side, _ = sharp_sides(points, corners, neighbours)
     return np.hstack([points[corners[triangle, side]], points[corners[triangle, (side + 1) % 3]]])
 
 
 def _volume(points: F8, corners: NDArray[np.int64]) -> float:
-    """Enclosed volume [m^3], negative when the triangles face inward."""
+    """Return the enclosed volume [m^3], negative for inward normals."""
     a, b, c = (points[corners[:, i]] - points[corners[0, 0]] for i in range(3))
     return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum()) / 6.0
 
 
 def curve_order(points: F8) -> NDArray[np.int64]:
-    """Order of points along a Morton curve: neighbours in it are near one another."""
+    """Return the order of points along a Morton curve, which keeps close points together."""
     low = points.min(axis=0)
     cells = (points - low) / max(float(np.ptp(points, axis=0).max()), 1e-300) * ((1 << _CURVE_BITS) - 1)
     keys = np.zeros(len(points), np.int64)
@@ -194,7 +196,10 @@ def curve_order(points: F8) -> NDArray[np.int64]:
 
 
 def box_tree(triangles: F8) -> F8:
-    """Boxes of the heap over triangles [n, 3, 3]: shape [2 leaves - 1, 6], leaves a power of two and at most n."""
+    """Return the bounding boxes of a binary heap over triangles [n, 3, 3], shape [2 leaves - 1, 6].
+
+    The number of leaves is a power of two and at most n.
+    """
     count = len(triangles)
     leaves = 1
     while leaves * _LEAF < count:

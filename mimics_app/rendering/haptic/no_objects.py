@@ -1,4 +1,4 @@
-"""The objects' part of the tick: imported where a scene has objects, and what stands in its place where it has none."""
+"""Selection of the objects' part of the tick: the simulation, imported on demand, or its stand-in without objects."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ __all__ = ["NO_FIELDS", "load_simulation", "no_field", "no_objects"]
 
 @typed_kernel(FIELD)
 def no_field(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
-    """No force: what stands in the places of fields a session does not have."""
+    """Null field: fills the unused places of a session's force fields."""
     out[0] = 0.0
     out[1] = 0.0
     out[2] = 0.0
 
 
 NO_FIELDS: Fields = (no_field,) * MAX_FIELDS
-"""The force fields of a session without any."""
+"""Force fields of a session without any."""
 
 
 @typed_kernel(SIMULATE)
 def no_objects(
     rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec, fields: Fields, dt: float, force: Vec
 ) -> None:
-    """Nothing is touched: the results of a tick stay as they were made."""
+    """Do nothing: the results of the tick keep their initial values."""
 
 
 def load_simulation() -> Simulate:
-    """The objects' part of the tick, imported and compiled when it is first needed."""
+    """Import and return the objects' part of the tick."""
     from mimics_app.rendering.haptic.simulate import simulate_objects
 
     return simulate_objects

@@ -1,4 +1,4 @@
-"""What the objects' part of the tick is given once: triangles, paths, force fields; for a session and its replay."""
+"""Constant data of the haptic objects: triangle meshes, paths and force fields, for a session and its replay."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ _PATHS = "paths"
 
 @dataclass(frozen=True, eq=False)
 class ObjectStatics:
-    """Never changed while the loop runs.
+    """Data of the objects that do not change while the loop runs.
 
     Attributes:
-        meshes: Triangles by SHAPE.mesh.
+        meshes: Triangle meshes by SHAPE.mesh.
         paths: TUNNEL records by EFFECT.path, shape [n].
         fields: Names of the force fields by EFFECT.field.
     """
@@ -39,10 +39,10 @@ class ObjectStatics:
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]], fields: Sequence[str]) -> ObjectStatics:
-        """From what `arrays` gave.
+        """Rebuild the statics from their `arrays`.
 
         Raises:
-            ValueError: A table is missing, or of another form.
+            ValueError: A table is missing, or has another dtype.
         """
         known = {name: arrays[name] for name in MeshTable._fields if name in arrays}
         if known and len(known) < len(MeshTable._fields):
@@ -52,38 +52,38 @@ class ObjectStatics:
 
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """The tables in use by name."""
+        """Tables in use, by name."""
         found: dict[str, NDArray[Any]] = self.meshes._asdict() if len(self.meshes.rows) else {}
         return {**found, _PATHS: self.paths} if len(self.paths) else found
 
     def work(self, capacities: ObjectCapacities) -> ObjectWork:
-        """Fresh working arrays that hold them; `capacities.paths` must be enough."""
+        """Return fresh working arrays with these statics; `capacities.paths` must be large enough."""
         work = new_object_work(capacities, self.meshes)
         work.paths[: len(self.paths)] = self.paths
         return work
 
     def functions(self) -> tuple[Callable[..., Any], ...]:
-        """The compiled force fields, MAX_FIELDS of them.
+        """Return the compiled force fields, padded to MAX_FIELDS.
 
         Raises:
-            UsageError: One of that name is not installed, or its plug-in cannot be used.
+            UsageError: A force field is not installed, or its plug-in cannot be used.
         """
         return (*(_installed(name) for name in self.fields), *NO_FIELDS[len(self.fields) :])
 
 
 def _as_in_memory(stored: NDArray[Any]) -> NDArray[Any]:
-    """MESH records as the compiled loop takes them: a file does not keep that a record is aligned."""
+    """Return MESH records with the aligned dtype of the loop, which a file does not preserve."""
     if stored.dtype != MESH:
-        raise ValueError("the rows of the meshes are of another form")
+        raise ValueError("the rows of the meshes have another dtype")
     rows = np.zeros(stored.shape, MESH)
     rows[:] = stored
     return rows
 
 
 def _installed(name: str) -> Callable[..., Any]:
-    """The force field of that name; a recording may name one that was there on another day."""
+    """Return the force field of this name; a recording may name one that is not installed."""
     try:
         found: Callable[..., Any] = find_field(name)
     except (KeyError, ValueError) as error:
-        raise UsageError(str(error.args[0]), "install what it was recorded with") from error
+        raise UsageError(str(error.args[0]), "install the plug-in that it was recorded with") from error
     return found

@@ -1,9 +1,9 @@
-"""The haptic objects of a session as tuples of arrays that compiled code can take.
+"""Haptic objects of a session as named tuples of arrays for compiled code.
 
-    Rows          what the main thread wants (contracts.object_rows), read only in the loop
-    ObjectWork    what the loop makes of it: motion, poses, contact memory, results
+    Rows          parameters from the main thread (contracts.object_rows), read-only in the loop
+    ObjectWork    state of the loop: motion, poses, contact memory, results
 
-Every kernel of the objects takes (rows, work, counts, ...), `counts` being SCENE.objects; rows beyond it mean nothing.
+Every kernel of the objects takes (rows, work, counts, ...), where `counts` is SCENE.objects; rows beyond it are unused.
 """
 
 from __future__ import annotations
@@ -46,51 +46,51 @@ __all__ = ["OBJECT_WORK", "ROWS", "ROW_STACK", "SIMULATE", "ObjectWork", "new_ob
 
 
 class ObjectWork(NamedTuple):
-    """Arrays of the loop alone.
+    """Private arrays of the loop.
 
     Attributes:
         motions: MOTION, shape [bodies].
         point_positions: Interaction points of this tick, world [m], shape [MAX_POINTS, 3].
-        point_velocities: Likewise [m/s].
-        point_forces: What each point feels, without effects and grip, world [N], shape [MAX_POINTS, 3].
+        point_velocities: Their velocities [m/s].
+        point_forces: Contact force on each point, without effects and grip, world [N], shape [MAX_POINTS, 3].
         shape_rotations: World from shape, shape [shapes, 3, 3].
         shape_positions: Origin of each shape, world [m], shape [shapes, 3].
-        bounds: Bounding spheres as rows x, y, z, radius [m], shape [4, shapes]; a radius < 0 is never touched (a
-            disabled shape), an infinite one always looked at (a wall).
-        aux_forces: F_aux of each body with what wires add, world [N], shape [bodies, 3].
+        bounds: Bounding spheres as rows x, y, z, radius [m], shape [4, shapes]; radius < 0: never tested (a disabled
+            shape), infinite: always tested (a wall).
+        aux_forces: F_aux of each body plus the contribution of wires, world [N], shape [bodies, 3].
         aux_torques: T_aux likewise [N m].
-        totals: TOTALS, shape [1].
+        totals: TOTALS of each point of contact, shape [MAX_CONTACTS].
         grip: GRIP, shape [1].
         touches: TOUCH, shape [1 + bodies]: the static scene, then the bodies.
-        motion_words: The bits of `motions`, shape [bodies, words], the same memory.
-        force: What the objects do to the user in this tick, world [N], shape [3].
-        hand: What the objects see of the person, shape [HAND_LENGTH].
+        motion_words: View of `motions` as words, shape [bodies, words].
+        force: Force of the objects on the user in this tick, world [N], shape [3].
+        hand: Signals of the person for the objects, shape [HAND_LENGTH].
         dynamics: DYNAMICS, shape [bodies].
         tracking: TRACKING, shape [1].
         solids: SOLID, shape [shapes].
-        moving_shapes: Rows of the shapes of bodies; TRACKING.moving says how many, shape [shapes].
+        moving_shapes: Rows of the shapes of bodies, the first TRACKING.moving in use, shape [shapes].
         effects: EFFECT_MEMORY, shape [effects].
         tunnels: TUNNEL_STATE of each tunnel, shape [tunnels].
         paths: TUNNEL records by EFFECT.path, shape [paths]; filled before the loop starts.
-        field_parameters: What a force field is given, shape [FIELD_PARAMETERS].
-        field_vectors: Likewise place and velocity, and the force it gives, shape [3, 3].
-        contact_scratch: CONTACT_SCRATCH, shape [1]: the present point and shape.
+        field_parameters: Parameters of the current force field, shape [FIELD_PARAMETERS].
+        field_vectors: Its position, velocity and force, shape [3, 3].
+        contact_scratch: CONTACT_SCRATCH of the current point and shape, shape [1].
         memories: MEMORY of each point at each shape, shape [MAX_POINTS, shapes].
         births: BIRTH, shape [shapes].
         befores: BEFORE, shape [bodies].
-        near: Rows of the shapes near the present point, shape [shapes].
-        walls: WALL_TOUCH, shape [MAX_WALLS]: walls that the present point touches.
-        touched: TOUCHED, shape [MAX_CONTACTS, MAX_TOUCHED]: what each point of contact touches, TOTALS.listed of them.
-        margins: Least stability margin of each shape while it was felt, inf: never, shape [shapes].
-        order: Shapes in the order of the sweep, walls from the back, shape [shapes].
-        next_moving: For each place in the order, the next of a shape that can move.
+        near: Rows of the shapes near the current point, shape [shapes].
+        walls: WALL_TOUCH of the walls that the current point touches, shape [MAX_WALLS].
+        touched: TOUCHED of each point of contact, the first TOTALS.listed in use, shape [MAX_CONTACTS, MAX_TOUCHED].
+        margins: Smallest stability margin of each shape in contact, inf: never touched, shape [shapes].
+        order: Shapes in the order of the sweep, walls from the end, shape [shapes].
+        next_moving: For each place in the order, the next place of a movable shape, shape [shapes].
         pairs: PAIR, shape [`ObjectCapacities.pairs`].
-        pair_slots: Hash of the pairs, rows or -1.
+        pair_slots: Hash table of the pairs: rows or -1.
         sweep: SWEEP, shape [1].
         scratch: SCRATCH, shape [1].
-        still: MOTION of the static scene, shape [1]: zeros, but for forces nobody reads.
-        meshes: Triangles by SHAPE.mesh; built before the loop starts.
-        ridges: Their sharp edges, likewise.
+        still: MOTION of the static scene, shape [1]: zeros except for its unused forces.
+        meshes: Triangle meshes by SHAPE.mesh; built before the loop starts.
+        ridges: Their sharp edges; built before the loop starts.
     """
 
     motions: Records
@@ -137,7 +137,7 @@ class ObjectWork(NamedTuple):
 
 
 def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = None) -> ObjectWork:
-    """Fresh working arrays; `meshes` are those that SHAPE.mesh refers to, None: none."""
+    """Return fresh working arrays; `meshes` are indexed by SHAPE.mesh, None: no meshes."""
     shapes, bodies = capacities.shapes, capacities.bodies
     motions = np.zeros(bodies, MOTION)
     triangles = build_mesh_table() if meshes is None else meshes
@@ -204,6 +204,6 @@ SIMULATE = types.void(
 )
 """Signature of `simulate(rows, work, counts, hand, fields, dt, force)`, the objects' part of the tick.
 
-It is handed to the loop as a first-class function, so that a scene without objects imports, compiles and runs none of
-their code. `hand` is what they see of the person (kernels.objects.hand), `force` what they do to the user.
+It is passed to the loop as a first-class function, so that a scene without objects imports, compiles and runs none of
+their code. `hand` holds the signals of the person (kernels.objects.hand), `force` receives the force on the user.
 """

@@ -1,4 +1,4 @@
-"""What the loop publishes after each tick: the newest snapshot with all poses, and the events."""
+"""Publication after each tick: the newest snapshot with all poses, and the events."""
 
 from __future__ import annotations
 
@@ -44,13 +44,13 @@ _QUARANTINE = int(EventKind.QUARANTINE)
 
 @kernel
 def publish_state(channels: Channels, work: Work, counts: ObjectCountsRecord, t_ns: int) -> None:
-    """Offer the newest state and poses to main and audio.
+    """Publish the newest state and poses to the main thread and the audio process.
 
     Args:
         channels: Arrays of the session.
         work: Arrays of the loop.
         counts: SCENE.objects of this tick.
-        t_ns: When the tick was released.
+        t_ns: Release time of the tick [ns].
     """
     slot = back_slot(channels.snapshot_words)
     write_snapshot(work.state[0], work.objects.totals[0], t_ns, channels.snapshots[slot])
@@ -61,7 +61,7 @@ def publish_state(channels: Channels, work: Work, counts: ObjectCountsRecord, t_
 
 
 class _Outlets(NamedTuple):
-    """The event being filled and its three consumers: a small tuple, for tuples travel by value."""
+    """Current event and the rings of its three consumers; kept small because tuples are passed by value."""
 
     event: Any
     main_words: Words
@@ -74,7 +74,7 @@ class _Outlets(NamedTuple):
 
 @kernel
 def _publish(outlets: _Outlets, kind: int, force: float) -> None:
-    """Send the event being filled to its three consumers."""
+    """Push the current event to its three consumers."""
     event = outlets.event
     event[0].kind = kind
     event[0].force = force
@@ -85,7 +85,7 @@ def _publish(outlets: _Outlets, kind: int, force: float) -> None:
 
 @kernel
 def publish_events(channels: Channels, work: Work, rows: Rows, counts: ObjectCountsRecord, t_ns: int) -> None:
-    """Events of this tick, in the order parameters, state, trip, margin, cap, old data, contacts, impact, losses."""
+    """Publish this tick's events: parameters, state, trip, margin, cap, stale data, contacts, impact, losses."""
     outlets = _Outlets(
         work.event,
         channels.main_event_words,
@@ -117,7 +117,7 @@ def _begin(event: EventRecord, state: StateRecord, t_ns: int, body_a: int, body_
 
 @kernel
 def _publish_monitor(outlets: _Outlets, state: StateRecord) -> None:
-    """What the monitors of stability and of the device's data report."""
+    """Publish the reports of the monitors of stability and of stale device data."""
     if state.margin_lost == 1:
         _publish(outlets, _MARGIN, state.reported_margin)
     if state.cap_began == 1:
@@ -162,7 +162,7 @@ def _publish_touches(
     bodies: int,
     t_ns: int,
 ) -> None:
-    """Contacts of the hand with the static scene (partner 0) and with bodies."""
+    """Publish contacts of the HIP with the static scene (touch 0) and with bodies."""
     for k in range(bodies + 1):
         change = touches[k].change
         if change != CONTACT_BEGAN and change != CONTACT_ENDED:
@@ -181,7 +181,7 @@ def _publish_touches(
 
 @kernel
 def _publish_impact(outlets: _Outlets, state: StateRecord, totals: TotalsRecord, t_ns: int) -> None:
-    """The hardest contact between bodies that began in this tick."""
+    """Publish the hardest impact between bodies in this tick."""
     if totals.impact <= 0.0:
         return
     a = totals.impact_a + 1 if totals.impact_a >= 0 else -1
@@ -198,7 +198,7 @@ def _publish_impact(outlets: _Outlets, state: StateRecord, totals: TotalsRecord,
 
 @kernel
 def _publish_losses(outlets: _Outlets, state: StateRecord, totals: TotalsRecord, t_ns: int) -> None:
-    """What of the scene is not simulated any more: pairs without room, and a force field that was put away."""
+    """Publish losses of the simulation: shape pairs beyond the capacity, and a quarantined force field."""
     if totals.left_out == 0 and totals.quarantined < 0:
         return
     event = outlets.event[0]

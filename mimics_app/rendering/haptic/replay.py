@@ -1,4 +1,4 @@
-"""Simulates a recording again with the tick that made it."""
+"""Replay: simulation of recorded inputs with the tick of the live loop."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ __all__ = ["Replayed", "replay_run"]
 
 _TICKS_AT_ONCE = 500
 _EVENTS = 1 << 16
-"""Room for the events of so many ticks: a power of two, and more than any scene has."""
+"""Capacity of the event ring: a power of two, and more than any scene makes in _TICKS_AT_ONCE ticks."""
 
 
 @dataclass(frozen=True, slots=True)
 class Replayed:
-    """What a replay computed.
+    """Result of a replay.
 
     Attributes:
         samples: SAMPLE rows, shape [n], with timing fields 0.
         events: EVENT records, shape [m], in order.
-        snapshots: What was newest after each tick that was requested, by tick.
+        snapshots: Newest snapshot after each requested tick, by tick.
     """
 
     samples: Records
@@ -58,20 +58,20 @@ def replay_run(
     period_ns: int = 1_000_000,
     seen: Sequence[int] = (),
 ) -> Replayed:
-    """Simulate recorded inputs again; equal bit for bit except for the timing fields.
+    """Simulate recorded inputs again; the result is bit-equal except for the timing fields.
 
     Args:
         inputs: SAMPLE rows from tick 0 on, shape [n].
-        scenes: SCENE record (a record, or an array of shape [1]) for each sequence number in the inputs.
-        rows: The tables of objects beside them, by the same numbers; none where there are no objects.
-        statics: What the objects were given once; None where they were given nothing.
-        kinematics: Of the device that was recorded.
-        period_ns: Length of a tick [ns].
-        seen: Ticks after which somebody looked at the newest state; those beyond the inputs are left out.
+        scenes: SCENE record (a record, or an array of shape [1]) by sequence number.
+        rows: Tables of objects by sequence number; None where there are no objects.
+        statics: Meshes, paths and force fields of the objects; None where there are none.
+        kinematics: Kinematics functions of the recorded device.
+        period_ns: Tick [ns].
+        seen: Ticks after which a snapshot is kept; those beyond the inputs are ignored.
 
     Raises:
-        KeyError: An input names a sequence that is not in `scenes` (0, before the first block, is known), or objects
-            are counted that are not in `rows`.
+        KeyError: An input has a sequence that is not in `scenes` (0, before the first block, is known), or `rows` lacks
+            objects that a block counts.
     """
     numbers = sorted({int(sequence) for sequence in np.unique(inputs["sequence"])})
     blocks = _blocks_of(scenes, numbers)
@@ -111,7 +111,7 @@ def replay_run(
 
 
 def _blocks_of(scenes: Mapping[int, Records], numbers: Sequence[int]) -> Records:
-    """The SCENE blocks of sequence numbers, one after the other; zeros for 0, before the first block."""
+    """Return the SCENE blocks of sequence numbers in order; zeros for 0, before the first block."""
     blocks = np.zeros(len(numbers), SCENE)
     for i, number in enumerate(numbers):
         if number != 0:
@@ -120,7 +120,7 @@ def _blocks_of(scenes: Mapping[int, Records], numbers: Sequence[int]) -> Records
 
 
 def _stack_of(rows: Mapping[int, Rows], numbers: Sequence[int], blocks: Records, capacities: ObjectCapacities) -> Rows:
-    """The tables of objects beside each block."""
+    """Return the tables of objects of each block."""
     stack = new_rows(capacities, len(numbers))
     for i, number in enumerate(numbers):
         if any(count_rows(blocks[i]["objects"]).values()):
@@ -129,18 +129,18 @@ def _stack_of(rows: Mapping[int, Rows], numbers: Sequence[int], blocks: Records,
 
 
 def _parts(ticks: int, looked: set[int]) -> list[slice]:
-    """All ticks in pieces that end after those somebody looked at, and are no longer than their events have room."""
+    """Split the ticks into chunks that end after each observed tick and whose events fit the ring."""
     ends = sorted({*range(_TICKS_AT_ONCE, ticks, _TICKS_AT_ONCE), *(tick + 1 for tick in looked), ticks} - {0})
     return [slice(start, end) for start, end in zip([0, *ends], ends, strict=False)]
 
 
 def _take_events(memory: SessionMemory, block: Records) -> Records:
-    """The events that wait for the recorder, taken out of their ring by way of `block`, which has room for all."""
+    """Drain the recorder's events through the scratch array `block`, which holds a full ring."""
     count = ring.drain(memory.recorder_event_words, memory.recorder_events, block)
     return block[:count].copy()
 
 
 def _room_for(blocks: Records, paths: int) -> ObjectCapacities:
-    """Capacities that hold every block's rows."""
+    """Return capacities that hold the rows of every block."""
     most = {name: max(1, int(blocks["objects"][name].max())) for name in Rows._fields}
     return ObjectCapacities(**most, paths=paths)

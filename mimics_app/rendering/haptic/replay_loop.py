@@ -1,4 +1,4 @@
-"""The loop over a recording: the tick of the live loop, fed with what the device gave then."""
+"""Loop over a recording: the tick of the live loop with the recorded inputs of the device."""
 
 from __future__ import annotations
 
@@ -63,12 +63,12 @@ def replay_recorded(
     """Run the tick over recorded inputs and publish its events and its newest state.
 
     Args:
-        channels: Arrays of a session of its own; what is published goes there.
+        channels: Arrays of the replay's own session memory, the target of what is published.
         work: Arrays of the loop, advanced.
         scenes: SCENE blocks, shape [m].
-        stack: Tables of objects beside each of them, shape [m, capacity].
+        stack: Tables of objects of each block, shape [m, capacity].
         which: Index of each tick's block, shape [n].
-        inputs: SAMPLE rows, shape [n]; only the inputs of each are used.
+        inputs: SAMPLE rows, shape [n]; only their input fields are used.
         tick: `loop_tick.tick`.
         simulate: The objects' part of the tick.
         fields: Force fields of the objects.
@@ -105,8 +105,9 @@ def replay_recorded(
             work.command,
             out,
         )
-        publish_state(channels, work, scene.objects, (state.tick - 1) * period_ns)
-        publish_events(channels, work, rows, scene.objects, state.tick * period_ns)
+        t_ns = (state.tick - 1) * period_ns
+        publish_state(channels, work, scene.objects, t_ns)
+        publish_events(channels, work, rows, scene.objects, t_ns)
         out.lateness_ns = 0.0
         out.duration_ns = 0.0
     return inputs.shape[0]

@@ -1,6 +1,6 @@
-"""The ridges of triangle meshes: straight sharp edges as long as they run, with a tree of boxes over those of a mesh.
+"""Ridges of triangle meshes: maximal straight sharp edges, with a bounding-box tree per mesh.
 
-A static mesh may have any number of them, so that they are found through a tree and not one after the other.
+A static mesh may have any number of ridges, which are therefore found through a tree.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ __all__ = ["RidgeTable", "build_ridge_table"]
 
 
 _STRAIGHT = 1e-6
-"""Sine of the angle below which two edges that meet, and the faces beside them, are one ridge."""
+"""Sine of the angle below which two adjacent edges, and their faces, form one ridge."""
 
 
 class RidgeTable(NamedTuple):
-    """All ridges of a scene's meshes, one mesh after the other.
+    """All ridges of a scene's meshes, concatenated by mesh.
 
     Attributes:
         rows: RIDGES, shape [meshes].
-        lines: Both ends [m] in the frame of the shape, the unit direction out of the mesh between its two faces, and
-            for each end 1 where it is this ridge that speaks for the tip there; shape [ridges, 11].
-        boxes: Least and greatest corner of each node of the trees [m], shape [nodes, 6].
+        lines: Both ends, shape frame [m], unit direction outward between the two faces, and for each end 1 where this
+            ridge represents the vertex there (each vertex is represented once); shape [ridges, 11].
+        boxes: Bounding box of each node of the trees, minimum and maximum [m], shape [nodes, 6].
     """
 
     rows: NDArray[Any]
@@ -38,7 +38,7 @@ class RidgeTable(NamedTuple):
 
 
 def build_ridge_table(meshes: MeshTable) -> RidgeTable:
-    """Find the ridges of all meshes: edges at which they turn outward by more than 20 degrees."""
+    """Find the ridges of all meshes: convex edges with more than 20 degrees between their faces."""
     rows = np.zeros(len(meshes.rows), RIDGES)
     lines, boxes = [np.zeros((0, 11))], [np.zeros((0, 6))]
     line = node = 0
@@ -59,23 +59,23 @@ def build_ridge_table(meshes: MeshTable) -> RidgeTable:
 
 
 def _ridges(points: F8, corners: NDArray[Any], neighbours: NDArray[Any]) -> F8:
-    """Rows of `RidgeTable.lines` of one mesh, in the order in which their first triangles stand."""
+    """Return the rows of `RidgeTable.lines` of one mesh, ordered by their first triangles."""
     triangle, side, normals = sharp_sides(points, corners, neighbours)
     heads, tails = corners[triangle, side], corners[triangle, (side + 1) % 3]
     outward = normals[triangle] + normals[neighbours[triangle, side]]
     size = np.linalg.norm(outward, axis=1)
     outward /= np.where(size > 0.0, size, 1.0)[:, None]
     found: list[F8] = []
-    spoken_for: set[int] = set()
+    represented: set[int] = set()
     for k, head, tail in _straight_runs(points, heads.tolist(), tails.tolist(), outward):
-        own = [float(tip not in spoken_for) for tip in (head, tail)]
-        spoken_for.update((head, tail))
+        own = [float(end not in represented) for end in (head, tail)]
+        represented.update((head, tail))
         found.append(np.concatenate([points[head], points[tail], outward[k], own]))
     return np.array(found).reshape(-1, 11)
 
 
 def _straight_runs(points: F8, heads: list[int], tails: list[int], outward: F8) -> Iterator[tuple[int, int, int]]:
-    """(one of its edges, vertex at one end, vertex at the other) of each straight run of edges."""
+    """Yield (one of its edges, vertex at one end, vertex at the other) of each straight run of edges."""
     directions = points[tails] - points[heads]
     directions /= np.linalg.norm(directions, axis=1)[:, None]
     at: dict[int, list[int]] = {}
@@ -92,7 +92,7 @@ def _straight_runs(points: F8, heads: list[int], tails: list[int], outward: F8) 
 
 
 def _is_straight(pair: list[int], directions: F8, outward: F8) -> bool:
-    """Whether the edges that meet at a vertex are two and go on as one ridge."""
+    """Whether exactly two edges meet at a vertex and form one ridge."""
     if len(pair) != 2:
         return False
     one, two = pair
@@ -103,7 +103,7 @@ def _is_straight(pair: list[int], directions: F8, outward: F8) -> bool:
 def _follow(
     k: int, vertex: int, through: dict[int, list[int]], heads: list[int], tails: list[int], seen: list[bool]
 ) -> int:
-    """The vertex at which the straight run that leaves edge k over a vertex ends; its edges are marked as seen."""
+    """Return the end vertex of the straight run that leaves edge k over `vertex`; its edges are marked as seen."""
     while vertex in through:
         one, two = through[vertex]
         k = two if one == k else one

@@ -1,4 +1,4 @@
-"""What shapes and points must be beside finite and in range: sizes that hold something, surfaces that feed nobody."""
+"""Physical validity of the rows of shapes and points: positive sizes, surfaces that add no energy."""
 
 from __future__ import annotations
 
@@ -9,29 +9,30 @@ import numpy as np
 from mimics_app.contracts.arrays import Records
 from mimics_app.contracts.haptic_objects import ForceLaw, ShapeKind
 
-__all__ = ["check_points", "check_shapes"]
+__all__ = ["SIZE_COMPONENTS", "check_points", "check_shapes"]
 
 
-_SIZES = np.array([0, 1, 3, 2, 2, 0])
-"""How many numbers of SHAPE.size count, by ShapeKind."""
+SIZE_COMPONENTS = np.array([0, 1, 3, 2, 2, 0])
+"""Number of components of SHAPE.size in use, by ShapeKind."""
 
 _UNIT = 1e-3
+"""Largest deviation of a quaternion's length from 1."""
 
 
 def check_shapes(shapes: Records, meshes: int) -> None:
-    """Refuse SHAPE rows that cannot be touched.
+    """Refuse SHAPE rows that cannot be rendered.
 
     Args:
-        shapes: Rows in use, finite, with kinds and laws that exist.
-        meshes: How many meshes the loop has.
+        shapes: Rows in use, finite, with valid kinds and laws.
+        meshes: Number of meshes in the loop.
 
     Raises:
-        ValueError: names the row, the field and what would be right.
+        ValueError: The message names the row, the field and the rule.
     """
     _check_forms(shapes, meshes)
     stiffness, damping = shapes["stiffness"], shapes["damping"]
     _refuse(stiffness <= 0.0, "stiffness", stiffness, "must be above 0")
-    _refuse(damping < 0.0, "damping", damping, "must not be negative: it would feed the hand")
+    _refuse(damping < 0.0, "damping", damping, "must not be negative: it would add energy")
     hertz = shapes["law"] == ForceLaw.HUNT_CROSSLEY
     _refuse(hertz & (shapes["exponent"] < 1.0), "exponent", shapes["exponent"], "must be at least 1")
     dynamic, static = shapes["friction_dynamic"], shapes["friction_static"]
@@ -43,13 +44,13 @@ def check_shapes(shapes: Records, meshes: int) -> None:
 
 
 def check_points(points: Records) -> None:
-    """Refuse POINT rows with a negative radius, by ValueError."""
+    """Raise ValueError for a POINT row with a negative radius."""
     _refuse(points["radius"] < 0.0, "radius", points["radius"], "must not be negative", "points")
 
 
 def _check_forms(shapes: Records, meshes: int) -> None:
     kind, size, rounding = shapes["kind"], shapes["size"], shapes["rounding"]
-    empty = ((size <= 0.0) & (np.arange(3) < _SIZES[kind][:, None])).any(axis=1)
+    empty = ((size <= 0.0) & (np.arange(3) < SIZE_COMPONENTS[kind][:, None])).any(axis=1)
     _refuse(empty, "size", size, "must be above 0")
     turn = np.linalg.norm(shapes["orientation"], axis=1)
     _refuse(np.abs(turn - 1.0) > _UNIT, "orientation", shapes["orientation"], "must be a unit quaternion")

@@ -1,6 +1,6 @@
-"""Parameter blocks for the loop, from the components of a scene and from nothing else.
+"""Parameter blocks for the loop from the components of a scene.
 
-A scene without a component has that component's own defaults. Reports read the limits back from the block that ran.
+A missing component has its defaults. Reports read the limits back from the block that ran.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ __all__ = [
 
 
 _FORMS = {
-    "auto": AdmittanceForm.CARTESIAN,  # without a plan: the one without false force
+    "auto": AdmittanceForm.CARTESIAN,  # unplanned: the form without errors of the coupling terms
     "seed": AdmittanceForm.SEED,
     "polar": AdmittanceForm.POLAR,
     "cartesian": AdmittanceForm.CARTESIAN,
@@ -49,26 +49,26 @@ _NANOSECONDS = {
     "stale_warn_ns": "stale_warn_s",
     "stale_stop_ns": "stale_stop_s",
 }
-"""Limits whose name in `Safety` differs, by their name in the block."""
+"""Limits with another name in `Safety` and in nanoseconds in the block, by their name in the block."""
 
 
 def robot_from_world(robot: Robot, points_world: Vec) -> Vec:
-    """Points of the world, shape [n, 3], in the robot frame [m]."""
+    """Return points of the world, shape [n, 3], in the robot frame [m]."""
     R = np.array(robot.robot_to_world.rotation)
     return np.ascontiguousarray((np.asarray(points_world) - np.array(robot.robot_to_world.translation)) @ R)
 
 
 def joint_vector(values: Sequence[float], fill: float = 0.0) -> Vec:
-    """Values of a device's joints, followed by `fill`, shape [MAX_JOINTS]."""
+    """Return the values of a device's joints padded with `fill`, shape [MAX_JOINTS]."""
     return np.concatenate([np.asarray(values, np.float64), np.full(MAX_JOINTS - len(values), fill)])
 
 
 def kinematic_values(
     robot: Robot, descriptor: DeviceDescriptor = HAPTICMASTER, admittance: Admittance | None = None
 ) -> dict[str, object]:
-    """SCENE fields that say what the device is: its joints and their limits, points of contact, geometry.
+    """Return the SCENE fields of the device: joints and their limits, points of contact, geometry.
 
-    Velocity and acceleration of a joint are limited by what the robot states, and by what admittance control does.
+    Velocity and acceleration of a joint have the smaller of the limits of the robot and of admittance control.
     """
     limits = joint_limits(robot, descriptor)
     velocity, acceleration = joint_vector(limits.velocity), joint_vector(limits.acceleration)
@@ -90,14 +90,14 @@ def kinematic_values(
 
 
 def _least(limits: Vec, most: Sequence[float] | None) -> Vec:
-    """Limits, and what a controller states below them, the last number for all joints behind."""
+    """Return the smaller of the limits and a controller's, whose last number holds for all further joints."""
     return limits if most is None else np.minimum(limits, joint_vector(most, most[-1]))
 
 
 def apply_robot(
     block: Records, robot: Robot, descriptor: DeviceDescriptor = HAPTICMASTER, admittance: Admittance | None = None
 ) -> None:
-    """Kinematics, joint limits and place of the robot into block[0]."""
+    """Write kinematics, joint limits and pose of the robot into block[0]."""
     record = block[0]
     for name, value in kinematic_values(robot, descriptor, admittance).items():
         record[name] = value
@@ -106,7 +106,7 @@ def apply_robot(
 
 
 def apply_admittance(block: Records, admittance: Admittance) -> None:
-    """Admittance control into block[0], and select it."""
+    """Write the parameters of admittance control into block[0], and select it."""
     record = block[0]
     record["controller"] = Controller.ADMITTANCE
     record["form"] = _FORMS[admittance.form]
@@ -117,7 +117,7 @@ def apply_admittance(block: Records, admittance: Admittance) -> None:
 
 
 def impedance_values(impedance: Impedance) -> dict[str, object]:
-    """SCENE fields of a device that takes forces, under impedance control."""
+    """Return the SCENE fields of impedance control, for a device that takes forces."""
     return {
         "controller": int(Controller.IMPEDANCE),
         "force_driven": 1,
@@ -128,7 +128,7 @@ def impedance_values(impedance: Impedance) -> dict[str, object]:
 
 
 def apply_ball(block: Records, ball: Ball) -> None:
-    """Sizes of the ball into block[0]."""
+    """Write the sizes of the ball into block[0]."""
     record = block[0]
     record["ball_radius_min"] = ball.radius_min
     record["ball_radius_max"] = ball.radius_max
@@ -136,7 +136,7 @@ def apply_ball(block: Records, ball: Ball) -> None:
 
 
 def apply_safety(block: Records, safety: Safety) -> None:
-    """Limits and thresholds into block[0]."""
+    """Write limits and thresholds into block[0]."""
     record = block[0]
     for name in Safety.__struct_fields__:
         if name in (SCENE.names or ()):
@@ -149,7 +149,7 @@ def apply_safety(block: Records, safety: Safety) -> None:
 
 
 def safety_of(block: Records) -> Safety:
-    """The limits and thresholds of block[0] as the component that requests them: what a report states."""
+    """Return the limits and thresholds of block[0] as a component, for reports."""
     record = block[0]
     values: dict[str, object] = {
         name: record[name].item() for name in Safety.__struct_fields__ if name in (SCENE.names or ())
@@ -161,14 +161,14 @@ def safety_of(block: Records) -> Safety:
 
 
 def _apply_gains(block: Records, gains: JointPd | WorldPd) -> None:
-    """Gains of a PD controller into block[0], the last given one for all joints behind; which runs is not touched."""
+    """Write the gains of a PD controller into block[0], the last one for all further joints; does not select it."""
     record = block[0]
     record["kp"], record["kd"] = (joint_vector(each, each[-1]) for each in (gains.kp, gains.kd))
     record["through_joints"] = int(isinstance(gains, WorldPd) and gains.form == "joints")
 
 
 def _apply_drive(block: Records, impedance: Impedance) -> None:
-    """What draws a force driven device to a target into block[0]."""
+    """Write the spring, damper and force limit that draw a force driven device to a target into block[0]."""
     record = block[0]
     for name, value in _drive_values(impedance).items():
         record[name] = value
@@ -186,10 +186,10 @@ def scene_from_components(
     gains: JointPd | WorldPd | None = None,
     descriptor: DeviceDescriptor = HAPTICMASTER,
 ) -> Records:
-    """A block from the components of a scene; one that is absent has its own defaults.
+    """Return a block from the components of a scene; a missing one has its defaults.
 
-    Tunnels and objects are rows beside the record (`scene_objects`); the device fills in what `device_fit` knows of it.
-    Until then a device counts as a real one whose late ticks latch.
+    Tunnels and objects are rows beside the record (`scene_objects`); `device_fit` adds the fields of the open device.
+    Until then the device counts as a real one, whose late ticks latch a stop.
 
     Returns:
         SCENE record, shape [1], sequence 1, admittance selected.

@@ -1,4 +1,4 @@
-"""The effects and force fields of a scene as rows, with the paths they follow and the functions they call."""
+"""Rows of a scene's effects and force fields, with their paths and field names."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _OTHER_NAME = {
     "amplitude": "force",
     "dead_band": "slip",
 }
-"""Fields of effects that go into a field of the row of another name; `force` of several kinds is set apart."""
+"""Row field of each component field with another name; `force` of some kinds is set in `_effect_row`."""
 
 
 class EffectRows:
@@ -54,12 +54,12 @@ class EffectRows:
 
     Attributes:
         rows: EFFECT records, shape [1] each.
-        entities: Entity of each.
+        entities: Entity of each row.
         paths: TUNNEL records, shape [1] each, by EFFECT.path.
         fields: Names of force fields by EFFECT.field.
 
     Raises:
-        SceneError: a path cannot be built.
+        SceneError: A path cannot be built.
     """
 
     def __init__(self, scene: Scene, bodies: Sequence[str]) -> None:
@@ -119,7 +119,7 @@ class EffectRows:
         return row
 
     def _path(self, name: str) -> int:
-        """Row of the path of that entity, built once."""
+        """Return the row of the path of an entity, built on first use."""
         if name not in self._path_names:
             record = np.zeros(1, TUNNEL)
             curve_of_path(self._scene, name).fill(record[0])
@@ -129,10 +129,10 @@ class EffectRows:
 
 
 def curve_of_path(scene: Scene, name: str) -> TunnelCurve:
-    """The curve of an entity's `haptic_path`, or of its `tunnel`.
+    """Return the curve of an entity's `haptic_path`, or of its `tunnel`.
 
     Raises:
-        SceneError: it cannot be built.
+        SceneError: The curve cannot be built.
     """
     for entity, path, pointer in scene.components(HapticPath):
         if entity == name:
@@ -142,7 +142,7 @@ def curve_of_path(scene: Scene, name: str) -> TunnelCurve:
 
 
 def check_haptic_path(path: HapticPath, pointer: str, scene: Scene) -> list[Issue]:
-    """Faults of a path: build it and see. One whose component is wrong already is not built."""
+    """Return the faults of building a path; a component with faults of its own is not built."""
     if check_path(path, pointer, scene):
         return []
     try:
@@ -154,7 +154,7 @@ def check_haptic_path(path: HapticPath, pointer: str, scene: Scene) -> list[Issu
 
 
 def check_field_count(field: ForceField, pointer: str, scene: Scene) -> list[Issue]:
-    """The fault of one force field too many."""
+    """Return the fault of a force field beyond MAX_FIELDS."""
     names = list(dict.fromkeys(one.function for _, one, _ in scene.components(ForceField)))
     if len(names) <= MAX_FIELDS or field.function in names[:MAX_FIELDS]:
         return []
@@ -162,7 +162,7 @@ def check_field_count(field: ForceField, pointer: str, scene: Scene) -> list[Iss
 
 
 def _curve(path: HapticPath, pointer: str, scene: Scene) -> TunnelCurve:
-    """The bisector of a tunnel of no width through the same points."""
+    """Return the bisector of a tunnel of zero radius through the same points."""
     tunnel = Tunnel(
         control_points=path.control_points,
         path_file=path.path_file,

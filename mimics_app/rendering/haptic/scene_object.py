@@ -1,4 +1,4 @@
-"""One haptic object, or one set of walls, of a scene as rows; which row of which table they get is said later."""
+"""Rows of one haptic object, or of one set of walls, before their places in the tables are assigned."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ __all__ = ["MeshKey", "ObjectRows", "ShapeRow", "rows_of_object", "rows_of_walls
 
 
 MeshKey = tuple[str, str, float]
-"""Source, fit and scale of a mesh that is touched."""
+"""Source, fit and scale of a haptic mesh."""
 
 _INTEGRATORS = {each.name.lower(): each for each in ObjectIntegrator}
-"""By the word of `haptic_object.integrator`."""
+"""Integrators by the value of `haptic_object.integrator`."""
 
 _LAWS = {"spring_damper": ForceLaw.SPRING_DAMPER, "hunt_crossley": ForceLaw.HUNT_CROSSLEY}
 _HALF = float(np.sqrt(0.5))
@@ -50,7 +50,7 @@ _SIDE_TURNS = {
     "back": (0.0, 0.0, 0.0, 1.0),
     "front": (0.0, 1.0, 0.0, 0.0),
 }
-"""Rotation of each side's wall: local +z into the room."""
+"""Rotation of the wall of each side, xyzw: local +z points into the room."""
 
 _SIDE_PLACES = {
     side: np.array(place)
@@ -60,12 +60,12 @@ _SIDE_PLACES = {
         strict=True,
     )
 }
-"""Middle of each side, in shares of the room's size."""
+"""Centre of each side, as a share of the room's size."""
 
 
 @dataclass(frozen=True, eq=False)
 class ShapeRow:
-    """A SHAPE record, shape [1], without the numbers of its body, material and mesh, and what these are."""
+    """A SHAPE record, shape [1], with its material and mesh; the numbers of body, material and mesh are not set."""
 
     row: Records
     material: str
@@ -75,24 +75,24 @@ class ShapeRow:
 
 @dataclass(frozen=True, eq=False)
 class ObjectRows:
-    """Rows of one object: a BODY record, shape [1], or None where it belongs to the static scene, and its shapes."""
+    """Rows of one object: a BODY record, shape [1], None for the static scene, and its shapes."""
 
     body: Records | None
     shapes: tuple[ShapeRow, ...]
 
 
 def rows_of_object(scene: Scene, entity: str, thing: HapticObject, *, moves: bool, integrator: str) -> ObjectRows:
-    """The rows of an object, made anew only where something they go by differs.
+    """Return the rows of an object, cached by everything they depend on.
 
     Args:
         scene: The checked scene.
-        entity: Its id.
+        entity: Id of the object.
         thing: Its component.
         moves: Whether it has a body.
-        integrator: Planned for bodies that leave it open.
+        integrator: Integrator of bodies without one of their own.
 
     Raises:
-        ObjectFault: it cannot be made.
+        ObjectFault: The object is not valid.
     """
     mesh = scene.entity(entity).components.get("mesh")
     digests = tuple(digest_of(scene, shape.source) for shape in thing.shapes or () if isinstance(shape, MeshSolid))
@@ -102,7 +102,7 @@ def rows_of_object(scene: Scene, entity: str, thing: HapticObject, *, moves: boo
 
 
 def rows_of_walls(scene: Scene, entity: str, walls: HapticWalls) -> ObjectRows:
-    """The rows of six walls, disabled ones too, so that they keep their rows."""
+    """Return the rows of six walls; disabled walls have rows too, so that row numbers stay fixed."""
     return scene.derive(
         ("haptic walls", entity), lambda: _make_walls(scene, entity, walls), (walls, _place(scene, entity))
     )
@@ -175,7 +175,7 @@ def _body(scene: Scene, entity: str, thing: HapticObject, solids: tuple[Solid, .
 
 
 def _surface_row(surface: TouchSurface) -> Records:
-    """A row of shapes with everything but its kind, place and size."""
+    """Return a SHAPE record without its kind, pose and size."""
     row = np.zeros(1, SHAPE)
     row["body"], row["enabled"], row["mesh"] = STATIC, 1, -1
     row["law"] = _LAWS[surface.law or "spring_damper"]
@@ -207,7 +207,7 @@ def _unit(quaternion: tuple[float, ...]) -> F8:
 
 
 def _product(a: F8, b: ArrayLike) -> F8:
-    """The rotation b followed by a, both xyzw."""
+    """Return the rotation b followed by a, both xyzw."""
     (ax, ay, az, aw), (bx, by, bz, bw) = a, np.asarray(b).reshape(4)
     return np.array(
         [

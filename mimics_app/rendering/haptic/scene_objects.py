@@ -1,4 +1,4 @@
-"""The haptic objects of a scene as rows for the loop, and the names of what the rows mean."""
+"""Rows of a scene's haptic objects for the loop, with the entity of each row."""
 
 from __future__ import annotations
 
@@ -48,26 +48,26 @@ __all__ = ["SceneObjects", "check_objects", "objects_of_scene"]
 
 
 _TICK_S = 1e-3
-"""Tick of the haptic loop that masses are checked for [s]."""
+"""Tick of the haptic loop for the check of masses [s]."""
 
 
 @dataclass(frozen=True, eq=False)
 class SceneObjects:
-    """Everything of a scene that can be touched, as the loop takes it.
+    """All haptic objects of a scene, in the form of the loop.
 
     Attributes:
-        rows: The tables, just as long as is needed.
+        rows: The tables, without spare rows.
         counts: OBJECT_COUNTS record, shape [1].
-        capacities: Rows to make room for.
+        capacities: Capacities for the session.
         body_entities: Entity of each row of bodies.
         shape_entities: Entity of each row of shapes.
         effect_entities: Entity of each row of effects.
         tunnel_entities: Entity of each row of tunnels.
-        materials: Name of each material number of shapes; number 0 is "".
-        meshes: Triangles by SHAPE.mesh, shape frame.
+        materials: Name of each SHAPE.material; number 0 is "".
+        meshes: Triangle meshes by SHAPE.mesh, shape frame.
         paths: TUNNEL records by EFFECT.path, shape [n].
         fields: Names of the force fields by EFFECT.field.
-        make_table: Makes `mesh_table`.
+        make_table: Builds `mesh_table`.
     """
 
     rows: Rows
@@ -85,23 +85,23 @@ class SceneObjects:
 
     @property
     def body_materials(self) -> tuple[int, ...]:
-        """Number of the material of each row of bodies: that of its first shape, 0 where it has none."""
+        """Material number of each row of bodies: that of its first shape, 0 without a shape."""
         bodies, materials = self.rows.shapes["body"], self.rows.shapes["material"]
         own = [materials[bodies == body] for body in range(len(self.body_entities))]
         return tuple(int(found[0]) if len(found) else 0 for found in own)
 
     @cached_property
     def mesh_table(self) -> MeshTable:
-        """Triangles by SHAPE.mesh, and the hulls of those that bodies carry.
+        """Triangle meshes by SHAPE.mesh, with the convex hulls of those on bodies.
 
         Raises:
-            ValueError: a mesh cannot be touched; `check_objects` says why.
+            ValueError: A mesh is not valid; `check_objects` reports it.
         """
         return self.make_table()
 
 
 def _table_of_meshes(scene: Scene, meshes: Mapping[MeshKey, SolidMesh], shapes: Records) -> MeshTable:
-    """The table of the meshes that are touched, with the hulls of those that bodies carry; SHAPE records, shape [n]."""
+    """Return the table of the meshes, with the hulls of those on bodies; `shapes` are SHAPE records, shape [n]."""
     carried = set(shapes["mesh"][(shapes["kind"] == ShapeKind.MESH) & (shapes["body"] != STATIC)].tolist())
 
     def make() -> MeshTable:
@@ -114,22 +114,22 @@ def _table_of_meshes(scene: Scene, meshes: Mapping[MeshKey, SolidMesh], shapes: 
 
 
 def objects_of_scene(scene: Scene) -> SceneObjects:
-    """The rows of a checked scene; a scene without anything to touch gives empty tables.
+    """Return the rows of a checked scene; empty tables for a scene without haptic objects.
 
-    They are computed once for a scene and the methods that were planned: whoever changes rows takes copies of them.
+    They are cached per scene and planned methods: copy rows before changing them.
 
     An object that may neither shift nor turn, and that no effect or wire names, belongs to the static scene: its
     shapes have no body.
 
     Raises:
-        SceneError: something cannot be made; `check` would have reported it.
+        SceneError: An object is not valid; `check` would have reported it.
     """
     planned = _planned_integrator(scene), planned_projection(scene)
     return scene.derive(("haptic objects", *planned), lambda: _gather(scene))
 
 
 def _contacts_of(scene: Scene) -> tuple[str, ...]:
-    """Points of contact of the scene's device; a hand of one that nobody has: reported where it is requested."""
+    """Return the points of contact of the scene's device; of an unknown device, reported elsewhere, one hand."""
     try:
         return descriptor_of((scene.first(Robot) or Robot()).device).contacts
     except DeviceError:
@@ -137,7 +137,7 @@ def _contacts_of(scene: Scene) -> tuple[str, ...]:
 
 
 def _planned_integrator(scene: Scene) -> str:
-    """Of bodies that leave it open; without a plan the one that keeps a contact without any damper."""
+    """Return the integrator of bodies without one of their own; unplanned, the one stable without damping."""
     return str(scene.methods.get("colliding bodies", {}).get("integrator", "semi_implicit"))
 
 
@@ -154,7 +154,7 @@ def _gather(scene: Scene) -> SceneObjects:
 
 
 def check_objects(scene: Scene) -> list[Issue]:
-    """Faults of a scene's objects together: bodies too light for their contacts, meshes that cannot be touched."""
+    """Return the faults that involve several objects: bodies too light for their contacts, invalid meshes."""
     try:
         objects = objects_of_scene(scene)
         table = objects.mesh_table
@@ -162,7 +162,7 @@ def check_objects(scene: Scene) -> list[Issue]:
         return error.issues
     except ValueError as error:
         place = next((pointer for _, _, pointer in scene.components(HapticObject)), "")
-        return [scene.issue(place, f"a mesh of the scene cannot be touched: {error}")]
+        return [scene.issue(place, f"a mesh of the scene is not valid: {error}")]
     pointers = {entity: pointer for entity, _, pointer in scene.components(HapticObject)}
     issues = []
     for fault in check_bodies(objects.rows, objects.counts[0], _TICK_S, table):
@@ -173,7 +173,7 @@ def check_objects(scene: Scene) -> list[Issue]:
 
 @dataclass(eq=False)
 class _Gathered:
-    """Rows found so far."""
+    """Rows collected so far."""
 
     scene: Scene
     bodies: list[Records] = field(default_factory=list)
@@ -252,7 +252,7 @@ class _Gathered:
 
     @cached_property
     def _named(self) -> set[str]:
-        """Entities that an effect or a wire names: they need a body even when they do not move."""
+        """Entities that an effect or a wire names: these need a body even when fixed."""
         objects = [entity for entity, _, _ in self.scene.components(HapticObject)]
         acting = [
             *(one for _, one, _ in self.scene.components(HapticEffect)),

@@ -1,4 +1,4 @@
-"""The tunnels of a scene: rows for the loop from their components, refused at load where one cannot be travelled."""
+"""Rows of a scene's tunnels for the loop, with their checks at load."""
 
 from __future__ import annotations
 
@@ -28,32 +28,32 @@ PROJECTIONS: Mapping[str, Projection] = {
     "golden section": Projection.GOLDEN_SECTION,
     "brute force": Projection.BRUTE_FORCE,
 }
-"""What runs, by the word of `systems.haptic.projection`."""
+"""Projection methods by the value of `systems.haptic.projection`."""
 
 
 _FORCES = ("radius_scale", "stiffness", "damping", "drag", "drag_growth", "centring", "advance")
-"""Fields the component and the row share by name."""
+"""Fields with the same name in the component and in the row."""
 
 
 def tunnel_of_scene(scene: Scene, entity: str | None = None) -> tuple[TunnelCurve, float | None]:
-    """The curve of a tunnel, and the residual of the recorded path it was fitted to [m] or None.
+    """Return the curve of a tunnel and its residual from the recorded path [m], None without a fit.
 
     Args:
         scene: A scene with tunnels.
-        entity: Whose; None: the first.
+        entity: Entity of the tunnel; None, or an entity without a tunnel: the first one.
 
     Raises:
-        SceneError: the scene has no such tunnel, or one that cannot be built.
+        SceneError: The scene has no tunnel, or the tunnel cannot be built.
     """
     _, tunnel, pointer = next((one for one in scene.components(Tunnel) if one[0] == entity), scene.one(Tunnel))
     return built_tunnel(tunnel, pointer, scene)
 
 
 def tunnel_rows(scene: Scene) -> tuple[Records, tuple[str, ...]]:
-    """TUNNEL records of the scene's tunnels, shape [n], and the entity of each.
+    """Return the TUNNEL records of the scene's tunnels, shape [n], and the entity of each.
 
     Raises:
-        SceneError: one cannot be built.
+        SceneError: A tunnel cannot be built.
     """
     found = scene.components(Tunnel)
     rows = np.zeros(len(found), TUNNEL)
@@ -67,7 +67,7 @@ def tunnel_rows(scene: Scene) -> tuple[Records, tuple[str, ...]]:
 
 
 def planned_projection(scene: Scene) -> str:
-    """As the scene names it, else as planned; without a plan the one that is always right."""
+    """Return the projection of the scene, else the planned one; unplanned, Newton's method with a warm start."""
     settings = scene.system(HapticSettings)
     if settings is not None and settings.projection != "auto":
         return settings.projection
@@ -75,13 +75,13 @@ def planned_projection(scene: Scene) -> str:
 
 
 def built_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> tuple[TunnelCurve, float | None]:
-    """The curve of one tunnel, built once for a scene, and the residual of the recorded path [m] or None.
+    """Return the curve of one tunnel, cached per scene, and its residual from the recorded path [m] or None.
 
     Raises:
-        SceneError: it cannot be built.
+        SceneError: The tunnel cannot be built.
     """
     folder = scene.origins.locate(pointer).folder
-    # A recorded path that cannot be read is reported where it is fitted.
+    # An unreadable path file is reported by the fit.
     fitted = None if tunnel.path_file is None else read_or_nothing(folder / tunnel.path_file)
     source = (tunnel.control_points, fitted, tunnel.basis_functions, tunnel.radius, tunnel.radius_scale)
     key = ("tunnel", scene.owner(pointer).id, pointer.rpartition("/")[2])
@@ -89,9 +89,9 @@ def built_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> tuple[TunnelCurv
 
 
 def check_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> list[Issue]:
-    """Faults of a tunnel: build it and see (hairpins, coincident points, a path file that cannot be fitted).
+    """Return the faults of building a tunnel (hairpins, coincident points, a path file that cannot be fitted).
 
-    One whose component is wrong already is not built: its faults were reported.
+    A component with faults of its own, reported elsewhere, is not built.
     """
     if check_tunnel_component(tunnel, pointer, scene):
         return []
@@ -103,7 +103,7 @@ def check_tunnel(tunnel: Tunnel, pointer: str, scene: Scene) -> list[Issue]:
 
 
 def _placed(issue: Issue, scene: Scene) -> Issue:
-    """An issue of the component where it was written; one of a path file as it is."""
+    """Return an issue of the component with its place in the source; one of a path file unchanged."""
     return scene.issue(issue.pointer, issue.what, issue.fix) if issue.file == str(scene.path) else issue
 
 

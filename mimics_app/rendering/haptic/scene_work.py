@@ -1,4 +1,4 @@
-"""What the loop needs of a scene's objects beside their rows: what it is given once, and the names of rows."""
+"""Constant data and row names of a scene's haptic objects, beside their rows."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ Names = Mapping[str, Mapping[str, tuple[int, ...]]]
 
 
 def statics_of(objects: SceneObjects) -> ObjectStatics:
-    """Meshes, paths and force fields of the scene.
+    """Return the meshes, paths and force fields of the scene.
 
     Raises:
-        ValueError: a mesh cannot be touched; `check` would have reported it.
+        ValueError: A mesh is not valid; `check` would have reported it.
     """
     return ObjectStatics(objects.mesh_table, objects.paths, objects.fields)
 
 
 def row_names(objects: SceneObjects) -> Names:
-    """Per table, the rows of each entity: what a task may change by "bodies.apple.mass", "shapes.table.stiffness"."""
+    """Return the rows of each entity by table, for task fields such as "bodies.apple.mass"."""
     tables = {
         "bodies": objects.body_entities,
         "shapes": objects.shape_entities,
@@ -39,7 +39,7 @@ def row_names(objects: SceneObjects) -> Names:
 
 
 def fits(objects: SceneObjects, room: ObjectCapacities, present: SceneObjects) -> bool:
-    """Whether a running session can take these rows: they have room, and meshes, paths and fields stayed the same."""
+    """Whether a running session can use these rows: they fit, and meshes, paths and fields are unchanged."""
     counts = count_rows(objects.counts[0])
     same = objects.fields == present.fields and objects.paths.tobytes() == present.paths.tobytes()
     ours, theirs = (

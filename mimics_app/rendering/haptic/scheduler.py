@@ -1,11 +1,11 @@
-"""How the haptic thread gets the processor in time, and what was granted.
+"""Real-time scheduling of the haptic thread, and the recipe that was granted.
 
-Measured on two cores beside a software renderer: an ordinary thread misses up to a quarter of its deadlines, with
-SCHED_FIFO and a short spin tail 0.02 %. Where FIFO is refused, the best an ordinary user can do is a timer slack of
-1 ns, a short scheduling slice, and a main thread that steps down to nice 19 before it makes its GL context (the
-renderer's workers inherit that).
+Measured on two cores beside a software renderer: an ordinary thread misses up to a quarter of its deadlines, one with
+SCHED_FIFO and a short spin tail 0.02 %. Where FIFO is refused, the best for an unprivileged user is a timer slack of
+1 ns, a short scheduling slice, and a main thread at nice 19 before it creates its GL context (the renderer's workers
+inherit that).
 
-Everything that is peculiar to Linux lives in this module; elsewhere the recipe is "plain".
+All code specific to Linux is in this module; on other systems the recipe is "plain".
 """
 
 from __future__ import annotations
@@ -20,23 +20,31 @@ from dataclasses import dataclass
 __all__ = ["RECIPES", "Granted", "arrange_thread", "demote", "lower_this_thread", "spin_for"]
 
 RECIPES = ("auto", "fifo", "ordinary", "plain")
-"""auto: fifo where allowed, else ordinary. fifo: SCHED_FIFO. ordinary: an unprivileged user's best. plain: nothing."""
+"""auto: fifo where allowed, else ordinary. fifo: SCHED_FIFO. ordinary: the best without privileges. plain: default."""
 
 _FIFO_PRIORITY = 50
+
 _RUNAWAY_US = 500_000
+"""RLIMIT_RTTIME: processor time of a real-time thread without a sleep before SIGXCPU [us]."""
+
 _PR_SET_TIMERSLACK = 29
+
 _SLICE_NS = 100_000
+"""Requested scheduling slice [ns]."""
+
 _SCHED_SETATTR = {"x86_64": 314, "aarch64": 274}
+"""Number of the system call by architecture."""
+
 _SPIN_FIFO_US = 60
 
 
 @dataclass(frozen=True, slots=True)
 class Granted:
-    """What the system granted to the haptic thread.
+    """Scheduling that the system granted to the haptic thread.
 
     Attributes:
-        recipe: What to report, e.g. "fifo50+slack1ns".
-        lower_main: True when the main thread should call `lower_this_thread` before it makes its GL context.
+        recipe: Name for reports, e.g. "fifo50+slack1ns".
+        lower_main: True when the main thread should call `lower_this_thread` before it creates its GL context.
     """
 
     recipe: str
@@ -44,12 +52,12 @@ class Granted:
 
 
 def spin_for(granted: Granted) -> int:
-    """Length of the spin tail [us] that suits what was granted: a spinning ordinary thread only burns its slice."""
+    """Return the length of the spin tail [us]; 0 without FIFO, where spinning only uses up the slice."""
     return _SPIN_FIFO_US if granted.recipe.startswith("fifo") else 0
 
 
 def arrange_thread(recipe: str = "auto") -> Granted:
-    """Schedule the calling thread for the haptic loop and say what was granted.
+    """Schedule the calling thread for the haptic loop; return what was granted.
 
     Args:
         recipe: One of `RECIPES`.
@@ -70,7 +78,7 @@ def arrange_thread(recipe: str = "auto") -> Granted:
 
 
 def lower_this_thread() -> bool:
-    """Give the calling thread nice 19, for good where unprivileged; True when done. Threads it starts inherit it."""
+    """Set the calling thread to nice 19, permanently without privileges; True on success. New threads inherit it."""
     if not sys.platform.startswith("linux"):
         return False
     try:
@@ -81,13 +89,13 @@ def lower_this_thread() -> bool:
 
 
 def demote(thread_id: int) -> Granted:
-    """Take SCHED_FIFO from a thread of this process that ran away, so that the machine stays usable."""
+    """Remove SCHED_FIFO from a runaway thread of this process, so that the machine stays usable."""
     os.sched_setscheduler(thread_id, os.SCHED_OTHER | os.SCHED_RESET_ON_FORK, os.sched_param(0))
     return Granted("demoted", False)
 
 
 def _set_fifo() -> bool:
-    """SCHED_FIFO for this thread, not inherited, and a limit that sends SIGXCPU should the loop run away."""
+    """Set SCHED_FIFO for this thread, not inherited, with a limit that sends SIGXCPU to a runaway loop."""
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(_FIFO_PRIORITY))
     except OSError:
@@ -97,9 +105,9 @@ def _set_fifo() -> bool:
 
 
 def _limit_runaway() -> None:
-    """RLIMIT_RTTIME: for a real-time thread that does not sleep for half a second the kernel sends SIGXCPU.
+    """Set RLIMIT_RTTIME: the kernel sends SIGXCPU to a real-time thread that does not sleep for _RUNAWAY_US.
 
-    Where somebody set a lower hard limit it sends SIGKILL there, so that ours has to come before.
+    At the hard limit it sends SIGKILL, so that the soft limit stays below it.
     """
     import resource
 
@@ -112,14 +120,14 @@ def _limit_runaway() -> None:
 
 
 def _set_timer_slack() -> bool:
-    """Timer slack of 1 ns for this thread; the default of 50 us is added to every sleep."""
+    """Set the timer slack of this thread to 1 ns; the default of 50 us is added to every sleep."""
     import ctypes
 
     return bool(ctypes.CDLL(None).prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0) == 0)
 
 
 def _set_slice() -> bool:
-    """Ask the fair scheduler for slices of 0.1 ms: a waking thread with a short slice is picked sooner (EEVDF)."""
+    """Request slices of 0.1 ms from the fair scheduler: EEVDF picks a waking thread with a short slice sooner."""
     import ctypes
 
     number = _SCHED_SETATTR.get(platform.machine())

@@ -1,4 +1,4 @@
-"""All objects for one tick: signals in, forces on the user out, bodies one tick further."""
+"""One tick of all objects: signals in, forces on the user out, bodies advanced."""
 
 from __future__ import annotations
 
@@ -35,16 +35,16 @@ __all__ = ["simulate_objects"]
 def simulate_objects(
     rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec, fields: Fields, dt: float, force: Vec
 ) -> None:
-    """One tick of every object.
+    """Simulate one tick of all objects.
 
     Args:
-        rows: Tables of objects as the main thread wants them.
+        rows: Tables of objects from the main thread.
         work: Advanced by one tick.
         counts: SCENE.objects.
         hand: See kernels.objects.hand, shape [HAND_LENGTH].
         fields: Force fields by EFFECT.field.
         dt: Tick [s].
-        force: Receives what the objects do to the user, world [N], shape [3].
+        force: Out: force of the objects on the user, world [N], shape [3].
     """
     totals = work.totals[0]
     for each in range(work.totals.shape[0]):

@@ -1,4 +1,4 @@
-"""What the live stability monitor saw in a run."""
+"""Results of the live stability monitor over a run."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ __all__ = ["StabilityReport", "stability_of"]
 
 @dataclass(frozen=True, slots=True)
 class StabilityReport:
-    """The worst of all contacts of a run.
+    """Worst values over all contacts of a run.
 
     Attributes:
-        margin: Smallest stability margin of the worst direction while anything was touched [-]; None where nothing was.
-        stiffness_limit: Smallest stable stiffness meanwhile [N/m]; of now where nothing was touched.
-        energy: Least energy any contact stood at [J]: 0 while every one was passive, below 0 what one gave away.
-        stiffness_share: Least share of its authored stiffness a contact was rendered with [-]; below 1 the cap acted.
-        passivity_ticks: Ticks in which the passivity controller took force away.
-        tank: Least level of the energy tank [J].
-        wall: Least margin of the tunnel's wall along its normal [-]; None where it was not touched.
-        shapes: Likewise of each shape that was touched, by its row.
+        margin: Smallest stability margin in the worst direction of any contact [-]; None without a contact.
+        stiffness_limit: Smallest stiffness limit during contacts [N/m]; without a contact the present one.
+        energy: Smallest energy taken by a contact [J]: 0 while all were passive, negative: energy that one generated.
+        stiffness_share: Smallest share of the authored stiffness that was rendered [-]; below 1 the cap acted.
+        passivity_ticks: Ticks in which the passivity controller reduced the force.
+        tank: Lowest level of the energy tank [J].
+        wall: Smallest margin of the tunnel's wall along its normal [-]; None where it was not touched.
+        shapes: Smallest margin of each touched shape [-], by row.
     """
 
     margin: float | None
@@ -37,7 +37,7 @@ class StabilityReport:
     shapes: dict[int, float]
 
     def contacts(self, entities: Sequence[str]) -> dict[str, float]:
-        """Least margin of each contact [-], by the entity of its shape's row; the tunnel's wall as "tunnel"."""
+        """Return the smallest margin of each contact [-] by the entity of its shape; the tunnel's wall as "tunnel"."""
         least: dict[str, float] = {} if self.wall is None else {"tunnel": self.wall}
         for row, margin in self.shapes.items():
             name = entities[row]
@@ -45,7 +45,7 @@ class StabilityReport:
         return least
 
     def as_dict(self) -> dict[str, float]:
-        """Under the keys of `mimics run --json`; what is about contacts is left out where there was none."""
+        """Return the values under the keys of `mimics run --json`; without a contact those of contacts are left out."""
         of_contacts = {}
         if self.margin is not None:
             of_contacts = {
@@ -58,11 +58,11 @@ class StabilityReport:
 
 
 def stability_of(states: NDArray[Any], margins: NDArray[np.float64]) -> StabilityReport:
-    """Read it from the loop's records; exact once the loop has stopped.
+    """Read the report from the loop's records; exact once the loop has stopped.
 
     Args:
         states: STATE records of the points of contact, shape [points].
-        margins: Least margin of each shape, inf where it was not touched, shape [shapes].
+        margins: Smallest margin of each shape, inf where it was not touched, shape [shapes].
     """
     record, acting = states[0], states["acting"]
     met = states[states["touched"] == 1]

@@ -1,4 +1,4 @@
-"""The force fields of motor-learning studies that come with the product. Each says what its parameters are."""
+"""Built-in force fields of motor-learning studies."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["curl", "saddle", "well"]
 
 @typed_kernel(FIELD)
 def curl(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
-    """Force across the velocity, as of a spinning wheel: F = c a x v (Shadmehr & Mussa-Ivaldi 1994). No power.
+    """Curl field, a force normal to the velocity: F = c a x v (Shadmehr & Mussa-Ivaldi 1994). No power.
 
     Parameters: c [N s/m], then the axis a (0 0 0: world z, out of the frontal plane).
     """
@@ -31,7 +31,7 @@ def curl(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
 
 @typed_kernel(FIELD)
 def saddle(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
-    """Linear in the place, of another stiffness along each axis: F = K p (Burdet et al. 2001: divergent where K > 0).
+    """Linear field with one stiffness per axis: F = K p (Burdet et al. 2001: divergent where K > 0).
 
     Parameters: K along world x, y, z [N/m].
     """
@@ -41,9 +41,9 @@ def saddle(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
 
 @typed_kernel(FIELD)
 def well(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
-    """A smooth well: F = -(f r/w) exp((1 - r^2/w^2) / 2), greatest force f at distance w, none far away.
+    """Gaussian well: F = -(f r/w) exp((1 - r^2/w^2) / 2), with the largest force f at distance w.
 
-    Parameters: f [N], w [m]; w 0: none.
+    Parameters: f [N], w [m]; w = 0: no force.
     """
     f, w = parameters[0], parameters[1]
     share = 0.0

@@ -1,4 +1,4 @@
-"""What the loop sends to the sound of contacts that began: their force in every tick, for a quarter of a second."""
+"""Contact forces for the sound: one record per tick for a quarter of a second after a contact began."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ __all__ = ["publish_forces"]
 
 @kernel
 def _follow(struck: Table[StruckRecord], body_a: int, body_b: int) -> None:
-    """Follow a contact from the next tick on, in the row of the same two bodies or in that nearest its end."""
+    """Follow a contact from the next tick on, in the row of the same two bodies or in the one closest to its end."""
     row = 0
     for k in range(struck.shape[0]):
         if struck[k].body_a == body_a and struck[k].body_b == body_b:
@@ -39,7 +39,7 @@ def _follow(struck: Table[StruckRecord], body_a: int, body_b: int) -> None:
 
 @kernel
 def _between(pairs: Table[PairRecord], count: int, body_a: int, body_b: int) -> float:
-    """Normal force between two bodies, all pairs of their shapes together [N]."""
+    """Return the normal force between two bodies, summed over all pairs of their shapes [N]."""
     total = 0.0
     for k in range(count):
         pair = pairs[k]
@@ -52,7 +52,7 @@ def _between(pairs: Table[PairRecord], count: int, body_a: int, body_b: int) -> 
 
 @kernel
 def _force_of(struck: StruckRecord, state: StateRecord, objects: ObjectWork) -> float:
-    """Force of a contact in this tick [N]."""
+    """Return the force of a contact in this tick [N]."""
     if struck.body_a > 0:
         b = struck.body_b - 1 if struck.body_b > 0 else -1
         return _between(objects.pairs, objects.sweep[0].pairs, struck.body_a - 1, b)
@@ -65,7 +65,7 @@ def _force_of(struck: StruckRecord, state: StateRecord, objects: ObjectWork) -> 
 
 @kernel
 def _begin(work: Work, counts: ObjectCountsRecord) -> None:
-    """Follow what the events of this tick say has begun."""
+    """Follow the contacts that began in this tick."""
     struck, objects = work.struck, work.objects
     if work.state[0].contact_change == CONTACT_BEGAN:
         _follow(struck, 0, -1)
@@ -85,13 +85,13 @@ def _begin(work: Work, counts: ObjectCountsRecord) -> None:
 
 @kernel
 def publish_forces(channels: Channels, work: Work, counts: ObjectCountsRecord, t_ns: int) -> None:
-    """Send the force of every contact that is followed, then follow those that have begun in this tick.
+    """Send the force of each followed contact, then follow the contacts that began in this tick.
 
     Args:
         channels: Arrays of the session.
         work: Arrays of the loop; `struck` is updated.
         counts: SCENE.objects of this tick.
-        t_ns: When the tick was released.
+        t_ns: Release time of the tick [ns].
     """
     for k in range(work.struck.shape[0]):
         struck = work.struck[k]

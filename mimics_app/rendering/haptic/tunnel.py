@@ -1,4 +1,4 @@
-"""The haptic tunnel (D2.1 4.2.10) as data: bisector, radius along it, frames; checked before the tick may read it."""
+"""Geometry of the haptic tunnel (D2.1 4.2.10): bisector, radius and frames, checked before the loop reads it."""
 
 from __future__ import annotations
 
@@ -19,22 +19,32 @@ __all__ = ["FrameMethod", "TunnelCurve", "TunnelError", "TunnelFault", "build_tu
 FrameMethod = Literal["double_reflection", "frenet", "projected_up"]
 
 _SUBSTEPS = 16
-"""Double-reflection steps a piece; the error falls with the fourth power."""
+"""Double-reflection steps per piece; the error falls with the fourth power."""
 
 _PIECES_PER_STATION = 4
-"""Pieces that carry the radius between two given values."""
+"""Pieces between two given values of the radius."""
 
 _CHECKS_PER_PIECE = 128
+"""Sampled parameters per piece."""
+
 _SMALLEST_STEP = 1e-6
+"""Smallest distance of two neighbouring control points [m]."""
+
 _LARGEST_COORDINATE = 1e3
+"""Largest coordinate of a control point [m]."""
+
 _SLOWEST_SPEED = 1e-4
+"""Smallest derivative of the bisector as a share of the mean length of a piece."""
+
 _STRAIGHT = 1e-9
+"""Largest product of radius and curvature of a straight tunnel."""
+
 _WORLD_UP = (0.0, 1.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class TunnelFault:
-    """One thing wrong with a tunnel: the field at fault, e.g. "control_points/3", what is wrong, what to do."""
+    """One fault of a tunnel: the field, e.g. "control_points/3", what is wrong, what to do."""
 
     field: str
     what: str
@@ -42,26 +52,26 @@ class TunnelFault:
 
 
 class TunnelError(SceneError):
-    """A tunnel that cannot be built; carries every fault. `at` says in which file it stands."""
+    """Error of a tunnel that cannot be built, with all its faults; `at` adds the file."""
 
     def __init__(self, faults: Sequence[TunnelFault], file: str = "", pointer: str = "") -> None:
         self.faults = tuple(faults)
         super().__init__([Issue(file, f"{pointer}/{fault.field}", fault.what, fault.fix) for fault in faults])
 
     def at(self, file: str, pointer: str) -> TunnelError:
-        """The same error with the scene file and the JSON pointer of the tunnel component."""
+        """Return the same error with the scene file and the JSON pointer of the tunnel component."""
         return TunnelError(self.faults, file, pointer)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TunnelCurve:
-    """A checked tunnel. Parameter s counts pieces; world frame, metres; every method takes s of shape [m] or a number.
+    """Checked geometry of a tunnel. Parameter s counts pieces; world frame [m]; s is a number or of shape [m].
 
     Attributes:
-        control_points: Of the bisector, shape [N, 3] [m].
+        control_points: Control points of the bisector, shape [N, 3] [m].
         pieces: Cubic pieces of the bisector, shape [n, 3, 4] [m].
         radius_pieces: Cubic pieces of the radius, shape [n, 4] [m].
-        arc_length: At the piece starts and the end, shape [n + 1] [m].
+        arc_length: Arc length at the piece starts and the end, shape [n + 1] [m].
         grid_normals: Rotation-minimising normals at s = 0, 1/16, 2/16 ..., unit, shape [16 n + 1, 3].
     """
 
@@ -77,36 +87,36 @@ class TunnelCurve:
         return float(self.arc_length[-1])
 
     def point(self, s: ArrayLike) -> F8:
-        """Bisector at s [m], shape [m, 3]."""
+        """Return points of the bisector at s [m], shape [m, 3]."""
         return bspline.evaluate(self.pieces, s)
 
     def tangent(self, s: ArrayLike) -> F8:
-        """Unit tangent towards the end, shape [m, 3]."""
+        """Return unit tangents towards the end, shape [m, 3]."""
         first = bspline.evaluate(self.pieces, s, 1)
         unit: F8 = first / np.linalg.norm(first, axis=1, keepdims=True)
         return unit
 
     def radius(self, s: ArrayLike) -> F8:
-        """Tunnel radius at s, before radius_scale [m], shape [m]."""
+        """Return the tunnel radius at s without radius_scale [m], shape [m]."""
         return np.maximum(bspline.evaluate(self.radius_pieces[:, None, :], s)[:, 0], 0.0)
 
     def curvature(self, s: ArrayLike) -> F8:
-        """Curvature vector [1/m], towards the centre of curvature, shape [m, 3]."""
+        """Return curvature vectors towards the centre of curvature [1/m], shape [m, 3]."""
         return bspline.curvature(self.pieces, s)
 
     def arc_at(self, s: ArrayLike) -> F8:
-        """Arc length from the start [m], shape [m]."""
+        """Return the arc length from the start at s [m], shape [m]."""
         return bspline.arc_length_at(self.pieces, self.arc_length, s)
 
     def parameter_at(self, arc: ArrayLike) -> F8:
-        """Parameter s at an arc length from the start [m], shape [m]."""
+        """Return the parameter s at an arc length from the start [m], shape [m]."""
         return bspline.parameter_at(self.pieces, self.arc_length, arc)
 
     def frame(self, s: ArrayLike, method: FrameMethod = "double_reflection") -> tuple[F8, F8, F8]:
-        """Unit t, n, b at s, each of shape [m, 3]; b = t x n.
+        """Return unit t, n, b at s, each of shape [m, 3]; b = t x n.
 
-        "double_reflection" is what the tick uses. "frenet" turns over at inflections and is NaN on straight parts,
-        "projected_up" keeps n near the world's up and is NaN where the tunnel is vertical.
+        The tick uses "double_reflection". "frenet" flips at inflections and is NaN on straight parts; "projected_up"
+        keeps n near the world's up and is NaN where the tunnel is vertical.
         """
         s = np.atleast_1d(np.asarray(s, np.float64))
         t = self.tangent(s)
@@ -122,7 +132,7 @@ class TunnelCurve:
 
     @property
     def max_radius_curvature(self) -> tuple[float, float]:
-        """(greatest product of radius and curvature, its s); the tunnel is lawful while radius_scale x product < 1."""
+        """(largest product of radius and curvature, its s); the tunnel is valid while radius_scale x product < 1."""
         s = np.linspace(0.0, len(self.pieces), _CHECKS_PER_PIECE * len(self.pieces) + 1)
         product = self.radius(s) * np.linalg.norm(self.curvature(s), axis=1)
         worst = int(np.argmax(product))
@@ -130,12 +140,12 @@ class TunnelCurve:
 
     @property
     def max_radius_scale(self) -> float:
-        """Factor on the radius at which the walls would fold over in the tightest bend; inf for a straight tunnel."""
+        """Factor on the radius at which the walls fold over in the tightest bend; inf for a straight tunnel."""
         product, _ = self.max_radius_curvature
         return 1.0 / product if product > _STRAIGHT else float("inf")
 
     def fill(self, record: np.void) -> None:
-        """Write the geometry into a TUNNEL record; its forces and radius_scale stay as they are."""
+        """Write the geometry into a TUNNEL record; its forces and radius_scale are unchanged."""
         n = len(self.pieces)
         for name, values in (
             ("centre", self.pieces),
@@ -149,18 +159,18 @@ class TunnelCurve:
 
 
 def build_tunnel(control_points: ArrayLike, radius: ArrayLike, *, radius_scale: float = 1.0) -> TunnelCurve:
-    """Check a tunnel and build what the tick needs of it.
+    """Check a tunnel and build its geometry.
 
     Args:
-        control_points: Of the cubic B-spline bisector, world [m], shape [N, 3]; it starts at the first and ends at the
-            last. Two give a straight line, three a parabola.
+        control_points: Control points of the cubic B-spline bisector, world [m], shape [N, 3]; it starts at the first
+            and ends at the last. Two give a straight line, three a parabola.
         radius: [m], one for the whole tunnel or several at equal distances along it, joined smoothly.
-        radius_scale: Factor on the radius that is to be lawful.
+        radius_scale: Factor on the radius for which the tunnel must be valid.
 
     Raises:
-        TunnelError: every fault found: shape, numbers that are not finite, neighbours that coincide, a point where the
-            bisector does not advance, more than MAX_PIECES pieces, negative radius, walls that fold over in a bend
-            (radius x curvature >= 1, with the place).
+        TunnelError: With all faults: shape, numbers that are not finite, coincident neighbours, a point with a zero
+            tangent, more than MAX_PIECES pieces, negative radius, walls that fold over in a bend (radius x curvature
+            >= 1, with the place).
     """
     points, faults = _checked_points(control_points)
     values, radius_faults = _checked_radius(radius)
@@ -211,7 +221,7 @@ def _checked_radius(radius: ArrayLike) -> tuple[F8, list[TunnelFault]]:
 
 
 def _subdivision(pieces: int, stations: int) -> int:
-    """Into how many each piece is cut, so that the radius has enough pieces to follow its values."""
+    """Return the number of parts per piece that gives the radius enough pieces for its values."""
     wanted = -(-_PIECES_PER_STATION * (stations - 1) // pieces)
     return max(1, min(wanted, MAX_PIECES // pieces))
 
@@ -232,7 +242,7 @@ def _refuse_standstill(pieces: F8, arc_length: F8) -> None:
 
 
 def _radius_pieces(pieces: F8, arc_length: F8, values: F8) -> F8:
-    """Cubic pieces of the radius with the right value and slope at every knot, shape [n, 4]."""
+    """Return cubic pieces of the radius with continuous value and slope at every knot, shape [n, 4]."""
     if len(values) == 1:
         return np.array([values[0], 0.0, 0.0, 0.0]) * np.ones((len(pieces), 1))
     length = arc_length[-1]
@@ -240,13 +250,13 @@ def _radius_pieces(pieces: F8, arc_length: F8, values: F8) -> F8:
     knots = np.arange(len(pieces) + 1, dtype=np.float64)
     slope = slope * np.linalg.norm(bspline.evaluate(pieces, knots, 1), axis=1) / length
     rise = np.diff(r)
-    slope = _tamed(_tamed(slope, np.append(rise, rise[-1])), np.insert(rise, 0, rise[0]))
+    slope = _monotone(_monotone(slope, np.append(rise, rise[-1])), np.insert(rise, 0, rise[0]))
     d0, d1 = slope[:-1], slope[1:]
     return np.stack([r[:-1], d0, 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise], axis=1)
 
 
-def _tamed(slope: F8, rise: F8) -> F8:
-    """Slopes cut to three times the rise beside them: steeper, the cubic could leave the interval of its two values."""
+def _monotone(slope: F8, rise: F8) -> F8:
+    """Limit slopes to three times the adjacent rise: steeper, the cubic could leave the interval of its two values."""
     return np.where(slope * rise <= 0.0, 0.0, np.sign(rise) * np.minimum(np.abs(slope), 3.0 * np.abs(rise)))
 
 
@@ -267,4 +277,4 @@ def _refuse_folded_walls(curve: TunnelCurve, radius_scale: float) -> None:
         f"too wide for its bend: radius x curvature = {radius_scale * product:.3g} "
         f"{_place(curve.pieces, curve.arc_length, s)}, must stay below 1"
     )
-    raise TunnelError([TunnelFault("radius", what, f"take less than {bend:.3g} m there or a wider bend")])
+    raise TunnelError([TunnelFault("radius", what, f"use less than {bend:.3g} m there or a wider bend")])

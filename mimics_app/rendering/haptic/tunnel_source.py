@@ -1,4 +1,4 @@
-"""Tunnels out of scene files: a component with control points, or with a recorded path that is fitted (D2.1 4.2.10)."""
+"""Tunnels from scene files: a component with control points, or with a recorded path to fit (D2.1 4.2.10)."""
 
 from __future__ import annotations
 
@@ -22,25 +22,26 @@ __all__ = ["fit_path", "read_path", "tunnel_from_component"]
 
 _MOST_SAMPLES = 200_000
 _FARTHEST = 1e3
-"""Farthest from the origin that something can be touched [m], as in `components.bounds`."""
+"""Largest coordinate of anything that can be touched [m], as in `components.bounds`."""
+
 _DEFAULT_BASIS_FUNCTIONS = 12
 _AXES = ("x", "y", "z")
 
 
 def tunnel_from_component(component: Tunnel, root: Path, file: str, pointer: str) -> tuple[TunnelCurve, float | None]:
-    """Build the tunnel a scene describes.
+    """Build the tunnel of a scene.
 
     Args:
         component: The scene's tunnel component.
-        root: Folder its `path_file` is relative to and must stay inside.
+        root: Folder that `path_file` is relative to and must stay inside.
         file: Scene file as the user wrote it, for messages.
         pointer: JSON pointer of the component, e.g. "/entities/3/components/tunnel".
 
     Returns:
-        (curve, root mean square distance of the recorded path from it [m], or None where nothing was fitted).
+        (curve, root mean square distance of the recorded path from it [m], None without a fit).
 
     Raises:
-        SceneError: every fault, each with file and pointer; a fault inside the recorded path names that file instead.
+        SceneError: With all faults, each with file and pointer; a fault in the recorded path names that file.
     """
     try:
         points, residual = _control_points(component, root)
@@ -68,14 +69,14 @@ def fit_path(path: ArrayLike, basis_functions: int) -> tuple[F8, float, float]:
     """Fit a recorded path with N basis functions.
 
     Args:
-        path: Samples in travelling order, world [m], shape [m, 3].
+        path: Samples in order of travel, world [m], shape [m, 3].
         basis_functions: N >= 4; more follow the path more closely.
 
     Returns:
-        (control points [m], shape [N, 3]; root mean square and greatest distance of the samples from the curve [m]).
+        (control points [m], shape [N, 3]; root mean square and largest distance of the samples from the curve [m]).
 
     Raises:
-        TunnelError: not finite, or fewer different samples than basis functions.
+        TunnelError: A sample is not finite, or fewer distinct samples than basis functions.
     """
     try:
         fit = fit_spline(path, basis_functions)
@@ -87,15 +88,15 @@ def fit_path(path: ArrayLike, basis_functions: int) -> tuple[F8, float, float]:
 def read_path(file: Path) -> F8:
     """Read a recorded path.
 
-    A .csv file holds one sample a line: columns named x, y, z (in any place, among others), or without a header line
+    A .csv file holds one sample per line: columns named x, y, z (in any order, among others), or without a header line
     the first three columns. A .json file holds [[x, y, z], ...], or an object with that list under "points".
 
     Returns:
-        World [m], shape [m, 3].
+        Samples, world [m], shape [m, 3].
 
     Raises:
-        SceneError: unknown kind, not readable, too few or too many samples, a value that is no finite number, each with
-            the line or JSON pointer.
+        SceneError: Unknown file type, not readable, too few or too many samples, or values that are not finite numbers,
+            each with its line or JSON pointer.
     """
     data = read_bytes(file, str(file))
     kind = file.suffix.lower()
@@ -108,7 +109,7 @@ def read_path(file: Path) -> F8:
 
 
 def _coordinate(value: object) -> float | None:
-    """The value as a place that can be touched [m], or None. Booleans are no numbers here."""
+    """Return the value as a coordinate within _FARTHEST [m], or None; booleans are not numbers here."""
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         return None
     try:
@@ -125,7 +126,7 @@ def _rows_of_csv(file: Path, data: bytes) -> list[list[float]]:
     except UnicodeDecodeError as error:
         raise SceneError(Issue(str(file), "", f"is not UTF-8 text (byte {error.start})", "save it as UTF-8")) from None
     except csv.Error as error:
-        raise SceneError(Issue(str(file), "", f"is no CSV file: {error}")) from None
+        raise SceneError(Issue(str(file), "", f"is not a CSV file: {error}")) from None
     columns: Sequence[int] = (0, 1, 2)
     names = [cell.strip().lower() for cell in lines[0][1]] if lines else []
     if any(_coordinate(name) is None for name in names[:3]):

@@ -1,3 +1,3 @@
-"""Vibrators on the body: taps that are felt at their time."""
+"""Tactile rendering: timed taps of vibrators on the body."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""Vibrators of a session: on a serial line, or none, where only the times are kept."""
+"""Vibrators of a session: on a serial line, or absent, with only the times of the taps recorded."""
 
 from __future__ import annotations
 
@@ -13,23 +13,25 @@ from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, command_byte
 __all__ = ["NoVibrators", "SerialVibrators", "Vibrators"]
 
 _BITS = 10
-_PATIENCE_S = 0.05
+"""Bits of a byte on the line: start, eight, stop."""
+
+_WRITE_TIMEOUT_S = 0.05
 
 
 class Vibrators(Protocol):
-    """Whatever drives vibrators."""
+    """Driver of a set of vibrators."""
 
     def step(self, touches: Sequence[TactileEvent], now_ns: int) -> list[Mapping[str, object]]:
-        """Order taps; a line for the journal for each: when it will be felt, and how far that is from its time."""
+        """Send taps; return one line for the journal per tap: when it will be felt, and the error of that time."""
         ...
 
     def close(self) -> None:
-        """End."""
+        """Close the line."""
         ...
 
 
 class NoVibrators(Vibrators):
-    """Nothing is felt; taps are kept with their times, as they would have been ordered."""
+    """A session without vibrators: taps are recorded with their times and not felt."""
 
     def step(self, touches: Sequence[TactileEvent], now_ns: int) -> list[Mapping[str, object]]:
         return [_line(each, max(each.t_ns, now_ns), now_ns, channel=None) for each in touches]
@@ -39,40 +41,46 @@ class NoVibrators(Vibrators):
 
 
 class SerialVibrators(Vibrators):
-    """A box on a serial line; it gets taps ahead and keeps the time itself.
+    """A vibrator box on a serial line; taps are sent ahead and timed by the box.
+
+    A lost line is reported once; later taps are not sent.
 
     Args:
-        port: Of the line.
+        port: Serial port.
         channels: Vibrator by place of the body.
         baud: [bit/s].
-        clock: Of the session.
+        clock: Clock of the session.
 
     Raises:
-        DeviceError: the line cannot be opened.
+        DeviceError: The line cannot be opened.
 
     Attributes:
-        answered: Numbers of the taps the box has taken.
+        answered: Numbers of the taps that the box acknowledged.
     """
 
     def __init__(self, port: str, channels: Mapping[str, int], baud: int = 115200, clock: Clock | None = None) -> None:
         self._channels, self._clock = dict(channels), clock or MonotonicClock()
         self._wire_ns = FRAME_BYTES * _BITS * SECOND_NS // baud
         self._waiting = bytearray()
+        self._lost = ""
         self.answered: list[int] = []
         import serial
 
         try:
-            self._line = serial.Serial(port, baud, timeout=0, write_timeout=_PATIENCE_S)
+            self._line = serial.Serial(port, baud, timeout=0, write_timeout=_WRITE_TIMEOUT_S)
         except (OSError, ValueError) as error:
             what = f"the vibrators on {port} cannot be opened: {error}"
             raise DeviceError(what, "mimics devices lists the serial ports") from None
 
     def step(self, touches: Sequence[TactileEvent], now_ns: int) -> list[Mapping[str, object]]:
         lines = [self._order(each) for each in touches]
+        if self._lost:
+            return lines
         try:
             self._waiting += self._line.read(4096)
         except OSError as error:
-            lines.append({"problem": f"the vibrators' line is gone: {error}"})
+            self._lost = f"the vibrators' line is gone: {error}"
+            lines.append({"problem": self._lost})
         self.answered += read_answers(self._waiting)
         return lines
 
@@ -84,6 +92,8 @@ class SerialVibrators(Vibrators):
         now_ns = self._clock.now_ns()
         if channel is None:
             return {**_line(touch, now_ns, now_ns, None), "problem": f'no vibrator at "{touch.place}"'}
+        if self._lost:
+            return {**_line(touch, now_ns, now_ns, channel), "problem": f"not sent: {self._lost}"}
         # The frames of a call follow each other on the line, which is empty between calls.
         wait_ns = max(0, touch.t_ns - now_ns - self._wire_ns)
         command = Command(
@@ -91,7 +101,7 @@ class SerialVibrators(Vibrators):
         )
         try:
             self._line.write(command_bytes(command))
-        except OSError as error:  # also of a line that takes nothing in time
+        except OSError as error:  # also a write time-out
             return {**_line(touch, now_ns, now_ns, channel), "problem": f"not sent: {error}"}
         return _line(touch, now_ns + self._wire_ns + wait_ns, now_ns, channel)
 

@@ -1,9 +1,9 @@
-"""What is said to a box of vibrators on a serial line: one frame a tap, sent ahead, so that the box keeps the time.
+"""Serial protocol of a vibrator box: one frame per tap, sent ahead and timed by the box.
 
     A5  channel  strength  duration LE16 [ms]  delay LE32 [us]  number LE16  crc8
 
-The delay counts from the frame's last byte. The box answers every frame it takes with 5A, number LE16, crc8. A frame
-whose check sum is wrong is not taken; nothing is repeated: a tap that comes late is worse than none.
+The delay counts from the frame's last byte. The box acknowledges each valid frame with 5A, number LE16, crc8. A frame
+with a wrong checksum is dropped and never repeated: a late tap is worse than none.
 """
 
 from __future__ import annotations
@@ -26,19 +26,21 @@ _COMMAND = struct.Struct("<BBBHIH")
 _ANSWER = struct.Struct("<BH")
 _COMMAND_MARK, _ANSWER_MARK = 0xA5, 0x5A
 FRAME_BYTES, ANSWER_BYTES = _COMMAND.size + 1, _ANSWER.size + 1
-_LONGEST_DELAY_US = 1_000_000
+"""Lengths of a command frame and of an acknowledgement, with their checksum."""
+
+_MAX_DELAY_US = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A tap as it is sent to the box.
+    """One tap in the units of the protocol.
 
     Attributes:
         channel: Vibrator, 0 to 255.
         strength: 0 to 255.
-        milliseconds: How long.
-        delay_us: From the frame's end [us].
-        number: Of the tap, modulo 65536.
+        milliseconds: Duration [ms].
+        delay_us: Delay from the frame's last byte [us].
+        number: Number of the tap, modulo 65536.
     """
 
     channel: int
@@ -49,7 +51,7 @@ class Command:
 
 
 def crc8(data: bytes) -> int:
-    """Check sum with the polynomial x^8 + x^2 + x + 1, from 0."""
+    """Checksum with the polynomial x^8 + x^2 + x + 1, from 0."""
     value = 0
     for byte in data:
         value ^= byte
@@ -60,29 +62,29 @@ def crc8(data: bytes) -> int:
 
 
 def command_bytes(command: Command) -> bytes:
-    """The frame of a tap; figures out of their range are drawn into it."""
+    """Return the frame of a tap; values out of range are clamped."""
     body = _COMMAND.pack(
         _COMMAND_MARK,
         command.channel & 0xFF,
         min(max(command.strength, 0), 255),
         min(max(command.milliseconds, 0), 65535),
-        min(max(command.delay_us, 0), _LONGEST_DELAY_US),
+        min(max(command.delay_us, 0), _MAX_DELAY_US),
         command.number & 0xFFFF,
     )
     return body + bytes([crc8(body)])
 
 
 def answer_bytes(number: int) -> bytes:
-    """What the box says of a frame it has taken."""
+    """Return the acknowledgement of a frame."""
     body = _ANSWER.pack(_ANSWER_MARK, number & 0xFFFF)
     return body + bytes([crc8(body)])
 
 
 class CommandReader:
-    """Finds whole frames in what arrives.
+    """Finds complete command frames in a byte stream.
 
     Attributes:
-        rejected: Frames with a wrong check sum, and bytes between frames.
+        rejected: Bytes that begin no valid frame.
     """
 
     def __init__(self) -> None:
@@ -90,7 +92,7 @@ class CommandReader:
         self.rejected = 0
 
     def feed(self, data: bytes) -> list[Command]:
-        """Take bytes; returns the commands that are whole now."""
+        """Append received bytes; return the commands that they complete."""
         self._waiting += data
         found = []
         while len(self._waiting) >= FRAME_BYTES:
@@ -105,7 +107,7 @@ class CommandReader:
 
 
 def read_answers(waiting: bytearray) -> list[int]:
-    """Numbers of the frames that were taken; what is read is removed from `waiting`."""
+    """Return the numbers of acknowledged frames; parsed bytes are removed from `waiting`."""
     numbers = []
     while len(waiting) >= ANSWER_BYTES:
         frame = bytes(waiting[:ANSWER_BYTES])

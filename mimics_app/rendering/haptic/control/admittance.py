@@ -8,9 +8,10 @@ takes the radial and the vertical component, equation 7 the tangential one.
     polar      r'' = F_r / m + r phi'^2,       phi'' = F_t / (m r) - 2 r' phi' / r
     cartesian  x'' = F / m in the robot frame, q' = J^-1 x'
 
-A point mass needs the two coupling terms that (6, 7) leave out: at phi' = 1 rad/s, r = 0.46 m and 3 kg the missing
-force is 1.4 N radially and, at r' = 0.2 m/s, 1.2 N tangentially; a free mass gains energy from nothing. The seed form
-is kept for demonstration. Damping is not printed either; against a hand that stiffens it is the cure, not more mass.
+A point mass needs the two coupling terms that (6, 7) omit: at phi' = 1 rad/s, r = 0.46 m and 3 kg the missing force is
+1.4 N radially and, at r' = 0.2 m/s, 1.2 N tangentially; a free mass then gains energy. The seed form is kept for
+demonstration. The printed equations have no damping either, which stabilises contact with a stiffening arm where more
+mass does not.
 """
 
 from __future__ import annotations
@@ -54,9 +55,9 @@ def acceleration_cartesian(q: Vec, f: Vec, mass: float, a: Vec) -> None:
 
 @kernel
 def limit_motion(v_last: Vec, max_acceleration: float, max_velocity: float, dt: float, v: Vec) -> None:
-    """Bring the wished velocity v within reach of v_last and below max_velocity, both by scaling whole vectors.
+    """Limit the change from v_last to v and the length of v, both by scaling whole vectors.
 
-    Clamping joint by joint, as the masks of D2.1 suggest, would turn the direction of the motion.
+    Clamping joint by joint, as the masks of D2.1 suggest, would change the direction of the motion.
     """
     for i in range(3):
         v[i] -= v_last[i]
@@ -81,7 +82,7 @@ def admit(
     v: Vec,
     dq: Vec,
 ) -> None:
-    """Advance the virtual mass by one tick (semi-implicit Euler) and give the joint velocities to send.
+    """Advance the virtual mass by one tick (semi-implicit Euler) and compute the joint velocities to send.
 
     Args:
         form: AdmittanceForm.
@@ -89,8 +90,8 @@ def admit(
         f: Sum of the forces on the mass, tool frame [N].
         mass: Virtual mass [kg]; at least 3 for an arm and handle of up to 2 kg.
         damping: Virtual damping [N s/m].
-        max_acceleration: [m/s^2], of the whole vector.
-        max_velocity: [m/s], of the whole vector.
+        max_acceleration: Largest norm of the acceleration [m/s^2].
+        max_velocity: Largest norm of the velocity [m/s].
         d1: Axis offset [m].
         dt: Tick [s].
         scratch: Shape [3].

@@ -1,10 +1,10 @@
-"""Impedance control: motion in, force out, for devices that take forces and whose own inertia is small.
+"""Impedance control: motion in, force out, for devices that take forces and have a small inertia.
 
     F = F_virtual - b v
 
-Gravity and inertia are the device's: nothing is done about them. The viscosity b is rendered, so that a light device
-has damping to count on. To a trial's start the device is drawn by a spring and damper behind a reference that moves as
-the PD controllers of D2.1 4.2.5 and 4.2.6 would move a robot that follows.
+Gravity and inertia of the device are not compensated. The viscosity b is rendered to give a light device a known
+damping. To a trial's start a spring and damper draw the device behind a reference that moves as the PD controllers of
+D2.1 4.2.5 and 4.2.6 command.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ __all__ = ["draw_along", "draw_joints"]
 def draw_along(
     x: Vec, v: Vec, v_reference: Vec, stiffness: float, damping: float, most: float, dt: float, reference: Vec, f: Vec
 ) -> None:
-    """Force f [N] that draws the device behind a reference that moves on with v_reference.
+    """Compute the force f [N] that draws the device behind a reference moving at v_reference.
 
-    The reference waits for the device: it is never further away than where the spring alone reaches `most`.
+    The reference waits for the device: its distance is at most the one at which the spring alone reaches `most`.
 
     Args:
-        x: Where the device is [m], shape [3], any frame.
+        x: Position of the device [m], shape [3], any frame.
         v: Its velocity [m/s].
         v_reference: Velocity of the reference [m/s].
-        stiffness: Of the spring [N/m], > 0.
-        damping: Of the damper [N s/m].
+        stiffness: Stiffness of the spring [N/m], > 0.
+        damping: Damping beside it [N s/m].
         most: Largest force [N].
         dt: Tick [s].
-        reference: Where the reference is [m]; moved on.
-        f: Force out.
+        reference: Position of the reference [m]; advanced.
+        f: Out: force [N].
     """
     for i in range(3):
         f[i] = reference[i] + v_reference[i] * dt - x[i]
@@ -50,21 +50,21 @@ def draw_along(
 def draw_joints(
     q: Vec, dq: Vec, dq_reference: Vec, jacobian: Vec, rows: int, gains: Vec, dt: float, reference: Vec, tau: Vec
 ) -> None:
-    """Torques tau [N, N m] that draw the joints behind a reference that moves on with dq_reference; it waits for them.
+    """Compute torques tau [N, N m] that draw the joints behind a reference moving at dq_reference; it waits for them.
 
-    Spring, damper and limit are those of the points times the square, or the length, of each joint's lever to them, so
-    that a pose in which the points cannot be moved holds no joint up.
+    Stiffness and damping at the points are scaled by the square of each joint's lever arm to them, the force limit by
+    its length, so that a singular pose blocks no joint.
 
     Args:
-        q: Joints, shape [joints] or longer, as all that follow.
-        dq: Their velocities.
-        dq_reference: Velocities of the reference.
-        jacobian: Of all points, row by row.
-        rows: Its rows.
+        q: Joints, shape [joints] or longer, like all vectors below.
+        dq: Joint velocities.
+        dq_reference: Joint velocities of the reference.
+        jacobian: Jacobian of all points, row by row.
+        rows: Number of its rows.
         gains: Stiffness [N/m] > 0, damping [N s/m], and largest force [N] at a point, shape [3].
         dt: Tick [s].
-        reference: Where the reference is; moved on.
-        tau: Torques out, shape [joints].
+        reference: Joints of the reference; advanced.
+        tau: Out: torques, shape [joints].
     """
     joints = tau.shape[0]
     for j in range(joints):

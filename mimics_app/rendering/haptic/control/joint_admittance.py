@@ -1,11 +1,11 @@
-"""Admittance of any device, in its joints: virtual masses at its points of contact, moved by what acts on them.
+"""Admittance control in joint space for any device: virtual masses at its points of contact.
 
     (m sum J^T J + I) q'' = sum J^T (f - b x' - m J' q') + tau,   x' = J q'
 
-m and b are the virtual mass and damping of D2.1 4.2.7 at every point of contact, f measured and virtual force on it,
-tau what the user does at the joints themselves, I the virtual inertia of the joints: where a pose is singular, it alone
-moves. For three joints and one point it is the point mass of equations (6, 7) with their coupling terms. The damping is
-taken at the end of the step, so that it is stable however large it is.
+m and b are the virtual mass and damping of D2.1 4.2.7 at every point of contact, f the measured and virtual force on
+it, tau the torques of the user at the joints, I the virtual inertia of the joints, the only one that acts in singular
+directions. For three joints and one point this is the point mass of equations (6, 7) with their coupling terms. The
+damping is implicit, and so stable at any value.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ __all__ = ["admit_joints"]
 
 @kernel
 def _coupling(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, dt: float, work: JointWorkRecord) -> None:
-    """work.place = J' q' [m/s^2] of all points: how their velocities change while the joints keep theirs."""
+    """Write J' q' [m/s^2] of all points to work.place: their acceleration at constant joint velocities."""
     velocities_of(kin, scene, q, dq, work, work.velocities)
     for j in range(MAX_JOINTS):
         work.wish[j] = q[j] + dt * dq[j]
@@ -39,7 +39,7 @@ def _coupling(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, dt: float, work: Jo
 
 @kernel
 def _forces(kin: Kin, scene: SceneRecord, states: Table[StateRecord], q: Vec, work: JointWorkRecord) -> None:
-    """work.forces = measured and virtual force on each point, robot frame [N]; work.side is overwritten."""
+    """Write the measured plus virtual force on each point, robot frame [N], to work.forces; work.side is scratch."""
     for c in range(scene.contacts):
         copy(states[c].f_meas, work.side[3 * c : 3 * c + 3])
     to_robot(kin, scene, q, work.side, work.forces)

@@ -1,4 +1,4 @@
-"""World space PD controller (D2.1 4.2.6): the seed's way through the joints, and the straight path."""
+"""World space PD controller (D2.1 4.2.6): the seed's form through inverse kinematics, and the straight path."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ _UNREACHABLE = int(KinematicsStatus.UNREACHABLE)
 
 @kernel
 def world_pd_through_joints(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work: JointWorkRecord, command: Vec) -> int:
-    """Inverse kinematics (2), then joint PD (5), as 4.2.6 describes.
+    """Inverse kinematics (2), then joint PD (5), as in 4.2.6.
 
-    Although the mask says world space, the gains are joint gains: equal ones draw a straight line in the joints, which
-    of the HapticMaster is an arc in the world: a sweep of +-0.5 rad at r = 0.46 m bows r (1 - cos 0.5) = 56 mm off its
+    Although the mask says world space, the gains are joint gains: equal ones give a straight line in joint space, on
+    the HapticMaster an arc in the world: a sweep of +-0.5 rad at r = 0.46 m deviates r (1 - cos 0.5) = 56 mm from its
     chord. A target beyond the joint limits is approached as far as they allow.
 
     Args:
@@ -34,10 +34,10 @@ def world_pd_through_joints(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work:
         q: Joints.
         dq: Joint velocities.
         work: JOINT_WORK record; `reached` receives the joints of the target.
-        command: Joint velocities out.
+        command: Out: joint velocities.
 
     Returns:
-        KinematicsStatus of the inverse, UNREACHABLE also where a joint limit is in the way.
+        KinematicsStatus of the inverse, UNREACHABLE also for a target beyond a joint limit.
     """
     copy(q, work.reached)
     status = joints_of(kin, scene, scene.target, work, work.reached)
@@ -48,10 +48,10 @@ def world_pd_through_joints(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work:
 
 @kernel
 def world_pd_straight(kin: Kin, scene: SceneRecord, q: Vec, dq: Vec, work: JointWorkRecord, command: Vec) -> int:
-    """Command = J^-1 (Kp (x_r - x) - Kd v), gains per axis: with equal ones a straight line in the world.
+    """Command = J^-1 (Kp (x_r - x) - Kd v), gains per axis: equal ones give a straight line in the world.
 
-    The bow of the same sweep is 0.6 mm at Kp = 10 and 1 ms, first order in the step. Arguments as above; SINGULAR where
-    the device cannot move in some direction.
+    The deviation of the same sweep is 0.6 mm at Kp = 10 and 1 ms, first order in the step. Arguments as in
+    `world_pd_through_joints`; returns SINGULAR where the device cannot move in some direction.
     """
     points_of(kin, scene, q, work.place)
     velocities_of(kin, scene, q, dq, work, work.forces)

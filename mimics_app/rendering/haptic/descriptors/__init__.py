@@ -1,3 +1,3 @@
-"""Descriptors of the devices that come with the product, and what a scene's robot makes of them."""
+"""Descriptors of the built-in devices, and the joint limits of a scene's robot."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""The HapticMaster (D2.1 4.2.1-4.2.4): three joints, radial, angle and vertical, and one hand."""
+"""Descriptor of the HapticMaster (D2.1 4.2.1-4.2.4): joints radial, angle, vertical; one point of contact."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def _to_tool(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
 
 
 def axis_offset(robot: Any) -> float:
-    """d1 of equation (1) [m] of a robot component: as given, else stroke / 2 + offset."""
+    """Return d1 of equation (1) [m]: `axis_offset` of a robot component, else stroke / 2 + offset."""
     return float(robot.stroke / 2.0 + robot.offset if robot.axis_offset is None else robot.axis_offset)
 
 
@@ -85,4 +85,4 @@ HAPTICMASTER = DeviceDescriptor(
     geometry=lambda robot: (axis_offset(robot),),
     polar=True,
 )
-"""Ranges are the vendor's demonstration constants; 50 m/s^2 is its data sheet's, at r = 0.33 m for the angle."""
+"""Ranges are the vendor's demonstration constants; 50 m/s^2 is from its data sheet, for the angle at r = 0.33 m."""

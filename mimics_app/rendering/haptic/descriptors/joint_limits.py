@@ -1,4 +1,4 @@
-"""Limits of a device's joints in one scene: those of the scene's robot, else the device's own."""
+"""Joint limits of a device in one scene: those of the scene's robot, else of the descriptor."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ Joints = tuple[float, ...]
 
 
 class JointLimits(NamedTuple):
-    """Per joint, in its unit.
+    """Limits of each joint, in its unit (m or rad).
 
     Attributes:
-        lowest: Least position [m, rad].
-        highest: Largest position.
-        velocity: Largest velocity of a command [1/s].
-        acceleration: Largest change of it [1/s^2].
+        lowest: Smallest position [unit].
+        highest: Largest position [unit].
+        velocity: Largest commanded velocity [unit/s].
+        acceleration: Largest rate of its change [unit/s^2].
     """
 
     lowest: Joints
@@ -33,10 +33,10 @@ class JointLimits(NamedTuple):
 
 
 def joint_limits(robot: Robot, descriptor: DeviceDescriptor = HAPTICMASTER) -> JointLimits:
-    """The limits that hold.
+    """Return the effective joint limits.
 
     Raises:
-        DeviceError: The robot states limits of another number of joints than the device has.
+        DeviceError: The robot's limits are for another number of joints than the device has.
     """
     joints = descriptor.joints
     return JointLimits(
@@ -52,7 +52,7 @@ def _given(values: Joints | None, name: str, own: Joints) -> Joints:
         return own
     if len(values) != len(own):
         raise DeviceError(
-            f"the robot's {name} is of {len(values)} joints, its device has {len(own)}",
+            f"the robot's {name} has {len(values)} numbers, its device {len(own)} joints",
             "give one number for each joint, or leave it out",
         )
     return values

@@ -1,4 +1,4 @@
-"""Planar legs on a gait orthosis' drives: hip and knee, touching with the foot; one leg, or two."""
+"""Descriptors of one or two planar legs on a gait orthosis: joints hip and knee, point of contact the foot."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ __all__ = ["LEG", "LEGS", "LENGTHS"]
 
 
 LENGTHS = {"thigh": 0.43, "shank": 0.50, "foot": 0.12, "hip_width": 0.20}
-"""Usual lengths [m], settings of the robot by these names: of a person of 1.75 m (Winter's table: thigh 0.245, shank
-0.246 and ankle 0.039 of the height), the ball of the foot before the ankle."""
+"""Default lengths [m] of the robot's settings of the same names: a person of 1.75 m (Winter's table: thigh 0.245, shank
+0.246 and ankle 0.039 of the height); `foot` is the distance of the ball of the foot before the ankle."""
 
 _DONE = int(KinematicsStatus.DONE)
 _UNREACHABLE = int(KinematicsStatus.UNREACHABLE)
 
 _ENTRIES = 6
-"""Of the Jacobian, for each pair of legs: three components of the foot of one by the two joints of the other."""
+"""Entries of the Jacobian per pair of legs: three components of one foot by two joints of the other leg."""
 
 
 @typed_kernel(KINEMATICS)
@@ -79,13 +79,13 @@ def _torque(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
 
 
 def _geometry(robot: Any, legs: int) -> tuple[float, ...]:
-    """Lengths of the legs of a scene's robot."""
+    """Return the geometry of a scene's robot: number of legs, then their lengths."""
     lengths = (float(robot.settings.get(name, usual)) for name, usual in LENGTHS.items())
     return (float(legs), *lengths)
 
 
 def _joints(side: str) -> tuple[Joint, Joint]:
-    """Ranges of gait; the drives' inertia alone moves where the foot cannot."""
+    """Return hip and knee with ranges of gait; the virtual inertia keeps singular poses bounded."""
     return (
         Joint(f"{side}hip", "rad", math.radians(-20.0), math.radians(60.0), 4.0, 60.0, inertia=0.3),
         Joint(f"{side}knee", "rad", 0.0, math.radians(90.0), 6.0, 90.0, inertia=0.1),

@@ -1,3 +1,3 @@
-"""Devices that can be plugged into the loop, all behind `contracts.loop_ports.DevicePlugin`."""
+"""Devices of the haptic loop behind `contracts.loop_ports.DevicePlugin`."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""What follows a device's name, as in `serial:/dev/ttyUSB0@921600`. The one place where it is read."""
+"""Parser of device addresses such as `serial:/dev/ttyUSB0@921600`."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ __all__ = ["DEFAULT_BAUD", "HAPTICMASTER_PORT", "DeviceAddress", "host_and_port"
 
 
 DEFAULT_BAUD = 921600
-"""Speed of a robot's serial line [baud]."""
+"""Default speed of a robot's serial line [baud]."""
 
 HAPTICMASTER_PORT = 7654
-"""TCP port that a HapticMaster listens at."""
+"""Default TCP port of a HapticMaster."""
 
 
 @dataclass(frozen=True, slots=True)
 class DeviceAddress:
-    """A device as `robot.device` and `--device` name it.
+    """Device in `robot.device` and `--device`.
 
     Attributes:
-        name: Of the device; what stands before the first colon.
-        address: Where it is; "" when nothing was said.
+        name: Name of the device, before the first colon.
+        address: Address of the device, "" if not given.
     """
 
     name: str
@@ -33,28 +33,28 @@ class DeviceAddress:
 
 
 def split_device(text: str) -> DeviceAddress:
-    """NAME or NAME:ADDRESS; the address may hold more colons."""
+    """Parse NAME or NAME:ADDRESS; the address may contain colons."""
     name, _, address = text.partition(":")
     return DeviceAddress(name.strip(), address.strip())
 
 
 def port_and_baud(address: str, default: int) -> tuple[str, int]:
-    """PORT[@BAUD] of a serial line.
+    """Parse PORT[@BAUD] of a serial line.
 
     Raises:
-        DeviceError: No port, or a speed that is no positive whole number.
+        DeviceError: No port, or a speed that is not a positive integer.
     """
     port, _, speed = address.rpartition("@") if "@" in address else (address, "", str(default))
     if not port or not speed.isdecimal() or int(speed) == 0:
-        raise DeviceError(f'"{address}" is no serial line', "write serial:PORT or serial:PORT@BAUD")
+        raise DeviceError(f'"{address}" is not a serial line', "write serial:PORT or serial:PORT@BAUD")
     return port, int(speed)
 
 
 def host_and_port(address: str, default: int) -> tuple[str, int]:
-    """HOST[:PORT] of a network device; an IPv6 host stands in brackets.
+    """Parse HOST[:PORT] of a network device; an IPv6 host is in brackets.
 
     Raises:
-        DeviceError: No host, or a port that is no whole number from 1 to 65535.
+        DeviceError: No host, or a port that is not an integer from 1 to 65535.
     """
     bracketed = address.startswith("[") and "]" in address
     host, rest = (address[1 : address.index("]")], address[address.index("]") + 1 :]) if bracketed else (address, "")
@@ -63,5 +63,5 @@ def host_and_port(address: str, default: int) -> tuple[str, int]:
         rest = colon + tail
     port = rest.removeprefix(":") if rest else str(default)
     if not host or not port.isdecimal() or not 1 <= int(port) <= 65535:
-        raise DeviceError(f'"{address}" is no network address', "write hapticmaster:HOST or hapticmaster:HOST:PORT")
+        raise DeviceError(f'"{address}" is not a network address', "write hapticmaster:HOST or hapticmaster:HOST:PORT")
     return host, int(port)

@@ -1,9 +1,8 @@
-"""Decimal numbers as ASCII, written and read by compiled code without taking memory.
+"""Decimal numbers in ASCII, written and parsed by compiled code without allocation.
 
-Reading is exact, the float64 that Python's float() gives, for up to 15 significant digits and powers of ten to 22:
-there digits and power are both float64 numbers and one division or multiplication rounds once (Clinger, How to read
-floating point numbers accurately, PLDI 1990). More digits cost at most 2 units in the last place; the 19th and all
-behind it are cut off.
+Parsing is exact, equal to Python's float(), for up to 15 significant digits and powers of ten to 22: there digits and
+power are exact in float64, and one division or multiplication rounds once (Clinger, How to read floating point numbers
+accurately, PLDI 1990). More digits cost at most 2 units in the last place; digits from the 19th on are dropped.
 """
 
 from __future__ import annotations
@@ -23,24 +22,23 @@ _MOST_DIGITS = 18
 _MOST_POWER = 22
 _POWERS = 10.0 ** np.arange(_MOST_POWER + 1)
 _LARGEST = 9.0e12
-"""Largest number that is written."""
+"""Largest number that is written with three decimals."""
 
 _TEN = 10
-"""Base of the digits."""
 
 _THREE_DECIMALS = 1e3
-"""What the largest number is scaled by at most, so that its digits fit into 64 bits."""
+"""Scale of three decimals: with it, the digits of _LARGEST fit into 64 bits."""
 
 _ABSURD_POWER = 9999
-"""Power of ten at which reading stops counting: beyond every float64."""
+"""Largest power of ten that is parsed, beyond the range of float64."""
 
 _NEAR_OVERFLOW = 1e300
-"""A value that large is not scaled up further."""
+"""Magnitude from which a value is not scaled up further."""
 
 
 @kernel
 def write_whole(value: int, text: U1, at: int) -> int:
-    """A whole number, not negative, into text[at:]; where it ends."""
+    """Write an integer >= 0 to text[at:]; return its end."""
     size = 1
     rest = value // _TEN
     while rest > 0:
@@ -54,9 +52,9 @@ def write_whole(value: int, text: U1, at: int) -> int:
 
 @kernel
 def write_fixed(value: float, decimals: int, text: U1, at: int) -> int:
-    """A number with a fixed count of decimals (0 to 9), rounded half up, into text[at:]; where it ends.
+    """Write a number with 0 to 9 decimals, rounded half away from zero, to text[at:]; return its end.
 
-    Nothing finite is larger than 9e12 here; what is, or is not finite, is written as 0.
+    A number that is not finite, or whose digits exceed 9e15, is written as 0.
     """
     scale = _POWERS[decimals]
     if not abs(value) * scale < _LARGEST * _THREE_DECIMALS:
@@ -84,7 +82,7 @@ def _is_digit(text: U1, at: int, end: int) -> bool:
 
 @kernel
 def _read_exponent(text: U1, at: int, end: int) -> tuple[int, int]:
-    """(power of ten, where it ends) of e+12 at text[at:]; (0, at) where none stands."""
+    """Parse an exponent such as e+12 at text[at:]; return (power of ten, end), or (0, at) for none."""
     if at >= end or (text[at] != _E_SMALL and text[at] != _E_LARGE):
         return 0, at
     place = at + 1
@@ -102,7 +100,7 @@ def _read_exponent(text: U1, at: int, end: int) -> tuple[int, int]:
 
 @kernel
 def _times_power(value: float, power: int) -> float:
-    """Value * 10^power in steps that are exact where one step is enough."""
+    """Return value * 10^power, exact where one step is enough."""
     while power > 0 and value != 0.0 and value < _NEAR_OVERFLOW:
         step = min(power, _MOST_POWER)
         value *= _POWERS[step]
@@ -116,7 +114,7 @@ def _times_power(value: float, power: int) -> float:
 
 @kernel
 def read_number(text: U1, at: int, end: int) -> tuple[float, int]:
-    """(value, where it ends) of the number that begins at text[at:end]; (0, at) when none does."""
+    """Parse the number at text[at:end]; return (value, end), or (0, at) for none."""
     place = at
     negative = place < end and text[place] == _MINUS
     if place < end and (text[place] == _MINUS or text[place] == _PLUS):

@@ -1,4 +1,4 @@
-"""Runs a device tick by tick without the haptic loop: what the conformance kit measures with."""
+"""Device bench: runs a device tick by tick without the haptic loop, for the conformance kit."""
 
 from __future__ import annotations
 
@@ -69,16 +69,16 @@ def run_ticks(
     timespec: NDArray[np.int64],
     first: int,
 ) -> int:
-    """One read and one write per row of commands, as the loop does.
+    """Call read and write once per row of commands, as the loop does.
 
     Args:
-        read: Of the device.
-        write: Of the device.
-        memory: Of the device.
-        inbox: What the device is given, shape [INBOX_LENGTH].
-        data: The loop's data vector, shape [DATA_LENGTH].
-        commands: Shape [n, COMMAND_LENGTH].
-        rows: Out: data, status, what write returned, and the time both took [ns]; shape [n, DATA_LENGTH + 3].
+        read: Read function of the device.
+        write: Write function of the device.
+        memory: Memory of the device.
+        inbox: Inbox vector, shape [INBOX_LENGTH].
+        data: Data vector, shape [DATA_LENGTH].
+        commands: Command vectors, shape [n, COMMAND_LENGTH].
+        rows: Out: data, status, return value of write, and duration of both calls [ns]; shape [n, DATA_LENGTH + 3].
         timespec: Scratch, shape [2].
         first: Number of the first tick.
 
@@ -96,14 +96,14 @@ def run_ticks(
 
 
 class OtherSide(Protocol):
-    """What is behind a device that is not in this process: time for it to act, and perhaps faults on command."""
+    """Remote side of a device outside this process, advanced tick by tick, optionally with faults on command."""
 
     @property
     def can_fail(self) -> bool:
-        """Whether `spoil` can make it fail."""
+        """Whether `spoil` can inject faults."""
 
     def step(self) -> None:
-        """A tick has passed."""
+        """Advance by one tick."""
 
     def spoil(self, what: str) -> None:
         """Apply an order such as "silence", "garbage 40", "drop 0.05", "unplug", "plug" (emulators.faults)."""
@@ -111,15 +111,15 @@ class OtherSide(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """What a device gave over some ticks.
+    """Data of a device over some ticks.
 
     Attributes:
-        data: Shape [n, DATA_LENGTH].
-        status: Shape [n].
-        refused: What write returned, shape [n].
-        spent_ns: Time of read and write, shape [n].
+        data: Data vectors, shape [n, DATA_LENGTH].
+        status: DeviceStatus of each read, shape [n].
+        refused: Return value of each write, shape [n].
+        spent_ns: Duration of read and write [ns], shape [n].
         first: Number of the first tick.
-        joints: Of the device.
+        joints: Number of joints of the device.
     """
 
     data: NDArray[np.float64]
@@ -131,7 +131,7 @@ class Track:
 
     @property
     def fresh(self) -> NDArray[np.float64]:
-        """The rows that came with new data, shape [m, DATA_LENGTH]."""
+        """Rows with fresh data, shape [m, DATA_LENGTH]."""
         return self.data[self.status == 0]
 
     @property
@@ -180,7 +180,7 @@ class DeviceBench:
 
     Args:
         plugin: The device.
-        other_side: What is behind it; None for a device that is all in this process.
+        other_side: Its remote side; None for a device inside this process.
     """
 
     def __init__(self, plugin: DevicePlugin, other_side: OtherSide | None = None) -> None:
@@ -194,10 +194,10 @@ class DeviceBench:
         self._timespec = np.zeros(2, np.int64)
 
     def run(self, ticks: int, command: Vec | None = None) -> Track:
-        """Let ticks pass under one command (none: enabled, at rest).
+        """Run ticks under one command (None: enabled, at rest).
 
         Raises:
-            DeviceError: Its functions have not the loop's signatures.
+            DeviceError: The device's functions do not have the loop's signatures.
         """
         row = self.command() if command is None else command
         commands = np.ascontiguousarray(np.tile(row, (ticks, 1)))
@@ -213,7 +213,7 @@ class DeviceBench:
         return Track(rows[:, :DATA_LENGTH], status, refused, rows[:, DATA_LENGTH + 2], first, self.joints)
 
     def spoil(self, what: str) -> None:
-        """Order a fault from the other side."""
+        """Inject a fault at the remote side."""
         if self.other_side is not None:
             self.other_side.spoil(what)
 
@@ -226,7 +226,7 @@ class DeviceBench:
         enabled: bool = True,
         state: SafetyState = SafetyState.HOMED,
     ) -> Vec:
-        """A command vector: joint velocities [m/s, rad/s], force on the first point [N], joint torques [N, N m]."""
+        """Return a command vector: joint velocities [m/s, rad/s], force on the first point [N], torques [N, N m]."""
         vector = np.zeros(COMMAND_LENGTH)
         vector[COMMAND_DQ : COMMAND_DQ + len(dq)] = dq
         vector[COMMAND_FORCE : COMMAND_FORCE + len(force)] = force
@@ -250,5 +250,5 @@ class DeviceBench:
                 self.tick,
             )
         except TypeError as failure:
-            raise DeviceError(f"read, write or memory are not of the loop's types: {failure}") from failure
+            raise DeviceError(f"read, write or memory do not have the loop's types: {failure}") from failure
         self.tick += commands.shape[0]

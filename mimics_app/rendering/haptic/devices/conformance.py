@@ -1,11 +1,11 @@
-"""The conformance kit: what every device must do, built-in or a third party's, run against the device itself.
+"""Conformance kit: tests that every device must pass, built-in or from a third party.
 
     from mimics_app.rendering.haptic.devices.conformance import check_device
     findings = check_device(plugin)                  # or: mimics devices check NAME[:ADDRESS]
     assert not [finding for finding in findings if finding.verdict == "failed"]
 
-The device moves: 15 mm or mrad of its last joint (of the HapticMaster up). A device with another side that can be set
-to fail (an emulator) is also tried with silence, garbage, lost bytes and a pulled plug.
+The device moves: 15 mm or mrad of its last joint (of the HapticMaster upwards). A device with a remote side that can
+inject faults (an emulator) is also tested with silence, garbage, lost bytes and a pulled plug.
 """
 
 from __future__ import annotations
@@ -30,36 +30,55 @@ __all__ = ["CHECKS", "Finding", "check_device"]
 
 _DT = 1e-3
 _PATIENCE = 500
-"""Ticks in which a device must have answered."""
+"""Ticks within which a device must answer."""
 
 _STALE_S = 0.020
+"""Largest age of fresh data [s]."""
+
 _MARGIN = 0.02
+"""Tolerance of joint limits [m, rad]."""
+
 _SPEED = 0.05
+"""Commanded velocity of the last joint [m/s, rad/s]."""
+
 _MOVE_TICKS = 300
 _REST_TICKS = 400
+
 _AT_REST = 0.006
+"""Largest velocity of a joint at rest [m/s, rad/s]."""
+
 _JUMP = 2e-3
+"""Largest motion after a command that is not finite [m, rad]."""
+
 _SHORT_NS = 500_000.0
+"""Largest typical duration of read and write together [ns]."""
+
 _ABSURD = 1e6
+"""Bound of every number of valid data."""
+
 _FAULT_TICKS = 5
+"""Ticks within which a pulled plug must be reported."""
+
 _PLUG_TICKS = 4000
 _PATIENCE_NS = 20_000_000_000
+"""With _PLUG_TICKS, the time within which data must come back [ns]."""
+
 _PUSH = 5.0
-"""Force [N], or torque at the last joint [N or N m], that must move a device given such."""
+"""Commanded force [N], or torque at the last joint [N, N m], that must move a device that follows such."""
 
 
 def _needs_other_side(bench: DeviceBench) -> None:
     if bench.other_side is None or not bench.other_side.can_fail:
-        raise NotApplicable("it has no other side that could be made to fail")
+        raise NotApplicable("its remote side cannot inject faults")
 
 
 def _needs_motion(bench: DeviceBench) -> None:
     if bench.plugin.follows in ("nothing", "vibration"):
-        raise NotApplicable("it says that nothing moves it")
+        raise NotApplicable("it follows no command")
 
 
 def _order(bench: DeviceBench, *, enabled: bool = True) -> NDArray[np.float64]:
-    """Upwards, or along the last joint, by what the device follows."""
+    """Return the command that moves the device upwards, or along its last joint."""
     last = bench.joints - 1
     if bench.plugin.follows == "velocity":
         return bench.command((*(0.0,) * last, _SPEED), enabled=enabled)
@@ -81,7 +100,7 @@ def _has_name(bench: DeviceBench, robot: Robot) -> None:
 def _has_plain_memory(bench: DeviceBench, robot: Robot) -> None:
     memory = bench.plugin.memory
     plain = isinstance(memory, np.ndarray) and memory.dtype == np.float64 and memory.ndim == 1
-    must(plain and bool(memory.flags.c_contiguous and memory.flags.writeable), "memory is no float64 vector of its own")
+    must(plain and bool(memory.flags.c_contiguous and memory.flags.writeable), "memory is not a float64 vector")
 
 
 def _states_its_delay(bench: DeviceBench, robot: Robot) -> None:
@@ -132,12 +151,12 @@ def _measures_a_force(bench: DeviceBench, robot: Robot) -> None:
 def _has_sane_grasp_and_buttons(bench: DeviceBench, robot: Robot) -> None:
     track = bench.run(100)
     must(bool(np.all((track.grasp >= 0.0) & (track.grasp < 1e3))), "grasp force below 0 or absurd")
-    must(bool(np.all((track.buttons >= 0.0) & (track.buttons == np.floor(track.buttons)))), "buttons are no bits")
+    must(bool(np.all((track.buttons >= 0.0) & (track.buttons == np.floor(track.buttons)))), "buttons are not bits")
 
 
 def _reports_an_age(bench: DeviceBench, robot: Robot) -> None:
     track = bench.run(300)
-    must(bool(np.all((track.age >= 0.0) & (track.age < _STALE_S))), "age below 0 or stale although fresh")
+    must(bool(np.all((track.age >= 0.0) & (track.age < _STALE_S))), "age of fresh data below 0 or stale")
     taken = track.ticks * _DT - track.age
     must(bool(np.all(np.diff(taken) > -1e-9)), "data is older than the data before it")
 
@@ -148,15 +167,15 @@ def _reports_a_delay(bench: DeviceBench, robot: Robot) -> None:
 
 
 def _allocates_nothing(bench: DeviceBench, robot: Robot) -> None:
-    """Eleven times the ticks may take eleven times what the calls themselves take, or as much where it is one call."""
+    """Allocations must scale with the calls from Python alone: one call, or one per tick with a remote side."""
     bench.run(10)
     few = _allocations_of(bench, 10)
     calls = 1 if bench.other_side is None else 11
-    must(_allocations_of(bench, 110) <= calls * few, "it takes memory while it runs")
+    must(_allocations_of(bench, 110) <= calls * few, "it allocates memory while it runs")
 
 
 def _allocations_of(bench: DeviceBench, ticks: int) -> int:
-    """Blocks of memory that compiled code took during some ticks."""
+    """Return the number of allocations of compiled code during some ticks."""
     import numba.core.runtime as memory_of_kernels
 
     runtime: Any = memory_of_kernels
@@ -168,7 +187,7 @@ def _allocations_of(bench: DeviceBench, ticks: int) -> int:
 
 def _is_short(bench: DeviceBench, robot: Robot) -> None:
     typical = float(np.median(bench.run(300).spent_ns))
-    must(typical < _SHORT_NS, f"read and write take {typical / 1e3:.0f} us of a tick of 1000 us: does it wait?")
+    must(typical < _SHORT_NS, f"read and write take {typical / 1e3:.0f} us of a tick of 1000 us: do they block?")
 
 
 def _follows_its_command(bench: DeviceBench, robot: Robot) -> None:
@@ -185,13 +204,13 @@ def _reports_the_speed_it_moves_with(bench: DeviceBench, robot: Robot) -> None:
     track = _lift(bench)
     moved = track.q[-1] - track.q[0]
     reported = float(np.mean(track.dq[:, -1])) * (track.ticks[-1] - track.ticks[0]) * _DT
-    must(abs(reported - moved[-1]) < 0.2 * abs(moved[-1]) + 1e-3, "its velocities are not the change of its joints")
+    must(abs(reported - moved[-1]) < 0.2 * abs(moved[-1]) + 1e-3, "its velocities are not the rates of its joints")
 
 
 def _comes_to_rest(bench: DeviceBench, robot: Robot) -> None:
     _needs_motion(bench)
     _lift(bench, 100)
-    # What takes torques swings on until its drives brake.
+    # A device that takes torques keeps swinging until its drives brake.
     at_rest = bench.command(enabled=bench.plugin.follows != "torque")
     bench.run(_REST_TICKS, at_rest)
     must(float(np.abs(bench.run(20, at_rest).dq[-1]).max()) < _AT_REST, "it goes on moving without a command")
@@ -207,7 +226,7 @@ def _lets_go_when_not_enabled(bench: DeviceBench, robot: Robot) -> None:
 
 
 def _leaves_what_is_not_its_own(bench: DeviceBench, robot: Robot) -> None:
-    """Command and inbox belong to the loop."""
+    """Check that the device leaves command and inbox, owned by the loop, unchanged."""
     command, inbox = bench.command((0.0, 0.0, 0.01)), bench.inbox.copy()
     bench.run(3, command)
     must(bool(command[COMMAND_FORCE] == 0.0 and np.array_equal(bench.inbox, inbox)), "it writes into the inbox")
@@ -222,7 +241,7 @@ def _bears_a_poisoned_command(bench: DeviceBench, robot: Robot) -> None:
     track = bench.run(50)
     must(float(np.abs(track.q[-1] - before).max()) < _JUMP, "a command that is not finite moves it")
     finite = len(track.fresh) > 0 and bool(np.all(np.abs(track.fresh) < _ABSURD))
-    must(finite, "a command that is not finite stays in it for ever")
+    must(finite, "it does not recover from a command that is not finite")
 
 
 def _bears_a_poisoned_inbox(bench: DeviceBench, robot: Robot) -> None:
@@ -233,7 +252,7 @@ def _bears_a_poisoned_inbox(bench: DeviceBench, robot: Robot) -> None:
     bench.run(_REST_TICKS)
     track = bench.run(50)
     finite = len(track.fresh) > 0 and bool(np.all(np.abs(track.fresh) < _ABSURD))
-    must(finite, "an inbox that is not finite stays in it for ever")
+    must(finite, "it does not recover from an inbox that is not finite")
 
 
 def _is_silent_when_nothing_comes(bench: DeviceBench, robot: Robot) -> None:
@@ -242,12 +261,12 @@ def _is_silent_when_nothing_comes(bench: DeviceBench, robot: Robot) -> None:
     bench.run(_FAULT_TICKS)
     fresh = len(bench.run(100).fresh)
     bench.spoil("silence off")
-    must(fresh == 0, f"{fresh} times fresh data from a silent line")
+    must(fresh == 0, f"fresh data in {fresh} ticks of a silent line")
     must(_gives_data_again(bench), "no data after the silence")
 
 
 def _gives_data_again(bench: DeviceBench) -> bool:
-    """Whether data comes, within many ticks and some seconds: who opens the line again goes by the wall clock."""
+    """Whether data comes again in ticks and wall-clock time: the line is reopened by a thread on the wall clock."""
     clock = MonotonicClock()
     first, end = bench.tick, clock.now_ns() + _PATIENCE_NS
     while bench.tick - first < _PLUG_TICKS or clock.now_ns() < end:
@@ -261,8 +280,8 @@ def _survives(bench: DeviceBench, order: str, off: str) -> None:
     bench.spoil(order)
     track = bench.run(300)
     bench.spoil(off)
-    must(bool(np.all(np.abs(track.fresh) < 1e3)), "it takes garbage for data")
-    must(_gives_data_again(bench), "it does not find its place again")
+    must(bool(np.all(np.abs(track.fresh) < 1e3)), "it accepts garbage as data")
+    must(_gives_data_again(bench), "it does not resynchronise")
 
 
 def _finds_its_place_after_garbage(bench: DeviceBench, robot: Robot) -> None:
@@ -297,7 +316,7 @@ def _closes_twice(bench: DeviceBench, robot: Robot) -> None:
 def _is_quiet_when_closed(bench: DeviceBench, robot: Robot) -> None:
     track = bench.run(5)
     must(set(track.status.tolist()) <= {0, 1, 2}, "an unknown status after close")
-    must(not bench.plugin.real_time or len(track.fresh) == 0, "fresh data although it is closed")
+    must(not bench.plugin.real_time or len(track.fresh) == 0, "fresh data after close")
 
 
 CHECKS: dict[str, Callable[[DeviceBench, Robot], None]] = {
@@ -335,18 +354,18 @@ CHECKS: dict[str, Callable[[DeviceBench, Robot], None]] = {
         _is_quiet_when_closed,
     )
 }
-"""The checks by name, in the order they run in: what opens first, what closes last."""
+"""Checks by name, in the order they run; the closing ones are last."""
 
 
 def check_device(
     plugin: DevicePlugin, robot: Robot | None = None, other_side: OtherSide | None = None
 ) -> list[Finding]:
-    """Try a device.
+    """Run all checks on a device.
 
     Args:
-        plugin: The device, just built; it is closed afterwards.
-        robot: The robot component it was built for; its joint limits, speeds and force range are kept to.
-        other_side: What is behind the device, where it can be made to fail.
+        plugin: The device, newly built; it is closed afterwards.
+        robot: The robot component it was built for, with the joint limits, speeds and force range to keep.
+        other_side: Remote side of the device, if it has one.
 
     Returns:
         One finding for each of CHECKS, in order.
@@ -362,6 +381,6 @@ def _try(name: str, check: Callable[[DeviceBench, Robot], None], bench: DeviceBe
         return Finding(name, "not applicable", str(reason))
     except Failed as fault:
         return Finding(name, "failed", str(fault))
-    except Exception as failure:  # noqa: BLE001  whatever a third party's code raises is its finding
+    except Exception as failure:  # noqa: BLE001  any exception of third-party code is a finding
         return Finding(name, "failed", f"{type(failure).__name__}: {failure}")
     return Finding(name, "passed")

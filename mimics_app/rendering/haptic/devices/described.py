@@ -1,4 +1,4 @@
-"""The descriptor of a device by its name: known before it is opened, and for a recording of one that is gone."""
+"""Descriptors of devices by name, without opening the device: also for recordings of absent devices."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ def _legs() -> DeviceDescriptor:
 
 
 _OTHERS: dict[str, Callable[[], DeviceDescriptor]] = {"simulated_leg": _leg, "simulated_legs": _legs}
-"""Built-in devices that are no HapticMaster; their descriptors are imported when requested."""
+"""Built-in devices other than the HapticMaster; their descriptors are imported on request."""
 
 
 def descriptor_of(device: str) -> DeviceDescriptor:
-    """What the loop must know of a device.
+    """Return the descriptor of a device.
 
     Args:
-        device: NAME or NAME:ADDRESS, as `robot.device` has it.
+        device: NAME or NAME:ADDRESS, as in `robot.device`.
 
     Raises:
-        DeviceError: No device of that name, or what its plug-in says of it is no descriptor.
+        DeviceError: No such device, or its plug-in's descriptor has the wrong type.
     """
     name = split_device(device).name
     if name in _OTHERS:

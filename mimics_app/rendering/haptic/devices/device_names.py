@@ -1,6 +1,6 @@
-"""The names a device can be requested by, and what may follow them. It imports no device.
+"""Names of devices and the form of their addresses, without importing any device.
 
-A command asks here before it imports compiled code: a name that leads nowhere is refused at once.
+Commands check a name here before they import compiled code, so that an unknown one is refused at once.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ __all__ = [
 ENTRY_POINT_GROUP = "mimics_app.devices"
 
 SIMULATED = "simulated_hapticmaster"
-"""The device of a scene that names none, held by a simulated person."""
+"""Default device: a simulated HapticMaster held by a simulated person."""
 
 POINTER = "pointer"
-"""The same robot, held by a person at a window."""
+"""Simulated HapticMaster moved by mouse, gamepad or keyboard."""
 
 REPLAY = "replay"
-"""The device that plays the sensors of a recording."""
+"""Device that replays the sensor data of a recording."""
 
 ADDRESSES = {
     SIMULATED: "",
@@ -47,36 +47,37 @@ ADDRESSES = {
     "serial": "PORT[@BAUD]",
     "hapticmaster": "HOST[:PORT]",
 }
-"""Devices that come with the product, and what stands behind the colon of each name; "": nothing may. A plug-in cannot
-take one of these names, and judges its addresses itself."""
+"""Form of the address of each built-in device; "": no address. A plug-in cannot use one of these names, and checks its
+addresses itself."""
 
 
 def device_names() -> list[str]:
-    """Names of all devices that can be requested: built-in first, then installed plug-ins."""
+    """Return the names of all devices: built-in first, then installed plug-ins."""
     return [*ADDRESSES, *sorted(set(_installed()) - set(ADDRESSES))]
 
 
 def find_plugin(name: str) -> DeviceBuilder:
-    """The builder of a device of another package.
+    """Return the builder of a plug-in device.
 
     Raises:
-        DeviceError: No device of that name, or its plug-in cannot be imported.
+        DeviceError: No such device, or its plug-in cannot be imported.
     """
     installed = _installed()
     if name not in installed:
         raise DeviceError(f'there is no device "{name}"', nearest(name, [*ADDRESSES, *installed]))
     try:
         builder: DeviceBuilder = installed[name].load()
-    except (ImportError, AttributeError) as failure:
-        raise DeviceError(f'the plug-in of device "{name}" cannot be loaded: {failure}') from failure
+    except Exception as failure:
+        what = f'the plug-in of device "{name}" cannot be loaded: {type(failure).__name__}: {failure}'
+        raise DeviceError(what) from failure
     return builder
 
 
 def check_device_name(text: str) -> None:
-    """Whether NAME or NAME:ADDRESS, as `robot.device` and `--device` have it, can be requested. Opens nothing.
+    """Check NAME or NAME:ADDRESS of `robot.device` or `--device` without opening the device.
 
     Raises:
-        DeviceError: No device of that name, its plug-in cannot be imported, or the address is missing or one too many.
+        DeviceError: No such device, its plug-in cannot be imported, or an address is missing or not allowed.
     """
     device = split_device(text)
     if device.name not in ADDRESSES:
@@ -84,7 +85,7 @@ def check_device_name(text: str) -> None:
         return
     wanted = ADDRESSES[device.name]
     if wanted == "" and device.address:
-        raise DeviceError(f'"{device.name}" is in this program: it has no address', f'write "{device.name}"')
+        raise DeviceError(f'"{device.name}" is built in and has no address', f'write "{device.name}"')
     if wanted and not device.address:
         raise DeviceError(f'"{device.name}" needs an address', f"write {device.name}:{wanted}")
 

@@ -1,6 +1,6 @@
-"""Objects that a robot renders on its own, in words of no robot in particular, and in the HapticMaster's commands.
+"""Objects that a robot renders itself, independent of the robot, and their commands for the HapticMaster.
 
-Places are in the robot frame (x radial, y lateral, z up), metres; boxes and cylinders stand upright in it.
+Positions are in the robot frame (x radial, y lateral, z up) [m]; boxes and cylinders are upright in it.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ __all__ = [
 Point = tuple[float, float, float]
 
 DEFAULT_INERTIA = 3.0
-"""Virtual mass of a robot that is given none [kg]."""
+"""Default virtual mass of a robot [kg]."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Surface:
-    """What every object with a surface has.
+    """Object with a surface.
 
     Attributes:
-        name: Of its own; letters, digits and underscores.
-        centre: [m]; for a plane any point of it.
-        stiffness: Of the surface [N/m].
-        damping_ratio: Of the contact, as a share of the critical damping with the virtual mass.
-        friction: Coefficient [-].
+        name: Unique name of letters, digits and underscores.
+        centre: Centre [m]; for a plane any point of it.
+        stiffness: Stiffness of the surface [N/m].
+        damping_ratio: Damping as a share of the critical damping with the virtual mass [-].
+        friction: Coefficient of friction [-].
     """
 
     name: str
@@ -54,7 +54,7 @@ class DeviceBlock(_Surface):
 
 @dataclass(frozen=True, slots=True)
 class DeviceSphere(_Surface):
-    """A ball."""
+    """A sphere."""
 
     radius: float = 0.05
 
@@ -69,14 +69,14 @@ class DeviceCylinder(_Surface):
 
 @dataclass(frozen=True, slots=True)
 class DevicePlane(_Surface):
-    """Half of space behind a plane; `normal` points to the free side."""
+    """Half-space behind a plane; `normal` points to the free side."""
 
     normal: Point = (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
 class DeviceSpring:
-    """A spring to a point; `direction` zero: in all directions."""
+    """A spring to a point, along `direction`; zero: in all directions."""
 
     name: str
     centre: Point
@@ -88,7 +88,7 @@ class DeviceSpring:
 
 @dataclass(frozen=True, slots=True)
 class DeviceDamper:
-    """Viscosity everywhere [N s/m], per axis."""
+    """Viscous damping everywhere, per axis [N s/m]."""
 
     name: str
     damping: Point = (10.0, 10.0, 10.0)
@@ -102,7 +102,7 @@ def _vector(values: Point) -> str:
 
 
 def _properties(thing: DeviceObject) -> tuple[str, dict[str, str]]:
-    """(kind, its own properties) in the HapticMaster's words."""
+    """Return the HapticMaster's name of the kind and the kind's own properties."""
     match thing:
         case DeviceBlock():
             return "block", {"size": _vector(thing.size)}
@@ -120,7 +120,7 @@ def _properties(thing: DeviceObject) -> tuple[str, dict[str, str]]:
 
 
 def hapticmaster_commands(thing: DeviceObject) -> list[str]:
-    """The commands that make an object on the machine and switch it on, in order."""
+    """Return the commands that create and enable an object on the machine, in order."""
     kind, properties = _properties(thing)
     if not isinstance(thing, DeviceDamper):
         properties["pos"] = _vector(thing.centre)

@@ -1,4 +1,4 @@
-"""What a scene may set of a simulated device: positive numbers by name, each with its place in the memory."""
+"""Settings of a simulated device in a scene: positive numbers by name, each with a place in the device's memory."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ __all__ = ["write_settings"]
 def write_settings(
     memory: NDArray[np.float64], known: Mapping[str, tuple[int, float]], given: Mapping[str, object], device: str
 ) -> None:
-    """Write every setting: as given, else its usual value.
+    """Write all settings to the memory: the given values, defaults for the rest.
 
     Args:
-        memory: Of the device's part.
-        known: Place and usual value by name.
+        memory: Memory of the device.
+        known: Place and default value by name.
         given: `robot.settings` of the scene.
-        device: What it is called in an error.
+        device: Name of the device in error messages.
 
     Raises:
         DeviceError: An unknown setting, or one that is not a positive number.
@@ -31,6 +31,6 @@ def write_settings(
     for name, value in given.items():
         if name not in known:
             raise DeviceError(f'the {device} has no setting "{name}"', nearest(name, known))
-        if not isinstance(value, int | float) or not 0.0 < value < 1e5:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < 1e5:
             raise DeviceError(f'the setting "{name}" of the {device} is {value!r}', "give a positive number")
         memory[known[name][0]] = value

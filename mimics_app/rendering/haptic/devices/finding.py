@@ -1,4 +1,4 @@
-"""What a check of the conformance kit comes to."""
+"""Findings of the conformance kit."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ Verdict = Literal["passed", "failed", "not applicable"]
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What one check came to.
+    """Result of one check.
 
     Attributes:
-        check: Its name.
-        verdict: How it ended.
-        what: What was found, where it failed or does not apply.
+        check: Name of the check.
+        verdict: Outcome.
+        what: Reason, where it failed or does not apply.
     """
 
     check: str
@@ -26,18 +26,18 @@ class Finding:
 
 
 class Failed(Exception):
-    """The device does not do what it must."""
+    """The device violates a requirement."""
 
 
 class NotApplicable(Exception):
-    """This cannot be asked of this device."""
+    """The check does not apply to this device."""
 
 
 def must(right: bool, what: str) -> None:
-    """Refuse a device.
+    """Fail the check unless `right`.
 
     Raises:
-        Failed: It is not right.
+        Failed: `right` is False.
     """
     if not right:
         raise Failed(what)

@@ -1,14 +1,14 @@
-"""A HapticMaster on the network (hapticmaster:HOST[:PORT]): the loop's side, sending and receiving on its own.
+"""Loop side of a HapticMaster on the network (hapticmaster:HOST[:PORT]): compiled read and write on its socket.
 
-The machine runs its own admittance control at 2500 Hz: it moves the virtual mass that was set by the force it measures
-and by a bias force that comes from here each tick.
+The machine runs its own admittance control at 2500 Hz: its virtual mass moves under the measured force and a bias
+force, which is sent each tick.
 
     force stream   while ACTIVE the bias force is the virtual force of this program
     objects        the machine renders the scene's objects itself; the bias force is zero while ACTIVE
     otherwise      (driving to a start) a velocity servo: bias force = gain (wanted - reported velocity), limited
 
-Questions and answers come in order, so that the n-th answer says when the n-th command was taken: the round trip. At
-most LARGEST_AHEAD questions are under way; a machine that answers more slowly is asked less often.
+Answers come in the order of the commands, so that the n-th answer ends the round trip of the n-th command. At most
+LARGEST_AHEAD commands are unanswered; a machine that answers more slowly gets fewer.
 """
 
 from __future__ import annotations
@@ -90,6 +90,7 @@ __all__ = [
 
 
 LARGEST_AHEAD = 8
+"""Largest number of unanswered commands."""
 
 TRIPS = LINK_LENGTH
 TICK = TRIPS + TRIP_LENGTH  # [s]
@@ -97,16 +98,16 @@ AXIS_OFFSET = TICK + 1  # d1 [m]
 GAIN = TICK + 2  # of the velocity servo [N s/m]
 OBJECTS = TICK + 3  # 1: the machine renders the objects itself
 OWN_DELAY = TICK + 4  # of the machine [s]
-EMULATED = TICK + 5  # 1: a simulated person is on it, who gets the screen and the wanted grasp
-ANSWERED = TICK + 6  # frames that came
-ERRORS = TICK + 7  # answers that said so
-SKIPPED = TICK + 8  # commands that were not sent because too many were under way
-_ENABLED = TICK + 9  # what was sent to the machine last
+EMULATED = TICK + 5  # 1: an emulator, whose simulated person gets the inbox
+ANSWERED = TICK + 6  # frames received
+ERRORS = TICK + 7  # answers that are errors
+SKIPPED = TICK + 8  # commands not sent because too many were unanswered
+_ENABLED = TICK + 9  # 1: the last state sent to the machine is "force"
 _FILL = TICK + 10  # bytes in the buffer
 _GRASP = TICK + 11  # [N]
-_SHOWN = TICK + 12  # tick of the last look at the screen
-_PENDING = TICK + 13  # bytes of the last frame not taken yet
-_TAKEN = TICK + 14  # bytes of it that were
+_SHOWN = TICK + 12  # tick at which the inbox was last sent
+_PENDING = TICK + 13  # bytes of the last frame still to send
+_TAKEN = TICK + 14  # bytes of it that were sent
 _Q = TICK + 15  # last joints
 _X = _Q + 3  # last position, velocity and force, robot frame
 _WORK = _X + 9
@@ -123,13 +124,16 @@ _FRESH, _NO_DATA, _FAULT = 0, 1, 2
 _ACTIVE = int(SafetyState.ACTIVE)
 
 _DEAF = 50
-"""Ticks without an answer after which the conversation is given up and begun anew: nothing says what was missed."""
+"""Ticks without an answer after which the connection is closed and opened again."""
 
 _SCREEN_EVERY = 16
+"""Smallest number of ticks between two transmissions of the inbox."""
+
 _LARGEST_DRIVE = 40.0
-"""Of the velocity servo [N]: a person's hand may be on the handle."""
+"""Force limit of the velocity servo [N]: a person's hand may be on the handle."""
 
 _DECIMALS = 4
+"""Decimals of the numbers sent."""
 
 
 def _words(text: str) -> U1:
@@ -146,7 +150,7 @@ _PERSON = _words(";set person ")
 
 @kernel
 def _fill_buffer(memory: Vec, fd: int) -> bool:
-    """Take what came; False when the other side is gone."""
+    """Receive bytes into the buffer; return False when the other side is gone."""
     buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
     seen = look_at(fd, memory[_POLL : _POLL + 1].view(np.int32))
     if seen == READABLE:
@@ -160,7 +164,7 @@ def _fill_buffer(memory: Vec, fd: int) -> bool:
 
 @kernel
 def _take_text(memory: Vec, begin: int, end: int) -> int:
-    """One frame of answers; FRESH when all of position, velocity and force stood in it, FAULT after an error."""
+    """Parse one frame of answers; return FRESH with position, velocity and force in it, FAULT after an error."""
     buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
     values, found = memory[_WORK : _WORK + 3], 0
     while begin < end:
@@ -178,7 +182,7 @@ def _take_text(memory: Vec, begin: int, end: int) -> int:
 
 @kernel
 def _take_frames(memory: Vec, tick: int) -> int:
-    """All whole frames; FRESH, NO_DATA or FAULT, -1 when what comes are no frames."""
+    """Parse all complete frames; return FRESH, NO_DATA or FAULT, -1 for bytes that are not a frame."""
     buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
     begin, end = 0, int(memory[_FILL])
     status = _NO_DATA
@@ -198,7 +202,7 @@ def _take_frames(memory: Vec, tick: int) -> int:
 
 @kernel
 def _fill_data(memory: Vec, data: Vec) -> None:
-    """Position, velocity and force of the robot frame as joints and tool frame."""
+    """Convert position, velocity and force from the robot frame to joints and tool frame, into `data`."""
     q, d1 = memory[_Q : _Q + 3], memory[AXIS_OFFSET]
     inverse(memory[_X : _X + 3], d1, q)
     data[DATA_Q : DATA_Q + 3] = q
@@ -214,7 +218,7 @@ def _fill_data(memory: Vec, data: Vec) -> None:
 
 @typed_kernel(READ)
 def read_hapticmaster(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
-    """What the machine answered since the last tick; FAULT without a line, after an error, or when it is silent."""
+    """Read the answers since the last tick; return FAULT without a connection, after an error, or in silence."""
     words = link_words(memory)
     trips = memory[TRIPS : TRIPS + TRIP_LENGTH]
     fd, is_new = take_link(words)
@@ -237,7 +241,7 @@ def read_hapticmaster(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
 
 @kernel
 def _bias_force(memory: Vec, command: Vec, force: Vec) -> None:
-    """The bias force of this tick [N], robot frame."""
+    """Compute the bias force of this tick [N], robot frame."""
     fill(force, 0.0)
     if command[COMMAND_ENABLED] == 0.0:
         return
@@ -264,7 +268,7 @@ def _screen_is_due(memory: Vec, tick: int) -> bool:
 
 @kernel
 def _show_screen(memory: Vec, text: U1, at: int, tick: int) -> int:
-    """Add set person [active,trial,x,y,z,grasp]: what a simulated person sees."""
+    """Append set person [active,trial,x,y,z,grasp], the inputs of a simulated person; return the end of the text."""
     memory[_SHOWN] = float(tick)
     memory[_TOLD : _TOLD + INBOX_LENGTH] = memory[_NOW : _NOW + INBOX_LENGTH]
     seen = memory[_WORK : _WORK + 6]
@@ -276,7 +280,7 @@ def _show_screen(memory: Vec, text: U1, at: int, tick: int) -> int:
 
 @kernel
 def _send_rest(memory: Vec, fd: int) -> bool:
-    """Send what is left of the frame; True when nothing is."""
+    """Send the rest of the last frame; return True when all of it was sent."""
     out = memory[_OUT : _OUT + _OUT_PLACES].view(np.uint8)
     if memory[_PENDING] > 0.0:
         taken = max(0, send_bytes(fd, out, int(memory[_TAKEN]), int(memory[_PENDING])))
@@ -287,7 +291,7 @@ def _send_rest(memory: Vec, fd: int) -> bool:
 
 @typed_kernel(WRITE)
 def write_hapticmaster(memory: Vec, command: Vec, tick: int) -> int:
-    """Send bias force and questions; 0 when they left."""
+    """Send bias force and queries; return 0 when they were sent."""
     fd, _ = take_link(link_words(memory))
     trips = memory[TRIPS : TRIPS + TRIP_LENGTH]
     if fd < 0:

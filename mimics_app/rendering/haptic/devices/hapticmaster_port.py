@@ -1,4 +1,4 @@
-"""Connects to a HapticMaster and sets it up: the main side of hapticmaster:HOST[:PORT]."""
+"""Connection to a HapticMaster and its set-up: the main thread's side of hapticmaster:HOST[:PORT]."""
 
 from __future__ import annotations
 
@@ -24,7 +24,11 @@ __all__ = ["build_hapticmaster"]
 _HEADER = 8
 _LONGEST_ANSWER = 65535
 _ANSWER_S = 2.0
+"""Time-out of one answer [s]."""
+
 _INIT_NS = 90_000_000_000
+"""Time-out of the calibration [ns]."""
+
 _LOOK_AGAIN_NS = 50_000_000
 _INNER_PERIOD = 1.0 / 2500.0
 
@@ -35,7 +39,7 @@ _MODES = ("force_stream", "objects")
 
 
 class _Conversation:
-    """Commands and answers one after the other, before the loop takes the socket over."""
+    """Commands and answers in turn, before the socket is passed to the loop."""
 
     def __init__(self, host: str, port: int) -> None:
         self._where = f"{host}:{port}"
@@ -46,16 +50,27 @@ class _Conversation:
         self._socket.settimeout(_ANSWER_S)
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
+    def close(self) -> None:
+        """Close the connection."""
+        self._socket.close()
+
     def ask(self, command: str) -> str:
-        """The answer, without its ";". DeviceError: the machine says no, or nothing."""
+        """Return the answer without its ";".
+
+        Raises:
+            DeviceError: The machine refuses the command, or does not answer.
+        """
         answer = self.try_to_ask(command)
         if answer.startswith("--- ERROR"):
-            self._socket.close()
             raise DeviceError(f'the HapticMaster at {self._where} refuses "{command}": {answer}')
         return answer
 
     def try_to_ask(self, command: str) -> str:
-        """The same, with the machine's own words where it says no."""
+        """Return the answer, also a refusal ("--- ERROR ...").
+
+        Raises:
+            DeviceError: The machine does not answer.
+        """
         text = command.encode("ascii")
         try:
             self._socket.sendall(len(text).to_bytes(4, "big") + bytes(4) + text)
@@ -65,11 +80,10 @@ class _Conversation:
                 raise ConnectionError("what comes is not in its frames")
             return self._exactly(length).decode("ascii", "replace").strip().rstrip(";")
         except OSError as failure:
-            self._socket.close()
             raise DeviceError(f"the HapticMaster at {self._where} does not answer: {failure}") from failure
 
     def hand_over(self) -> socket.socket:
-        """The socket, non-blocking: the loop's from now on."""
+        """Return the socket, now non-blocking, for the loop."""
         self._socket.setblocking(False)
         return self._socket
 
@@ -100,10 +114,17 @@ def build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
     memory[loop.OBJECTS] = float(settings["mode"] == "objects")
     memory[loop.OWN_DELAY] = _INNER_PERIOD
     objects = request.objects if settings["mode"] == "objects" else ()
+    may_move = True
 
     def open_line() -> tuple[int, Callable[[], None]]:
+        nonlocal may_move
         talk = _Conversation(host, port)
-        memory[loop.EMULATED] = _set_up(talk, settings["inertia"], objects)
+        try:
+            memory[loop.EMULATED] = _set_up(talk, settings["inertia"], objects, may_move=may_move)
+        except DeviceError:
+            talk.close()
+            raise
+        may_move = False
         line = talk.hand_over()
         return line.fileno(), line.close
 
@@ -121,7 +142,7 @@ def build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
 
 
 def _settings(given: dict[str, Any]) -> dict[str, Any]:
-    """Checked settings with defaults."""
+    """Settings of a scene, checked, with defaults for those left out."""
     settings: dict[str, Any] = {"mode": "force_stream"} | {name: limits[0] for name, limits in _NUMBERS.items()}
     for name, value in given.items():
         if name not in settings:
@@ -130,18 +151,24 @@ def _settings(given: dict[str, Any]) -> dict[str, Any]:
             raise DeviceError(f'the hapticmaster has no mode "{value}"', nearest(str(value), _MODES))
         if name in _NUMBERS:
             _, least, most = _NUMBERS[name]
-            if not isinstance(value, int | float) or not least <= value <= most:
+            if isinstance(value, bool) or not isinstance(value, int | float) or not least <= value <= most:
                 raise DeviceError(f'the hapticmaster\'s setting "{name}" is {value!r}', f"give {least:g} to {most:g}")
         settings[name] = value
     return settings
 
 
-def _set_up(talk: _Conversation, inertia: float, objects: tuple[DeviceObject, ...]) -> float:
-    """Bring the machine to "stop" with its mass, a bias force and the objects; 1 when it is this program's emulator."""
+def _set_up(talk: _Conversation, inertia: float, objects: tuple[DeviceObject, ...], *, may_move: bool) -> float:
+    """Bring the machine to "stop" with its mass, a bias force and the objects; 1 when it is this program's emulator.
+
+    The calibration moves the machine; it runs with `may_move` only, never by itself after a connection was lost.
+    """
     talk.ask("remove all")
     if talk.ask("get emergencybuttonpushed") == "true":
         raise DeviceError("the HapticMaster's emergency button is down", "release it and press its start button")
     if talk.ask("get position_calibrated") == "false":
+        if not may_move:
+            what = "the HapticMaster has lost its calibration, which would move it"
+            raise DeviceError(what, "take the hand off the handle and start the program again")
         _initialise(talk)
     talk.ask("set state stop")
     talk.ask(f"set inertia {inertia:.6g}")
@@ -154,7 +181,7 @@ def _set_up(talk: _Conversation, inertia: float, objects: tuple[DeviceObject, ..
 
 
 def _initialise(talk: _Conversation) -> None:
-    """Let the machine search the ends of its axes: it moves."""
+    """Calibrate the machine: it moves to the ends of its axes."""
     clock = MonotonicClock()
     end = clock.now_ns() + _INIT_NS
     talk.ask("set state init")

@@ -1,8 +1,8 @@
-"""Frames and sentences of the HapticMaster's network interface, in compiled code.
+"""Frames and text of the HapticMaster's network interface, in compiled code.
 
-A frame is 8 bytes of header, of which byte 3 is the length of the text behind it (facts: pyHapticMaster, O. Tokatli;
-API 4.2 as used by P. Maurice's HapticMaster programs). Bytes 2 and 3 are read here as one big-endian number, which is
-the same for every length that was seen. Commands are joined with ";", and every answer ends with one:
+A frame is a header of 8 bytes, of which byte 3 is the length of the text that follows (sources: pyHapticMaster,
+O. Tokatli; API 4.2 as used by P. Maurice's HapticMaster programs). Bytes 2 and 3 are read here as one big-endian
+number, which agrees with every known frame. Commands are joined with ";", and every answer ends with one:
 
     set mimics force [0.0000,1.5000,0.0000];get modelpos;get modelvel;get measforce
     "Effect's force set";[0.01,0,0];[0,0,0];[0.2,0,-0.1];
@@ -31,12 +31,13 @@ __all__ = [
 
 HEADER = 8
 LARGEST_TEXT = 255
-"""Longest text sent: byte 3 alone can state it."""
+"""Length of the longest text sent: it fits byte 3."""
 
 _LONGEST_ANSWER = 1900
+"""Length of the longest valid text received."""
 
 WORD, NUMBER, VECTOR, ERROR = 0, 1, 2, 3
-"""What an answer is."""
+"""Kinds of answers."""
 
 _OPEN, _CLOSE, _COMMA, _END = ord("["), ord("]"), ord(","), ord(";")
 _MINUS, _SPACE = ord("-"), ord(" ")
@@ -45,15 +46,15 @@ _BYTE = 8
 """Bits of a byte."""
 
 _LOW_BYTE = 0xFF
-"""Bits of the lowest byte."""
+"""Mask of the lowest byte."""
 
 _LENGTH_END = 4
-"""Behind the two bytes of a header that give the length of its text."""
+"""End of the header's two bytes with the length of the text."""
 
 
 @kernel
 def put_text(words: U1, text: U1, at: int) -> int:
-    """Copy words into text[at:]; where they end."""
+    """Copy words to text[at:]; return their end."""
     for i in range(words.shape[0]):
         text[at + i] = words[i]
     return at + words.shape[0]
@@ -61,7 +62,7 @@ def put_text(words: U1, text: U1, at: int) -> int:
 
 @kernel
 def put_vector(values: Vec, decimals: int, text: U1, at: int) -> int:
-    """[a,b,c] into text[at:]; where it ends."""
+    """Write [a,b,c] to text[at:]; return its end."""
     text[at] = _OPEN
     at += 1
     for i in range(values.shape[0]):
@@ -75,7 +76,7 @@ def put_vector(values: Vec, decimals: int, text: U1, at: int) -> int:
 
 @kernel
 def seal_text(frame: U1, end: int) -> int:
-    """Put the header before the text that stands at frame[HEADER:end]; the length of the whole frame."""
+    """Write the header of the text at frame[HEADER:end]; return the length of the frame."""
     for i in range(HEADER):
         frame[i] = 0
     frame[2] = ((end - HEADER) >> _BYTE) & _LOW_BYTE
@@ -85,7 +86,7 @@ def seal_text(frame: U1, end: int) -> int:
 
 @kernel
 def frame_length(buffer: U1, begin: int, end: int) -> int:
-    """Length of the frame at buffer[begin:end]; 0 when it is not whole yet, -1 when this is no frame at all."""
+    """Return the length of the frame at buffer[begin:end]; 0 while incomplete, -1 for an invalid header."""
     if end - begin < HEADER:
         return 0
     length = int(buffer[begin + 2]) << _BYTE | int(buffer[begin + 3])
@@ -99,13 +100,13 @@ def frame_length(buffer: U1, begin: int, end: int) -> int:
 
 @kernel
 def take_answer(text: U1, at: int, end: int, values: Vec) -> tuple[int, int]:
-    """(kind, where the next answer begins) of the answer at text[at:end]; its numbers are left in values.
+    """Parse the answer at text[at:end]; return (kind, start of the next answer).
 
     Args:
-        text: ASCII.
-        at: Where the answer begins.
-        end: Where the text ends.
-        values: Out: three components of a vector, or a number in the first place, shape [3].
+        text: ASCII text.
+        at: Start of the answer.
+        end: End of the text.
+        values: Out: components of a vector, or a number in the first place, shape [3].
     """
     while at < end and text[at] == _SPACE:
         at += 1

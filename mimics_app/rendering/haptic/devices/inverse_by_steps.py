@@ -1,4 +1,4 @@
-"""The inverse kinematics of a device without a closed form, for Python: imported where one is requested."""
+"""Iterative inverse kinematics of a device without a closed form, callable from Python; imported on demand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a device's descriptor must keep: kinematics that agree with each other, and data of its own joints only."""
+"""Checks of a device's descriptor: consistent kinematics, and data of its own joints only."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ __all__ = ["KINEMATICS_CHECKS"]
 _POSES = 40
 _STEP = 1e-6
 _SLOPE = 1e-6
-"""A central difference over _STEP agrees with a Jacobian of order 1 m within this."""
+"""Error bound of a central difference over _STEP, for a Jacobian of order 1 m."""
 
 _EXACT = 1e-9
 _BACK = 1e-6
-"""A pose that an inverse found is there within this [m]."""
+"""Error bound of the points of an inverse [m]."""
 
 
 class _Poses:

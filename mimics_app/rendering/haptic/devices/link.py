@@ -1,13 +1,14 @@
-"""The link of a loop device to the world outside: who may use the descriptor, and who opens it again.
+"""Link of a device to an open descriptor: its use by the loop, and its reopening by a keeper thread.
 
-The loop alone reads and writes the descriptor, a keeper thread of the main side alone opens and closes it. They meet in
-eight words at the head of the plug-in's memory:
+Only the loop reads and writes the descriptor; only the keeper, a Python thread, opens and closes it. They synchronise
+through eight words at the head of the plug-in's memory:
 
-    OFFER   descriptor + 1 the keeper has opened and the loop has not taken yet; 0: none
+    OFFER   descriptor + 1 that the keeper has opened and the loop has not taken yet; 0: none
     UP      1 while the loop uses the descriptor
-    FD      the descriptor in use; the loop's own
+    FD      descriptor in use, written by the loop
 
-The loop sets UP before it clears OFFER, so that "down and nothing offered" always means that it has let go.
+The loop sets UP before it clears OFFER, and the keeper reads OFFER before UP: "nothing offered and down" always means
+that the loop has let go.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from mimics_app.contracts.kernel import kernel
 __all__ = ["LINK_LENGTH", "LinkKeeper", "drop_link", "link_words", "take_link"]
 
 LINK_LENGTH = 8
-"""float64 places at the head of the memory that hold the words."""
+"""Number of words, one per float64 place at the head of the memory."""
 
 _OFFER, _UP, _FD = 0, 1, 2
 
@@ -35,13 +36,13 @@ _LOOK_EVERY_S = 0.1
 
 @kernel
 def link_words(memory: Vec) -> Words:
-    """The words of a plug-in's memory, shape [LINK_LENGTH], int64."""
+    """Return the words of a plug-in's memory as int64, shape [LINK_LENGTH]."""
     return memory[:LINK_LENGTH].view(np.int64)
 
 
 @kernel
 def take_link(words: Words) -> tuple[int, bool]:
-    """(descriptor or -1, True when it was taken in this very call and everything about the line is new)."""
+    """Return (descriptor or -1, True when this call took a new one)."""
     if load_acquire(words, _UP) == 1:
         return words[_FD], False
     offered = load_acquire(words, _OFFER)
@@ -55,20 +56,20 @@ def take_link(words: Words) -> tuple[int, bool]:
 
 @kernel
 def drop_link(words: Words) -> None:
-    """Let go of a descriptor whose other end is gone; the keeper may close it now."""
+    """Release a descriptor whose other end is gone, for the keeper to close."""
     words[_FD] = -1
     store_release(words, _UP, 0)
 
 
 class LinkKeeper:
-    """Opens the descriptor, and opens it again after the loop let go of it.
+    """Opens the descriptor, and reopens it after the loop released it.
 
-    Motion does not return with the line: a lost line latches SAFE_STOP, and only a person's reset leaves that.
+    Motion does not resume with the line: a lost line latches SAFE_STOP, which only a reset by a person leaves.
 
     Args:
         memory: The plug-in's memory.
-        open_line: Opens and greets the device; returns its descriptor and what closes it.
-        name: Of the device, for messages.
+        open_line: Opens and greets the device; returns its descriptor and a function that closes it.
+        name: Name of the device in messages.
 
     Raises:
         DeviceError: The device cannot be opened now.
@@ -88,20 +89,23 @@ class LinkKeeper:
         self._thread.start()
 
     def trouble(self) -> str:
-        """Why there is no line, and what to do; "" while there is one."""
+        """Return why there is no line, and what to do; "" while there is one."""
         return self._trouble
 
     def look(self) -> None:
-        """Open the line again if the loop has let go of it; what fails is reported by `trouble` and tried again."""
-        if self._close_line is None or (self._words[_UP] == 0 and self._words[_OFFER] == 0):
+        """Open the line again if the loop has let go of it; a failure is reported by `trouble` and tried again."""
+        if self._close_line is None or (self._words[_OFFER] == 0 and self._words[_UP] == 0):
             self._release()
-            self._trouble = f"{self._name} is gone: no force. Connect it again"
-            with suppress(DeviceError):
+            gone = f"{self._name} is gone: no force. Connect it again"
+            self._trouble = self._trouble or gone
+            try:
                 self._offer()
                 self._trouble = ""
+            except DeviceError as failure:
+                self._trouble = f"{gone} ({failure.what})"
 
     def close(self) -> None:
-        """End for good; the loop must have ended. A second call does nothing more."""
+        """End the keeper and close the line; the loop must have ended. A second call does nothing."""
         self._ended.set()
         if self._thread is not threading.current_thread():
             self._thread.join()
@@ -110,12 +114,15 @@ class LinkKeeper:
         self._release()
 
     def _offer(self) -> None:
-        descriptor, self._close_line = self._open_line()
+        try:
+            descriptor, self._close_line = self._open_line()
+        except OSError as failure:
+            raise DeviceError(f"{self._name} cannot be opened: {failure}") from failure
         store_release(self._words, _OFFER, descriptor + 1)
 
     def _release(self) -> None:
         if self._close_line is not None:
-            with suppress(OSError):  # a line whose other end is gone may complain once more
+            with suppress(OSError):  # closing a line whose other end is gone may fail
                 self._close_line()
             self._close_line = None
 

@@ -1,6 +1,6 @@
-"""Whether there is anything at the address of a device, before compiled code is imported: minutes the first time.
+"""Early check of a device's address, before compiled code is imported, which takes minutes the first time.
 
-What is at it is asked when the device is built.
+It finds out whether anything is there; the device itself is identified when it is built.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ from mimics_app.rendering.haptic.devices.address import (
 __all__ = ["CONNECT_S", "look_for_device", "no_hapticmaster", "no_port"]
 
 CONNECT_S = 2.0
-"""How long a machine in the network may take to accept a connection [s]."""
+"""Time-out of a network connection [s]."""
 
 _AT_ONCE_S = 0.2
-"""A wait that is longer than this [s] is announced."""
+"""Longest wait without an announcement [s]."""
 
 
 def look_for_device(text: str, tell: Callable[[str], None]) -> None:
-    """Refuse NAME:ADDRESS where nothing is; of other devices nothing can be said yet.
+    """Refuse the address of a serial line or network device where nothing is; other devices are not checked.
 
     Args:
-        text: As `--device` has it.
-        tell: Is called with a line before a wait.
+        text: NAME:ADDRESS as in `--device`.
+        tell: Called with a line of text before a wait.
 
     Raises:
-        DeviceError: No such line, nothing accepts a connection there, or the address cannot be read.
+        DeviceError: No such serial line, no connection, or an invalid address.
     """
     device = split_device(text)
     if device.name == "serial":
@@ -48,17 +48,17 @@ def look_for_device(text: str, tell: Callable[[str], None]) -> None:
 
 
 def no_port(port: str, why: str) -> DeviceError:
-    """The error of a serial line that cannot be opened."""
+    """Return the error of a serial line that cannot be opened."""
     return DeviceError(f"{port} cannot be opened: {why}", "mimics devices lists the serial ports")
 
 
 def no_hapticmaster(host: str, port: int, why: object) -> DeviceError:
-    """The error of a HapticMaster that is not there."""
+    """Return the error of a HapticMaster that cannot be connected."""
     return DeviceError(f"no HapticMaster at {host}:{port}: {why}", "is it on, and in this network?")
 
 
 def _knock(host: str, port: int, tell: Callable[[str], None]) -> None:
-    """Connect and hang up: a machine that is off refuses, or says nothing."""
+    """Connect and disconnect: a machine that is off refuses or does not answer."""
     try:
         socket.create_connection((host, port), timeout=_AT_ONCE_S).close()
     except TimeoutError:

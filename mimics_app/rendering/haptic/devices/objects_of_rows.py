@@ -1,4 +1,4 @@
-"""The fixed objects of a scene as objects that a robot renders on its own (mode "objects" of the hapticmaster)."""
+"""Conversion of a scene's fixed objects to objects that a robot renders itself (mode "objects" of the hapticmaster)."""
 
 from __future__ import annotations
 
@@ -28,22 +28,22 @@ __all__ = ["device_objects_of"]
 
 
 _UPRIGHT = 1e-6
-"""Farthest an axis may be from one of the robot's (sine of the angle)."""
+"""Largest angle between an axis and one of the robot's [sine]."""
 
 
 def device_objects_of(
     shapes: NDArray[Any], entities: Sequence[str], robot: Robot, inertia: float
 ) -> tuple[tuple[DeviceObject, ...], dict[str, str]]:
-    """What the robot can make of the scene's shapes, and why it cannot make the rest.
+    """Convert the shapes that the robot can render, and give the reason for the others.
 
     Args:
         shapes: SHAPE rows in use.
         entities: Entity of each row.
-        robot: Where the robot stands.
-        inertia: Virtual mass [kg], whose critical damping its own is a share of.
+        robot: Robot component with the pose of the robot.
+        inertia: Virtual mass [kg], the reference of the critical damping.
 
     Returns:
-        (objects in the robot frame, reason by entity of what is left out).
+        (objects in the robot frame, reason by entity for the shapes left out).
     """
     objects: list[DeviceObject] = []
     left_out: dict[str, str] = {}
@@ -59,7 +59,7 @@ def device_objects_of(
 
 
 def _translate(row: np.void, name: str, robot: Robot, inertia: float) -> DeviceObject | str:
-    """One shape, or why not."""
+    """Return the object of one shape, or the reason why there is none."""
     if row["body"] != STATIC:
         return "it moves"
     if row["law"] != ForceLaw.SPRING_DAMPER:
@@ -80,12 +80,12 @@ def _translate(row: np.void, name: str, robot: Robot, inertia: float) -> DeviceO
     if kind == ShapeKind.CYLINDER and abs(R[2, 1]) > 1.0 - _UPRIGHT**2:
         return DeviceCylinder(*common, radius=float(size[0]), length=float(size[1]))
     if kind in (ShapeKind.BOX, ShapeKind.CYLINDER):
-        return "it stands askew to the robot's axes"
-    return f"the robot knows no {ShapeKind(kind).name.lower()}"
+        return "it is not parallel to the robot's axes"
+    return f"the robot cannot render a {ShapeKind(kind).name.lower()}"
 
 
 def _is_upright(R: Vec) -> bool:
-    """Whether every axis lies along one of the robot's."""
+    """Whether every axis is parallel to one of the robot's."""
     return bool(np.all(np.minimum(np.abs(R), np.abs(1.0 - np.abs(R))) < _UPRIGHT))
 
 

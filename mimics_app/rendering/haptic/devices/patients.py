@@ -1,4 +1,4 @@
-"""How impaired a simulated person is: presets, and a component's own values over them."""
+"""Impairment of a simulated person: presets, with values of a component in their place."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ if TYPE_CHECKING:
 __all__ = ["PRESETS", "Impairment", "impairment_of", "lay_path", "write_arm"]
 
 _BEYOND_END = 0.012
-"""The person means to pass the last point by this much [m], as one walks through a finish."""
+"""Distance by which the intended path extends beyond the last point [m]."""
 
 
 _FINEST_AIM = 0.002
-"""Nobody corrects less than this [m]."""
+"""Smallest distance to a target that is corrected [m]."""
 
 _CONTENT_SHARE = 0.4
-"""A hand this share of its own aim error away from a target is left there."""
+"""Largest distance to a target that is not corrected, as a share of the aim error."""
 
 
 @dataclass(frozen=True, slots=True)
 class Impairment:
-    """One kind of person.
+    """Motor parameters of a simulated person.
 
     Attributes:
-        arm_mass: At the hand [kg].
-        arm_damping: At the hand [N s/m].
-        arm_stiffness: At the hand [N/m].
+        arm_mass: Mass at the hand [kg].
+        arm_damping: Damping at the hand [N s/m].
+        arm_stiffness: Stiffness at the hand [N/m].
         speed: Peak speed of a voluntary movement [m/s].
         reach: Length of one movement [m].
         aim_error: Standard deviation of a movement's end point per axis [m].
@@ -43,7 +43,7 @@ class Impairment:
         tremor_hz: Its frequency [Hz].
         grasp: Mean grasp force [N].
         grasp_variation: Its standard deviation [N].
-        corner_cutting: 0 follows the bends of the way, 1 goes straight from end to end of a movement.
+        corner_cutting: 0: movements follow the bends of the path, 1: straight from start to end.
     """
 
     arm_mass: float
@@ -65,15 +65,15 @@ PRESETS = {
     "moderate": Impairment(1.5, 25.0, 420.0, 0.13, 0.060, 0.011, 0.25, 1.2, 6.0, 9.0, 2.0, 0.45),
     "severe": Impairment(1.6, 28.0, 450.0, 0.09, 0.035, 0.018, 0.50, 3.0, 5.0, 7.5, 3.0, 0.55),
 }
-"""From mild to heavy: one flowing movement, then ever more, shorter and less exact ones (submovements after stroke:
+"""From healthy to severe: one smooth movement, then more, shorter and less accurate ones (submovements after stroke:
 Krebs et al. 1999, Rohrer et al. 2002), a stiffer (spastic) arm, tremor, a weak grasp."""
 
 
 def impairment_of(patient: Patient) -> Impairment:
-    """The preset of a component with the component's own values over it.
+    """Return the preset of a component with the component's own values in its place.
 
     Raises:
-        UsageError: there is no such preset; a scene's is checked, a setting of a program may be anything.
+        UsageError: Unknown preset; that of a scene is checked before, one in a program is not.
     """
     if patient.preset not in PRESETS:
         raise UsageError(f'there is no simulated patient "{patient.preset}"', nearest(patient.preset, PRESETS))
@@ -83,13 +83,13 @@ def impairment_of(patient: Patient) -> Impairment:
 
 
 def lay_path(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-    """Equally spaced points along a way, led a little beyond its end.
+    """Return equally spaced points along a path, extended a little beyond its end.
 
     Args:
-        points: Corner points, shape [n, 3], [m]; fewer than two different ones: no way.
+        points: Points of a polyline [m], shape [n, 3]; fewer than two distinct ones: no path.
 
     Returns:
-        (points of shape [m, 3], m at most arm.PATH_POINTS, distance between them along the way [m]).
+        (points of shape [m, 3], m at most arm.PATH_POINTS, distance between them along the path [m]).
     """
     points = points[np.append(True, np.any(np.diff(points, axis=0) != 0.0, axis=1))] if len(points) else points
     if len(points) < 2:
@@ -103,7 +103,7 @@ def lay_path(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
 
 
 def write_arm(memory: NDArray[np.float64], person: Impairment, via_points: NDArray[np.float64], intent: bool) -> None:
-    """Fill an arm's memory, shape [arm.ARM_LENGTH]; the generator is seeded by the caller."""
+    """Fill an arm's memory, shape [arm.ARM_LENGTH]; the caller seeds the random generator."""
     values: dict[int, Any] = {
         arm.ARM_MASS: person.arm_mass,
         arm.ARM_DAMPING: person.arm_damping,

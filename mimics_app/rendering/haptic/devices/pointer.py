@@ -1,4 +1,4 @@
-"""Mouse, gamepad or keyboard on the simulated robot, through a virtual hand."""
+"""Simulated robot moved by mouse, gamepad or keyboard through a virtual hand."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _SETTINGS = {
 
 @typed_kernel(READ)
 def read_pointer(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
-    """One tick of robot and virtual hand; what the sensors show. Memory: robot, then hand."""
+    """Simulate one tick of robot and virtual hand; write the sensor data. Memory: robot, then hand."""
     machine = memory[:ROBOT_LENGTH]
     own = memory[ROBOT_LENGTH:]
     if tick > 0:
@@ -50,7 +50,7 @@ def read_pointer(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
 
 
 def build_pointer(request: DeviceRequest) -> DevicePlugin:
-    """The simulated robot, held by the virtual hand of a pointing device.
+    """Build the simulated robot held by the virtual hand of a pointing device.
 
     `robot.settings` may hold hand_force [N], hand_stiffness [N/m], hand_damping [N s/m] and follow_rate [rad/s].
 

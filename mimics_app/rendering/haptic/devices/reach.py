@@ -1,4 +1,4 @@
-"""Where the robot of a scene can bring its points of contact: its kinematics for Python."""
+"""Reach of a scene's robot: its kinematics callable from Python."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ class Reach:
         robot: The scene's robot component.
 
     Attributes:
-        descriptor: Of its device.
-        limits: Of its joints.
+        descriptor: Descriptor of its device.
+        limits: Limits of its joints.
 
     Raises:
-        DeviceError: No such device, or joints limits of another number of joints.
+        DeviceError: No such device, or limits for another number of joints.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -43,19 +43,19 @@ class Reach:
         apply_robot(self._block, robot, self.descriptor)
 
     def points(self, q: Vec) -> Vec:
-        """Points of contact of the joints q, robot frame [m], shape [contacts, 3]."""
+        """Return the points of contact at joints q, robot frame [m], shape [contacts, 3]."""
         joints, x = self._joints(q), np.zeros(3 * MAX_CONTACTS)
         self._kin.forward(self._block[0]["geometry"], joints, joints, x)
         return x[: 3 * len(self.descriptor.contacts)].reshape(-1, 3)
 
     def joints(self, point: Vec) -> tuple[Vec, KinematicsStatus]:
-        """Joints that bring the first point of contact to a place, robot frame [m]; the others stay in the middle.
+        """Return the joints for a position of the first point of contact, robot frame [m]; the others stay centred.
 
         Returns:
-            (joints, shape [joints], not limited; whether they do).
+            (joints, shape [joints], without limits; status of the inverse kinematics).
         """
         middle = 0.5 * (np.array(self.limits.lowest) + np.array(self.limits.highest))
-        # HapticMaster: the angle has no say where the axis is met, then as ever the one straight ahead.
+        # HapticMaster: on the axis any angle will do; zero is kept there.
         q = self._joints(np.zeros(len(middle)) if self.descriptor.polar else middle)
         wanted = self.points(middle)
         wanted[0] = point
@@ -64,13 +64,13 @@ class Reach:
         return q[: len(middle)].copy(), KinematicsStatus(status)
 
     def reaches(self, point_world: Vec) -> bool:
-        """Whether the first point of contact can be brought to a place of the world [m]."""
+        """Whether the first point of contact can reach a point of the world [m]."""
         q, status = self.joints(self.from_world(point_world))
         inside = bool(np.all(q >= self.limits.lowest) and np.all(q <= self.limits.highest))
         return inside and status is not KinematicsStatus.UNREACHABLE
 
     def from_world(self, point_world: Vec) -> Vec:
-        """A place of the world in the robot frame [m]."""
+        """Return a point of the world in the robot frame [m]."""
         return robot_from_world(self._robot, np.asarray(point_world, np.float64).reshape(1, 3))[0]
 
     def _joints(self, q: Vec) -> Vec:

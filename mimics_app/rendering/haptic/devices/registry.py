@@ -1,4 +1,4 @@
-"""Finds device builders by name: built-in ones, and plug-ins by entry points of the group mimics_app.devices."""
+"""Registry of device builders: built-in ones, and plug-ins by entry points of the group mimics_app.devices."""
 
 from __future__ import annotations
 
@@ -31,21 +31,21 @@ def _build_simulated_hapticmaster(request: DeviceRequest) -> DevicePlugin:
 
 
 def _build_simulated_impedance(request: DeviceRequest) -> DevicePlugin:
-    """A light simulated robot that takes forces, with a simulated person."""
+    """A simulated light robot that takes forces, with a simulated person."""
     from mimics_app.rendering.haptic.devices.simulated_impedance import build_simulated_impedance
 
     return build_simulated_impedance(request)
 
 
 def _build_pointer(request: DeviceRequest) -> DevicePlugin:
-    """Mouse, gamepad or keyboard on the simulated robot."""
+    """The simulated robot moved by mouse, gamepad or keyboard."""
     from mimics_app.rendering.haptic.devices.pointer import build_pointer
 
     return build_pointer(request)
 
 
 def _build_replay(request: DeviceRequest) -> DevicePlugin:
-    """The sensors of a recording, as a device."""
+    """The sensor data of a recording, as a device."""
     from mimics_app.rendering.haptic.devices.replay import build_replay
 
     return build_replay(request)
@@ -59,21 +59,21 @@ def _build_serial(request: DeviceRequest) -> DevicePlugin:
 
 
 def _build_hapticmaster(request: DeviceRequest) -> DevicePlugin:
-    """A HapticMaster on the network, by its own commands."""
+    """A HapticMaster on the network, by its command interface."""
     from mimics_app.rendering.haptic.devices.hapticmaster_port import build_hapticmaster
 
     return build_hapticmaster(request)
 
 
 def _build_leg(request: DeviceRequest) -> DevicePlugin:
-    """One simulated leg on two drives of a gait orthosis, hip and knee: one foot, which a simulated person moves."""
+    """One simulated leg on a gait orthosis with drives at hip and knee; a simulated person moves the foot."""
     from mimics_app.rendering.haptic.devices.simulated_leg import build_simulated_leg
 
     return build_simulated_leg(request)
 
 
 def _build_legs(request: DeviceRequest) -> DevicePlugin:
-    """Both simulated legs on four drives of a gait orthosis: two feet, a simulated person moves the first."""
+    """Two simulated legs on a gait orthosis with four drives; a simulated person moves the first foot."""
     from mimics_app.rendering.haptic.devices.simulated_leg import build_simulated_leg
 
     return build_simulated_leg(request)
@@ -89,15 +89,14 @@ BUILT_IN: dict[str, DeviceBuilder] = {
     "serial": _build_serial,
     "hapticmaster": _build_hapticmaster,
 }
-"""Builders of the devices that come with the product, by the names of `device_names.ADDRESSES`; each is imported and
-compiled when it is built."""
+"""Builders of the built-in devices by the names of `device_names.ADDRESSES`; each imports its device on demand."""
 
 
 def find_builder(name: str) -> DeviceBuilder:
-    """The builder of a device.
+    """Return the builder of a device.
 
     Raises:
-        DeviceError: No device of that name, or its plug-in cannot be imported.
+        DeviceError: No such device, or its plug-in cannot be imported.
     """
     return BUILT_IN[name] if name in BUILT_IN else find_plugin(name)
 
@@ -112,20 +111,20 @@ def build_device(
     descriptor: DeviceDescriptor | None = None,
     objects: tuple[DeviceObject, ...] = (),
 ) -> DevicePlugin:
-    """Build the device a scene requests.
+    """Build the device of a scene.
 
     Args:
         robot: The scene's robot component; `device` is NAME or NAME:ADDRESS.
         patient: The scene's patient component, for simulated robots.
-        via_points_world: Points the simulated person means to pass, world [m], shape [n, 3]; dense enough that straight
-            lines between them are good enough (the bisector at 50 or more parameters).
-        seed: Of all random numbers.
+        via_points_world: Polyline that the simulated person intends to follow, world [m], shape [n, 3]; dense enough
+            for straight segments (the bisector at 50 or more parameters).
+        seed: Seed of all random numbers.
         samples: SAMPLE rows, for the replay device.
-        objects: What a robot that renders objects on its own should make, robot frame.
-        descriptor: Of the device whose samples are replayed; None: the one of the name.
+        descriptor: Descriptor of the device whose samples are replayed; None: that of the name.
+        objects: Objects for a robot that renders objects itself, robot frame.
 
     Raises:
-        DeviceError: No such device, or it cannot be had.
+        DeviceError: No such device, or it is not available.
     """
     check_device_name(robot.device)
     name = split_device(robot.device).name

@@ -1,4 +1,4 @@
-"""A device that plays the sensors of a recording; commands are ignored."""
+"""Device that replays the sensor data of a recording; commands are ignored."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ __all__ = ["build_replay", "ignore_command", "read_recorded"]
 
 
 _ROW = DATA_LENGTH + 1
+"""Length of one tick in the memory: data vector and status."""
 
 _COLUMNS = {
     DATA_Q: "q",
@@ -40,12 +41,12 @@ _COLUMNS = {
     DATA_DELAY: "delay",
     DATA_LENGTH: "status",
 }
-"""Where each recorded field goes in a row."""
+"""Recorded field at each place of a row."""
 
 
 @typed_kernel(READ)
 def read_recorded(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
-    """Row `tick` of the recording; no data beyond its end. Memory: one data vector and status after the other."""
+    """Read row `tick` of the recording; NO_DATA beyond its end. Memory: data vector and status of each tick."""
     row = tick * _ROW
     if row + _ROW > memory.shape[0]:
         return 1
@@ -56,12 +57,12 @@ def read_recorded(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
 
 @typed_kernel(WRITE)
 def ignore_command(memory: Vec, command: Vec, tick: int) -> int:
-    """A recording cannot be moved."""
+    """Ignore the command."""
     return 0
 
 
 def build_replay(request: DeviceRequest) -> DevicePlugin:
-    """The device of a recording.
+    """Build the device of a recording.
 
     Raises:
         DeviceError: The request holds no recording.

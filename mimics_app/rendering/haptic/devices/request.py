@@ -1,4 +1,4 @@
-"""What a device is built from."""
+"""Arguments of device builders."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ def _nowhere() -> NDArray[np.float64]:
 
 @dataclass(frozen=True, slots=True)
 class DeviceRequest:
-    """Everything a device builder may want to know.
+    """Arguments of a device builder.
 
     Attributes:
         robot: The scene's robot component.
-        patient: The scene's patient component; None: nobody on the simulated robot.
-        path_robot: Points a simulated person means to pass, in order, robot frame [m], shape [n, 3].
-        seed: Of all random numbers of the device.
+        patient: The scene's patient component; None: a relaxed arm on the simulated robot.
+        path_robot: Polyline that a simulated person intends to follow, robot frame [m], shape [n, 3].
+        seed: Seed of all random numbers of the device.
         rate: Ticks per second.
-        start_joints: Where a simulated robot stands at first [m or rad].
+        start_joints: Initial joints of a simulated robot [m or rad].
         samples: SAMPLE rows for the replay device.
-        address: Where the device is, as the person wrote it after the name's colon; "" when nothing was said.
-        objects: What a robot that renders objects on its own should make, robot frame.
+        address: Address after the colon of the device's name; "" if not given.
+        objects: Objects for a robot that renders objects itself, robot frame.
         descriptor: Joints, points of contact and kinematics of the device.
     """
 
@@ -55,13 +55,13 @@ class DeviceRequest:
 
     @property
     def limits(self) -> JointLimits:
-        """Of the joints in this scene.
+        """Joint limits in this scene.
 
         Raises:
-            DeviceError: The robot states limits of another number of joints than the device has.
+            DeviceError: The robot's limits are for another number of joints than the device has.
         """
         return joint_limits(self.robot, self.descriptor)
 
 
 DeviceBuilder = Callable[[DeviceRequest], DevicePlugin]
-"""What an entry point of the group `mimics_app.devices` names."""
+"""Type of the entry points of the group `mimics_app.devices`."""

@@ -1,4 +1,4 @@
-"""What only its device knows of a scene's robot: as many joints as the component speaks of, in order, and reachable."""
+"""Checks of a scene's robot against its device: number of joints, order of limits, reach."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PER_JOINT = ("joint_min", "joint_max", "velocity_limit", "acceleration_limit")
 
 
 def check_robot(robot: Robot, pointer: str, scene: Scene) -> list[Issue]:
-    """Faults of the joints; a device that cannot be had is reported where it is requested."""
+    """Return the faults of the joints; an unknown device is reported elsewhere."""
     try:
         descriptor = descriptor_of(robot.device)
     except DeviceError:
@@ -47,13 +47,13 @@ def _check_range(robot: Robot, descriptor: DeviceDescriptor, pointer: str, scene
         if least >= most
     ]
     if descriptor.polar and (reach := descriptor.geometry_of(robot)[0] + limits.lowest[0]) <= 0.0:
-        what = f"the arm would reach through the axis of the robot: {reach:g} m"
+        what = f"the arm could reach through the axis of the robot: {reach:g} m"
         issues.append(scene.issue(f"{pointer}/joint_min/0", what, "raise it, or axis_offset"))
     return issues
 
 
 def check_points(points: InteractionPoints, pointer: str, scene: Scene) -> list[Issue]:
-    """Points of contact that the device of the scene does not have."""
+    """Return the faults of points of contact that the scene's device does not have."""
     device = (scene.first(Robot) or Robot()).device
     try:
         contacts = descriptor_of(device).contacts

@@ -1,12 +1,12 @@
-"""How long a device outside takes from a command to the data that shows it, measured tick by tick.
+"""Round-trip time of an external device, from a command to the data that acknowledges it, measured tick by tick.
 
-Each command carries a number, each answer says which command it has seen. The delay that counts for stability is
+Commands are numbered, and each answer acknowledges one. The delay for the stability limit is
 
-    device's own + worst recent round trip - one tick + half of what a command is held longer than a tick
+    device's own + worst recent round trip - one tick + half of the time that a command is held beyond one tick
 
-One tick of a round trip is the loop's own, which the period in the stability limit stands for; a command that is held
-for several ticks is on average half of that time old. The worst is forgotten in a quarter of a second, as the measured
-period is. A command that is not answered yet counts with the time it has waited.
+One tick of the round trip is that of the loop, which the period in the stability limit covers; a command that is held
+for several ticks is on average half of that time old. The worst round trip decays over 250 answers. An unanswered
+command counts with its waiting time.
 """
 
 from __future__ import annotations
@@ -26,26 +26,29 @@ __all__ = [
 ]
 
 
-_SENT = 0  # number of the newest command, counted up without end
-_SEEN = 1  # newest command that an answer has confirmed; -1: none yet
+_SENT = 0  # number of the newest command, from 1, without wrap-around
+_SEEN = 1  # newest acknowledged command; 0: none yet
 _WORST = 2  # recent round trip [ticks]
 _HELD = 3  # ticks from command to command, smoothed
 _LAST_SENT = 4  # tick
 _RING = 5
 _SLOTS = 256
 TRIP_LENGTH = _RING + _SLOTS
-"""What is remembered, float64."""
+"""Length of the memory, float64."""
 
 _FORGET = 1.0 / 250.0
+"""Decay of the worst round trip per answer."""
+
 _SMOOTH = 0.1
+"""Smoothing factor of the hold time per command."""
 
 _LOW_BITS = 0xFFFF
-"""Bits of a command's number that an answer repeats."""
+"""Mask of the bits of a command's number that an answer repeats."""
 
 
 @kernel
 def reset_trips(trips: Vec) -> None:
-    """Nothing was sent yet."""
+    """Initialise the memory before the first command."""
     trips[_SENT] = 0.0
     trips[_SEEN] = 0.0
     trips[_WORST] = 1.0
@@ -54,7 +57,7 @@ def reset_trips(trips: Vec) -> None:
 
 @kernel
 def note_sent(trips: Vec, tick: int) -> int:
-    """A command leaves at this tick; its number, from 1."""
+    """Record a command sent at this tick; return its number, from 1."""
     if trips[_SENT] > 0.0:
         trips[_HELD] += _SMOOTH * (float(tick) - trips[_LAST_SENT] - trips[_HELD])
     trips[_SENT] += 1.0
@@ -65,14 +68,14 @@ def note_sent(trips: Vec, tick: int) -> int:
 
 @kernel
 def ended_trip(trips: Vec, low_bits: int) -> int:
-    """The full number of the command whose lowest 16 bits an answer gives; 0 for one that was never sent."""
+    """Return the full number of the command with these lowest 16 bits; 0 for one that was never sent."""
     back = (int(trips[_SENT]) - low_bits) & _LOW_BITS
     return max(0, int(trips[_SENT]) - back)
 
 
 @kernel
 def note_answer(trips: Vec, number: int, tick: int) -> None:
-    """Data came at this tick, and it knows of command `number`."""
+    """Record data received at this tick that acknowledges command `number`."""
     sent = int(trips[_SENT])
     trips[_WORST] += _FORGET * (1.0 - trips[_WORST])
     if int(trips[_SEEN]) < number <= sent:
@@ -84,7 +87,7 @@ def note_answer(trips: Vec, number: int, tick: int) -> None:
 
 @kernel
 def silent_for(trips: Vec, tick: int) -> int:
-    """Ticks that the oldest command without an answer has waited; 0 when all are answered."""
+    """Return the ticks that the oldest unanswered command has waited; 0 when all are answered."""
     sent, seen = int(trips[_SENT]), int(trips[_SEEN])
     if seen >= sent:
         return 0
@@ -94,11 +97,11 @@ def silent_for(trips: Vec, tick: int) -> int:
 
 @kernel
 def worst_trip(trips: Vec) -> float:
-    """Worst recent round trip [ticks]; 1 is none."""
+    """Return the worst recent round trip [ticks]; 1 is the minimum."""
     return trips[_WORST]
 
 
 @kernel
 def delay_of(trips: Vec, own: float, dt: float) -> float:
-    """Delay for the stability limit [s]; `own` is what the device adds on its own [s]."""
+    """Return the delay for the stability limit [s]; `own` is the device's own delay [s]."""
     return own + dt * (max(0.0, trips[_WORST] - 1.0) + 0.5 * max(0.0, trips[_HELD] - 1.0))

@@ -2,9 +2,8 @@
 
     A5 5A | length u8 | kind u8 | sequence u16 | echo u16 | payload | CRC16 u16          all little endian
 
-Both ends use these compiled functions. The reader is a state machine over whatever bytes came: a byte that cannot begin
-a right frame is dropped and the search goes on behind it, so that it is in step again with the first whole frame after
-any garbage.
+Both ends use these compiled functions. The parser drops every byte that cannot begin a valid frame, and so
+resynchronises at the first complete frame after garbage.
 """
 
 from __future__ import annotations
@@ -61,32 +60,32 @@ OVERHEAD = HEADER + 2
 MAX_PAYLOAD = 64
 
 COMMAND, STATE, SCREEN, ASK, INFO = 1, 2, 3, 16, 17
-"""Kinds: what to do, what is, what the person sees (simulated persons only), who are you, this is who."""
+"""Kinds of frames: command, robot state, inputs of a simulated person, identification request, identification."""
 
 COMMAND_PAYLOAD = 26
 STATE_PAYLOAD = 44
 SCREEN_PAYLOAD = 20
 INFO_PAYLOAD = 22
 
-BEGIN = 0  # first byte not yet looked at
-END = 1  # behind the last byte that came
+BEGIN = 0  # first byte not parsed yet
+END = 1  # end of the received bytes
 ESTABLISHED = 2  # 1 once a frame was accepted
 LAST_SEQUENCE = 3
-LAST_TICK = 4  # when it was accepted
+LAST_TICK = 4  # tick of its acceptance
 FRAMES = 5  # accepted
-LOST = 6  # sequence numbers that never came
+LOST = 6  # missing sequence numbers
 DUPLICATES = 7
 REORDERED = 8  # older than the newest
-GARBAGE = 9  # bytes that belong to no frame
+GARBAGE = 9  # bytes outside frames
 BAD_CHECKSUMS = 10
 LINE_LENGTH = 11
-"""What a reader remembers, float64."""
+"""Length of a parser's memory, float64."""
 
 SEQUENCE, ECHO = 4, 6
-"""Where in a frame sequence and echo stand."""
+"""Offsets of sequence and echo in a frame."""
 
 LOW_BYTE, LOW_WORD = 0xFF, 0xFFFF
-"""Bits of the lowest byte, and of the lowest two."""
+"""Masks of the lowest byte and of the lowest two."""
 
 BYTE = 8
 """Bits of a byte."""
@@ -98,12 +97,12 @@ _CRC_FOLD, _CRC_HIGH, _CRC_LOW = 4, 12, 5
 _SYNC_0, _SYNC_1 = 0xA5, 0x5A
 _HALF = 0x8000
 _PATIENCE = 20
-"""Ticks without an accepted frame after which an older sequence is that of a robot that started again."""
+"""Ticks without an accepted frame after which an older sequence number is that of a restarted robot."""
 
 
 @kernel
 def crc16(data: U1, start: int, end: int) -> int:
-    """CRC-16/CCITT-FALSE (polynomial 0x1021, from 0xFFFF) of data[start:end]; 0x29B1 for "123456789"."""
+    """Return the CRC-16/CCITT-FALSE (polynomial 0x1021, from 0xFFFF) of data[start:end]; 0x29B1 for "123456789"."""
     crc = _CRC_START
     for i in range(start, end):
         x = (crc >> BYTE) ^ int(data[i])
@@ -114,13 +113,13 @@ def crc16(data: U1, start: int, end: int) -> int:
 
 @kernel
 def word_at(data: U1, place: int) -> int:
-    """Unsigned 16 bits at data[place:place + 2]."""
+    """Return the unsigned 16-bit number at data[place:place + 2]."""
     return int(data[place]) | int(data[place + 1]) << BYTE
 
 
 @kernel
 def seal_frame(frame: U1, kind: int, sequence: int, echo: int, payload: int) -> int:
-    """Put header and checksum around the payload that stands at frame[HEADER:]; the length of the whole frame."""
+    """Write header and checksum around the payload at frame[HEADER:]; return the length of the frame."""
     frame[0] = _SYNC_0
     frame[1] = _SYNC_1
     frame[2] = payload
@@ -138,13 +137,13 @@ def seal_frame(frame: U1, kind: int, sequence: int, echo: int, payload: int) -> 
 
 @kernel
 def reset_line(line: Vec) -> None:
-    """Forget bytes and sequence of a line that was opened again; the counts stay."""
+    """Discard bytes and sequence of a reopened line; the counters are kept."""
     line[BEGIN] = line[END] = line[ESTABLISHED] = 0.0
 
 
 @kernel
 def make_room(line: Vec, buffer: U1) -> int:
-    """Move the bytes not looked at to the front; where the next ones may be written."""
+    """Move the unparsed bytes to the front; return the place for the next ones."""
     begin, end = int(line[BEGIN]), int(line[END])
     for i in range(end - begin):
         buffer[i] = buffer[begin + i]
@@ -155,7 +154,7 @@ def make_room(line: Vec, buffer: U1) -> int:
 
 @kernel
 def next_frame(line: Vec, buffer: U1) -> int:
-    """Where the next whole and right frame begins in buffer, -1 when there is none yet."""
+    """Return the start of the next complete valid frame in the buffer, -1 for none yet."""
     begin, end = int(line[BEGIN]), int(line[END])
     found = -1
     while end - begin >= OVERHEAD:
@@ -180,7 +179,7 @@ def next_frame(line: Vec, buffer: U1) -> int:
 
 @kernel
 def accept_sequence(line: Vec, sequence: int, tick: int) -> bool:
-    """Whether a frame is newer than all before; what is missing, double or late is counted."""
+    """Whether a frame is newer than all before; missing, duplicate and late ones are counted."""
     ahead = (sequence - int(line[LAST_SEQUENCE])) & LOW_WORD
     restarted = tick - int(line[LAST_TICK]) > _PATIENCE
     if line[ESTABLISHED] == 1.0 and not (restarted and ahead >= _HALF):

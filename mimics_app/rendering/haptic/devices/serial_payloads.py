@@ -1,6 +1,6 @@
-"""What stands in the frames of the serial robot, packed and unpacked where it lies: float32 first, then small numbers.
+"""Payloads of the serial robot's frames, packed and unpacked in place: float32 first, then small integers.
 
-A payload is handled in an aligned space of PAYLOAD_PLACES float64 places. Little-endian machines only, as numba's are.
+A payload lies in an aligned buffer of PAYLOAD_PLACES float64 places. Little-endian machines only.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ __all__ = [
 
 PAYLOAD_PLACES = MAX_PAYLOAD // 8
 FRAME_PLACES = 1 + PAYLOAD_PLACES + 1
-"""Header, payload and checksum; the payload is aligned because the header is one place long."""
+"""float64 places of a frame: header (one place, so that the payload is aligned), payload and checksum."""
 
 ROBOT_READY, ROBOT_NOT_HOMED, ROBOT_FAULT = 0, 1, 2
 """Status byte of a STATE frame."""
@@ -61,12 +61,12 @@ ROBOT_READY, ROBOT_NOT_HOMED, ROBOT_FAULT = 0, 1, 2
 _MICRO = 1e-6
 
 _STATE_AGE, _SCREEN_TRIAL = 42, 18
-"""Where the word of a STATE and of a SCREEN payload stands."""
+"""Offset of the 16-bit word of a STATE and of a SCREEN payload."""
 
 
 @kernel
 def fetch_payload(buffer: U1, frame: int, payload: Vec) -> None:
-    """Copy the payload of the frame at buffer[frame:] into its aligned space."""
+    """Copy the payload of the frame at buffer[frame:] to an aligned buffer."""
     into = payload.view(np.uint8)
     for i in range(int(buffer[frame + 2])):
         into[i] = buffer[frame + HEADER + i]
@@ -81,7 +81,7 @@ def _put_word(small: U1, place: int, value: float) -> None:
 
 @kernel
 def pack_command(command: Vec, usable: bool, payload: Vec) -> None:
-    """Six float32 (joint velocities, force), enabled, state; zeros and not enabled where the numbers are not usable."""
+    """Pack six float32 (joint velocities, force), enabled, state; zeros and disabled where `usable` is False."""
     floats, small = payload.view(np.float32), payload.view(np.uint8)
     for i in range(3):
         floats[i] = command[COMMAND_DQ + i] if usable else 0.0
@@ -92,7 +92,7 @@ def pack_command(command: Vec, usable: bool, payload: Vec) -> None:
 
 @kernel
 def unpack_command(payload: Vec, command: Vec) -> None:
-    """The other way."""
+    """Unpack what `pack_command` packed."""
     floats, small = payload.view(np.float32), payload.view(np.uint8)
     for i in range(3):
         command[COMMAND_DQ + i] = floats[i]
@@ -103,7 +103,7 @@ def unpack_command(payload: Vec, command: Vec) -> None:
 
 @kernel
 def pack_state(data: Vec, status: int, payload: Vec) -> None:
-    """Ten float32 (joints, velocities, force, grasp), buttons, status, age in us."""
+    """Pack ten float32 (joints, velocities, force, grasp), buttons, status, age [us]."""
     floats, small = payload.view(np.float32), payload.view(np.uint8)
     for i in range(3):
         floats[i] = data[DATA_Q + i]
@@ -117,7 +117,7 @@ def pack_state(data: Vec, status: int, payload: Vec) -> None:
 
 @kernel
 def unpack_state(payload: Vec, data: Vec) -> int:
-    """The other way; the status byte."""
+    """Unpack what `pack_state` packed; return the status byte."""
     floats, small = payload.view(np.float32), payload.view(np.uint8)
     for i in range(3):
         data[DATA_Q + i] = floats[i]
@@ -131,7 +131,7 @@ def unpack_state(payload: Vec, data: Vec) -> int:
 
 @kernel
 def pack_screen(inbox: Vec, payload: Vec) -> None:
-    """Four float32 (target, grasp), buttons, active, trial: what a simulated person sees."""
+    """Pack four float32 (target, grasp), buttons, active, trial: the inputs of a simulated person."""
     floats, small = payload.view(np.float32), payload.view(np.uint8)
     for i in range(3):
         floats[i] = inbox[INBOX_TARGET + i]
@@ -143,7 +143,7 @@ def pack_screen(inbox: Vec, payload: Vec) -> None:
 
 @kernel
 def unpack_screen(payload: Vec, inbox: Vec) -> None:
-    """The other way."""
+    """Unpack what `pack_screen` packed."""
     floats, small = payload.view(np.float32), payload.view(np.uint8)
     for i in range(3):
         inbox[INBOX_TARGET + i] = floats[i]

@@ -1,4 +1,4 @@
-"""Opens a serial line and greets the robot on it: the main side of serial:PORT[@BAUD]."""
+"""Connection to a robot on a serial line: the main thread's side of serial:PORT[@BAUD]."""
 
 from __future__ import annotations
 
@@ -36,18 +36,23 @@ __all__ = ["RobotInfo", "build_serial", "info_payload", "parse_info"]
 
 _BITS_PER_BYTE = 10  # start, eight, stop
 _PATIENCE_NS = 1_500_000_000
+"""Time-out of the identification [ns]."""
+
 _ASK_AGAIN_NS = 200_000_000
+"""Time between two identification requests [ns]."""
+
 _WANTS_SCREEN = 1
+"""Bit of the flags of an INFO frame."""
 
 
 @dataclass(frozen=True, slots=True)
 class RobotInfo:
-    """What a robot says of itself.
+    """Identification of a robot.
 
     Attributes:
         name: Up to 16 ASCII characters.
-        delay: From a command's arrival to the motion it makes [s].
-        wants_screen: A simulated person is on it, who must see what to do.
+        delay: Delay from the arrival of a command to its motion [s].
+        wants_screen: True for a simulated person on the robot, who needs SCREEN frames.
     """
 
     name: str
@@ -56,29 +61,29 @@ class RobotInfo:
 
 
 def info_payload(info: RobotInfo) -> bytes:
-    """Payload of an INFO frame: protocol, flags, delay in us (u16), rate in Hz (u16), name."""
+    """Return the payload of an INFO frame: protocol, flags, delay [us] (u16), rate [Hz] (u16), name."""
     head = bytes([PROTOCOL, _WANTS_SCREEN if info.wants_screen else 0])
     delay = round(info.delay * 1e6).to_bytes(2, "little")
     return head + delay + (1000).to_bytes(2, "little") + info.name.encode("ascii")[:16].ljust(16, b"\0")
 
 
 def parse_info(payload: bytes) -> RobotInfo:
-    """The other way.
+    """Parse the payload of an INFO frame.
 
     Raises:
-        DeviceError: A protocol this program does not speak.
+        DeviceError: The robot has another version of the protocol.
     """
     if payload[0] != PROTOCOL:
-        raise DeviceError(f"the robot speaks protocol {payload[0]}, this program {PROTOCOL}", "update one of them")
+        raise DeviceError(f"the robot has protocol {payload[0]}, this program {PROTOCOL}", "update one of them")
     name = payload[6:22].rstrip(b"\0").decode("ascii", "replace")
     return RobotInfo(name, int.from_bytes(payload[2:4], "little") * 1e-6, bool(payload[1] & _WANTS_SCREEN))
 
 
 def build_serial(request: DeviceRequest) -> DevicePlugin:
-    """The robot behind a serial line; it must answer.
+    """Build the device of a robot on a serial line, which must answer.
 
     Raises:
-        DeviceError: No such port, or nothing on it answers as a robot of this protocol.
+        DeviceError: No such port, or no robot of this protocol answers.
     """
     port, baud = port_and_baud(request.address, DEFAULT_BAUD)
     memory = np.zeros(serial_robot.SERIAL_LENGTH)
@@ -110,7 +115,7 @@ def build_serial(request: DeviceRequest) -> DevicePlugin:
 
 
 def _open_port(port: str, baud: int) -> Any:
-    """The line, raw and non-blocking."""
+    """Open the line, raw and non-blocking."""
     import serial
 
     try:
@@ -123,7 +128,7 @@ def _open_port(port: str, baud: int) -> Any:
 
 
 def _greet(fd: int, port: str) -> RobotInfo:
-    """Ask who is there until an INFO frame comes."""
+    """Request the identification until an INFO frame comes."""
     clock = MonotonicClock()
     question, line = np.zeros(OVERHEAD, np.uint8), np.zeros(LINE_LENGTH)
     end = clock.now_ns() + _PATIENCE_NS
@@ -145,7 +150,7 @@ def _greet(fd: int, port: str) -> RobotInfo:
 
 
 def _find_info(heard: bytes, line: np.ndarray[Any, Any]) -> bytes | None:
-    """Payload of the first INFO frame among the bytes."""
+    """Return the payload of the first INFO frame among the bytes."""
     buffer = np.frombuffer(heard, np.uint8).copy()
     line[:] = 0.0
     line[1] = len(heard)

@@ -1,8 +1,8 @@
-"""A robot on a serial line (serial:PORT[@BAUD]): the loop's side, reading and writing the descriptor itself.
+"""Loop side of a robot on a serial line (serial:PORT[@BAUD]): compiled read and write on its descriptor.
 
-The loop sends a command as often as the speed of the line allows and never more: what does not fit would wait in the
-system's buffer and grow old there. Frames either way name the newest one of the other way, which gives the
-delay. Protocol: docs/devices/serial_protocol.md.
+Commands are sent at most as often as the baud rate allows: more would wait, and age, in the system's buffer. Frames in
+either direction name the newest one of the other direction, which gives the delay. Protocol:
+docs/devices/serial_protocol.md.
 """
 
 from __future__ import annotations
@@ -14,7 +14,15 @@ import numpy as np
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.descriptors import HUNG_UP, READABLE, look_at, read_bytes, write_bytes
 from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.contracts.loop_ports import COMMAND_LENGTH, DATA_AGE, DATA_DELAY, INBOX_LENGTH, READ, WRITE
+from mimics_app.contracts.loop_ports import (
+    COMMAND_LENGTH,
+    DATA_AGE,
+    DATA_BUTTONS,
+    DATA_DELAY,
+    INBOX_LENGTH,
+    READ,
+    WRITE,
+)
 from mimics_app.rendering.haptic.devices.link import LINK_LENGTH, drop_link, link_words, take_link
 from mimics_app.rendering.haptic.devices.round_trip import (
     TRIP_LENGTH,
@@ -71,23 +79,23 @@ __all__ = [
 ]
 
 
-LINE = LINK_LENGTH  # reader of STATE frames
+LINE = LINK_LENGTH  # parser of STATE frames
 TRIPS = LINE + LINE_LENGTH
 TICK = TRIPS + TRIP_LENGTH  # [s]
-BYTES_PER_TICK = TICK + 1  # that the line carries
+BYTES_PER_TICK = TICK + 1  # capacity of the line
 CREDIT = TICK + 2  # bytes that may be sent now
-OWN_DELAY = TICK + 3  # of the robot, as INFO gives it [s]
-SCREEN_WANTED = TICK + 4  # 1: a simulated person wants to see what to do
-SKIPPED = TICK + 5  # commands the line had no time for
-BLOCKED = TICK + 6  # commands the system had no room for
-PENDING = TICK + 7  # bytes of the last frame that the system did not take yet
-TAKEN = TICK + 8  # bytes of it that it took
+OWN_DELAY = TICK + 3  # delay of the robot, from INFO [s]
+SCREEN_WANTED = TICK + 4  # 1: a simulated person needs SCREEN frames
+SKIPPED = TICK + 5  # commands not sent for want of capacity of the line
+BLOCKED = TICK + 6  # commands not sent because the system's buffer was full
+PENDING = TICK + 7  # bytes of the last frame still to write
+TAKEN = TICK + 8  # bytes of it that were written
 SHOWN = TICK + 9  # tick of the last SCREEN frame
 SCREENS = TICK + 10  # SCREEN frames sent
 _NOW = TICK + 11  # inbox as last read
 _TOLD = _NOW + INBOX_LENGTH  # inbox as last sent
-_OUT = _TOLD + INBOX_LENGTH  # the frame that leaves
-_PAYLOAD = _OUT + FRAME_PLACES  # of the frame that came
+_OUT = _TOLD + INBOX_LENGTH  # outgoing frame
+_PAYLOAD = _OUT + FRAME_PLACES  # payload of the received frame
 _IN = _PAYLOAD + PAYLOAD_PLACES
 _IN_PLACES = 128
 _POLL = _IN + _IN_PLACES
@@ -96,15 +104,15 @@ SERIAL_LENGTH = _POLL + 1
 _FRESH, _NO_DATA, _FAULT = 0, 1, 2
 
 _DEAF = 50
-"""Ticks that the robot may leave commands unanswered: its own watchdog has let go by then."""
+"""Ticks without an acknowledgement after which the robot counts as faulty: its watchdog has disabled it by then."""
 
 _SCREEN_EVERY = 16
-"""Ticks between two SCREEN frames, a frame of the picture."""
+"""Smallest number of ticks between two SCREEN frames: a frame of the picture."""
 
 
 @kernel
 def _fill_buffer(memory: Vec, fd: int) -> bool:
-    """Take what came; False when the other end is gone."""
+    """Read bytes into the buffer; return False when the other end is gone."""
     line = memory[LINE : LINE + LINE_LENGTH]
     buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
     seen = look_at(fd, memory[_POLL : _POLL + 1].view(np.int32))
@@ -119,20 +127,26 @@ def _fill_buffer(memory: Vec, fd: int) -> bool:
 
 @kernel
 def _take_frames(memory: Vec, data: Vec, tick: int) -> int:
-    """The newest STATE frame into data; FRESH, NO_DATA, or the FAULT that the robot reports."""
+    """Read the newest STATE frame into `data`; return FRESH, NO_DATA, or FAULT where any frame reports one.
+
+    Several frames wait after a late tick: a button that was pressed in any of them counts as pressed.
+    """
     line = memory[LINE : LINE + LINE_LENGTH]
     trips = memory[TRIPS : TRIPS + TRIP_LENGTH]
     buffer = memory[_IN : _IN + _IN_PLACES].view(np.uint8)
     payload = memory[_PAYLOAD : _PAYLOAD + PAYLOAD_PLACES]
-    status = _NO_DATA
+    status, pressed = _NO_DATA, 0
     frame = next_frame(line, buffer)
     while frame >= 0:
         wanted = buffer[frame + 3] == STATE and buffer[frame + 2] == STATE_PAYLOAD
         if wanted and accept_sequence(line, word_at(buffer, frame + SEQUENCE), tick):
             fetch_payload(buffer, frame, payload)
             robot = unpack_state(payload, data)
+            pressed |= int(data[DATA_BUTTONS])
+            data[DATA_BUTTONS] = float(pressed)
             note_answer(trips, ended_trip(trips, word_at(buffer, frame + ECHO)), tick)
-            status = _FRESH if robot == ROBOT_READY else _FAULT if robot >= ROBOT_FAULT else _NO_DATA
+            if status != _FAULT:
+                status = _FRESH if robot == ROBOT_READY else _FAULT if robot >= ROBOT_FAULT else _NO_DATA
         frame = next_frame(line, buffer)
     if status == _FRESH:
         dt = memory[TICK]
@@ -143,7 +157,7 @@ def _take_frames(memory: Vec, data: Vec, tick: int) -> int:
 
 @typed_kernel(READ)
 def read_serial(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
-    """What the robot sent since the last tick; FAULT while there is no line or the robot hears nothing."""
+    """Read the states since the last tick; return FAULT without a line, or while the robot receives nothing."""
     words = link_words(memory)
     trips = memory[TRIPS : TRIPS + TRIP_LENGTH]
     fd, is_new = take_link(words)
@@ -164,7 +178,7 @@ def read_serial(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
 
 @kernel
 def _send(memory: Vec, fd: int, length: int) -> None:
-    """Hand the frame in _OUT to the system; what it does not take at once leaves at the next tick."""
+    """Write the frame in _OUT; bytes that the system does not accept now are written at the next tick."""
     taken = max(0, write_bytes(fd, memory[_OUT : _OUT + FRAME_PLACES].view(np.uint8), 0, length))
     memory[TAKEN] = float(taken)
     memory[PENDING] = float(length - taken)
@@ -173,7 +187,7 @@ def _send(memory: Vec, fd: int, length: int) -> None:
 
 @kernel
 def _send_rest(memory: Vec, fd: int) -> bool:
-    """Send what is left of a frame; True when nothing is."""
+    """Write the rest of the last frame; return True when all of it was written."""
     if memory[PENDING] > 0.0:
         out = memory[_OUT : _OUT + FRAME_PLACES].view(np.uint8)
         taken = max(0, write_bytes(fd, out, int(memory[TAKEN]), int(memory[PENDING])))
@@ -192,7 +206,7 @@ def _screen_changed(memory: Vec) -> bool:
 
 @kernel
 def _show_screen(memory: Vec, fd: int, tick: int) -> None:
-    """Show a simulated person what changed on the screen, at most once a frame of the picture."""
+    """Send a changed inbox to a simulated person, at most once per frame of the picture."""
     length = SCREEN_PAYLOAD + OVERHEAD
     due = memory[SCREEN_WANTED] == 1.0 and float(tick) - memory[SHOWN] >= _SCREEN_EVERY
     if not due or memory[PENDING] > 0.0 or memory[CREDIT] < length or not _screen_changed(memory):
@@ -208,7 +222,7 @@ def _show_screen(memory: Vec, fd: int, tick: int) -> None:
 
 @typed_kernel(WRITE)
 def write_serial(memory: Vec, command: Vec, tick: int) -> int:
-    """Send the command if the line has time for it; 0 when it left."""
+    """Send the command if the line has capacity for it; return 0 when it was sent."""
     fd, _ = take_link(link_words(memory))
     if fd < 0:
         return 1

@@ -1,4 +1,4 @@
-"""The simulated HapticMaster with a simulated person on it, or with nobody."""
+"""Simulated HapticMaster with a simulated person or a relaxed arm."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _ENCODER_QUANTUM = 4e-6
 
 @typed_kernel(READ)
 def read_patient(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
-    """One tick of robot and person; what the sensors show. Memory: robot, then arm."""
+    """Simulate one tick of robot and person; write the sensor data. Memory: robot, then arm."""
     machine = memory[:ROBOT_LENGTH]
     person = memory[ROBOT_LENGTH:]
     if tick > 0:
@@ -53,7 +53,7 @@ def read_patient(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
 
 @typed_kernel(WRITE)
 def write_robot(memory: Vec, command: Vec, tick: int) -> int:
-    """Joint velocities into the robot's delay line; what is not enabled or not finite is not followed."""
+    """Put joint velocities into the robot's delay line; without enabled, finite ones the robot coasts."""
     machine, dq = memory[:ROBOT_LENGTH], command[COMMAND_DQ : COMMAND_DQ + 3]
     usable = all_finite(dq)
     if usable and command[COMMAND_ENABLED] != 0.0:
@@ -88,13 +88,13 @@ def write_robot_memory(memory: Vec, request: DeviceRequest) -> None:
 
 
 def robot_delay(request: DeviceRequest) -> float:
-    """From a command to the motion it makes [s]: the delay line, and the servo's lag at low frequency."""
+    """Return the delay from command to motion [s]: the delay line plus the servo's lag at low frequency."""
     robot = request.robot
     return robot.delay_ticks / request.rate + 1.0 / (2.0 * math.pi * robot.servo_bandwidth_hz)
 
 
 def build_simulated_hapticmaster(request: DeviceRequest) -> DevicePlugin:
-    """The simulated robot, held by the request's patient, or by a relaxed arm when there is none."""
+    """Build the simulated robot with the request's patient, or a relaxed arm."""
     memory = np.zeros(ROBOT_LENGTH + ARM_LENGTH)
     write_robot_memory(memory[:ROBOT_LENGTH], request)
     write_person(memory[ROBOT_LENGTH:], request)

@@ -1,4 +1,4 @@
-"""A simulated light robot that takes forces, with a simulated person on it, or with nobody."""
+"""Simulated light robot that takes forces, with a simulated person or a relaxed arm."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _SETTINGS = {
 
 @typed_kernel(READ)
 def read_light_patient(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
-    """One tick of robot and person; what the sensors show. Memory: robot, then arm."""
+    """Simulate one tick of robot and person; write the sensor data. Memory: robot, then arm."""
     machine = memory[:LENGTH]
     person = memory[LENGTH:]
     if tick > 0:
@@ -55,7 +55,7 @@ def read_light_patient(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
 
 @typed_kernel(WRITE)
 def write_force(memory: Vec, command: Vec, tick: int) -> int:
-    """The force on the user into the robot's delay line; without one that is enabled and finite the motors brake."""
+    """Put the force on the user into the robot's delay line; without an enabled, finite one the motors brake."""
     force = command[COMMAND_FORCE : COMMAND_FORCE + 3]
     usable = all_finite(force)
     command_force(memory[:LENGTH], force, usable and command[COMMAND_ENABLED] != 0.0)
@@ -63,7 +63,7 @@ def write_force(memory: Vec, command: Vec, tick: int) -> int:
 
 
 def build_simulated_impedance(request: DeviceRequest) -> DevicePlugin:
-    """The light robot, held by the request's patient, or by a relaxed arm when there is none.
+    """Build the light robot with the request's patient, or a relaxed arm.
 
     `robot.settings` may hold mass [kg], friction [N s/m], motor_force [N] and encoder [m].
 

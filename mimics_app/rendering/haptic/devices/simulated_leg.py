@@ -1,4 +1,4 @@
-"""One or two simulated legs on a gait orthosis, with a simulated person who leads the first foot."""
+"""One or two simulated legs on a gait orthosis; a simulated person moves the first foot."""
 
 from __future__ import annotations
 
@@ -56,11 +56,12 @@ _SETTINGS = {
     "encoder": (machine.ENCODER, 1e-5),  # [rad]
 }
 _DRIVES = {"hip_torque": (machine.TORQUE_MAX, 120.0), "knee_torque": (machine.TORQUE_MAX + 1, 80.0)}  # [N m]
-"""Peaks of a gait orthosis' drives are of this size; flagged in docs/devices as not verified."""
+"""Peak torques of the magnitude of a gait orthosis; marked in docs/devices as not verified."""
 
 _MODES = ("motion", "torque")
+
 _DRIVE_INERTIA = (0.15, 0.08)
-"""Of hip and knee drive at the joint [kg m^2]."""
+"""Inertia of hip and knee drive at the joint [kg m^2]."""
 
 _COM_SHARE = 0.433
 _GYRATION_SHARE = 0.32
@@ -69,7 +70,7 @@ _GYRATION_SHARE = 0.32
 
 @typed_kernel(READ)
 def read_legs(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
-    """One tick of legs and person; what the sensors show."""
+    """Simulate one tick of legs and person; write the sensor data."""
     geometry, foot, dt = memory[_SHAPE:_FOOT], memory[_FOOT:_LEGS], memory[_LEGS + machine.TICK]
     for k in range(int(geometry[0])):
         leg = memory[_LEGS + k * LENGTH : _LEGS + (k + 1) * LENGTH]
@@ -91,7 +92,7 @@ def read_legs(memory: Vec, inbox: Vec, data: Vec, tick: int) -> int:
 
 @typed_kernel(WRITE)
 def write_legs(memory: Vec, command: Vec, tick: int) -> int:
-    """Joint velocities or torques into the drives' delay lines; what is not enabled or not finite brakes them."""
+    """Put joint velocities or torques into the drives' delay lines; without enabled, finite ones the drives brake."""
     start = COMMAND_DQ if memory[_LEGS + machine.MOTION] != 0.0 else COMMAND_TORQUE
     joints = 2 * int(memory[_SHAPE])
     usable = all_finite(command[start : start + joints])
@@ -102,7 +103,7 @@ def write_legs(memory: Vec, command: Vec, tick: int) -> int:
 
 
 def _segment(leg: Vec, mass: int, com: int, inertia: int, length: float) -> None:
-    """Centre of mass and inertia of a segment of this length [m]."""
+    """Write centre of mass and inertia of a segment of this length [m]."""
     leg[com] = _COM_SHARE * length
     leg[inertia] = leg[mass] * (_GYRATION_SHARE * length) ** 2
 
@@ -129,7 +130,7 @@ def _write_leg(leg: Vec, request: DeviceRequest, number: int, geometry: Vec, mod
 
 
 def build_simulated_leg(request: DeviceRequest) -> DevicePlugin:
-    """As many legs as the descriptor has feet, nearly stretched at first; the person's limb leads the first foot.
+    """Build one leg per point of contact of the descriptor, nearly stretched; the person's limb moves the first foot.
 
     `robot.settings` may hold mode ("motion", or "torque"), lengths thigh, shank, foot, hip_width [m], thigh_mass,
     shank_mass [kg], hip_torque, knee_torque [N m], drive_damping [N m s/rad], servo_bandwidth_hz, torque_noise,
@@ -164,5 +165,5 @@ def build_simulated_leg(request: DeviceRequest) -> DevicePlugin:
 def _check_lengths(request: DeviceRequest) -> None:
     for name in LENGTHS:
         value = request.robot.settings.get(name, LENGTHS[name])
-        if not isinstance(value, int | float) or not 0.0 < value < 2.0:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < 2.0:
             raise DeviceError(f'the length "{name}" of the leg is {value!r}', "give metres between 0 and 2")

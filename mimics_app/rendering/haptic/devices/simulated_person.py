@@ -1,4 +1,4 @@
-"""The person on a simulated robot: an arm with the request's impairment and way, or a relaxed one."""
+"""Person on a simulated robot: an arm with the request's impairment and path, or a relaxed arm."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ __all__ = ["move_person", "write_person"]
 
 
 _RELAXED_MASS = 1.5
-"""Of an arm that nobody describes [kg]."""
+"""Mass of a relaxed arm [kg]."""
 
 
 @kernel
 def move_person(person: Vec, handle: Vec, inbox: Vec, data: Vec, dt: float) -> None:
-    """One tick of the person; grasp and buttons go into the sensors' data. An inbox that is not finite lets nobody act.
+    """Simulate one tick of the person; write grasp and buttons to `data`. With an inbox that is not finite it is idle.
 
     Args:
         person: Arm memory, shape [arm.ARM_LENGTH].
         handle: Position [m] and velocity [m/s] of the handle, robot frame, shape [6].
-        inbox: What the person is shown, as the device sees it.
-        data: Of the device.
+        inbox: Inbox vector of the device.
+        data: Data vector of the device.
         dt: Tick [s].
     """
     active = all_finite(inbox) and inbox[INBOX_ACTIVE] != 0.0
@@ -47,7 +47,7 @@ def move_person(person: Vec, handle: Vec, inbox: Vec, data: Vec, dt: float) -> N
 
 
 def write_person(memory: Vec, request: DeviceRequest) -> None:
-    """Fill an arm's memory, shape [arm.ARM_LENGTH], from the request's patient, seed and way."""
+    """Fill an arm's memory, shape [arm.ARM_LENGTH], from the request's patient, seed and path."""
     seed_noise(memory, arm.GENERATOR, 2 * request.seed + 1)
     if request.patient is None:
         memory[arm.ARM_MASS] = _RELAXED_MASS

@@ -1,3 +1,3 @@
-"""Robots that are not there: processes that answer as the real ones would, and fail on command."""
+"""Emulated robots: the remote side of each device protocol, with faults on command."""
 
 __all__: list[str] = []

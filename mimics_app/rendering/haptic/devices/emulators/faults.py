@@ -1,4 +1,4 @@
-"""What an emulated robot does wrong, on command."""
+"""Faults that an emulated robot injects on command."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ __all__ = ["Faults", "apply_order"]
 
 @dataclass(slots=True)
 class Faults:
-    """The faults of a line; all off.
+    """Faults of a line; all off by default.
 
     Attributes:
-        silence: The line stays open, nothing is sent.
-        garbage: Random bytes put between frames, per millisecond.
-        drop: Share of the bytes that are lost on the way out.
-        deaf: The robot speaks and hears nothing.
-        plugged: False pulls the plug.
+        silence: The line stays open, but nothing is sent.
+        garbage: Random bytes inserted per millisecond.
+        drop: Share of the sent bytes that are lost.
+        deaf: The robot sends, but receives nothing.
+        plugged: False: the line is unplugged.
     """
 
     silence: bool = False
@@ -30,7 +30,7 @@ class Faults:
     plugged: bool = True
 
     def spoil(self, sent: bytes, random: np.random.Generator) -> bytes:
-        """What arrives of the bytes of one millisecond."""
+        """Return the bytes that arrive of those sent in one millisecond."""
         if self.silence:
             return b""
         if self.drop > 0.0:
@@ -50,12 +50,12 @@ _ORDERS = {
 
 
 def apply_order(faults: Faults, line: str) -> None:
-    """Change the faults as a line of text says.
+    """Change the faults by a line of text.
 
     `silence [off]`, `garbage BYTES_PER_MS`, `drop SHARE`, `deaf [off]`, `unplug`, `plug`.
 
     Raises:
-        UsageError: No such order, or its number is wrong.
+        UsageError: Unknown order, or an invalid number.
     """
     word, _, value = line.strip().partition(" ")
     if word not in _ORDERS:
@@ -66,7 +66,7 @@ def apply_order(faults: Faults, line: str) -> None:
         elif word == "drop":
             faults.drop = min(1.0, max(0.0, float(value)))
     except ValueError:
-        raise UsageError(f'"{value}" is no number', f"write {_ORDERS[word]}") from None
+        raise UsageError(f'"{value}" is not a number', f"write {_ORDERS[word]}") from None
     if word == "silence":
         faults.silence = value != "off"
     elif word == "deaf":

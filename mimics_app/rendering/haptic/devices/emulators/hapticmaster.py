@@ -1,4 +1,4 @@
-"""A HapticMaster that is not there: its network interface on a loopback socket, with a simulated person on it."""
+"""Emulated HapticMaster: its network interface on a loopback socket, with a simulated person."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ _MOST = 1 << 16
 
 
 class HapticMasterEmulator:
-    """One client at a time, as the machine has it.
+    """Server for one client at a time, like the machine.
 
     Attributes:
-        faults: What it does wrong now.
+        faults: Present faults of the line.
         model: The machine behind the socket.
-        commands: Frames it has taken.
+        commands: Number of frames received.
 
     Args:
         plugin: Simulated robot and person, built for 2500 ticks per second.
-        delay_steps: Milliseconds each answer waits before it leaves: a slower network.
-        seed: Of random bytes.
-        port: To listen on; 0: any that is free.
-        calibrated: False: the program must have it search the ends of its axes first.
+        delay_steps: Delay of each answer, to emulate a slower network [ms].
+        seed: Seed of the random bytes.
+        port: Port to listen on; 0: any free port.
+        calibrated: False: the machine must be calibrated first.
     """
 
     def __init__(
@@ -51,11 +51,11 @@ class HapticMasterEmulator:
 
     @property
     def address(self) -> str:
-        """What to write behind `hapticmaster:`."""
+        """Address of the device `hapticmaster:`."""
         return f"127.0.0.1:{self._port}"
 
     def step(self) -> None:
-        """One millisecond: hear, move, answer."""
+        """Advance by one millisecond: receive, move, answer."""
         self._follow_plug()
         self._hear()
         self.model.step()
@@ -63,11 +63,11 @@ class HapticMasterEmulator:
         self._send_waiting()
 
     def rehearse(self) -> None:
-        """Go through a step once, so that nothing is compiled while it has to keep time."""
+        """Run one step, so that nothing is compiled later in real time."""
         self.model.step()
 
     def greet(self) -> None:
-        """Answer without moving, while a program is being started."""
+        """Answer without motion, while a program starts."""
         self._follow_plug()
         self._hear()
         if self.model.state == "init":
@@ -75,7 +75,7 @@ class HapticMasterEmulator:
         self._send_waiting(at_once=True)
 
     def close(self) -> None:
-        """Take the socket away."""
+        """Close the socket."""
         self._hang_up()
         if self._listener is not None:
             self._listener.close()
@@ -146,5 +146,5 @@ class HapticMasterEmulator:
         if sent:
             try:
                 self._client.sendall(sent)
-            except OSError:  # nobody takes it any more
+            except OSError:  # the client is gone
                 self._hang_up()

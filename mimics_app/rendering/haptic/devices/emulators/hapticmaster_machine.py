@@ -1,6 +1,6 @@
-"""The inside of the emulated HapticMaster: admittance control at 2500 Hz, and the effects and objects it renders.
+"""Controller of the emulated HapticMaster: admittance control at 2500 Hz, with its effects and objects.
 
-A row of the table of effects is one effect or object; what its kind does not use is ignored.
+A row of the table of effects is one effect or object; columns that its kind does not use are ignored.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ __all__ = [
 
 
 RATE = 2500
+"""Rate of the controller [Hz]."""
 
 SPRING, DAMPER, BIAS, BLOCK, SPHERE, CYLINDER, PLANE = 1, 2, 3, 4, 5, 6, 7
 """Kinds of rows."""
@@ -62,19 +63,24 @@ VELOCITY = 2  # of the virtual mass, robot frame [m/s]
 MEASURED = 5  # force of the user, robot frame [N]
 _WORK = 8
 MACHINE_LENGTH = _WORK + 9
-"""What the machine remembers, float64."""
+"""Length of the controller's memory, float64."""
 
 _LARGEST_SPEED = 1.0
+"""Limit of the handle's speed [m/s]."""
+
 _LARGEST_FORCE = 250.0
+"""Limit of the sum of all effects [N]."""
+
 _STOP_TIME = 0.02
+"""Time constant of braking [s]."""
 
 _SLOWEST_SLIDE = 1e-3
-"""Below this speed [m/s] friction falls to zero with the speed, so that it has no jump at rest."""
+"""Speed below which friction is proportional to the speed, which avoids a jump at rest [m/s]."""
 
 
 @kernel
 def _spring(row: Vec, x: Vec, v: Vec, damping: float, f: Vec) -> None:
-    """Towards the point, along its direction where it has one; nothing inside the deadband."""
+    """Compute the force of a spring, along its direction where it has one; zero inside the dead band."""
     along = row[DIRECTION] ** 2 + row[DIRECTION + 1] ** 2 + row[DIRECTION + 2] ** 2
     pull, speed = np.empty(3), np.empty(3)
     for i in range(3):
@@ -97,7 +103,7 @@ def _spring(row: Vec, x: Vec, v: Vec, damping: float, f: Vec) -> None:
 
 @kernel
 def _block_surface(row: Vec, x: Vec, normal: Vec) -> float:
-    """Depth below the nearest face [m], not positive outside; normal out of it."""
+    """Return the penetration depth at the nearest face of a box [m], not positive outside; write its normal."""
     depth, face = math.inf, 0
     for i in range(3):
         below = 0.5 * row[SIZE + i] - abs(x[i] - row[POS + i])
@@ -110,7 +116,7 @@ def _block_surface(row: Vec, x: Vec, normal: Vec) -> float:
 
 @kernel
 def _round_surface(row: Vec, x: Vec, axes: int, normal: Vec) -> float:
-    """Depth in a sphere (3 axes) or in an upright cylinder's mantle (2)."""
+    """Return the penetration depth in a sphere (axes = 3) or an upright cylinder's mantle (2) [m]; write its normal."""
     fill(normal, 0.0)
     for i in range(axes):
         normal[i] = x[i] - row[POS + i]
@@ -122,7 +128,7 @@ def _round_surface(row: Vec, x: Vec, axes: int, normal: Vec) -> float:
 
 @kernel
 def _surface(row: Vec, x: Vec, normal: Vec) -> float:
-    """Depth below the surface of an object, and its normal."""
+    """Return the penetration depth in an object [m]; write the normal of its surface."""
     kind = int(row[KIND])
     if kind == BLOCK:
         return _block_surface(row, x, normal)
@@ -144,7 +150,7 @@ def _surface(row: Vec, x: Vec, normal: Vec) -> float:
 
 @kernel
 def _object(row: Vec, x: Vec, v: Vec, damping: float, f: Vec) -> None:
-    """Spring and damper normal to the surface, never pulling, and friction along it."""
+    """Compute the force of an object: spring and damper along the normal, outward only, and friction."""
     normal = np.empty(3)
     depth = _surface(row, x, normal)
     fill(f, 0.0)
@@ -164,7 +170,7 @@ def _object(row: Vec, x: Vec, v: Vec, damping: float, f: Vec) -> None:
 
 @kernel
 def effects_force(effects: Mat, inertia: float, x: Vec, v: Vec, total: Vec) -> None:
-    """Force of all enabled rows on the handle at x with velocity v [N], robot frame."""
+    """Compute the sum of all enabled effects on the handle at x with velocity v [N], robot frame."""
     fill(total, 0.0)
     f = np.empty(3)
     for k in range(effects.shape[0]):
@@ -190,18 +196,18 @@ def effects_force(effects: Mat, inertia: float, x: Vec, v: Vec, total: Vec) -> N
 def step_machine(
     machine: Vec, memory: Vec, effects: Mat, inbox: Vec, data: Vec, command: Vec, active: bool, tick: int, steps: int
 ) -> None:
-    """Some inner steps of 0.4 ms.
+    """Run some controller steps of 0.4 ms.
 
     Args:
-        machine: What the controller remembers, shape [MACHINE_LENGTH].
+        machine: Memory of the controller, shape [MACHINE_LENGTH].
         memory: Simulated robot and person, built for RATE ticks per second.
-        effects: Shape [n, EFFECT].
-        inbox: What the person sees, shape [INBOX_LENGTH].
-        data: Out: what the sensors show, shape [DATA_LENGTH].
+        effects: Table of effects, shape [n, EFFECT].
+        inbox: Inbox vector for the simulated person, shape [INBOX_LENGTH].
+        data: Out: sensor data, shape [DATA_LENGTH].
         command: Scratch, shape [COMMAND_LENGTH].
-        active: The state is "force"; in any other the machine comes to rest.
+        active: True in the state "force"; in any other the machine brakes.
         tick: Number of the first step.
-        steps: How many.
+        steps: Number of steps.
     """
     dt = 1.0 / RATE
     v, total = machine[VELOCITY : VELOCITY + 3], np.empty(3)

@@ -1,7 +1,7 @@
-"""The emulated HapticMaster as its commands see it: states, effects, answers in its own words.
+"""Command interpreter of the emulated HapticMaster: states, effects, and answers in the machine's format.
 
-States: a machine that was just switched on is "off"; `set state init` searches the ends of its axes and leaves it in
-"stop"; from there "force" and "position" are reached, "home" leads to the middle and then to "stop".
+States: the machine starts in "off"; `set state init` calibrates it by moving to the ends of its axes and leaves it in
+"stop"; from there "force" and "position" are reached; "home" moves to the centre and then to "stop".
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ __all__ = ["HapticMasterModel"]
 
 _MOST_EFFECTS = 32
 _INIT_STEPS = 50
-"""Milliseconds that the search of the ends takes; a real machine needs half a minute."""
+"""Duration of the calibration [ms]; a real machine needs half a minute."""
 
 _KINDS = {
     "spring": machine.SPRING,
@@ -62,19 +62,19 @@ _STATES = ("init", "off", "force", "position", "home", "stop")
 
 
 class _Refused(Exception):
-    """The command cannot be; the text is the answer behind "--- ERROR: "."""
+    """Invalid command; the message follows "--- ERROR: " in the answer."""
 
 
 class HapticMasterModel:
-    """Commands in, answers out, and motion in steps of a millisecond.
+    """Interpreter of commands, with motion in steps of a millisecond.
 
     Attributes:
-        state: As `get state` reports it.
+        state: Answer to `get state`.
         inertia: Virtual mass [kg].
 
     Args:
         plugin: Simulated robot and person, built for RATE ticks per second.
-        calibrated: False: it must be initialised first, as after switching on.
+        calibrated: False: it must be calibrated first, as after switching on.
     """
 
     def __init__(self, plugin: DevicePlugin, *, calibrated: bool = True) -> None:
@@ -116,13 +116,13 @@ class HapticMasterModel:
         return float(self._machine[machine.INERTIA])
 
     def force_at(self, x: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Force of all effects on a handle at x with velocity v [N], shape [3]."""
+        """Return the force of all effects on a handle at x with velocity v [N], shape [3]."""
         total = np.zeros(3)
         machine.effects_force(self._effects, self.inertia, x, v, total)
         return total
 
     def step(self) -> None:
-        """One millisecond: two or three inner steps."""
+        """Advance by one millisecond: two or three controller steps."""
         self._steps += 1
         due = self._steps * machine.RATE // 1000
         machine.step_machine(
@@ -143,12 +143,12 @@ class HapticMasterModel:
                 self.state, self._calibrated = "stop", True
 
     def let_go(self) -> None:
-        """What happens when the program is gone: this emulator stops. What a real machine does is not known."""
+        """Stop after the client is gone; the behaviour of a real machine is not known."""
         self.state = "stop" if self._calibrated else "off"
         self._remove("all")
 
     def answer(self, text: str) -> str:
-        """The answers to commands joined by ";", each with ";" behind it."""
+        """Return the answers to commands joined by ";", each terminated by ";"."""
         return "".join(f"{self._answer_one(one.strip())};" for one in text.split(";") if one.strip())
 
     def _answer_one(self, command: str) -> str:
@@ -232,7 +232,7 @@ class HapticMasterModel:
         return f'"State {state} set"'
 
     def _show(self, seen: np.ndarray) -> str:
-        """What the simulated person sees: active, trial, target, grasp. No real machine has this command."""
+        """Set the simulated person's inputs: active, trial, target, grasp. No real machine has this command."""
         self._inbox[INBOX_ACTIVE], self._inbox[INBOX_TRIAL] = seen[0], seen[1]
         self._inbox[INBOX_TARGET : INBOX_TARGET + 3] = seen[2:5]
         self._inbox[INBOX_GRASP] = seen[5]
@@ -243,7 +243,7 @@ def _number(text: str, smallest: float) -> float:
     try:
         value = float(text)
     except ValueError:
-        raise _Refused(f"'{text}' is no number") from None
+        raise _Refused(f"'{text}' is not a number") from None
     if not (math.isfinite(value) and value >= smallest):
         raise _Refused(f"{value:g} is out of range")
     return value
@@ -252,5 +252,5 @@ def _number(text: str, smallest: float) -> float:
 def _vector(text: str, count: int) -> np.ndarray:
     parts = text.strip().removeprefix("[").removesuffix("]").split(",")
     if len(parts) != count:
-        raise _Refused(f"'{text}' is no vector of {count}")
+        raise _Refused(f"'{text}' is not a vector of {count}")
     return np.array([_number(part, smallest=-1e9) for part in parts])

@@ -1,8 +1,7 @@
-"""The robot at the other end of a serial line: a pseudo-terminal, the protocol, and a simulated robot with its person.
+"""Emulated robot on a serial line: a pseudo-terminal, the protocol, and a simulated robot with a person.
 
-It moves in steps of 1 ms that the caller makes, so that a test can count them; `serve` of the command makes one each
-millisecond. Bytes take their time: at the speed that the program has set on the line, no more come and go in a step
-than the line would carry.
+It advances in steps of 1 ms that the caller makes, so that tests are deterministic; `serve` of the command makes one
+per millisecond. The number of bytes per step is limited by the baud rate that the program has set on the line.
 """
 
 from __future__ import annotations
@@ -51,7 +50,7 @@ from mimics_app.rendering.haptic.devices.serial_port import RobotInfo, info_payl
 __all__ = ["WATCHDOG", "SerialRobotEmulator"]
 
 WATCHDOG = 50
-"""Steps without a command after which the robot lets go on its own."""
+"""Watchdog: steps without a command after which the robot disables its drives."""
 
 _BUFFER = 4096
 _STEP_S = 1e-3
@@ -60,7 +59,7 @@ _UNSET_BAUD = 115200
 
 @cache
 def _speeds() -> dict[int, int]:
-    """Bits per second by the system's code for a speed."""
+    """Return bits per second by termios speed constant."""
     import termios
 
     names = [name for name in dir(termios) if name.startswith("B") and name[1:].isdecimal()]
@@ -68,7 +67,7 @@ def _speeds() -> dict[int, int]:
 
 
 def _speed_of(terminal: int) -> int:
-    """Bits per second that were set on a terminal, asked of either end."""
+    """Return the bits per second set on a terminal, given either end."""
     import termios
 
     return max(300, _speeds().get(termios.tcgetattr(terminal)[5], _UNSET_BAUD))
@@ -78,18 +77,17 @@ class SerialRobotEmulator:
     """A robot on a pseudo-terminal.
 
     Attributes:
-        faults: What it does wrong now.
+        faults: Present faults of the line.
         tick: Steps done.
-        commands: Commands it has taken.
-        command: The newest of them, shape [COMMAND_LENGTH].
-        plugin: What moves.
+        commands: Number of commands accepted.
+        command: The newest command, shape [COMMAND_LENGTH].
+        plugin: The simulated robot.
 
     Args:
-        plugin: The simulated robot and person that move behind the protocol, at 1000 ticks per second.
-        link: Symbolic link that always leads to the terminal of the moment; a robot that is plugged in again has
-            another one.
-        seed: Of lost and random bytes.
-        wants_screen: Announce to the program that a simulated person is on it.
+        plugin: Simulated robot and person, at 1000 ticks per second.
+        link: Symbolic link to the current terminal, which changes when the robot is plugged in again.
+        seed: Seed of lost and random bytes.
+        wants_screen: Announce a simulated person to the program.
     """
 
     def __init__(self, plugin: DevicePlugin, link: Path, seed: int = 0, *, wants_screen: bool = True) -> None:
@@ -114,16 +112,16 @@ class SerialRobotEmulator:
 
     @property
     def address(self) -> str:
-        """What to write behind `serial:`."""
+        """Address of the device `serial:`."""
         return str(self._link)
 
     @property
     def data(self) -> np.ndarray:
-        """What its sensors show, shape [DATA_LENGTH]."""
+        """Sensor data, shape [DATA_LENGTH]."""
         return self._data
 
     def step(self) -> None:
-        """One millisecond: receive, move, report."""
+        """Advance by one millisecond: receive, move, send the state."""
         if self.faults.plugged != (self._master >= 0):
             self._plug() if self.faults.plugged else self._unplug()
         rate = self._bytes_per_step()
@@ -139,7 +137,7 @@ class SerialRobotEmulator:
         self.tick += 1
 
     def rehearse(self) -> None:
-        """Go through all it may have to do once, so that nothing is compiled while it has to keep time."""
+        """Run every code path once, so that nothing is compiled later in real time."""
         for kind, length in ((COMMAND, COMMAND_PAYLOAD), (SCREEN, SCREEN_PAYLOAD), (STATE, STATE_PAYLOAD)):
             frame = np.frombuffer(self._sealed(kind, 1, length), np.uint8)
             self._buffer[: len(frame)] = frame
@@ -152,13 +150,13 @@ class SerialRobotEmulator:
         self.commands, self._heard = 0, -WATCHDOG
 
     def greet(self) -> None:
-        """Answer questions without moving: what a robot does while a program is still being started."""
+        """Answer without motion, while a program starts."""
         if self._master >= 0:
             self._hear(float(_BUFFER))
             self._flush(float(_BUFFER))
 
     def close(self) -> None:
-        """Take the terminal and the link away."""
+        """Close the terminal and remove the link."""
         self._unplug()
         self.plugin.close()
 
@@ -166,7 +164,7 @@ class SerialRobotEmulator:
         import tty
 
         self._master, self._slave = os.openpty()
-        os.fchmod(self._slave, 0o600)  # its group may write to it otherwise
+        os.fchmod(self._slave, 0o600)  # by default its group may write to it
         tty.setraw(self._slave)
         os.set_blocking(self._master, False)
         self._link.unlink(missing_ok=True)
@@ -183,7 +181,7 @@ class SerialRobotEmulator:
             self._master = self._slave = -1
 
     def _bytes_per_step(self) -> float:
-        """What the line carries in a step at the speed that was set on it."""
+        """Return the bytes per step at the baud rate of the line."""
         if self._master < 0:
             return 0.0
         return _speed_of(self._master) / 10 * _STEP_S
@@ -193,7 +191,7 @@ class SerialRobotEmulator:
         start = make_room(self._line, self._buffer)
         count = min(int(self._credit_in), _BUFFER - start)
         got = b""
-        with suppress(OSError):  # nothing there, or nobody at the other end
+        with suppress(OSError):  # no bytes, or the other end is closed
             got = os.read(self._master, count)
         self._credit_in -= len(got)
         got = b"" if self.faults.deaf else got
@@ -217,7 +215,7 @@ class SerialRobotEmulator:
             self._leaving += self._sealed(INFO, 0, INFO_PAYLOAD)
 
     def _send_state(self, rate: float, status: int) -> None:
-        if not self._leaving:  # sampled when the line is free: what waits for it would grow old
+        if not self._leaving:  # sampled when the line is free, so that no state waits and ages
             self._sequence += 1
             pack_state(self._data, status, self._frame[1 : 1 + PAYLOAD_PLACES])
             self._leaving = self._sealed(STATE, self._sequence, STATE_PAYLOAD)
@@ -234,10 +232,10 @@ class SerialRobotEmulator:
         self._credit_out -= len(leaves)
         if not self._leaving:
             self._credit_out = min(self._credit_out, 1.0)
-        with suppress(OSError):  # nobody reads: the bytes are lost, as on a wire
+        with suppress(OSError):  # no reader: the bytes are lost, as on a wire
             os.write(self._master, self.faults.spoil(leaves, self._random))
 
     @property
     def is_limp(self) -> bool:
-        """Whether the drives may not act."""
+        """Whether the drives are disabled."""
         return self.command[COMMAND_ENABLED] == 0.0
