@@ -109,7 +109,7 @@ class Lighting:
         """Ambient irradiance over pi as a + b y + c y^2, y the height of the unit normal; rows a, b, c: [3, 3].
 
         It is the mean of the drawn sky over the hemisphere of the surface, with an error below 0.025 of the difference
-        of its three colours, plus the sunlight scattered by haze and lit surroundings.
+        of its three colours, plus the sunlight scattered by fog and lit surroundings.
         """
         colours = np.stack([self.zenith, self.horizon, self.ground])
         up, upright, down = np.array([_FACING_UP, _UPRIGHT, _FACING_DOWN]) @ colours

@@ -286,15 +286,15 @@ class Renderer:
 
     def _batch_parts(self, scene: FrameScene, view: View, parts: Sequence[Rect]) -> list[ViewDraws]:
         """Queue what is visible in parts of a view."""
-        x, y, *size = self._picture.rectangle(view.rectangle)
+        x, y, *size = place = self._picture.rectangle(view.rectangle)
         drawn = []
         for part in parts:
-            inside = (part[0] - x, part[1] - y, part[2], part[3])
+            seen = view.through((part[0] - x, part[1] - y, part[2], part[3]), (size[0], size[1]))
             opaque, blended, away = self._list.batch_views(
-                self._frame, [view], view.eye_world, [(size[0], size[1])], self._picture.samples, 0, inside
+                self._frame, [seen], view.eye_world, [part[2:]], self._picture.samples, 0
             )
-            mixed = blended if scene.effects is None else scene.effects.mix(view, blended, away)
-            drawn.append(ViewDraws(view, (x, y, size[0], size[1]), opaque, mixed, part=part))
+            mixed = blended if scene.effects is None else scene.effects.mix(seen, blended, away)
+            drawn.append(ViewDraws(view, place, opaque, mixed, part=part))
         return drawn
 
     def _prepare(self, views: Sequence[View]) -> FrameScene:

@@ -58,7 +58,7 @@ class PictureTarget:
 
     @property
     def filtered(self) -> bool:
-        """True when the world is not drawn into the surface's own framebuffer."""
+        """Whether the world is drawn into another framebuffer than the surface's own."""
         return self.keep or bool(self._filters)
 
     @property

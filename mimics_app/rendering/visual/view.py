@@ -95,6 +95,11 @@ class View:
         eye_from_world[:3, 3] = -self.eye_world
         return self.clip_from_eye @ eye_from_world
 
+    @cached_property
+    def frustum_planes(self) -> F8:
+        """Planes of the frustum in the world (float64 [6, 4]); see `compute_frustum_planes`."""
+        return compute_frustum_planes(self.clip_from_world)
+
     def latched(self, newer: View) -> View:
         """Return this queued view with the pose and tangents of a newer one; rectangle and planes stay."""
         return replace(
@@ -158,8 +163,11 @@ def compute_frustum_planes(clip_from_world: F8) -> F8:
         Unit normal and offset per plane, float64 [6, 4]; a point p is inside where normal . p + offset >= 0. The normal
         of a far plane at infinity is 0.
     """
-    last = clip_from_world[3]
-    planes = np.stack([last + sign * row for row in clip_from_world[:3] for sign in (1.0, -1.0)])
-    lengths = np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
-    # A far plane at infinity has no normal: everything is inside.
-    return np.where(lengths > 0.0, planes / np.where(lengths > 0.0, lengths, 1.0), [0.0, 0.0, 0.0, 1.0])
+    rows, last = clip_from_world[:3], clip_from_world[3]
+    planes = np.empty((6, 4))
+    planes[::2], planes[1::2] = last + rows, last - rows
+    lengths = np.linalg.norm(planes[:, :3], axis=1)
+    if not lengths.all():  # a far plane at infinity has no normal: everything is inside
+        planes[lengths == 0.0] = 0.0, 0.0, 0.0, 1.0
+        lengths[lengths == 0.0] = 1.0
+    return np.asarray(planes / lengths[:, None])

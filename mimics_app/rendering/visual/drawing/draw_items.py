@@ -170,19 +170,19 @@ class _States:
 
 def _bounds(world: World, names: Sequence[str]) -> tuple[F8, F8]:
     """Return bounding spheres [n, 4] and half extents of boxes [n, 3] of meshes; zeros for one the world lacks."""
-    local, half = np.zeros((len(names), 4)), np.zeros((len(names), 3))
+    local, lower, upper = np.zeros((len(names), 4)), np.zeros((len(names), 3)), np.zeros((len(names), 3))
     bent = np.zeros(len(names), np.bool_)
+    bodies = world.motion.body_of
     for i, name in enumerate(names):
         mesh = world.meshes.get(name)
         if mesh is None:
             continue
-        lower, upper = world.mesh_bounds(name)
-        half[i] = 0.5 * (upper - lower)
-        if name in world.motion.body_of:
-            local[i, :3], bent[i] = 0.5 * (lower + upper), True
-        else:
+        lower[i], upper[i] = world.mesh_bounds(name)
+        bent[i] = name in bodies
+        if not bent[i]:
             local[i, :3], local[i, 3] = mesh.centre, mesh.radius
-    local[bent, 3] = np.linalg.norm(half[bent], axis=1)
+    half = 0.5 * (upper - lower)
+    local[bent, :3], local[bent, 3] = 0.5 * (lower + upper)[bent], np.linalg.norm(half[bent], axis=1)
     return local, half
 
 

@@ -20,7 +20,7 @@ from mimics_app.rendering.visual.kernels.bounds import update_bounds
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.view import Rect, View, compute_frustum_planes
+from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
 
 __all__ = ["DRAWN", "HIDDEN", "Casters", "DrawList", "Tally"]
@@ -231,18 +231,16 @@ class DrawList:
         sizes: Sequence[Size],
         samples: int,
         key: Hashable,
-        part: Rect | None = None,
     ) -> tuple[list[DrawRun], list[DrawRun], F8]:
         """Queue the items that are visible in at least one of some views.
 
         Args:
             frame: Buffers of the frame.
-            views: One view, or the two of a stereo pair.
+            views: One view or a part of one, or the two views of a stereo pair.
             origin: Origin of the instance matrices and of the distances to sort by, world [m], [3].
             sizes: Sizes of the views' pictures as drawn [px].
             samples: Samples per pixel.
             key: Identifies the views from frame to frame.
-            part: Part of the picture to draw, relative to its lower left corner [px]; None: all of it.
 
         Returns:
             Opaque runs, the state with the nearest item first, near to far within a state; blended runs of one item
@@ -252,10 +250,7 @@ class DrawList:
         # One level for both eyes: two different levels of a body cannot be fused.
         between = replace(views[0], queued_at=origin)
         shown = self._levels.show(key, between, sizes[0], self._shown, self.centres, self.radii, self._detail)
-        if part is None:
-            count = self._pick(views[0], shown, sizes[0], samples)
-        else:
-            count = self._pick(views[0].through(part, sizes[0]), shown, part[2:], samples)
+        count = self._pick(views[0], shown, sizes[0], samples)
         if len(views) > 1:
             count = self._pick_also(views[1:], count, shown, sizes[1:], samples)
         self.used[picked[:count]] = True
@@ -269,9 +264,8 @@ class DrawList:
     def _pick(self, view: View, shown: NDArray[np.uint8], size: Size, samples: int) -> int:
         """Pick the items that are visible in a view; return how many."""
         items, picked = self.items, self._picked
-        planes = compute_frustum_planes(view.clip_from_world)
         before = self._culler.tests
-        seen = count = self._culler.cull(planes, shown, self._world, self.centres, self.radii, picked)
+        seen = count = self._culler.cull(view.frustum_planes, shown, self._world, self.centres, self.radii, picked)
         self._remember(seen, HIDDEN)
         if self._occlusion is not None:
             spheres = (self.centres, self.radii)
@@ -313,7 +307,9 @@ class DrawList:
     def drawn_meshes(self) -> list[str]:
         """Return the keys of the meshes drawn in this frame, in any view or shadow map."""
         names = self.items.mesh_names
-        return [names[number] for number in np.unique(self.items.meshes[self.used]).tolist()]
+        drawn = np.zeros(len(names), np.bool_)
+        drawn[self.items.meshes[self.used]] = True
+        return [names[number] for number in np.flatnonzero(drawn).tolist()]
 
     def _remember(self, count: int, fate: int) -> None:
         """Record a fate of the picked items, unless they have a better one."""

@@ -34,7 +34,7 @@ class DrawOrder:
 
         Args:
             picked: Numbers of items, [>= count].
-            count: How many.
+            count: Number of items.
             eye: Origin of the distances, world [m], [3].
             centres: Centres of all items' spheres, world [m], [n, 3].
             radii: Their radii [m], [n].

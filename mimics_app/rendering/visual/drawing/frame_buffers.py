@@ -96,7 +96,7 @@ class FrameBuffers:
 
         Args:
             items: Numbers of items in draw order, [>= count].
-            count: How many.
+            count: Number of items.
             origin: Origin of the shaders' frame, world [m], [3].
             listed: The draw items.
             world: T_world_from_node per row, [rows, 4, 4].

@@ -57,7 +57,7 @@ class Levels:
 
     @property
     def any(self) -> bool:
-        """True when some body has levels."""
+        """Whether any body has levels."""
         return len(self._counts) > 0
 
     def show(

@@ -160,6 +160,8 @@ class MeshArena:
         known = self._arrays.get((shader, wide, eyes))
         if known and known[0] == shader.revision:
             return known[1]
+        if known:
+            known[1].release()
         program = shader.program
         content = [
             _describe(self._vertices, _VERTEX, program, ""),

@@ -106,7 +106,7 @@ class OcclusionPass:
 
         Args:
             picked: Numbers of items in the frustum, [>= count], changed.
-            count: How many.
+            count: Number of items.
             view: The view.
             size: Size of the picture as drawn [px].
             samples: Samples per pixel, 0 or 1: the pixel's centre.

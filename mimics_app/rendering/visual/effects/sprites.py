@@ -18,7 +18,7 @@ from mimics_app.rendering.visual.kernels.order import sort_by_key
 from mimics_app.rendering.visual.kernels.particles import SPRITE
 from mimics_app.rendering.visual.kernels.sprites import SPRITE_VERTEX, see_sprites, write_sprites
 from mimics_app.rendering.visual.materials.picture_arrays import PictureArray, PictureArrays
-from mimics_app.rendering.visual.view import View, compute_frustum_planes
+from mimics_app.rendering.visual.view import View
 from mimics_app.world.components.effects import Billboard, Particles, SpriteShape
 from mimics_app.world.materials.material import TextureData
 from mimics_app.world.materials.sprite_pictures import sprite_picture
@@ -151,9 +151,8 @@ class SpriteField:
     def _pick(self, view: View, eye: F8) -> tuple[int, int]:
         """Fill `_order` with masked sprites by state, then blended ones far to near, with their `_keys`."""
         rows, order = self._rows, self._order
-        planes = compute_frustum_planes(view.clip_from_world)
         masked = np.array([state.masked for state in self._states], np.uint8)
-        picked = see_sprites(rows.rows, rows.count, planes, eye, masked, order, self._blended, self._away)
+        picked = see_sprites(rows.rows, rows.count, view.frustum_planes, eye, masked, order, self._blended, self._away)
         solid, blended = picked
         if solid:
             self._keys[:solid] = rows.rows["state"][order[:solid]]

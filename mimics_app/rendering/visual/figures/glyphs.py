@@ -113,7 +113,7 @@ def load_glyph_atlas(folder: Path | None = None) -> GlyphAtlas:
         faces = [_read_face(table["faces"][name], pixels.shape) for name in ("regular", "bold")]
         return GlyphAtlas(pixels, float(table["spread"]), *faces)
     except (OSError, ValueError, KeyError) as error:
-        fix = "build it anew: python assets/fonts/build_glyphs.py"
+        fix = "rebuild it: python assets/fonts/build_glyphs.py"
         raise SceneError(Issue(str(folder), "", f"the glyph atlas cannot be read ({error!r})", fix)) from error
 
 

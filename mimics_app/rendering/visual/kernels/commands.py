@@ -17,7 +17,7 @@ def write_instances(items: I4, count: int, first: int, origin: F8, rows: I4, wor
 
     Args:
         items: Numbers of items in draw order, [>= count].
-        count: How many.
+        count: Number of items.
         first: Row of the first instance in `out`.
         origin: Origin of the shaders' frame, world [m], [3].
         rows: Row of the node per item, [n].
@@ -54,7 +54,7 @@ def write_commands(
 
     Args:
         items: Numbers of items in draw order, [>= count].
-        count: How many.
+        count: Number of items.
         first: Number of the first instance.
         first_command: Number of the first command.
         states: State of each item before mirroring, [n].

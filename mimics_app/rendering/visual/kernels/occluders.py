@@ -89,7 +89,7 @@ def pick_occluders(
 
     Args:
         items: Items in the frustum, [>= count].
-        count: How many.
+        count: Number of items.
         eye: Position of the camera, world [m], [3].
         solid: Number of each item's inner box, -1: none; [n].
         inner_half: Half extents of the inner boxes in their nodes' frames [m], [boxes, 3].
@@ -274,7 +274,7 @@ def draw_occluders(
 
     Args:
         chosen: Numbers of items that have one, [>= count].
-        count: How many.
+        count: Number of items.
         eye: Position of the camera, world [m], [3].
         window: Corners of the near plane's window relative to the camera [m], [4, 3].
         screen: Matrix from world vectors relative to the camera to X w, Y w [px] and w [m], [3, 3].

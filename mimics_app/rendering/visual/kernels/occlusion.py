@@ -81,7 +81,7 @@ def remove_hidden(
 
     Args:
         items: Items in the frustum, [>= count], changed.
-        count: How many.
+        count: Number of items.
         eye: Position of the camera, world [m], [3].
         screen: Matrix from world vectors relative to the camera to X w, Y w [px] and w [m], [3, 3].
         near: Distance of the near plane [m].

@@ -42,7 +42,7 @@ def make_keys(
 
     Args:
         items: Numbers of items, [>= count].
-        count: How many.
+        count: Number of items.
         eye: Position of the camera, world [m], [3].
         centres: Centres of the spheres, world [m], [n, 3].
         radii: Their radii [m], [n].
@@ -82,7 +82,7 @@ def sort_by_key(keys: U8, items: I4, count: int, spare_keys: U8, spare_items: I4
     Args:
         keys: Keys, [>= count], sorted too.
         items: Numbers of items, [>= count].
-        count: How many.
+        count: Number of items.
         spare_keys: Scratch, [>= count].
         spare_items: Scratch, [>= count].
         counts: Scratch, [8, 256].

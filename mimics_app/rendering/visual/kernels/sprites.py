@@ -39,7 +39,7 @@ def see_sprites(
 
     Args:
         sprites: SPRITE, [>= count].
-        count: How many there are.
+        count: Number of sprites.
         planes: Unit normals inwards and offsets, [k, 4].
         eye: Position of the camera, world [m], [3].
         masked: 1 for a state with alpha test instead of blending, [states].
@@ -117,7 +117,7 @@ def write_sprites(
     Args:
         sprites: SPRITE.
         order: Numbers of sprites in draw order, [>= count].
-        count: How many.
+        count: Number of sprites.
         first: Row of the first sprite in `out`.
         eye: Position of the camera, world [m], [3].
         right_of_eye: Right axis of the camera, unit, world, [3]: of text, and of sprites seen from straight above.

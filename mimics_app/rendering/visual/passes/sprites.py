@@ -100,6 +100,8 @@ class SpritePass:
         known = self._arrays.get(shader)
         if known is not None and known[0] == shader.revision:
             return known[1]
+        if known is not None:
+            known[1].release()
         assert self._vertices is not None and self._indices is not None, "runs are drawn after upload"
         content = (self._vertices, " ".join(_FORMATS.values()), *(SPRITE_VERTEX.names or ()))
         array = self._ctx.vertex_array(shader.program, [content], self._indices)

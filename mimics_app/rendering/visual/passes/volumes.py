@@ -102,6 +102,8 @@ class VolumePass:
 
         ctx = self._ctx
         if self._screen is None or self._screen[0] != self._darken.revision:
+            if self._screen is not None:
+                self._screen[1].release()
             self._screen = (self._darken.revision, ctx.vertex_array(self._darken.program, []))
         self._darken.set_number("tone", tone)
         ctx.enable_only(moderngl.BLEND)
@@ -156,6 +158,8 @@ class _Volume:
         """Return the vertex array of a program; made again when the program was reloaded."""
         known = self._arrays.get(shader)
         if known is None or known[0] != shader.revision:
+            if known is not None:
+                known[1].release()
             made = self._ctx.vertex_array(shader.program, [(self._buffer, "4f", "in_corner")])
             known = self._arrays[shader] = (shader.revision, made)
         return known[1]

@@ -17,7 +17,7 @@ from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.projector import ProjectorPass
 from mimics_app.rendering.visual.passes.sprites import SpritePass
 from mimics_app.rendering.visual.passes.states import draw_runs
-from mimics_app.rendering.visual.view import View, compute_frustum_planes
+from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:
@@ -59,11 +59,10 @@ class EffectStage:
 
     def meet(self, views: Sequence[View], listed: DrawList, frame: FrameBuffers) -> list[BeamRuns]:
         """Queue the opaque surfaces that projectors hit, of the views that were batched last."""
-        planes = [compute_frustum_planes(view.clip_from_world) for view in views]
         met = [
             BeamRuns(beam, listed.batch_meeting(frame, views[0], beam.planes, beam.onto))
             for beam in self._projectors.beams
-            if any(beam.is_seen(each) for each in planes)
+            if any(beam.is_seen(view.frustum_planes) for view in views)
         ]
         return [each for each in met if each.runs]
 

@@ -59,13 +59,11 @@ class FrameReader:
 
     def _copy(self, size: Size) -> moderngl.Buffer:
         wanted = 3 * size[0] * size[1]
-        fitting = next((buffer for buffer in self._free if buffer.size == wanted), None)
-        if fitting is None:
-            fitting = self._surface.ctx.buffer(reserve=wanted)
-        else:
-            self._free.remove(fitting)
-        self._surface.framebuffer.read_into(fitting, components=3, alignment=1)
-        return fitting
+        while self._free and self._free[-1].size != wanted:
+            self._free.pop().release()  # of a size that the surface no longer has
+        buffer = self._free.pop() if self._free else self._surface.ctx.buffer(reserve=wanted)
+        self._surface.framebuffer.read_into(buffer, components=3, alignment=1)
+        return buffer
 
     def _read(self, left: int) -> list[ReadFrame]:
         ready = []
