@@ -1,4 +1,4 @@
-// The mean over 4 x 4 texels of what is at the same distance.
+// Depth-aware blur: mean over those of 4 x 4 texels that have the same depth.
 #include "post/region.glsl"
 
 uniform float radius;           // [m]

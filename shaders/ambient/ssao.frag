@@ -1,19 +1,19 @@
-// Share of the sky's light that reaches what is seen, from the depths around it (McGuire et al. 2012, eq. 1-10: Scalable
-// Ambient Obscurance). The normal is that of the nearer neighbour on each axis, so that it does not reach over edges.
+// Ambient visibility from the depth buffer (Scalable Ambient Obscurance: McGuire et al. 2012, eq. 1-10). The normal
+// comes from the neighbour of nearer depth on each axis, so that it does not cross edges.
 #include "post/region.glsl"
 #include "common/view.glsl"
 
-uniform float radius;           // within which surfaces count [m]
+uniform float radius;           // radius of the occluders [m]
 uniform float strength;
 
 out vec4 colour;
 
 const int SAMPLES = 8;
-const float FULL = 1.25;        // at the foot of a wall half of the light is taken, as an endless one does
+const float FULL = 1.25;        // at the foot of a wall half of the light is occluded, as by an infinite one
 const float GOLDEN_ANGLE = 2.3999632;
 const float FARTHEST = 6e4;
 
-// Along the line of sight, of a depth that any projection along the eye's axes gave.
+// Distance along the view axis, from the depth of any projection along the camera's axes.
 float distance_of(float depth) {
     float slope = dot(vec3(clip_from_eye[0].z, clip_from_eye[1].z, clip_from_eye[2].z), axis_back.xyz);
     return min(clip_from_eye[3].z / (2.0 * depth - 1.0 + slope), FARTHEST);
@@ -38,7 +38,7 @@ void main() {
     vec3 normal = normalize(cross(across, along));
     float away = -here.z;
     float texels = min(radius * region.z / (away * (tangents.y - tangents.x)), 0.25 * region.w);
-    // Sixteen turns of the pattern in every 4 x 4 texels, which smoothing adds up.
+    // Sixteen rotations of the sampling pattern per 4 x 4 texels, which the blur averages.
     int turn = (5 * (texel.x & 3) + 7 * (texel.y & 3) + 4 * ((texel.x >> 1) & (texel.y & 1))) & 15;
     float closed = 0.0, r2 = radius * radius;
     for (int i = 0; i < SAMPLES; ++i) {
@@ -50,7 +50,7 @@ void main() {
         closed += within * within * within * rise / (d2 + 1e-4 * r2);
     }
     closed *= FULL * strength / (float(SAMPLES) * r2 * r2 * r2);
-    // The unit of the sum is 1/m: r makes it a share of a half sphere.
+    // The unit of the sum is 1/m: the radius makes it a share of the hemisphere.
     float open = texels < 1.0 || away >= FARTHEST ? 1.0 : clamp(1.0 - radius * closed, 0.0, 1.0);
     colour = vec4(open, away, 0.0, 1.0);
 }

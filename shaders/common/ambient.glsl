@@ -1,15 +1,15 @@
-// Share of the sky's light that near surfaces leave, as found in the depth of the picture (shaders/ambient).
+// Ambient visibility of the sky, computed in screen space (shaders/ambient).
 
 #ifdef AMBIENT_OCCLUSION
-layout(binding = 23) uniform sampler2D ssao;    // share, distance along the line of sight [m]; both eyes' side by side
+layout(binding = 23) uniform sampler2D ssao;    // visibility, distance along the view axis [m]; both eyes side by side
 layout(std140, binding = 6) uniform OpennessBlock {
-    vec4 ssao_place[2];                         // of each eye: corner of its view [px], texels per pixel
-    vec4 ssao_texels[2];                        // and what is its own: first and last texel across, last one along
+    vec4 ssao_place[2];                         // per eye: corner of its view [px], texels per pixel
+    vec4 ssao_texels[2];                        // per eye: first and last column, last row
 };
 
-// The four texels about a pixel, those at another distance left out: it was found at half the size.
+// Depth-aware bilinear upsampling from half resolution.
 float screen_visibility() {
-    float away = 1.0 / gl_FragCoord.w;          // along the axis of whichever eye it is
+    float away = 1.0 / gl_FragCoord.w;          // along the view axis of either eye
     vec4 place = ssao_place[EYE_SEEN], texels = ssao_texels[EYE_SEEN];
     vec2 at = (gl_FragCoord.xy - place.xy) * place.zw - 0.5;
     vec2 share = at - floor(at);

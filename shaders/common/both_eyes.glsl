@@ -1,5 +1,5 @@
-// Both eyes in one pass: every second instance is the other eye's, into its own viewport, or into its half of one picture.
-// The same program draws one of them alone, where the view's block says which: no number of it is rounded otherwise then.
+// Both eyes in one pass: every second instance is for the other eye, in a viewport of its own or in its half of one.
+// The same program draws a single eye if the view block selects it, with identical rounding.
 #if defined(EYES_BY_VIEWPORT) || defined(EYES_BY_CLIPPING)
 #define EYES 2
 #define EYE (eye_places[0].w < 0.0 ? gl_InstanceID & 1 : int(eye_places[0].w))
@@ -8,7 +8,7 @@
 #define EYE 0
 #endif
 
-// Where a place in an eye's clip space goes in what both share.
+// Maps a position in an eye's clip space to that eye's viewport or half.
 vec4 put_for_eye(vec4 seen) {
 #if defined(EYES_BY_VIEWPORT)
     gl_ViewportIndex = EYE;

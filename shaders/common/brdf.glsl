@@ -1,21 +1,21 @@
 // Metallic-roughness reflectance (glTF 2.0 appendix B): GGX, Smith height-correlated visibility, Schlick Fresnel.
 
 struct Surface {
-    vec3 diffuse;       // albedo of what is not mirrored
-    vec3 specular;      // reflectance looked at head-on
+    vec3 diffuse;       // diffuse albedo
+    vec3 specular;      // reflectance at normal incidence
     float alpha;        // roughness squared
     vec3 normal;
-    vec3 view;          // unit, towards the eye
-    float facing;       // cosine between the two, at least a little
+    vec3 view;          // unit, towards the camera
+    float facing;       // cosine between the two, at least 1e-3
 #ifdef SOFT
-    vec3 creep;         // how far light comes round into the shade, as a cosine by colour
+    vec3 creep;         // wrap of the diffuse light into the shade, as a cosine by colour
 #endif
 };
 
 #ifdef SOFT
-// Light that entered comes out again some way off: in skin red farther than green and blue.
+// Subsurface scattering of skin: red light scatters farther than green and blue.
 const vec3 CREEP = vec3(0.42, 0.19, 0.12);
-// As far as it does [m], what lies between sun and surface casts no shadow.
+// Depth up to which occluders cast no shadow, the scattering distance [m].
 const float CREEP_DEPTH = 0.010;
 #endif
 
@@ -50,8 +50,8 @@ vec3 fresnel(vec3 head_on, float cosine) {
     return head_on + (1.0 - head_on) * (away2 * away2 * away);
 }
 
-// Light of unit strength that arrives and is scattered: Lambert, or wrapped round by w as ((c + w) / (1 + w))^(1 + 2 w),
-// which is 1 where Lambert is and gives back no more on the whole (McAuley 2013).
+// Diffuse irradiance of unit light: Lambert, or wrapped by w as ((c + w) / (1 + w))^(1 + 2 w), which is 1 where Lambert
+// is and conserves energy (McAuley 2013).
 vec3 arriving(Surface s, float cosine) {
 #ifdef SOFT
     return pow(max((cosine + s.creep) / (1.0 + s.creep), vec3(0.0)), 1.0 + 2.0 * s.creep);
@@ -60,7 +60,7 @@ vec3 arriving(Surface s, float cosine) {
 #endif
 }
 
-// Light given back towards the eye for light of unit strength from `light`, its incidence included.
+// Radiance reflected towards the camera for unit light from `light`, times the cosine of incidence.
 vec3 reflect_light(Surface s, vec3 light) {
     float cosine = dot(s.normal, light);
     vec3 scattered = arriving(s, cosine) * s.diffuse;
@@ -73,7 +73,7 @@ vec3 reflect_light(Surface s, vec3 light) {
 #endif
 }
 
-// Share of a smooth surrounding that is mirrored: the two-term fit of Karis (2014) to the GGX integral.
+// Specular reflectance of a smooth environment: two-term fit of Karis (2014) to the GGX integral.
 vec3 environment_share(vec3 head_on, float roughness, float facing) {
     vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
     float a004 = min(r.x * r.x, exp2(-9.28 * facing)) * r.x + r.y;

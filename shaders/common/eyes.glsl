@@ -1,8 +1,8 @@
-// Which eye a vertex is drawn for and where that puts it.
+// Position of a vertex for the eye it is drawn for.
 #include "common/both_eyes.glsl"
 
 invariant gl_Position;
-flat out vec4 eye_seen;         // of that eye its place, frame "eye"; w: its number
+flat out vec4 eye_seen;         // position of that eye, frame "eye"; w: its number
 
 void put_at(vec3 position_eye) {
     eye_seen = vec4(eye_places[EYE].xyz, float(EYE));

@@ -1,6 +1,6 @@
 // Lines of constant width on the screen over a plane or along a surface, fading where they would flicker.
 
-// How much of a line covers this pixel. `at` counts cells; lines stand at whole numbers.
+// Coverage of this pixel by lines at integers of `at`, which counts cells.
 float line_coverage(float at, float width_px) {
     float per_pixel = max(fwidth(at), 1e-6);
     float away_px = abs(fract(at - 0.5) - 0.5) / per_pixel;
@@ -8,7 +8,7 @@ float line_coverage(float at, float width_px) {
     return clamp(0.5 + 0.5 * width_px - away_px, 0.0, 1.0) * crowded;
 }
 
-// Lines every cell and stronger ones every fifth.
+// Lines at every cell and stronger ones at every fifth.
 float grid_coverage(vec2 cells) {
     vec2 fifth = cells * 0.2;
     float fine = max(line_coverage(cells.x, 1.0), line_coverage(cells.y, 1.0));

@@ -1,4 +1,4 @@
-// Everything that shines on an opaque surface: sun, lights at places, sky.
+// Lighting of an opaque surface: sun, point and spot lights, sky.
 
 #ifdef PLACED_LIGHTS
 vec3 shine_of_light(int i, vec3 position_eye, Surface s) {
@@ -29,11 +29,11 @@ vec3 shine_of_sky(Surface s, float roughness) {
 #endif
 }
 
-// sun_share: of the sun that arrives; occlusion: of the sky.
+// sun_share: visibility of the sun; occlusion: visibility of the sky.
 vec3 shine(Surface s, float roughness, vec3 position_eye, float sun_share, float occlusion) {
     vec3 light = sun_share * sun_colour.rgb * reflect_light(s, sun_direction.xyz);
 #ifdef PLACED_LIGHTS
-    // A variant and not a loop of none: software renderers go through a loop's body once whatever its count.
+    // A shader variant, not a loop of count 0: software renderers execute a loop's body at least once.
     int count = int(ambient.w);
     for (int i = 0; i < count; ++i) {
         light += shine_of_light(i, position_eye, s);

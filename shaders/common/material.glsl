@@ -1,4 +1,4 @@
-// One material: its numbers and pictures.
+// One material: its uniforms and textures.
 #include "common/material_block.glsl"
 
 #ifdef TEXTURED
@@ -35,7 +35,7 @@ vec4 material_colour(vec4 tint, vec2 uv) {
     return colour;
 }
 
-// Metal and roughness.
+// Metallic and roughness.
 vec2 material_finish(vec2 uv) {
     vec2 figures = finish.xy;
 #ifdef SURFACE_MAP
@@ -44,7 +44,7 @@ vec2 material_finish(vec2 uv) {
     return figures;
 }
 
-// Share of the sky's light that is let in.
+// Baked visibility of the sky.
 float material_occlusion(vec2 uv) {
 #ifdef OCCLUSION_MAP
     return 1.0 + map_strength.y * (texture(occlusion_texture, map_place(OCCLUSION, uv)).r - 1.0);
@@ -64,8 +64,8 @@ vec3 material_emission(vec2 uv) {
 }
 
 #ifdef NORMAL_MAP
-// The frame of the texture from how position and coordinates change over the screen (Mikkelsen 2010), so that meshes
-// need no tangents. Unnormalised tangents keep the ratio of slopes; u grows along the first, v against the second.
+// Tangent frame from screen-space derivatives of position and texture coordinates (Mikkelsen 2010), so that meshes need
+// no tangents. Unnormalised tangents keep the ratio of slopes; u grows along the tangent, v against the bitangent.
 vec3 material_normal(vec3 normal, vec3 position, vec2 uv) {
     vec2 place = map_place(NORMAL, uv);
     vec3 along_x = dFdx(position), along_y = dFdy(position);

@@ -1,14 +1,14 @@
-// Share of the sun, or of a spot light, that reaches a point.
+// Visibility of the sun, or of a spot light, from a point.
 
 #if defined(SUN_SHADOW) || defined(SPOT_SHADOWS)
 layout(binding = 1) uniform sampler2D shadow_map;
 
-// The 3 x 3 texels around a place in the atlas [texel], weighed (1-f, 1, f) each way: the mean of four bilinear
-// comparisons one texel apart. All four have the same f, so that their texels are added before they are weighed. Each
-// residue of the texel number modulo 2 gets the same total: the 2 x 2 pattern of translucent casters leaves no trace.
+// Percentage-closer filter of 3 x 3 texels around a position in the atlas [texel], weights (1-f, 1, f) per axis: the
+// mean of four bilinear comparisons one texel apart. All four have the same f, so that their texels are added before
+// weighting. Even and odd texels have equal total weight: the 2 x 2 dither of translucent casters is not visible.
 float filtered_shadow(vec2 at, float depth) {
     vec2 low = floor(at), high = at - low, corner = low * shadow.z;
-    float found = min(depth, 1.0);      // what is below the map counts as at its bottom
+    float found = min(depth, 1.0);      // below the map counts as at its bottom
     vec4 lit = step(found, textureGather(shadow_map, corner));
     lit += step(found, textureGatherOffset(shadow_map, corner, ivec2(1, 0)));
     lit += step(found, textureGatherOffset(shadow_map, corner, ivec2(0, 1)));
@@ -30,10 +30,10 @@ float filtered_shadow(vec2 at, float depth) {
 
 float sun_visibility(vec3 position_eye, vec3 normal) {
 #ifdef SUN_SHADOW
-    // The count is a constant: with one that is not, software renderers gather every number from memory pixel by pixel.
+    // The count is a constant: with a variable, software renderers gather every uniform from memory per pixel.
     mat3 sun_from_eye = transpose(mat3(sun_right.xyz, sun_up.xyz, sun_direction.xyz));
     vec3 at = sun_from_eye * position_eye;
-    vec4 map = vec4(0.0, 0.0, -1.0, 0.0);       // the innermost that holds the place, and its number
+    vec4 map = vec4(0.0, 0.0, -1.0, 0.0);       // the innermost map that covers the point, and its number
     for (int i = SUN_MAPS - 1; i >= 0; --i) {
         vec2 away = abs(at.xy - sun_map[i].xy);
         map = max(away.x, away.y) < sun_map[i].z ? vec4(sun_map[i].xyz, i) : map;
@@ -48,7 +48,7 @@ float sun_visibility(vec3 position_eye, vec3 normal) {
 #endif
 }
 
-// Share of the sun that arrives, and the tone of the finished picture: modulative shadows darken that instead.
+// Visibility of the sun, and the factor on display values: modulative shadows use the latter instead.
 vec2 sun_and_tone(vec3 position_eye, vec3 normal) {
     float share = sun_visibility(position_eye, normal);
 #ifdef SUN_SHADOW

@@ -1,4 +1,4 @@
-// Radiance of the sky in a direction, and the light it sheds on a surface.
+// Radiance of the sky, and its irradiance of a surface.
 
 vec3 sky_radiance(vec3 direction) {
     float up = clamp(direction.y, 0.0, 1.0);
@@ -8,8 +8,7 @@ vec3 sky_radiance(vec3 direction) {
     return mix(above, sky_ground.rgb, down * down * (3.0 - 2.0 * down));
 }
 
-// Mean radiance a surface of this normal receives from all around, times its albedo is what it gives back: a square of
-// the normal's height (Lighting.sky_light).
+// Irradiance over pi of a surface: a quadratic of its normal's height (Lighting.sky_light).
 vec3 sky_irradiance(vec3 normal) {
     return sky_light[0].rgb + normal.y * (sky_light[1].rgb + normal.y * sky_light[2].rgb);
 }

@@ -1,13 +1,13 @@
-// From linear light to display values and back.
+// Tone map and transfer function, and their inverses.
 
 const float TONE_START = 0.76;
 const float TONE_DESATURATION = 0.15;
 const float TONE_TOE = 0.04;
 const float TONE_TOE_HALF = 0.08;
 
-// Khronos PBR neutral tone mapper: colours below 0.76 keep their hue and, but for a small toe, their value. The toe takes
-// off what surfaces mirror of white surroundings, 0.04, but of what is dark no more than half: Khronos' own leaves of
-// 0.02 an eighth, which makes of any shade a black of the sky's hue.
+// Khronos PBR neutral tone mapper: colours below 0.76 keep their hue and, but for a small toe, their value. The toe
+// subtracts the specular reflection of white surroundings, 0.04, but at most half of a dark colour: Khronos' own leaves
+// an eighth of 0.02, so that any shade becomes black with the hue of the sky.
 vec3 tone_map_neutral(vec3 colour) {
     float least = min(colour.r, min(colour.g, colour.b));
     colour -= TONE_TOE * least / (least + TONE_TOE_HALF);
@@ -19,7 +19,7 @@ vec3 tone_map_neutral(vec3 colour) {
     return peak < TONE_START ? colour : bright;
 }
 
-// The same backwards, step by step; the brightest that is distinguished is some thirty times white.
+// Inverse of `tone_map_neutral`; values saturate at about thirty times white.
 vec3 undo_tone_map_neutral(vec3 colour) {
     float compressed = min(max(colour.r, max(colour.g, colour.b)), 0.998);
     float room = 1.0 - TONE_START;
@@ -33,8 +33,8 @@ vec3 undo_tone_map_neutral(vec3 colour) {
     return risen + (half_sum + sqrt(half_sum * half_sum + TONE_TOE_HALF * least) - least);
 }
 
-// IEC 61966-2-1. Its power of 1 / 2.4 is a polynomial of the fourth root, at most 0.009 of 255 levels off: software
-// renderers have powers by two series a colour, and roots by an instruction.
+// IEC 61966-2-1. The power of 1 / 2.4 is a polynomial of the fourth root, with an error below 0.009 of 255 levels:
+// software renderers compute a power by two series per colour, and a root by one instruction.
 vec3 encode_srgb(vec3 linear) {
     vec3 clamped = clamp(linear, 0.0, 1.0);
     vec3 root = sqrt(sqrt(clamped));

@@ -1,4 +1,4 @@
-// The cord's surface in the light of the scene, with the shadow of a ball over it and the dark where the ball touches.
+// The cord's surface in the light of the scene, with the shadow and the contact occlusion of a ball.
 #include "common/view.glsl"
 #include "common/sky.glsl"
 #include "common/output.glsl"
@@ -21,25 +21,25 @@ layout(std140, binding = 7) uniform CordBlock {
 };
 
 in vec3 position_eye;
-flat in vec4 eye_seen;          // of the eye that sees it its place, frame "eye"
+flat in vec4 eye_seen;          // position of the eye, frame "eye"
 in vec3 normal;
 in vec2 at;
 out vec4 colour;
 
-// Share of the light that passes the ball: soft with the gap under it.
+// Visibility of the light past the ball; the penumbra widens with the gap below the ball.
 float past_ball(vec3 n) {
     if (ball.w <= 0.0) return 1.0;
     vec3 to_ball = ball.xyz - position_eye;
     float gap = dot(to_ball, ball_light.xyz);
     float off = length(to_ball - gap * ball_light.xyz);
     float soft = max(ball_light.w * max(gap, 0.0), 0.02 * ball.w);
-    // Where the light is larger than the ball as seen from here, no shadow is whole.
+    // Where the light appears larger than the ball, there is no umbra.
     float whole = min(1.0, ball.w * ball.w / (soft * soft));
     float covered = whole * (1.0 - smoothstep(ball.w - soft, ball.w + soft, off));
     return gap > 0.0 && dot(n, ball_light.xyz) > 0.0 ? 1.0 - covered : 1.0;
 }
 
-// Share of the sky that a ball so near leaves open (Quilez): the cosine-weighted part of a sphere over a plane.
+// Visibility of the sky beside the ball (Quilez): cosine-weighted occlusion by a sphere.
 float beside_ball(vec3 n) {
     if (ball.w <= 0.0) return 1.0;
     vec3 to_ball = ball.xyz - position_eye;
@@ -52,7 +52,7 @@ void main() {
     vec3 sight = position_eye - eye_seen.xyz;
     float distance = length(sight);
     vec2 sun = sun_and_tone(position_eye, n);
-    // A twisted weave, so that the eye sees how the surface moves.
+    // A twisted weave, which makes the motion of the surface visible.
     float weave = 0.5 + 0.5 * sin(3.0 * at.y + at.x / max(form.x, 1e-4) * 2.2);
     vec3 base = paint.rgb * mix(0.82, 1.0, smoothstep(0.1, 0.6, weave));
     Surface surface = make_surface(base, 0.0, paint.w, n, sight / -distance);

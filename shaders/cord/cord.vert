@@ -1,5 +1,5 @@
-// A hanging cord: its middle line in closed form, its frame without twist, ripples with their normals.
-// The same in float64: mimics_app/maths/cord.py.
+// A hanging cord: centre line in closed form, twist-free frame, ripples with their normals.
+// In float64: mimics_app/maths/cord.py.
 #include "common/view.glsl"
 #include "common/eyes.glsl"
 
@@ -23,14 +23,14 @@ out vec2 at;                    // along [m], around [rad]
 
 const float PI = 3.14159265358979;
 
-// log(x + sqrt(x^2 + 1)) loses all that matters of a small x.
+// asinh; log(x + sqrt(x^2 + 1)) suffers from cancellation at small x.
 float small_asinh(float x) {
     float x2 = x * x;
     float series = x * (1.0 + x2 * (-1.0 / 6.0 + x2 * (3.0 / 40.0 - x2 * (15.0 / 336.0))));
     return abs(x) < 0.15 ? series : sign(x) * log(abs(x) + sqrt(x2 + 1.0));
 }
 
-// Height, slope along, slope around.
+// Returns height, slope along, slope around.
 vec3 ripple(vec4 tapped, float s, float theta, float radius) {
     float ds = s - tapped.x;
     float turn = mod(theta - tapped.y + PI, 2.0 * PI) - PI;

@@ -1,4 +1,4 @@
-// Two pictures side by side to one of alternating rows: the left eye's are the even ones, counted from the top.
+// Two pictures side by side to one of alternating rows: even rows, counted from the top, are the left eye's.
 #include "post/region.glsl"
 
 uniform float rows;             // of the finished picture

@@ -1,4 +1,4 @@
-// Two pictures side by side to two panels behind lenses. Each pixel asks where the lens shows it, colour by colour.
+// Lens correction: two pictures side by side to two panels; each pixel samples where its lens shows it, per colour.
 #include "post/region.glsl"
 
 uniform vec4 panel_0, panel_1;  // tangents of the panels: left, right, bottom, top

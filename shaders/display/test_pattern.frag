@@ -1,4 +1,4 @@
-// The picture with lines one pixel wide along its edges and a cross at each corner: for lining up walls.
+// Test pattern for aligning walls: lines of one pixel along the edges and a cross at each corner.
 #include "post/region.glsl"
 
 out vec4 colour;

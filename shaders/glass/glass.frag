@@ -1,4 +1,4 @@
-// Translucent wall: clear where looked at head-on, filling and mirroring towards its rim. Drawn back faces first.
+// Translucent wall: clear at normal incidence, opaque and reflecting towards its rim. Back faces are drawn first.
 #include "common/view.glsl"
 #include "common/material.glsl"
 #include "common/surface.glsl"
@@ -20,7 +20,7 @@ void main() {
     float rim = 1.0 - facing;
     rim *= rim;
 #ifdef GRID
-    // Rings along the wall, where the mesh counts metres in v, show how it bends and narrows.
+    // Rings along the wall (v is in metres) show how it bends and narrows.
     float ring = line_coverage(uv.y / finish.z, 1.2);
 #else
     float ring = 0.0;

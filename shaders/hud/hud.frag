@@ -1,6 +1,6 @@
 // Rounded box, glyph or image, by kind.
 layout(binding = 2) uniform sampler2D glyphs;           // signed distance, 0.5 on the outline
-layout(binding = 3) uniform sampler2DArray images;      // display code values
+layout(binding = 3) uniform sampler2DArray images;      // display values
 
 uniform float glyph_spread;     // distance from 0 to 1 in the atlas [atlas px]
 

@@ -1,12 +1,12 @@
-// Rectangles of the heads-up display, one instance each, on a plane before the eyes.
+// Rectangles of the heads-up display, one instance each, on a plane in front of the eyes.
 uniform mat4 clip_from_hud;
 
 in vec4 box;                    // x, y of the lower left corner, width, height [hud px]
-in vec4 picture;                // the same in the atlas or the image [uv]
-in vec4 tint;                   // display code values, straight alpha
+in vec4 picture;                // rectangle in the atlas or the image [uv]
+in vec4 tint;                   // display values, straight alpha
 in vec4 style;                  // kind, corner radius [hud px], border width [hud px], image layer
 
-out vec2 at;                    // from the middle [hud px]
+out vec2 at;                    // from the centre [hud px]
 out vec2 uv;
 flat out vec2 half_size;
 flat out vec4 box_tint;

@@ -1,6 +1,6 @@
-// A picture in its frame; display values.
+// An inset with its border; display values.
 layout(binding = 22) uniform sampler2D picture;
-uniform float mirrored;         // 1: left and right exchanged
+uniform float mirrored;         // 1: flipped horizontally
 
 in vec2 uv;
 out vec4 colour;

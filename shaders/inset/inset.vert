@@ -1,4 +1,4 @@
-// A rectangle of the heads-up plane, with its frame.
+// A rectangle on the plane of the heads-up display, with its border.
 uniform mat4 clip_from_hud;
 uniform vec4 box;               // lower left corner, width, height [hud px]
 uniform float border;           // [hud px]

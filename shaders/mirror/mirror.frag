@@ -1,4 +1,4 @@
-// A plane that shows the picture drawn from behind it; where none was drawn, as in another mirror, the sky.
+// A plane mirror, which shows its reflection; the sky where none was drawn, as within another mirror.
 #include "common/view.glsl"
 #include "common/material.glsl"
 #include "common/surface.glsl"
@@ -6,17 +6,17 @@
 #include "common/output.glsl"
 
 layout(std140, binding = 5) uniform MirrorBlock {
-    vec4 texel_of_pixel[2];     // for each eye: factors and offsets; across the picture is turned over
-    vec4 drawn[2];              // width and height of what was drawn for it [texels], 0: nothing was
+    vec4 texel_of_pixel[2];     // per eye: factors and offsets; x is flipped
+    vec4 drawn[2];              // per eye: width and height of the reflection [texels], 0: none
 };
 
 #if defined(EYES_BY_VIEWPORT) || defined(EYES_BY_CLIPPING)
-layout(binding = 25) uniform sampler2D other_texture;   // what the right eye sees in it
+layout(binding = 25) uniform sampler2D other_texture;   // reflection for the right eye
 #endif
 
 out vec4 colour;
 
-// What was drawn for the eye, display values.
+// Reflection for the present eye, display values.
 vec3 picture_seen() {
 #ifdef TEXTURED
     vec4 texel = texel_of_pixel[EYE_SEEN];

@@ -1,8 +1,8 @@
-// Depths of the shadow atlas as relief lit from the upper left, since all of a sun's maps share one long range: what is
-// level is grey, near things are a little brighter. What nothing was drawn to stays dark blue.
+// Depths of the shadow atlas as a relief lit from the upper left, since the sun's maps share one long depth range:
+// level areas are grey, nearer ones a little brighter. Empty texels are dark blue.
 layout(binding = 4) uniform sampler2D depths;
 uniform float tiles;            // along a side
-uniform float relief[16];       // by tile: depth over a texel, both in metres
+uniform float relief[16];       // by tile: depth range over texel width
 
 in vec2 uv;
 out vec4 colour;

@@ -1,4 +1,4 @@
-// Ink with a soft edge.
+// Lines with antialiased edges.
 uniform float strength;         // factor on the opacity
 
 noperspective in float across;

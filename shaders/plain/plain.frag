@@ -1,4 +1,4 @@
-// A picture times the light of its corners, and haze before it.
+// A texture times the interpolated light of the vertices, plus fog.
 #ifdef TEXTURED
 layout(binding = 0) uniform sampler2DArray pictures;
 #endif

@@ -1,5 +1,5 @@
-// The cheapest lit surface: light and haze per vertex, already as they are displayed. Shared state for all looks: what
-// differs between them comes with each instance. Without a tone map light counts as display values, as fixed pipelines had it.
+// The cheapest lit surface: light and fog per vertex, in display values. All looks share one state: what differs comes
+// with each instance. Without a tone map light counts as display values, as in fixed-function pipelines.
 #include "common/view.glsl"
 #include "common/eyes.glsl"
 #include "common/sky.glsl"
@@ -17,9 +17,9 @@ in vec4 in_colour;
 #endif
 
 out vec3 at;
-out vec3 shade;                 // what it leaves of the picture's display values
+out vec3 shade;                 // factor on the texture's display values
 #ifdef HAZE
-out vec3 haze;                  // what haze adds to them
+out vec3 haze;                  // fog added to them
 #endif
 
 void main() {

@@ -1,4 +1,4 @@
-// The picture with a share of its light spread about.
+// The picture with a share of its light blurred.
 #include "post/region.glsl"
 #include "common/tone.glsl"
 

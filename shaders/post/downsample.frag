@@ -1,4 +1,4 @@
-// Half the size. Of a picture's display values each texel becomes the light of 2 x 2; of light the mean of 4 x 4.
+// Half the size: mean light of 2 x 2 texels of display values, or of 4 x 4 texels of linear light.
 #include "post/region.glsl"
 #include "common/tone.glsl"
 

@@ -1,22 +1,22 @@
-// Smooth edges found in the finished picture: fast approximate anti-aliasing (Lottes 2009), own implementation.
-// An edge is followed both ways to its ends; the pixel is then mixed with its neighbour across by where it lies between.
+// Fast approximate anti-aliasing of the finished picture (FXAA: Lottes 2009), own implementation. An edge is followed
+// in both directions to its ends; the pixel's position between them gives its blend with the neighbour across.
 #include "post/region.glsl"
 
 out vec4 colour;
 
-const float LEAST_CONTRAST = 0.0312;    // of display values: below it nothing is done
-const float SHARE_CONTRAST = 0.125;     // of the brightest neighbour
-const float SMOOTHING = 0.75;           // of single pixels, 0 to 1
+const float MIN_CONTRAST = 0.0312;      // in display values, below which a pixel is left as it is
+const float SHARE_CONTRAST = 0.125;     // minimum contrast over the brightest neighbour
+const float SMOOTHING = 0.75;           // strength for isolated pixels, 0 to 1
 
-// A number the compiler does not know: a loop that is not unrolled ends as soon as all pixels beside each other have
-// found both ends, which on a software renderer is a third of the time.
+// A uniform prevents unrolling: the loop ends as soon as all pixels of a group have found both ends, in a third of the
+// time on a software renderer.
 uniform float steps;
 
 float luma(vec3 display) {
     return dot(display, vec3(0.299, 0.587, 0.114));
 }
 
-// Between pixels, `at` in texels.
+// Luma between texels, `at` in texels.
 float luma_between(vec2 at) {
     return luma(region_colour(at));
 }
@@ -35,7 +35,7 @@ void main() {
     float west = luma_at(t + ivec2(-1, 0)), east = luma_at(t + ivec2(1, 0));
     float brightest = max(middle, max(max(south, north), max(west, east)));
     float contrast = brightest - min(middle, min(min(south, north), min(west, east)));
-    bool plain = contrast < max(LEAST_CONTRAST, SHARE_CONTRAST * brightest);
+    bool plain = contrast < max(MIN_CONTRAST, SHARE_CONTRAST * brightest);
 
     float south_west = luma_at(t + ivec2(-1, -1)), south_east = luma_at(t + ivec2(1, -1));
     float north_west = luma_at(t + ivec2(-1, 1)), north_east = luma_at(t + ivec2(1, 1));
@@ -51,7 +51,7 @@ void main() {
     float border = 0.5 * (middle + (towards_before ? before : behind));
     float jump = 0.25 * max(abs(before - middle), abs(behind - middle));
 
-    // On the border between both pixels luma stays what it is here until the edge ends.
+    // On the border between both pixels luma is constant until the edge ends.
     vec2 line = at + 0.5 * across;
     float back = 0.0, ahead = 0.0, back_end = 0.0, ahead_end = 0.0;
     bool back_found = plain, ahead_found = plain;
@@ -69,12 +69,12 @@ void main() {
         }
     }
     bool nearer_back = back < ahead;
-    bool right_way = ((nearer_back ? back_end : ahead_end) < 0.0) != (middle < border);
-    float from_edge = right_way ? 0.5 - min(back, ahead) / (back + ahead) : 0.0;
+    bool consistent = ((nearer_back ? back_end : ahead_end) < 0.0) != (middle < border);
+    float from_edge = consistent ? 0.5 - min(back, ahead) / (back + ahead) : 0.0;
 
     float mean = (2.0 * (south + north + west + east) + south_west + south_east + north_west + north_east) / 12.0;
-    // Beside a straight edge the mean is a third of the contrast away: that much is no sign of a lonely pixel.
-    float lonely = clamp(1.5 * abs(mean - middle) / contrast - 0.5, 0.0, 1.0);
-    vec3 mixed = region_colour(at + max(from_edge, SMOOTHING * lonely) * across);
+    // Beside a straight edge the mean differs by a third of the contrast: only more than that marks an isolated pixel.
+    float isolated = clamp(1.5 * abs(mean - middle) / contrast - 0.5, 0.0, 1.0);
+    vec3 mixed = region_colour(at + max(from_edge, SMOOTHING * isolated) * across);
     colour = vec4(plain ? own : mixed, 1.0);
 }

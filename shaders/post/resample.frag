@@ -1,4 +1,4 @@
-// A smaller picture brought to full size; the texture filters linearly.
+// Bilinear scaling of a picture.
 #include "post/region.glsl"
 
 out vec4 colour;

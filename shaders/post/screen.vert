@@ -1,4 +1,4 @@
-// One triangle over the whole picture. What is the same for all pixels is computed here and not for each of them.
+// One triangle over the whole viewport; values common to all pixels are computed here.
 uniform vec4 region;            // see post/region.glsl
 
 out vec2 region_at;

@@ -1,4 +1,4 @@
-// Twice the size, by a tent; blended over the finer level by its share.
+// Twice the size by a tent filter; blended over the finer level by `share`.
 #include "post/region.glsl"
 
 uniform float share;

@@ -1,4 +1,4 @@
-// A picture projected onto a surface that is drawn once more, where its depth is what was seen.
+// A texture projected onto a surface that is drawn again with depth test "equal".
 #define MATT
 #include "common/view.glsl"
 #include "common/material.glsl"
@@ -12,17 +12,17 @@
 
 layout(binding = 10) uniform sampler2D slide;
 
-uniform mat4 slide_from_eye;    // to its texture coordinates and depth, 0 to 1, before the division by w
-uniform vec4 towards;           // xyz: against the rays, unit (w = 0), or where they come from, eye frame [m] (w = 1)
+uniform mat4 slide_from_eye;    // to texture coordinates and depth, 0 to 1, before the division by w
+uniform vec4 towards;           // xyz: unit, against parallel rays (w = 0), or their origin, eye frame [m] (w = 1)
 uniform vec4 slide_tint;        // linear RGB, strength
-uniform vec2 lean;              // cosines: all shows from the first on, nothing below the second
+uniform vec2 lean;              // cosines of incidence: full strength above the first, none below the second
 
 out vec4 colour;
 
 void main() {
     vec4 at = slide_from_eye * vec4(position_eye, 1.0);
     vec3 place = at.xyz / at.w;
-    // Read before anything is discarded: the level of detail comes from the neighbours.
+    // Sampled before any discard: the mipmap level needs the neighbouring pixels.
     vec4 picture = texture(slide, vec2(place.x, 1.0 - place.y));
     vec3 n = normalize(gl_FrontFacing ? normal : -normal);
     vec3 back = normalize(towards.xyz - towards.w * position_eye);

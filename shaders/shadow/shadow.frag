@@ -1,4 +1,4 @@
-// Writes depth only. Translucent casters stop one texel in four: the filter of common/shadow.glsl makes that a quarter.
+// Depth only. Translucent casters are dithered, one texel in four, which the filter of common/shadow.glsl averages.
 #ifdef TEXTURED
 #include "common/material.glsl"
 #endif

@@ -1,4 +1,4 @@
-// Depth seen from a light or from an eye, or from both eyes.
+// Depth from a light, from one eye, or from both eyes.
 #ifdef EYES_BY_CLIPPING
 #include "common/view.glsl"
 #include "common/eyes.glsl"

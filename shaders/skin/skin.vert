@@ -1,5 +1,5 @@
-// A vertex as its joints and morph targets bend it; what comes out goes into the buffer that all passes draw from.
-// SETS: attributes of four joints each. DUAL: their dual quaternions are mixed, else their matrices. MORPHS: targets.
+// Skinning by joints and morph targets; transform feedback into the vertex buffer that all passes draw from.
+// SETS: attributes of four joints each. DUAL: blends dual quaternions, else matrices. MORPHS: has morph targets.
 layout(std140, binding = 11) uniform Palette {
     vec4 rows[4096];
 };
@@ -101,7 +101,7 @@ void main() {
 #else
     vec4 point = vec4(position, 1.0);
     bent_position = vec3(dot(row0, point), dot(row1, point), dot(row2, point));
-    // Normals go by the cofactors, as what is stretched needs; of a rotation they are the rotation itself.
+    // Normals transform by the cofactor matrix, for joints with scale; of a rotation it is the rotation itself.
     normal = vec3(
         dot(cross(row1.xyz, row2.xyz), normal), dot(cross(row2.xyz, row0.xyz), normal), dot(cross(row0.xyz, row1.xyz), normal)
     );

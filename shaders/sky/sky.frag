@@ -1,4 +1,4 @@
-// Gradient of the sky with the sun's glow, and what is laid over it: a box, a dome or a plane of pictures.
+// Sky gradient with the sun's glow, and a backdrop over it: a textured box, dome or plane.
 #include "common/view.glsl"
 #include "common/sky.glsl"
 #include "common/output.glsl"
@@ -9,13 +9,13 @@ layout(binding = 9) uniform samplerCube backdrop;
 layout(binding = 9) uniform sampler2D backdrop;
 #endif
 #ifdef PLANE
-uniform float height;           // over width of the picture
+uniform float height;           // of the plane over the width of a texture tile
 #endif
 
 in vec3 direction;
 out vec4 colour;
 
-// Linear light of the pictures towards a direction, and how much of the sky they cover.
+// Linear light of the backdrop in a direction, and its coverage of the sky.
 vec4 backdrop_light(vec3 towards) {
 #if defined(BOX)
     return texture(backdrop, towards);
@@ -34,7 +34,7 @@ vec4 backdrop_light(vec3 towards) {
 void main() {
     vec3 towards = normalize(direction);
     vec4 over = backdrop_light(towards);
-    // Haze hides the ground below the horizon: what is far is the horizon's colour.
+    // Below the horizon, fog hides the ground: the horizon's colour.
     towards.y = max(towards.y, 0.0);
     float glow = clamp(dot(towards, sun_direction.xyz), 0.0, 1.0);
     glow *= glow;

@@ -1,4 +1,4 @@
-// One triangle over the whole view at the far plane.
+// One triangle over the whole view, at the far plane.
 #include "common/view.glsl"
 
 out vec3 direction;

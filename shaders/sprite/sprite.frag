@@ -1,4 +1,4 @@
-// A picture in space: cut out, or blended with its alpha multiplied in, so that covering and adding are one state.
+// Sprites: alpha-tested, or blended with premultiplied alpha, so that covering and additive sprites share one state.
 #ifdef LIT
 #define MATT
 #endif
@@ -29,7 +29,7 @@ flat in vec3 sprite_black;
 out vec4 colour;
 
 #ifdef LIT
-// Rounded like a ball, as far as the sprite's roundness goes. Its axes are how the position changes from corner to corner.
+// Normal of a ball, mixed by the sprite's roundness; the sprite's axes come from screen-space derivatives.
 vec3 sprite_normal(vec3 view) {
     mat2x3 axes = mat2x3(dFdx(position_eye), dFdy(position_eye)) * inverse(mat2(dFdx(corner), dFdy(corner)));
     vec3 right = normalize(axes[0]), up = normalize(axes[1]);
@@ -39,7 +39,7 @@ vec3 sprite_normal(vec3 view) {
     return normalize(mix(flat_normal, ball, sprite_style.z));
 }
 
-// What it is shown as, in display values.
+// Shaded colour in display values.
 vec3 shown(vec3 picture) {
     vec3 base = decode_srgb(picture) * sprite_tint.rgb;
     vec3 sight = position_eye - eye_places[0].xyz;
@@ -48,13 +48,13 @@ vec3 shown(vec3 picture) {
     vec3 normal = sprite_normal(view);
     vec2 sun = sun_and_tone(position_eye, normal);
     vec3 light = shine(make_surface(base, 0.0, 1.0, normal, view), 1.0, position_eye, sun.x, 1.0);
-    // Haze covers what covers; of what only adds light it lets less through.
+    // Fog covers a covering sprite and only attenuates an additive one.
     light = apply_fog(light, distance) - (1.0 - sprite_style.y) * apply_fog(vec3(0.0), distance);
     return sun.y * encode_output(light);
 }
 #define OWN_ALPHA sprite_tint.a
 #else
-// The same between black and white of the picture, which are found once a corner: exact for those two.
+// Interpolates between the colours for black and white, which are computed per vertex: exact for these two.
 vec3 shown(vec3 picture) {
 #ifdef HAZE
     return mix(sprite_black, sprite_white.rgb, picture);
@@ -66,8 +66,8 @@ vec3 shown(vec3 picture) {
 #endif
 
 #ifdef DOTS
-// world/materials/sprite_pictures.py has it as a picture: a spot with a soft edge. Of a dot no larger than a pixel the mean
-// of its square is seen; between, that much of it which keeps the mean whatever the size.
+// The texture "dot" of world/materials/sprite_pictures.py as a formula: a spot with a soft edge. A dot no larger than a
+// pixel has the mean of its square; in between, a mixture keeps the mean at any size.
 const float MEAN = 0.3 * 3.14159265 / 4.0;
 const float BLURRED = 0.35;
 

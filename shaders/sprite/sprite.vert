@@ -1,19 +1,19 @@
-// A corner of a picture in space; computed in rendering/visual/kernels/sprites.py, four a sprite.
+// A vertex of a sprite, computed in rendering/visual/kernels/sprites.py, four per sprite.
 #include "common/view.glsl"
 #include "common/output.glsl"
 
 in vec3 position;               // eye frame [m]
 in vec4 tint;                   // linear RGBA
-in uvec4 style;                 // layer; opacity (covers, or adds light), roundness and cutoff as shares of 65535
+in uvec4 style;                 // layer; opacity (covering or additive), roundness and alpha cutoff as shares of 65535
 
 out vec2 corner;
 #ifdef LIT
 out vec3 position_eye;
 flat out vec4 sprite_tint;
 #else
-flat out vec4 sprite_white;     // what white of the picture is shown as; alpha: of the sprite
+flat out vec4 sprite_white;     // shaded white of the texture; alpha of the sprite
 #ifdef HAZE
-flat out vec3 sprite_black;     // what its black is shown as
+flat out vec3 sprite_black;     // shaded black of the texture
 #endif
 #endif
 flat out vec4 sprite_style;
@@ -36,7 +36,7 @@ void main() {
     position_eye = position;
     sprite_tint = tint;
 #elif defined(HAZE)
-    // Haze covers what covers; of what only adds light it lets less through.
+    // Fog covers a covering sprite and only attenuates an additive one.
     float seen = fog_share(length(position - eye_places[0].xyz));
     vec3 haze = sprite_style.y * (1.0 - seen) * fog_colour.rgb;
     sprite_white = vec4(display_values(tint.rgb * seen + haze), tint.a);

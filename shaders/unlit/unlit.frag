@@ -1,4 +1,4 @@
-// Surface that shows its own colour whatever shines on it.
+// Surface in its own colour, independent of the light.
 #include "common/view.glsl"
 #include "common/material.glsl"
 #include "common/surface.glsl"

@@ -1,7 +1,6 @@
-// One tone over the whole picture, for blending by multiplication.
+// One factor over the whole viewport, for multiplicative blending.
 uniform float tone;
 
-in vec2 place;
 out vec4 colour;
 
 void main() {

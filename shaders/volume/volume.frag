@@ -1,3 +1,3 @@
-// Volumes only count.
+// Stencil only.
 void main() {
 }

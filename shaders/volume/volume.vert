@@ -1,4 +1,4 @@
-// A shadow volume, seen by one eye or by both: corners at infinity have w = 0.
+// A shadow volume for one eye or both; vertices at infinity have w = 0.
 #include "common/view.glsl"
 #include "common/both_eyes.glsl"
 

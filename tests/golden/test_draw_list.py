@@ -11,7 +11,7 @@ import pytest
 from mimics_app.app.bench.render_workloads import open_workload
 from mimics_app.app.cli import main
 from mimics_app.maths.mat import look_at
-from mimics_app.rendering.visual.kernels.commands import MOST_TRIANGLES
+from mimics_app.rendering.visual.kernels.commands import MAX_TRIANGLES
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
@@ -68,7 +68,7 @@ def test_a_large_frame_is_sent_in_pieces_which_nothing_shows(monkeypatch):
     world.set_material(Material("grey"))
     world.meshes["ball"], world.meshes["box"] = sphere(0.4, 12), box(0.5, 0.5, 0.5)
     each = len(world.meshes["ball"].indices) // 3
-    count = 5 * MOST_TRIANGLES // (2 * each)
+    count = 5 * MAX_TRIANGLES // (2 * each)
     for k in range(count):
         where = (k % 20 - 9.5, (k // 20 % 10) - 4.5, -float(k // 200))
         world.root.create_child("", where).create_entity("box" if k % 9 == 0 else "ball", "grey")
@@ -80,12 +80,12 @@ def test_a_large_frame_is_sent_in_pieces_which_nothing_shows(monkeypatch):
     with create_surface("egl", SIZE) as surface:
         drawn = Renderer(surface, world, PLAIN).draw(views)
         picture, sent = read_pixels(surface), len(pieces)
-        monkeypatch.setattr("mimics_app.rendering.visual.drawing.frame_buffers.MOST_TRIANGLES", 10 * drawn.triangles)
+        monkeypatch.setattr("mimics_app.rendering.visual.drawing.frame_buffers.MAX_TRIANGLES", 10 * drawn.triangles)
         pieces.clear()
         Renderer(surface, world, PLAIN).draw(views)
         np.testing.assert_array_equal(read_pixels(surface), picture)
     assert not pieces
-    assert drawn.triangles // MOST_TRIANGLES >= sent >= 1
+    assert drawn.triangles // MAX_TRIANGLES >= sent >= 1
 
 
 def test_looks_that_differ_in_picture_and_colour_share_draw_calls():

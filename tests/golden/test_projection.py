@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -118,12 +120,9 @@ def test_culling_never_takes_what_is_seen(monkeypatch):
     with create_surface("egl", SIZE) as surface:
         culled = draw_world(surface, world, [view], PLAIN)
         fewer = Renderer(surface, world, PLAIN).draw([view]).triangles
-        monkeypatch.setattr(
-            "mimics_app.rendering.visual.drawing.draw_list.compute_frustum_planes",
-            lambda _: np.array([[0.0, 0, 0, 1.0]] * 6),
-        )
-        whole = draw_world(surface, world, [view], PLAIN)
-        every = Renderer(surface, world, PLAIN).draw([view]).triangles
+        monkeypatch.setattr(View, "frustum_planes", np.array([[0.0, 0, 0, 1.0]] * 6))
+        whole = draw_world(surface, world, [replace(view)], PLAIN)
+        every = Renderer(surface, world, PLAIN).draw([replace(view)]).triangles
     assert np.array_equal(culled, whole)
     assert 0 < fewer < 0.7 * every, "the test's spheres are to be half in and half out"
 

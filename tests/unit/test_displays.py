@@ -143,7 +143,7 @@ def test_a_wall_that_cannot_be_seen_well_says_so_and_keeps_a_finite_picture(
 @pytest.mark.parametrize(
     ("change", "pointer", "what"),
     [
-        ({"upper_left": [-1.2, 3, -1.5]}, "/walls/0", "no right angle"),
+        ({"upper_left": [-1.2, 3, -1.5]}, "/walls/0", "not at right angles"),
         ({"lower_right": [-1.5, 0, -1.5]}, "/walls/0", "shorter"),
         ({"name": "left"}, "/walls/1/name", "another wall"),
         ({"name": "a/b"}, "/walls/0/name", ""),

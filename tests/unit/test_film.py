@@ -16,6 +16,7 @@ from mimics_app.app.picture.video import Film, film_place
 from mimics_app.app.play.play import play
 from mimics_app.app.settings import RunSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
+from mimics_app.rendering.visual.surfaces.frame_reader import FrameReader
 
 SIZE = (31, 17)
 NS = 1_000_000_000
@@ -159,3 +160,16 @@ def test_a_film_is_finished_once(tmp_path):
     film = shoot(tmp_path / "frames", [0.0])
     film.finish()
     assert len(list((tmp_path / "frames").iterdir())) == 1
+
+
+def test_a_window_that_changes_its_size_leaves_no_read_buffer_behind():
+    with create_surface("egl", SIZE) as surface:
+        held, reserve = [], surface.ctx.buffer
+        surface.ctx.buffer = lambda **how: held.append(reserve(**how)) or held[-1]
+        reader = FrameReader(surface, behind=1)
+        for width in (31, 40, 50, 60, 60, 60):
+            surface.resize((width, SIZE[1]))
+            reader.take(width)
+        sizes = {buffer.size for buffer in held if type(buffer.mglo).__name__ != "InvalidObject"}
+        reader.release()
+    assert sizes == {3 * 60 * SIZE[1]}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mimics_app.rendering.visual.drawing.solids import find_solid
-from mimics_app.rendering.visual.drawing.t_junctions import seal, unmatched_edges
+from mimics_app.rendering.visual.drawing.t_junctions import remove_t_junctions, unmatched_edges
 from mimics_app.rendering.visual.kernels.solid import winding_number
 from mimics_app.world.meshes.mesh import MeshData, compute_normals
 from mimics_app.world.meshes.primitives import box, cylinder, icosphere, plane, sphere, torus
@@ -77,7 +77,7 @@ def meets_front_first(solid, eye, targets):
 def test_a_closed_mesh_holds_a_box_of_good_size(mesh, share):
     """Of its bounding box; the largest cube in a ball is 0.19 of it, the best box by surface is no larger."""
     solid = find_solid(mesh)
-    volume = np.prod(solid.greatest - solid.least) / np.prod(mesh.bounds[1] - mesh.bounds[0])
+    volume = np.prod(solid.upper - solid.lower) / np.prod(mesh.bounds[1] - mesh.bounds[0])
     assert volume > 0.7 * min(share, 0.19 if share == 0.25 else share)
     assert len(solid.caps) == 0
     assert solid.mesh.triangle_count <= mesh.triangle_count, "nothing to repair but slivers at the poles"
@@ -85,7 +85,7 @@ def test_a_closed_mesh_holds_a_box_of_good_size(mesh, share):
     assert np.abs(solid.mesh.positions - mesh.positions).max() < 1e-5
     triangles = solid.mesh.positions[solid.mesh.indices.reshape(-1, 3)].astype(np.float64)
     rng = np.random.default_rng(1)
-    for point in rng.uniform(solid.least, solid.greatest, (20, 3)):
+    for point in rng.uniform(solid.lower, solid.upper, (20, 3)):
         assert winding_number(triangles, point) == pytest.approx(1.0, abs=1e-5)
 
 
@@ -113,7 +113,7 @@ def test_walls_of_loose_plates_are_sealed_and_hide():
     rng = np.random.default_rng(4)
     for _ in range(4):
         mesh = house(rng)
-        sealed = seal(mesh)
+        sealed = remove_t_junctions(mesh)
         assert sealed.repaired > 0
         rims = sealed.points[np.unique(unmatched_edges(sealed.triangles))]
         assert set(np.round(rims[:, 1], 4).tolist()) == {0.0, round(float(mesh.bounds[1][1]), 4)}
@@ -122,7 +122,7 @@ def test_walls_of_loose_plates_are_sealed_and_hide():
         assert len(solid.caps) == 2
         for eye in rng.uniform([-30, 0.1, -30], [30, 2.5, 30], (20, 3)):
             if (np.abs(eye) > mesh.bounds[1]).any():
-                assert meets_front_first(solid, eye, rng.uniform(solid.least, solid.greatest, (20, 3))).all()
+                assert meets_front_first(solid, eye, rng.uniform(solid.lower, solid.upper, (20, 3))).all()
 
 
 def test_from_beyond_a_cap_one_would_look_in():
@@ -131,7 +131,7 @@ def test_from_beyond_a_cap_one_would_look_in():
     solid = find_solid(house(rng))
     eye = np.array([0.0, 40.0, 0.0])
     assert (solid.caps[:, :3] @ eye + solid.caps[:, 3] > 0.0).any()
-    assert not meets_front_first(solid, eye, rng.uniform(solid.least, solid.greatest, (20, 3))).any()
+    assert not meets_front_first(solid, eye, rng.uniform(solid.lower, solid.upper, (20, 3))).any()
 
 
 def test_inserted_corners_carry_what_lies_between_the_ends():
@@ -143,7 +143,7 @@ def test_inserted_corners_carry_what_lies_between_the_ends():
     mesh = MeshData(
         positions, np.tile(np.float32([0, 0, 1]), (6, 1)), triangles.reshape(-1).astype(np.uint32), uvs, colours
     )
-    sealed = seal(mesh.validated())
+    sealed = remove_t_junctions(mesh.validated())
     assert sealed.repaired == 1
     out = sealed.mesh
     assert len(out.positions) == 7 and out.triangle_count == 5
@@ -154,5 +154,5 @@ def test_inserted_corners_carry_what_lies_between_the_ends():
 def test_a_torus_keeps_its_hole_free():
     """The best box lies in the ring's own bar, not across the hole."""
     solid = find_solid(torus(2.0, 0.8, 32))
-    middle = 0.5 * (solid.least + solid.greatest)
+    middle = 0.5 * (solid.lower + solid.upper)
     assert np.linalg.norm(middle) > 1.0

@@ -1,4 +1,4 @@
-"""A picture off the surface, to be drawn into and read as a texture afterwards."""
+"""An offscreen render target whose colours are read as a texture afterwards."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ __all__ = ["DrawBuffer", "texture_of"]
 
 
 class DrawBuffer:
-    """A picture off the surface: a texture, or its multisampled twin until it is finished, and depth.
+    """An offscreen render target: a colour texture, multisampled until it is resolved, and depth.
 
     Args:
-        ctx: Where it lives.
-        size: [px].
-        samples: Per pixel, 0: one.
+        ctx: Context that owns it.
+        size: Width and height [px].
+        samples: Samples per pixel; 0: not multisampled.
         dtype: "f1" for 8 bits, "f2" for half floats.
-        srgb: True where a sampler is to decode the display values that are drawn.
+        srgb: True for a texture whose sampler decodes the display values to linear light.
 
     Attributes:
-        size: [px].
-        samples: Per pixel.
-        texture: The finished picture.
-        framebuffer: Where to draw.
+        size: Width and height [px].
+        samples: Samples per pixel.
+        texture: The resolved colours.
+        framebuffer: Framebuffer to draw into.
     """
 
     def __init__(
@@ -46,18 +46,18 @@ class DrawBuffer:
 
     @property
     def finished(self) -> moderngl.Framebuffer:
-        """What has the texture as its colours."""
+        """Framebuffer whose colour attachment is the texture."""
         return self._copy[0] if self._copy else self.framebuffer
 
     def finish(self, places: Sequence[tuple[int, int, int, int]] | None = None) -> None:
-        """Make each pixel of the texture the mean of its samples, in some rectangles [px] or everywhere."""
+        """Resolve the samples into the texture, in some rectangles [px] or everywhere."""
         if self._copy and places is None:
             self._ctx.copy_framebuffer(*self._copy)
         elif self._copy and places:
             RawGL(self._ctx).copy_colours(self._copy[1], self._copy[0], places)
 
     def release(self) -> None:
-        """Free it."""
+        """Free textures, renderbuffers and framebuffers."""
         for framebuffer in self._copy:
             framebuffer.release()
         release_framebuffer(self.framebuffer)
@@ -66,5 +66,5 @@ class DrawBuffer:
 
 
 def texture_of(framebuffer: moderngl.Framebuffer) -> moderngl.Texture:
-    """The first texture of a framebuffer that was made with one."""
+    """Return the first colour attachment of a framebuffer that was made with a texture."""
     return framebuffer.color_attachments[0]  # type: ignore[return-value]  # no renderbuffer

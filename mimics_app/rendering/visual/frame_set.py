@@ -1,4 +1,4 @@
-"""Frames one after another, each a PNG file."""
+"""A sequence of frames, each saved as a PNG file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["FrameSet", "render_frames"]
 
 @dataclass(frozen=True)
 class FrameSet:
-    """What `render_frames` made: the files in order, and the median time of drawing a frame [ms]."""
+    """Result of `render_frames`: the files in order, and the median drawing time of a frame [ms]."""
 
     files: list[Path]
     ms_median: float
@@ -32,17 +32,17 @@ def render_frames(
     folder: Path,
     presenter: Presenter | None = None,
 ) -> FrameSet:
-    """Draw frames and save each as frame_00000.png, frame_00001.png, ...; see `Presenter.save` for more eyes than one.
+    """Draw frames and save them as frame_00000.png, frame_00001.png, ...; see `Presenter.save` for several eyes.
 
-    The first is drawn once before, so that the driver's compiling is not counted.
+    The first frame is drawn once beforehand, so that shader compilation is not measured.
 
     Args:
-        renderer: Draws on `surface`.
-        surface: Any; a window shows the frames too.
+        renderer: Renderer that draws on `surface`.
+        surface: Any surface; a window shows the frames too.
         count: Number of frames, >= 1.
-        views: Called with the number of each frame before it is drawn: moves the world, returns the eyes.
-        folder: Where the files go; made when it is missing.
-        presenter: Of the display, None for a plain picture.
+        views: Called with the frame number before each frame: moves the world, returns the views.
+        folder: Folder of the files; created when missing.
+        presenter: Presenter of the display; None for a plain picture.
     """
     folder.mkdir(parents=True, exist_ok=True)
     files, spent = [], []

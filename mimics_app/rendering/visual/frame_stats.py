@@ -1,4 +1,4 @@
-"""What one frame cost."""
+"""Cost of one frame."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ class FrameStats:
     """Cost of one `Renderer.draw`.
 
     Attributes:
-        cpu_ms: From the call to its return [ms]; a software renderer draws within it, a GPU mostly after it.
-        gpu_ms: The driver's own time for the frame [ms], or None where it is not requested or not measured.
-        triangles: Sent to the driver, shadow pass included.
-        draws: Calls to the driver.
-        items: Sub-entities that could be drawn, all views together.
+        cpu_ms: Time from the call to its return [ms]; a software renderer draws within it, a GPU mostly after it.
+        gpu_ms: GPU time of the frame [ms]; None where it is not requested or not measured.
+        triangles: Triangles submitted, shadow pass included.
+        draws: Draw calls.
+        items: Sub-entities that could be drawn, summed over the views.
         culled: Of these, those outside their view's frustum.
-        hidden: Of the rest, those behind something solid.
-        tests: Of items or groups against frustums, all views together.
-        bent: Vertices that were bent anew.
+        hidden: Of the rest, those that are occluded.
+        tests: Frustum tests of items or groups, summed over the views.
+        bent: Vertices that were skinned in this frame.
     """
 
     cpu_ms: float

@@ -1,4 +1,4 @@
-"""What shines in a frame: the sun and its shadow frustum, lights at places, the sky."""
+"""Light of a frame: the sun and its shadow frustum, point and spot lights, the sky."""
 
 from __future__ import annotations
 
@@ -26,29 +26,29 @@ __all__ = [
 
 
 MAX_LIGHTS = 8
-"""Point and spot lights one frame can hold; of more, the strongest stay."""
+"""Maximum number of point and spot lights of a frame; of more, the strongest are kept."""
 
 _RADIUS_STEPS = 8
-"""Steps per octave in which a shadow frustum grows, so that a moving caster does not make its texels crawl."""
+"""Steps per octave in which a shadow frustum grows: a moving caster does not make shadow edges crawl."""
 SHADOW_STEP = 2.0 ** (1.0 / _RADIUS_STEPS)
-"""Width of a step of a shadow frustum over the one below."""
+"""Ratio of the widths of two successive steps of a shadow frustum."""
 
 
 _FACING_UP = (0.9, 0.1, 0.0)
 _UPRIGHT = (0.3465, 0.2327, 0.4208)
 _FACING_DOWN = (0.0, 0.0187, 0.9813)
-"""Shares of zenith, horizon and ground in the mean radiance, by the cosine, of what a surface sees of the sky that
-`sky_radiance` in shaders/common/sky.glsl draws."""
+"""Shares of zenith, horizon and ground in the cosine-weighted mean radiance of the sky (`sky_radiance` in
+shaders/common/sky.glsl) over the hemisphere of a surface that faces up, sideways or down."""
 
 
 @dataclass(frozen=True, eq=False)
 class ShadowFrustum:
-    """The box the sun's shadow map covers.
+    """The box covered by the sun's shadow map.
 
     Attributes:
         clip_from_world: Orthographic projection along the sun's rays, float64 [4, 4].
-        texture_from_world: The same to texture coordinates and depth in [0, 1].
-        centre: Of the box, world [m], float64 [3].
+        texture_from_world: Projection to texture coordinates and depth in [0, 1].
+        centre: Centre of the box, world [m], float64 [3].
         texel: Width of a texel in the world [m].
         size: Texels along a side.
     """
@@ -62,18 +62,18 @@ class ShadowFrustum:
 
 @dataclass(eq=False)
 class Lighting:
-    """Light of one frame; colours are linear RGB with the intensity multiplied in.
+    """Light of one frame; colours are linear RGB, multiplied by the intensity.
 
     Attributes:
-        sun_direction: Unit, towards the sun, [3].
-        sun_colour: Of its direct light; 1 makes a white surface that faces it white.
-        sun_casts_shadow: False where nothing keeps it off.
+        sun_direction: Unit vector towards the sun, [3].
+        sun_colour: Direct light of the sun; 1 makes a white surface that faces it white.
+        sun_casts_shadow: True where bodies cast shadows of the sun.
         zenith, horizon, ground: Radiance of the sky.
-        ambient: Factor on the light from all around, by colour.
-        scattered: The sun's light that comes from all around.
+        ambient: Factor on the light of the sky, by colour.
+        scattered: Sunlight scattered by sky and surroundings.
         places: Point and spot lights, at most `MAX_LIGHTS`.
-        fog: The haze; None: as the picture's settings say.
-        backdrop: Pictures over the sky, or None.
+        fog: The fog; None: that of the `RenderSettings`.
+        backdrop: Textures over the sky, or None.
     """
 
     sun_direction: F8
@@ -95,7 +95,7 @@ class Lighting:
 
     @property
     def figures(self) -> tuple[object, ...]:
-        """All of it: equal where another frame's is."""
+        """Every value of the lighting, to be compared with that of another frame."""
         arrays = (self.sun_direction, self.sun_colour, self.zenith, self.horizon, self.ground, self.ambient)
         lamps = [
             (light.kind, *light.colour, light.intensity, light.range, light.inner_cone, light.outer_cone)
@@ -106,10 +106,10 @@ class Lighting:
         return (*figures, self.sun_casts_shadow, tuple(lamps), self.fog, self.backdrop)
 
     def sky_light(self) -> F8:
-        """What surfaces get from all around, as a + b y + c y^2 of their normal's height y; rows a, b, c: [3, 3].
+        """Ambient irradiance over pi as a + b y + c y^2, y the height of the unit normal; rows a, b, c: [3, 3].
 
-        It is the mean of the sky as drawn over the hemisphere before the surface, within 0.025 of what the three
-        colours differ by, and the sun's light that haze and lit surroundings scatter.
+        It is the mean of the drawn sky over the hemisphere of the surface, with an error below 0.025 of the difference
+        of its three colours, plus the sunlight scattered by fog and lit surroundings.
         """
         colours = np.stack([self.zenith, self.horizon, self.ground])
         up, upright, down = np.array([_FACING_UP, _UPRIGHT, _FACING_DOWN]) @ colours
@@ -117,7 +117,7 @@ class Lighting:
         return np.asarray(self.ambient * terms)
 
     def fill_places(self, block: NDArray[np.void], eye_world: F8) -> None:
-        """Write the point and spot lights into a view block, relative to its eye."""
+        """Write the point and spot lights into a view block, relative to its camera."""
         for index, light in enumerate(self.places):
             reach = light.range if math.isfinite(light.range) else 0.0
             block["light_position"][index] = (*(light.position_world - eye_world), reach)
@@ -127,7 +127,7 @@ class Lighting:
 
 
 def gather_lighting(world: World) -> Lighting:
-    """Read the lights and the sky of a world; the first directional light is the sun."""
+    """Return the lights and the sky of a world; the first directional light is the sun."""
     sun = next((light for light in world.lights if light.kind == "directional"), None)
     sun_colour = sun.intensity * np.asarray(sun.colour, np.float64) if sun else np.zeros(3)
     sky, flat = world.environment, np.zeros(3)
@@ -152,28 +152,28 @@ def gather_lighting(world: World) -> Lighting:
 def fit_shadow_frustum(
     sun_direction: F8, centres: F8, radii: F8, size: int, *, room: float = 1.0
 ) -> ShadowFrustum | None:
-    """The smallest stable box along the sun's rays about spheres that cast shadows.
+    """Fit the smallest stable box along the sun's rays around the bounding spheres of shadow casters.
 
     Args:
-        sun_direction: Unit, towards the sun.
-        centres: Of the spheres, world [m], float64 [n, 3].
-        radii: [m], float64 [n].
+        sun_direction: Unit vector towards the sun.
+        centres: Centres of the spheres, world [m], float64 [n, 3].
+        radii: Their radii [m], float64 [n].
         size: Texels along a side of the map.
-        room: Factor on how wide it has to be; >= 1.
+        room: Factor on the required width; >= 1.
 
     Returns:
         The box, its centre snapped to whole texels, or None when nothing casts.
     """
     if len(radii) == 0 or size == 0:
         return None
-    least, greatest = (centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0)
-    middle = 0.5 * (least + greatest)
-    reach = room * float((np.linalg.norm(centres - middle, axis=1) + radii).max())
+    lower, upper = (centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0)
+    centre = 0.5 * (lower + upper)
+    reach = room * float((np.linalg.norm(centres - centre, axis=1) + radii).max())
     # Two texels of margin for the filter, then up to the next step.
     radius = 2.0 ** (math.ceil(math.log2(max(reach, 1e-3) * size / (size - 4)) * _RADIUS_STEPS) / _RADIUS_STEPS)
     texel = 2.0 * radius / size
     rotation = sun_axes(sun_direction)
-    snapped = rotation @ middle
+    snapped = rotation @ centre
     snapped[:2] = np.round(snapped[:2] / texel) * texel
     clip_from_world = np.eye(4)
     clip_from_world[:3, :3] = np.diag([1.0, 1.0, -1.0]) @ rotation / radius
@@ -184,7 +184,7 @@ def fit_shadow_frustum(
 
 
 def sun_axes(sun_direction: F8) -> F8:
-    """Rows: right, up and towards the sun, a right-handed frame that does not depend on the view; not to be written."""
+    """Return right, up and towards the sun as rows: right-handed, independent of the view, read-only."""
     return _axes(tuple(sun_direction.tolist()))
 
 

@@ -1,4 +1,4 @@
-"""What the picture can give up for time: the steps that it registers with the frame governor."""
+"""Steps in which the frame governor lowers the quality of the picture to save time."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ class PictureStep:
     """A `contracts.governor.QualityStep` of the renderer.
 
     Attributes:
-        name: As people read it.
-        order: Steps of a lower order are given up first.
+        name: Name for people.
+        order: Steps of a lower order are lowered first.
         levels: Names of the qualities, the full one first.
-        change: Called with a level.
-        compiles: Whether other programs draw then, and not the same ones with other numbers.
+        change: Called with the new level.
+        compiles: Whether a level needs other shader programs, and not only other uniforms.
     """
 
     name: str
@@ -35,14 +35,14 @@ class PictureStep:
     compiles: bool = True
 
     def apply(self, level: int) -> None:
-        """Go over to a level from the next frame on."""
+        """Use a level from the next frame on."""
         self.change(level)
 
 
 def quality_steps(renderer: Renderer) -> list[PictureStep]:
-    """The steps of a renderer, from what is missed least: bloom first, shadows last, and plain light after them.
+    """Return the steps of a renderer, least noticeable first: bloom first, shadows and plain shading last.
 
-    Each begins at the quality the renderer has now; one that it does without anyway is left out.
+    Each starts at the present quality; an effect that is off already is left out.
     """
     settings = renderer.settings
     steps = [_bloom(renderer)] if settings.bloom else []
@@ -107,14 +107,14 @@ def _shadow_steps(renderer: Renderer) -> list[PictureStep]:
 
 
 def _shading(renderer: Renderer) -> PictureStep:
-    """Straight to what is cheapest: matt light saves a twentieth of a frame (decision 128). It has no shadows."""
+    """Step to the cheapest shading, without shadows; matt shading saves only a twentieth of a frame (decision 128)."""
     full = renderer.settings.shading
     shadings: tuple[Shading, ...] = (full, "plain")
     return PictureStep("shading", 9, shadings, lambda level: renderer.set_quality(shading=shadings[level]))
 
 
 def _edges(renderer: Renderer) -> PictureStep:
-    """From samples over the filter alone, which costs less, to none."""
+    """Step from multisampling to the cheaper filter alone, then to none."""
     settings = renderer.settings
     kept = [(settings.msaa, settings.fxaa), *([(0, True)] if settings.msaa else []), (0, False)]
     names = tuple(f"{samples} samples" if samples else "filtered" if fxaa else "off" for samples, fxaa in kept)
@@ -133,10 +133,10 @@ def _scale(renderer: Renderer) -> PictureStep:
 
 
 def rehearse_steps(renderer: Renderer, views: Sequence[View]) -> None:
-    """Before the first frame: have compiled what the steps go over to, by a frame drawn at each of their levels.
+    """Compile the shaders of all steps before the first frame, by drawing a frame at each level.
 
-    In the order in which a governor gives them up, since drivers compile anew for samples and form of the picture too.
-    The frame that goes over in a session would stand still meanwhile, a tenth of a second.
+    The order is the governor's, since drivers compile variants for sample count and format of the target too. Compiling
+    during a session would freeze a frame for a tenth of a second.
     """
     steps = quality_steps(renderer)
     for step in steps:

@@ -27,7 +27,7 @@ from mimics_app.rendering.visual.passes.hud import HudPass, plane_of_views
 from mimics_app.rendering.visual.settings import QualityChanges, RenderSettings
 from mimics_app.rendering.visual.stages.eye_pairs import eye_passes, group_views, see_from_between
 from mimics_app.rendering.visual.stages.picture_stage import PictureStage
-from mimics_app.rendering.visual.stages.seen_frame import look_at, may_keep
+from mimics_app.rendering.visual.stages.seen_frame import capture_frame, may_keep
 from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage, light_features
 from mimics_app.rendering.visual.stages.still_picture import StillPicture
 from mimics_app.rendering.visual.stages.world_stage import FrameScene, ViewDraws, WorldStage
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 __all__ = ["Latch", "Renderer"]
 
 Latch = Callable[[], Sequence[View]]
-"""Says where the eyes are now: as many views as were queued, in their order."""
+"""Returns the newest views, as many as were queued and in the same order."""
 
 
 class Renderer:
@@ -59,17 +59,17 @@ class Renderer:
     display values.
 
     Attributes:
-        world: What is drawn; may be exchanged between frames.
-        hud: The heads-up display; what is on it stays until `hud.clear()`.
+        world: The world to draw; may be exchanged between frames.
+        hud: The heads-up display; its content stays until `hud.clear()`.
         settings: The present quality: as given, until `set_quality` changes it.
-        timing: Time the stages of every frame, although no graph of them is shown.
+        timing: True times the stages of every frame even while the frame graph is hidden.
 
     Args:
-        surface: Where to draw; owned by the caller.
-        world: What to draw.
+        surface: Surface to draw on; owned by the caller.
+        world: The world to draw.
         settings: Quality.
-        clock: For `FrameStats`.
-        shader_folder: Other shaders than the installation's.
+        clock: Clock for `FrameStats`.
+        shader_folder: Folder of the shaders; None: the installation's.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class Renderer:
         self._make_stages()
 
     def _make_stages(self) -> None:
-        """Everything that lives in the surface's context."""
+        """Create all objects of the surface's context."""
         surface, ctx = self._surface, self._surface.ctx
         self._shaders = ShaderLibrary(ctx, self._shader_folder)
         self._arena = MeshArena(ctx)
@@ -110,13 +110,13 @@ class Renderer:
         self._pictures = PictureStage(ctx, self._shaders)
         self._still = StillPicture()
         self._materials.live = self._pictures.pictures
-        # Once requested, the shaders keep asking: a governor's step compiles nothing.
+        # Once requested, the shaders keep reading it: a governor's step compiles nothing.
         self._ambient = False
         self._timer = ctx.query(time=True) if self.settings.timer else None
 
     @property
     def overlay(self) -> Overlay:
-        """The developer's overlay; made when it is first requested."""
+        """The developer's overlay; created on first use."""
         if self._overlay is None:
             from mimics_app.rendering.visual.overlay.overlay import Overlay
 
@@ -129,9 +129,9 @@ class Renderer:
         return self._overlay is not None and layer in self._overlay.layers
 
     def renew(self) -> None:
-        """Make everything anew on the surface's present context; the one before was lost with all it held.
+        """Create all GPU objects again on the surface's present context, after the last one was lost.
 
-        World, settings, figures and what the overlay shows stay as they are.
+        World, settings, heads-up display and the state of the overlay stay as they are.
         """
         before, self._overlay = self._overlay, None
         self._make_stages()
@@ -142,28 +142,28 @@ class Renderer:
         """Draw one frame into the surface's framebuffer; `surface.swap()` shows it.
 
         Args:
-            views: What each eye sees; at least one.
-            latch: Called for the views once more when all is queued, just before the world is drawn: where the eyes
-                are by then; None where no head moves.
+            views: One view per eye; at least one.
+            latch: Called after queueing, just before the world is drawn, for views of the newest head pose; None
+                without head tracking.
 
         Raises:
-            UsageError: no view.
+            UsageError: `views` is empty.
             SceneError: a shader does not compile.
         """
         return self._measure(views, latch, finish=False)
 
     def draw_finished(self, views: Sequence[View], latch: Latch | None = None) -> FrameStats:
-        """As `draw`, but return only when the driver has drawn all of it: `cpu_ms` is the frame's whole cost."""
+        """Draw one frame and wait until the driver has finished: `cpu_ms` is the frame's whole cost; see `draw`."""
         return self._measure(views, latch, finish=True)
 
     def set_quality(self, **changes: Unpack[QualityChanges]) -> None:
-        """Change what a governor may change, from the next frame on; what is not named stays as it is.
+        """Change some settings from the next frame on; the others stay as they are.
 
         Args:
             changes: Fields of `RenderSettings`.
 
         Raises:
-            UsageError: a value that cannot be.
+            UsageError: a value is out of range.
         """
         self.settings = replace(self.settings, **changes)
         self._shadows.resize(self.settings.shadow_size)
@@ -171,19 +171,19 @@ class Renderer:
 
     @property
     def shaders_replaced(self) -> int:
-        """How many programs `reload_shaders` has replaced so far: a picture drawn before is out of date."""
+        """Number of programs that `reload_shaders` has replaced; a picture drawn before the last one is out of date."""
         return self._shaders.replaced
 
     def forget_picture(self) -> None:
-        """Have the next frame drawn as a whole, whatever of the last one could be kept."""
+        """Draw the next frame as a whole, without reusing parts of the last one."""
         self._still.forget()
 
     def reload_shaders(self) -> list[Issue]:
-        """Compile changed shaders anew; returns what is wrong with them, old programs stay in use."""
+        """Recompile changed shaders; return their errors. A program that fails to compile stays in use as it was."""
         return self._shaders.reload()
 
     def take_issues(self) -> list[Issue]:
-        """What could not be drawn as the world asks since the last call; each fault is reported once."""
+        """Return what could not be drawn as the world requires since the last call; each fault is reported once."""
         taken = [*self._materials.issues, *self._world.sky.issues, *self._pictures.issues]
         self._materials.issues, self._world.sky.issues, self._pictures.issues = [], [], []
         return taken if self._effects is None else [*taken, *self._effects.take_issues()]
@@ -204,7 +204,7 @@ class Renderer:
         if not views:
             raise UsageError("a frame without a view cannot be drawn", "give at least one View")
         started = self._clock.now_ns()
-        timer = None if self.times is not None else self._timer  # timers of a driver cannot lie in each other
+        timer = None if self.times is not None else self._timer  # timer queries cannot be nested
         with timer or nullcontext():
             triangles, draws = self._draw(views, latch)
         if finish:
@@ -219,9 +219,9 @@ class Renderer:
 
     @property
     def times(self) -> StageTimes | None:
-        """Where the times of stages go, None while nobody looks at them.
+        """Recorder of the stage times; None while they are neither shown nor requested.
 
-        Whoever has stages of his own before those of the renderer begins the frame; otherwise `draw` does.
+        A caller with stages of its own before those of the renderer begins the frame; otherwise `draw` does.
         """
         return self.overlay.times if self.timing or self.shows("graph") else None
 
@@ -230,7 +230,7 @@ class Renderer:
         return nullcontext() if times is None else times.stage(stage)
 
     def _draw(self, views: Sequence[View], latch: Latch | None) -> tuple[int, int]:
-        """The stages of a frame in their order; returns triangles and draw calls."""
+        """Run the stages of a frame in order; return triangles and draw calls."""
         times = self.times
         if times is not None and not times.begun:
             times.begin()
@@ -240,7 +240,7 @@ class Renderer:
             target = self._picture.begin()
             parts = parts if self._picture.holds else None
             drawn = self._batch_all(scene, views) if parts is None else self._batch_parts(scene, views[0], parts)
-            self._bending.bend(self.world, self._list.drawn_meshes())
+            self._bending.bend(self.world, self._list)
             self._frame.upload(self._arena)
             if scene.effects is not None:
                 scene.effects.upload()
@@ -264,7 +264,7 @@ class Renderer:
         return self._shadows.triangles + self._pictures.triangles + sum(each.triangles for each in drawn), draws
 
     def _batch_all(self, scene: FrameScene, views: Sequence[View]) -> list[ViewDraws]:
-        """Queue what is seen in the views and in the pictures within them."""
+        """Queue what is visible in the views and in the mirrors, screens and insets within them."""
         places = [self._picture.rectangle(view.rectangle) for view in views]
         queued: dict[int, ViewDraws] = {}
         for numbers in group_views(views):
@@ -274,48 +274,48 @@ class Renderer:
         return self._pictures.queue(self.world, drawn, partial(self._batch_inside, scene), self.settings.mirror_scale)
 
     def _changed_parts(self, scene: FrameScene, views: Sequence[View]) -> list[Rect] | None:
-        """Rectangles in which the picture is another one than before [px]; None for all of it, or of no views."""
+        """Return the rectangles in which the picture changed [px]; None: draw all of it."""
         place = self._picture.rectangle(views[0].rectangle if views else (0, 0, 0, 0))
         if (self._overlay and self._overlay.shows) or not (self._has.software and may_keep(scene, views, place)):
             self._still.forget()
             parts = None
         else:
-            parts = self._still.parts(look_at(scene, views[0], place, self._list, self._shaders.replaced))
+            parts = self._still.parts(capture_frame(scene, views[0], place, self._list, self._shaders.replaced))
         self._picture.keep = self._still.keeps
         return parts
 
     def _batch_parts(self, scene: FrameScene, view: View, parts: Sequence[Rect]) -> list[ViewDraws]:
-        """Queue what is seen in parts of a view."""
-        x, y, *size = self._picture.rectangle(view.rectangle)
+        """Queue what is visible in parts of a view."""
+        x, y, *size = place = self._picture.rectangle(view.rectangle)
         drawn = []
         for part in parts:
-            inside = (part[0] - x, part[1] - y, part[2], part[3])
+            seen = view.through((part[0] - x, part[1] - y, part[2], part[3]), (size[0], size[1]))
             opaque, blended, away = self._list.batch_views(
-                self._frame, [view], view.eye_world, [(size[0], size[1])], self._picture.samples, 0, inside
+                self._frame, [seen], view.eye_world, [part[2:]], self._picture.samples, 0
             )
-            mixed = blended if scene.effects is None else scene.effects.mix(view, blended, away)
-            drawn.append(ViewDraws(view, (x, y, size[0], size[1]), opaque, mixed, part=part))
+            mixed = blended if scene.effects is None else scene.effects.mix(seen, blended, away)
+            drawn.append(ViewDraws(view, place, opaque, mixed, part=part))
         return drawn
 
     def _prepare(self, views: Sequence[View]) -> FrameScene:
-        """Take over the world, and queue what casts shadows."""
+        """Update lighting and draw list from the world, and queue the shadow casters."""
         lighting, settings = gather_lighting(self.world), self.settings
         self._pictures.update(self.world)
         self._ambient = self._ambient or settings.ambient_occlusion > 0.0
         lights = light_features(lighting, settings)
-        asked = lights | ({"AMBIENT_OCCLUSION"} if self._ambient else frozenset())
-        fates = self._overlay is not None and self._overlay.asks_fates
-        self._list.update(self.world, settings, light_features=asked, fates=fates)
+        features = lights | ({"AMBIENT_OCCLUSION"} if self._ambient else frozenset())
+        fates = self._overlay is not None and self._overlay.needs_fates
+        self._list.update(self.world, settings, light_features=features, fates=fates)
         self._frame.begin()
         sizes = [self._picture.rectangle(view.rectangle)[2:] for view in views]
         coarser = math.sqrt(min(map(fewer_pixels, views, sizes)))
         self._shadows.prepare(lighting, views, self._list, self._frame, settings, coarser)
-        effects, plan = self._prepare_effects(asked), self._shadows.plan
+        effects, plan = self._prepare_effects(features), self._shadows.plan
         items = self._list.items
         return FrameScene(self.world, items, lighting, plan, settings, self._ambient, lights, effects)
 
     def _prepare_effects(self, lights: frozenset[str]) -> EffectStage | None:
-        """The stage of sprites and projectors, ready for this frame; None, and nothing loaded, in a world without."""
+        """Return the stage of sprites and projectors, updated for this frame; None in a world without any."""
         if self.world.effects.empty:
             return None
         if self._effects is None:
@@ -328,7 +328,7 @@ class Renderer:
     def _batch(
         self, scene: FrameScene, views: Sequence[View], key: Hashable, places: Sequence[Rect]
     ) -> list[ViewDraws]:
-        """Queue what is seen in a view, or in both of two eyes."""
+        """Queue what is visible in a view, or in both views of a stereo pair."""
         eyes = list(views) if len(views) == 1 else see_from_between(*views)
         sizes, samples = [place[2:] for place in places], self._picture.samples
         queue = self._list.batch_views(self._frame, views, eyes[0].eye_world, sizes, samples, key)
@@ -352,19 +352,19 @@ class Renderer:
         ]
 
     def _pair_up(self, runs: Sequence[DrawRun], places: Sequence[Rect]) -> EyePasses:
-        """How what is queued is drawn: together only for two eyes over which nothing of the overlay is laid."""
+        """Choose how two eyes are drawn: in one pass only without an overlay."""
         if len(places) != 2 or (self._overlay is not None and self._overlay.shows):
             return "alone"
         return eye_passes(self.settings, self._has, runs, places)
 
     def _batch_inside(self, scene: FrameScene, view: View, key: Hashable) -> ViewDraws:
-        """Queue what is seen in a picture within the picture; it is where the view says itself."""
+        """Queue what is visible in a mirror, screen or inset, in the view's own rectangle."""
         return self._batch(scene, [view], key, [view.rectangle])[0]
 
     def _draw_overlay(
         self, overlay: Overlay, target: moderngl.Framebuffer, scene: FrameScene, drawn: Sequence[ViewDraws]
     ) -> int:
-        """What the overlay shows in the world."""
+        """Draw the lines and wires of the overlay; return the draw calls."""
         draws = overlay.draw_lines(target, scene, self._list, drawn)
         for each in drawn:
             self._world.enter(scene, each)
@@ -372,7 +372,7 @@ class Renderer:
         return draws
 
     def _draw_over(self, views: Sequence[View], parts: list[Rect] | None) -> int:
-        """Show the world's picture, and over it what no filter touches and is never smaller: insets, figures."""
+        """Filter and show the world's picture; draw insets and heads-up display over it at full resolution."""
         rectangles = [view.rectangle for view in views]
         if self._picture.filtered:
             return self._picture.end(rectangles, parts) + self._draw_hud(views)
@@ -395,6 +395,6 @@ class Renderer:
 
 
 def _latched(drawn: list[ViewDraws], newer: Sequence[View]) -> list[ViewDraws]:
-    """What is queued for some views, drawn from where their eyes are now; what is in a mirror stays as it was."""
+    """Return the queued draws with the newest views; views with mirrors keep the pose they were queued with."""
     pairs = zip(drawn, newer, strict=True)
     return [each if each.mirrors else replace(each, view=each.view.latched(view)) for each, view in pairs]

@@ -1,4 +1,4 @@
-"""What a person or a governor may trade for speed in the picture."""
+"""Quality settings of the picture."""
 
 from __future__ import annotations
 
@@ -20,27 +20,27 @@ __all__ = [
 ]
 
 Shading = Literal["full", "matt", "plain"]
-"""Which techniques draw opaque surfaces: each material's own; or, of those that are lit, one further down its chain of
-fallbacks: without what they mirror and without lamps, or the cheapest, lit per vertex in display values."""
+"""Techniques of opaque surfaces: each material's own; or a fallback of the lit ones: without specular reflection and
+without point and spot lights, or the cheapest, lit per vertex in display values."""
 
 
 BendBy = Literal["processor", "feedback"]
-"""Who bends what follows joints: compiled loops, or the driver by a shader whose vertices are fed back."""
+"""Where skinned meshes are deformed: in compiled loops on the processor, or on the GPU by transform feedback."""
 
 Culling = Literal["auto", "flat", "tree"]
-"""How the items in a view are found: each tested on its own, groups of the scene graph first, or by their number."""
+"""Frustum culling: test every item, test groups of the scene graph first, or choose by the number of items."""
 
 StereoPasses = Literal["two_pass", "viewports", "clip_distance"]
-"""How the two eyes before a picture are drawn: one after the other; or together, every second instance for the other
-eye, into a viewport of its own, or into its half of one, cut off at the middle."""
+"""Stereo rendering: one pass per eye; or both in one pass, every second instance for the other eye, into a viewport of
+its own or into one half of a shared viewport, clipped at its centre line."""
 
 Occlusion = Literal["off", "derived", "authored", "all"]
-"""Which boxes may hide what is behind them: none, those found inside meshes, those written into models, or both."""
+"""Occluder boxes in use: none, those derived from meshes, those authored in models, or both."""
 
 
 ShadowKind = Literal["texture_additive", "texture_modulative", "stencil_additive", "stencil_modulative"]
-"""How the sun's shadows are made: depth maps or volumes; and whether its light is left out where it does not arrive,
-or the finished picture darkened there."""
+"""Shadows of the sun: shadow maps or stencil volumes; additive leaves the sun's light out in the shade, modulative
+darkens the finished picture there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,32 +49,32 @@ class RenderSettings:
 
     Attributes:
         msaa: Samples per pixel: 0 (off), 2 or 4; more than the driver offers becomes what it offers.
-        fxaa: True smooths edges in the finished picture.
-        shadow_size: Width of the sun's shadow map [texel]; 0 leaves shadows out.
-        shadows: How the sun's shadows are made.
-        shadow_tone: What modulative shadows leave of the picture's display values, 0-1.
-        shadow_distance: How far from the eyes the sun's shadows are seen [m], in `cascades` maps one inside another;
-            0: everywhere, in one map about all casters.
-        cascades: Maps of the sun, 1 to 4.
-        shadow_reach: Casters of a bounding radius beyond this [m] receive shadows but do not widen the map.
-        tone_map: "neutral" (Khronos PBR neutral with a softer toe: base colours stay what they are) or "none"
-            (clamped, for tests).
+        fxaa: True filters the edges of the finished picture (FXAA).
+        shadow_size: Width of the sun's shadow map [texel]; 0 disables shadows.
+        shadows: Kind of the sun's shadows.
+        shadow_tone: Factor of modulative shadows on the picture's display values, 0-1.
+        shadow_distance: Distance from the camera up to which the sun casts shadows [m], in `cascades` nested maps;
+            0: everywhere, in one map around all casters.
+        cascades: Number of shadow maps of the sun, 1 to 4.
+        shadow_reach: Casters with a larger bounding radius [m] receive shadows but do not widen the map.
+        tone_map: "neutral" (Khronos PBR neutral with a softer toe, which preserves base colours) or "none" (clamped,
+            for tests).
         exposure: Factor on all light before the tone map.
-        ambient_occlusion: How much near surfaces take off each other's skylight, 1: as they do; 0 leaves it out.
-        ambient_radius: Within which surfaces do so [m].
-        bloom: Share of the light that is spread about, 0 to 1; 0 leaves it out.
-        fog_density: Share of the horizon's colour mixed in per metre of distance [1/m]; 0 leaves fog out.
+        ambient_occlusion: Strength of ambient occlusion, 1: physical; 0 disables it.
+        ambient_radius: Radius of ambient occlusion [m].
+        bloom: Share of the light that bloom spreads, 0 to 1; 0 disables it.
+        fog_density: Density of the fog in the horizon's colour [1/m]; 0 disables it.
         hud_depth: Distance of the heads-up display from the eyes [m].
-        scale: Width and height of the world's picture as drawn over those shown, 0.25 to 1; figures stay sharp.
-        detail: Distances at which bodies go over to coarser forms, over those that their authors gave: 0.25 to 4.
-        mirror_scale: Width and height of what mirrors show over those of the picture, 0.1 to 1.
-        shading: Which techniques draw opaque surfaces, see `Shading`.
-        profile: What it is drawn for; techniques that are not for it give way to their fallbacks.
-        occlusion: Which boxes may hide what is behind them; the picture is the same with any found ones and none.
-        culling: How the items in a view are found; the picture is the same.
-        skinning: Who bends what follows joints; the picture is the same.
-        stereo: How two eyes are drawn, see `StereoPasses`; where it cannot be, in two passes.
-        timer: True asks the driver how long it drew, where it can say.
+        scale: Resolution of the world's picture over that of the surface, 0.25 to 1; heads-up display stays sharp.
+        detail: Factor on the distances at which levels of detail change, 0.25 to 4.
+        mirror_scale: Resolution of mirrors over that of the picture, 0.1 to 1.
+        shading: Techniques of opaque surfaces, see `Shading`.
+        profile: Purpose of the picture; techniques that exclude it are replaced by their fallbacks.
+        occlusion: Occluder boxes in use; the picture is the same with derived ones and without any.
+        culling: Method of frustum culling; the picture is the same.
+        skinning: Where skinned meshes are deformed; the picture is the same.
+        stereo: Passes of two eyes, see `StereoPasses`; two passes where the driver or a shader allows no other.
+        timer: True measures GPU times, where the driver can.
     """
 
     msaa: int = 4
@@ -105,26 +105,26 @@ class RenderSettings:
 
     def __post_init__(self) -> None:
         if self.msaa not in (0, 2, 4, 8):
-            raise UsageError(f"{self.msaa} samples per pixel cannot be", "give 0, 2, 4 or 8")
+            raise UsageError(f"{self.msaa} samples per pixel are not supported", "give 0, 2, 4 or 8")
         if not 0.25 <= self.scale <= 1.0:
-            raise UsageError(f"a picture drawn at {self.scale} of its size cannot be", "give 0.25 to 1")
+            raise UsageError(f"the resolution scale {self.scale} is out of range", "give 0.25 to 1")
         if not 0.25 <= self.detail <= 4.0:
-            raise UsageError(f"levels of detail {self.detail} times as far away cannot be", "give 0.25 to 4")
+            raise UsageError(f"the level-of-detail factor {self.detail} is out of range", "give 0.25 to 4")
         if not 0.1 <= self.mirror_scale <= 1.0:
-            raise UsageError(f"mirrors drawn at {self.mirror_scale} of their size cannot be", "give 0.1 to 1")
+            raise UsageError(f"the mirror scale {self.mirror_scale} is out of range", "give 0.1 to 1")
         if not 0.0 <= self.ambient_occlusion <= 4.0 or not self.ambient_radius > 0.0:
-            what = f"ambient occlusion of {self.ambient_occlusion} within {self.ambient_radius} m cannot be"
-            raise UsageError(what, "give 0 to 4, and a radius beyond 0 m")
+            what = f"ambient occlusion of {self.ambient_occlusion} within {self.ambient_radius} m is out of range"
+            raise UsageError(what, "give 0 to 4, and a radius above 0 m")
         if not 0.0 <= self.bloom <= 1.0:
-            raise UsageError(f"a bloom of {self.bloom} of the light cannot be", "give 0 to 1")
+            raise UsageError(f"the bloom {self.bloom} is out of range", "give 0 to 1")
         if not 1 <= self.cascades <= 4:
-            raise UsageError(f"{self.cascades} shadow maps of the sun cannot be", "give 1 to 4")
+            raise UsageError(f"{self.cascades} shadow maps of the sun are not supported", "give 1 to 4")
         if not 0 <= self.shadow_size <= 8192:
-            raise UsageError(f"a shadow map of {self.shadow_size} texels cannot be", "give 0 to 8192")
+            raise UsageError(f"a shadow map of {self.shadow_size} texels is not supported", "give 0 to 8192")
 
 
 class QualityChanges(TypedDict, total=False):
-    """What of `RenderSettings` a governor may change between two frames; only `shading` needs something compiled."""
+    """Fields of `RenderSettings` that may change between two frames; only `shading` compiles shaders."""
 
     shadow_size: int
     scale: float

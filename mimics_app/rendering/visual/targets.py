@@ -1,4 +1,4 @@
-"""Where a frame is drawn before it reaches the surface."""
+"""The render target of a frame before it reaches the surface."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ if TYPE_CHECKING:
 __all__ = ["PictureTarget"]
 
 _EDGE_STEPS = 9.0
-"""Steps in which an edge is followed each way: 22 pixels."""
+"""Steps in which an edge is followed in each direction: 22 pixels."""
 _EDGE_REACH, _LINEAR_REACH = 24, 1
-"""How far the filters look [texels]."""
+"""Radius of the filters [texels]."""
 
 
 class PictureTarget:
-    """Where the world is drawn: the surface's framebuffer itself, its multisampled twin, or a buffer to be filtered.
+    """Target of the world's picture: the surface's framebuffer, a multisampled one, or a buffer to be filtered.
 
     Attributes:
-        settings: Of the frame: samples, scale and filters.
-        keep: True to draw into a buffer that nothing else is drawn into, so that the next frame finds it as it was.
-        holds: True while that has the last frame's world; whoever draws it says so.
+        settings: Settings of the frame: samples, scale and filters.
+        keep: True to draw into a buffer of its own that the next frame finds unchanged.
+        holds: True while that buffer has the last frame's world; set by the renderer.
     """
 
     def __init__(self, surface: Surface, shaders: ShaderLibrary, settings: RenderSettings) -> None:
@@ -44,31 +44,31 @@ class PictureTarget:
         self._enlarge = PictureFilter(surface.ctx, shaders, "post/resample.frag", _LINEAR_REACH)
         self._made_for: object = None
         self._multisampled: moderngl.Framebuffer | None = None
-        # The surface without depth: copying resolves every attachment both sides have, and depth is not wanted.
+        # The surface without depth: a copy resolves every attachment that both framebuffers have.
         self._shown: moderngl.Framebuffer | None = None
         self._buffer: DrawBuffer | None = None
         self._between: list[moderngl.Framebuffer] = []
-        # What the last filter made, while frames are kept: figures are laid over the surface.
+        # Output of the last filter while frames are kept: the heads-up display is drawn over the surface.
         self._filtered: moderngl.Framebuffer | None = None
 
     @property
     def samples(self) -> int:
-        """Samples per pixel in use; what was requested, or the most the driver has."""
+        """Samples per pixel in use: as requested, at most the driver's maximum."""
         return min(self.settings.msaa, self._most_samples)
 
     @property
     def filtered(self) -> bool:
-        """True when the picture is not yet the surface's when the world is drawn."""
+        """Whether the world is drawn into another framebuffer than the surface's own."""
         return self.keep or bool(self._filters)
 
     @property
     def size(self) -> Size:
-        """Of the picture drawn [px]."""
+        """Size of the picture as drawn [px]."""
         (width, height), scale = self._surface.size, self.settings.scale
         return max(1, round(width * scale)), max(1, round(height * scale))
 
     def rectangle(self, of_surface: Rect) -> Rect:
-        """Where a rectangle of the surface lies in the picture drawn [px]; neighbours stay neighbours."""
+        """Map a rectangle of the surface to the picture as drawn [px]; adjacent ones stay adjacent."""
         x, y, width, height = of_surface
         (wide, high), (full_wide, full_high) = self.size, self._surface.size
         left, right = round(x * wide / full_wide), round((x + width) * wide / full_wide)
@@ -76,7 +76,7 @@ class PictureTarget:
         return left, bottom, max(1, right - left), max(1, top - bottom)
 
     def begin(self) -> moderngl.Framebuffer:
-        """The framebuffer to draw into, for the surface's present size and the present settings."""
+        """Return the framebuffer to draw into, for the surface's present size and the present settings."""
         self._bloom.settings = self.settings
         filters = (self.settings.bloom > 0.0, self._filters, self.keep)
         wanted = (self.size, self._surface.framebuffer, self.samples, *filters)
@@ -89,11 +89,11 @@ class PictureTarget:
         return drawn or self._surface.framebuffer
 
     def end(self, rectangles: Sequence[Rect], parts: Sequence[Rect] | None = None) -> int:
-        """Bring the picture to the surface's framebuffer: each pixel the mean of its samples, then the filters.
+        """Resolve the picture, filter it and copy it to the surface's framebuffer.
 
         Args:
-            rectangles: Of the views on the surface [px].
-            parts: Outside of which the picture is as it was [px]; None: it was drawn as a whole.
+            rectangles: Rectangles of the views on the surface [px].
+            parts: Rectangles that were redrawn [px]; None: all of it.
 
         Returns:
             Draw calls made.
@@ -117,7 +117,7 @@ class PictureTarget:
         rectangles: Sequence[Rect],
         parts: Sequence[Rect] | None,
     ) -> int:
-        """Fill a target with what the filters make of a picture; in parts, where it holds what they made before."""
+        """Draw a filtered picture into a target; only in parts where the target holds the last frame's."""
         drawn = [self.rectangle(each) for each in rectangles]
         if parts is None and sum(width * height for _, _, width, height in rectangles) < math.prod(self._surface.size):
             target.clear(alpha=1.0)
@@ -139,7 +139,7 @@ class PictureTarget:
 
     @property
     def _filters(self) -> list[BloomPass | PictureFilter]:
-        """What the picture goes through, the last one onto the surface."""
+        """The filters in use, in order; the last one draws onto the surface."""
         settings = self.settings
         wanted = (
             (settings.bloom > 0.0, self._bloom),

@@ -1,4 +1,4 @@
-"""One picture of the world from one eye, and its off-axis projection."""
+"""One camera: pose, off-axis projection and rectangle on the surface."""
 
 from __future__ import annotations
 
@@ -18,22 +18,21 @@ Rect = tuple[int, int, int, int]
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """What one eye sees; a desktop is a list of one, a cave two per wall.
+    """One camera; a desktop has one, a CAVE two per wall.
 
     Attributes:
-        world_from_eye: Rigid pose of the eye, which looks along its -z with +y up; float64 [4, 4], metres.
-        tangents: Of the frustum's edges: left, right, bottom, top (left < right, bottom < top, of any sign).
-        rectangle: Where on the surface: x, y of the lower left corner, width, height [px].
+        world_from_eye: Rigid pose of the camera, which looks along its -z with +y up; float64 [4, 4], metres.
+        tangents: Tangents of the frustum's edges: left, right, bottom, top (left < right, bottom < top, of any sign).
+        rectangle: Viewport on the surface: x, y of the lower left corner, width, height [px].
         near: Distance of the near plane [m], > 0.
         far: Distance of the far plane [m], > near; may be infinite.
-        screen: Which physical screen the picture belongs to; views of one screen share their heads-up display;
-            -1: none is laid over it.
-        clip_plane: World plane before which alone things are seen, unit normal and offset, float64 [4]; None: the near
-            plane. The eye is behind it.
-        part_of: Tangents of the picture this is a part of, by which levels of detail go; None: it is the whole.
-        queued_at: Where places are relative to [m], float64 [3]: where the eye was when the frame was queued, if the
-            head has moved since, or between two eyes that share a queue. None: where the eye is.
-        pair: Views of one number are the two eyes before one picture and are queued together; -1: an eye on its own.
+        screen: Number of the physical screen; views of one screen share their heads-up display; -1: without one.
+        clip_plane: World plane that replaces the near plane, unit normal and offset, float64 [4]; the camera is behind
+            it. None: the near plane.
+        part_of: Tangents of the whole picture this view is a part of, for levels of detail; None: it is the whole.
+        queued_at: Origin of the frame "eye" [m], float64 [3]: the camera's position when the frame was queued, if the
+            head has moved since, or the midpoint of two eyes that share a queue. None: the camera's position.
+        pair: Two views of one number are a stereo pair and are queued together; -1: a single view.
     """
 
     world_from_eye: F8
@@ -57,7 +56,7 @@ class View:
 
     @property
     def eye_world(self) -> F8:
-        """Where the eye is, or what was queued is relative to: origin of the frame "eye" [m], float64 [3]."""
+        """Origin of the frame "eye" [m], float64 [3]: `queued_at`, or the camera's position."""
         return self.world_from_eye[:3, 3] if self.queued_at is None else self.queued_at
 
     @property
@@ -74,10 +73,10 @@ class View:
 
     @cached_property
     def clip_from_eye(self) -> F8:
-        """Projection from the frame "eye": world axes, origin at the eye (float64 [4, 4]).
+        """Projection from the frame "eye": world axes, origin `eye_world` (float64 [4, 4]).
 
-        Only differences of positions enter it, so that float32 keeps its 24 bits for what is near the person
-        however far from the origin the scene is.
+        Only differences of positions enter it, so that float32 is precise near the person however far the scene is
+        from the world's origin.
         """
         view_from_eye = np.eye(4)
         view_from_eye[:3, :3] = self.world_from_eye[:3, :3].T
@@ -91,13 +90,18 @@ class View:
 
     @cached_property
     def clip_from_world(self) -> F8:
-        """Projection from the world (float64 [4, 4]), for culling and for tests."""
+        """Projection from the world (float64 [4, 4]), for culling and tests."""
         eye_from_world = np.eye(4)
         eye_from_world[:3, 3] = -self.eye_world
         return self.clip_from_eye @ eye_from_world
 
+    @cached_property
+    def frustum_planes(self) -> F8:
+        """Planes of the frustum in the world (float64 [6, 4]); see `compute_frustum_planes`."""
+        return compute_frustum_planes(self.clip_from_world)
+
     def latched(self, newer: View) -> View:
-        """This view, queued already, drawn from where the eye is now; its rectangle and planes stay."""
+        """Return this queued view with the pose and tangents of a newer one; rectangle and planes stay."""
         return replace(
             self,
             world_from_eye=newer.world_from_eye,
@@ -106,7 +110,7 @@ class View:
         )
 
     def through(self, part: Rect, size: tuple[int, int]) -> View:
-        """This view through a part of its picture alone, that is drawn in so many pixels."""
+        """Return the view of a part [px] of this view's picture, whose size is given [px]."""
         left, far_right, bottom, top = self.tangents
         across, up = (far_right - left) / size[0], (top - bottom) / size[1]
         x, y, width, height = part
@@ -114,14 +118,14 @@ class View:
         return replace(self, tangents=edges, rectangle=part, part_of=self.part_of or self.tangents)
 
     def ray(self, right: float, up: float) -> tuple[F8, F8]:
-        """The ray through a place of the picture.
+        """Return the ray through a point of the picture.
 
         Args:
-            right: In [-1, 1], from its left edge to its right one.
-            up: The same from its lower edge to its upper one.
+            right: Horizontal position in [-1, 1], from the left edge to the right one.
+            up: Vertical position in [-1, 1], from the lower edge to the upper one.
 
         Returns:
-            Where the eye is, world [m], and the direction, 1 m deep: float64 [3] each.
+            Position of the camera, world [m], and the direction, 1 m deep: float64 [3] each.
         """
         left, far_right, bottom, top = self.tangents
         x = left + 0.5 * (right + 1.0) * (far_right - left)
@@ -130,18 +134,18 @@ class View:
 
 
 def tilt_near_plane(clip_from_eye: F8, plane: F8) -> F8:
-    """A projection with another near plane, which cuts off nothing else of what is before it (Lengyel 2005).
+    """Return a projection with an oblique near plane; nothing in front of that plane is clipped (Lengyel 2005).
 
-    Places on the screen stay; only depth is counted from the new plane on.
+    Screen positions stay; depth starts at the new plane.
 
     Args:
         clip_from_eye: Perspective, float64 [4, 4].
-        plane: In the eye's frame, normal towards what is seen and offset, [4]; the eye is behind it: offset < 0.
+        plane: In the frame "eye", normal towards the visible side and offset, [4]; the camera is behind it: offset < 0.
 
     Returns:
-        The same with another row for depth, float64 [4, 4].
+        The projection with another row for depth, float64 [4, 4].
     """
-    # The corner of the frustum farthest before the plane stays on the far plane.
+    # The frustum's corner farthest in front of the plane stays on the far plane.
     in_clip = np.linalg.solve(clip_from_eye.T, plane)
     corner = np.linalg.solve(clip_from_eye, [np.sign(in_clip[0]), np.sign(in_clip[1]), 1.0, 1.0])
     tilted = clip_from_eye.copy()
@@ -150,17 +154,20 @@ def tilt_near_plane(clip_from_eye: F8, plane: F8) -> F8:
 
 
 def compute_frustum_planes(clip_from_world: F8) -> F8:
-    """The six planes of a frustum, normals inwards: left, right, bottom, top, near, far.
+    """Return the six planes of a frustum, normals inwards: left, right, bottom, top, near, far.
 
     Args:
         clip_from_world: Projection, float64 [4, 4].
 
     Returns:
-        Unit normal and offset per plane, float64 [6, 4]; a point p is inside where normal . p + offset >= 0. Of a far
-        plane at infinity the normal is 0.
+        Unit normal and offset per plane, float64 [6, 4]; a point p is inside where normal . p + offset >= 0. The normal
+        of a far plane at infinity is 0.
     """
-    last = clip_from_world[3]
-    planes = np.stack([last + sign * row for row in clip_from_world[:3] for sign in (1.0, -1.0)])
-    lengths = np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
-    # A far plane at infinity has no direction: everything is inside.
-    return np.where(lengths > 0.0, planes / np.where(lengths > 0.0, lengths, 1.0), [0.0, 0.0, 0.0, 1.0])
+    rows, last = clip_from_world[:3], clip_from_world[3]
+    planes = np.empty((6, 4))
+    planes[::2], planes[1::2] = last + rows, last - rows
+    lengths = np.linalg.norm(planes[:, :3], axis=1)
+    if not lengths.all():  # a far plane at infinity has no normal: everything is inside
+        planes[lengths == 0.0] = 0.0, 0.0, 0.0, 1.0
+        lengths[lengths == 0.0] = 1.0
+    return np.asarray(planes / lengths[:, None])

@@ -1,4 +1,4 @@
-"""The uniform block every shader of a view shares; the layout of shaders/common/view.glsl."""
+"""The uniform block shared by all shaders of a view; layout of shaders/common/view.glsl."""
 
 from __future__ import annotations
 
@@ -54,20 +54,20 @@ VIEW_BLOCK = np.dtype(
         ("eye_places", "f4", (2, 4)),
     ]
 )
-"""std140: vec4 and mat4 only, so that it has no holes. Matrices are stored column after column."""
+"""std140: vec4 and mat4 only, so that it has no padding. Matrices are column-major."""
 
 _BINDING = 0
 _FILTER_MARGIN = 2.0
-"""Texels along a map's edge that may not be asked, as the filter reaches over them."""
+"""Texels along a map's edge that are not sampled, since the filter reaches over them."""
 _FOG_KINDS: tuple[FogKind, ...] = ("squared", "exponential", "linear")
-"""In the order of their numbers in shaders/common/output.glsl."""
+"""Kinds of fog in the order of their numbers in shaders/common/output.glsl."""
 
 
 class ViewBlock:
     """The block of one view on the GPU.
 
     Attributes:
-        settings: Quality of the frame that is drawn.
+        settings: Quality of the current frame.
     """
 
     def __init__(self, ctx: moderngl.Context, settings: RenderSettings) -> None:
@@ -76,15 +76,15 @@ class ViewBlock:
         self._buffer = ctx.buffer(reserve=VIEW_BLOCK.itemsize)
 
     def fill(self, view: View, lighting: Lighting, plan: ShadowPlan, other: View, *, sun: bool, eye: int = -1) -> None:
-        """Upload one view's numbers; everything world-sized is made eye-relative in float64 first.
+        """Upload the uniforms of a view; positions are made relative to the camera in float64 first.
 
         Args:
-            view: Whose.
-            lighting: What shines.
+            view: The view.
+            lighting: Light of the frame.
             plan: The frame's shadow maps.
-            other: The other eye, where both are drawn together, queued from the same place; else this one.
+            other: The other eye where both are drawn in one pass, queued at the same origin; else `view` again.
             sun: False leaves the sun out.
-            eye: Which of the two is drawn by shaders that know both; -1: both.
+            eye: Number of the eye that stereo shaders draw; -1: both.
         """
         data, origin = self._data, view.eye_world
         for number, each in enumerate((view, other)):
@@ -103,7 +103,7 @@ class ViewBlock:
         self._buffer.write(data.tobytes())
 
     def bind(self) -> None:
-        """Make it the block the shaders read."""
+        """Bind the block for the shaders."""
         self._buffer.bind_to_uniform_block(_BINDING)
 
     def release(self) -> None:
@@ -128,9 +128,9 @@ class ViewBlock:
         for number, shadow in enumerate(plan.sun):
             clip = shadow.clip_from_world
             radius = 1.0 / float(np.linalg.norm(clip[0, :3]))
-            asked = radius * (1.0 - 2.0 * _FILTER_MARGIN / tile)
-            middle = -radius * (clip[:2, :3] @ eye + clip[:2, 3])
-            data["sun_map"][number] = (*middle, asked, 0.0)
+            sampled = radius * (1.0 - 2.0 * _FILTER_MARGIN / tile)
+            centre = -radius * (clip[:2, :3] @ eye + clip[:2, 3])
+            data["sun_map"][number] = (*centre, sampled, 0.0)
         if plan.sun:
             self._fill_sun(plan.sun[0], tile, eye)
         tone = settings.shadow_tone if settings.shadows == "texture_modulative" else 0.0
@@ -139,7 +139,7 @@ class ViewBlock:
         self._fill_spots(plan, eye)
 
     def _fill_sun(self, shadow: ShadowMap, tile: float, eye: F8) -> None:
-        """What all maps of the sun share: the way they look and how depth is measured."""
+        """Write what all maps of the sun share: their axes and the scale of depth."""
         data, clip = self._data, shadow.clip_from_world
         axes = clip[:2, :3] / np.linalg.norm(clip[:2, :3], axis=1, keepdims=True)
         data["sun_right"] = (*axes[0], 0.5 * tile - _FILTER_MARGIN)

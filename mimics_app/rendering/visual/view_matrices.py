@@ -1,7 +1,8 @@
-"""Matrices of eyes and frusta, made by pyrr: the one module that knows its conventions.
+"""Camera and projection matrices by pyrr: the one module that depends on its conventions.
 
-pyrr multiplies row vectors from the left, so that its matrices are the transposes of ours; its quaternions turn the
-other way, and integers in give integers out. Here everything goes in as float64 and comes out for column vectors.
+pyrr multiplies row vectors from the left, so that its matrices are the transposes of ours; its quaternions rotate in
+the opposite sense, and integer arguments give integer results. Here all arguments are float64 and all results are for
+column vectors.
 """
 
 from __future__ import annotations
@@ -18,29 +19,28 @@ __all__ = ["Tangents", "compose_clip_from_view", "compose_look_at"]
 Tangents = tuple[float, float, float, float]
 
 _ENDLESS = 2.0**54
-"""Times the near distance: a far plane beyond it is at infinity, as 1 +- 2^-54 is 1 in float64."""
+"""Ratio of far to near distance from which the far plane is at infinity, as 1 +- 2^-54 is 1 in float64."""
 
 
 def compose_look_at(eye: ArrayLike, target: ArrayLike, up: Sequence[float] = (0.0, 1.0, 0.0)) -> F8:
-    """Pose of an eye that looks at a point.
+    """Return the pose of a camera that looks at a point.
 
     Args:
-        eye: Where the eye is, world [m], shape [3].
-        target: Where it looks, world [m], shape [3]; not at the eye, nor straight along `up`.
-        up: What is up, shape [3].
+        eye: Position of the camera, world [m], shape [3].
+        target: Point it looks at, world [m], shape [3]; neither `eye` nor straight along `up` from it.
+        up: Up direction, shape [3].
 
     Returns:
         world_from_eye, rigid, float64 [4, 4].
 
     Raises:
-        ValueError: the two are one point, or in line with `up`.
+        ValueError: `eye` and `target` coincide, or their difference is parallel to `up`.
     """
     place = np.asarray(eye, np.float64)
     towards, upwards = np.asarray(target, np.float64), np.asarray(up, np.float64)
     if not np.cross(towards - place, upwards).any():
         raise ValueError(f"no view from {place} towards {towards} with {upwards} up")
-    # Its rows are the world's axes as the eye sees them, which for row vectors is eye_from_world; read as columns they
-    # are the eye's axes in the world.
+    # As a matrix for row vectors this is eye_from_world; its rotation, read for column vectors, is the pose.
     from pyrr import matrix44
 
     rows = matrix44.create_look_at(place, towards, upwards, dtype=np.float64)
@@ -50,12 +50,12 @@ def compose_look_at(eye: ArrayLike, target: ArrayLike, up: Sequence[float] = (0.
 
 
 def compose_clip_from_view(tangents: Tangents, near: float, far: float) -> F8:
-    """Off-axis perspective from the view frame (camera along -z) to GL clip space (Kooima 2008).
+    """Return an off-axis perspective from the view frame (camera along -z) to GL clip space (Kooima 2008).
 
     Args:
         tangents: Left, right, bottom, top.
-        near: [m], > 0.
-        far: [m], > near; infinity is allowed.
+        near: Distance of the near plane [m], > 0.
+        far: Distance of the far plane [m], > near; infinity is allowed.
 
     Returns:
         Matrix for column vectors, float64 [4, 4]; depth -1 at `near`, 1 at `far`.

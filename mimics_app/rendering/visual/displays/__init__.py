@@ -1,3 +1,3 @@
-"""Displays: what turns a camera or a tracked head into the views the renderer draws."""
+"""Displays: from a camera or a tracked head to the views of the renderer."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""Every kind of display, made from what was requested."""
+"""Factory of all kinds of display."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ __all__ = ["make_display"]
 
 
 def make_display(choice: DisplayChoice, settings: DisplaySettings, surface: Surface) -> tuple[Display, str]:
-    """The display, and what is to be reported where it is not the one requested.
+    """Return the display, and a message where it is not the requested one, else "".
 
     Args:
         choice: Kind and file.
-        settings: Of the scene: eyes and screen.
-        surface: Whose context a headset's runtime is given.
+        settings: The scene's settings of eyes and screen.
+        surface: Surface whose context a headset's runtime uses.
 
     Raises:
-        SceneError: its file is wrong.
-        DeviceError: it cannot be had, and a plain window would not do in its place.
+        SceneError: the display's file is invalid.
+        DeviceError: the display is not available, and a plain window is no replacement.
     """
     kind, file = choice.kind, Path(choice.file)
     if kind in STEREO_KINDS:
@@ -47,7 +47,7 @@ def make_display(choice: DisplayChoice, settings: DisplaySettings, surface: Surf
 
 
 def _openxr(surface: Surface) -> tuple[Display, str]:
-    """The headset, or a plain display and one line that says why."""
+    """Return the headset, or a plain display and the reason in one line."""
     from mimics_app.rendering.visual.displays.openxr_runtime import OpenXrRuntime, no_runtime
 
     why = no_runtime()

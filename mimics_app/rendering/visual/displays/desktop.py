@@ -1,4 +1,4 @@
-"""The plain display: one eye behind one flat picture."""
+"""The plain display: one camera, one flat picture."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ __all__ = ["DesktopDisplay", "compute_tangents", "desktop_views"]
 
 
 def desktop_views(camera: Camera, size: Size) -> list[View]:
-    """The one view of a scene's camera filling a surface.
+    """Return the one view of a scene's camera that fills a surface.
 
     Args:
         camera: Camera of the world; its node's scale is ignored.
-        size: Of the surface [px].
+        size: Size of the surface [px].
     """
     tangents = compute_tangents(camera.vertical_fov, size)
     return [View(camera.world_from_eye, tangents, (0, 0, *size), camera.near, camera.far)]
 
 
 def compute_tangents(fov: float, size: Size) -> Tangents:
-    """Tangents left, right, bottom, top of a symmetric frustum.
+    """Return the tangents left, right, bottom, top of a symmetric frustum.
 
     Args:
-        fov: Vertical angle of view [rad], between 0 and pi.
-        size: Of the picture [px], for the aspect ratio.
+        fov: Vertical field of view [rad], between 0 and pi.
+        size: Size of the picture [px], for the aspect ratio.
     """
     top = math.tan(0.5 * fov)
     right = top * size[0] / size[1]
@@ -38,7 +38,7 @@ def compute_tangents(fov: float, size: Size) -> Tangents:
 
 
 class DesktopDisplay(PlainDisplay):
-    """A monitor and nobody's head: the picture is the camera's."""
+    """A monitor without head tracking: the picture is the camera's."""
 
     kind = "desktop"
 

@@ -1,4 +1,4 @@
-"""A raw headset: both panels are one monitor, and the picture is bent here so that its lenses bend it straight."""
+"""A headset without a runtime: both panels are one monitor, and the lens distortion is corrected here."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from mimics_app.rendering.visual.view_matrices import Tangents
 __all__ = ["RawHeadset", "headset_eyes", "seen_tangents"]
 
 _EDGE_SAMPLES = 33
-"""Places along each edge of a panel that are asked where they are seen."""
+"""Samples along each edge of a panel for the bounds of the seen picture."""
 
 
 class RawHeadset(PlainDisplay):
-    """Panels side by side behind lenses; the head comes from a tracker, in the frame of the head at rest.
+    """Panels side by side behind lenses; the head pose comes from a tracker, in the frame of the head at rest.
 
     Args:
         spec: Panels and lenses.
@@ -47,13 +47,13 @@ def headset_eyes(
     drawn: Size,
     tangents: list[Tangents],
 ) -> list[Eye]:
-    """Both eyes side by side in a picture, each with its whole pose.
+    """Return both eyes side by side in a picture, each with its own pose.
 
     Args:
         spec: The headset.
-        world_from_head: Where the head is, float64 [4, 4].
+        world_from_head: Pose of the head, float64 [4, 4].
         drawn: Size of the picture [px].
-        tangents: Drawn for each eye.
+        tangents: Tangents of each eye's picture.
     """
     half = drawn[0] // 2
     places: list[Rect] = [(0, 0, half, drawn[1]), (half, 0, drawn[0] - half, drawn[1])]
@@ -70,7 +70,7 @@ def headset_eyes(
 
 
 def seen_tangents(eye: EyeSpec) -> Tangents:
-    """Left, right, bottom, top of what a panel shows through its lens: the picture that must be drawn."""
+    """Return left, right, bottom, top of the picture to draw: what a panel shows through its lens."""
     left, right, bottom, top = eye.tangents
     across, down = np.linspace(left, right, _EDGE_SAMPLES), np.linspace(bottom, top, _EDGE_SAMPLES)
     edges = [(x, y) for x in across for y in (bottom, top)] + [(x, y) for y in down for x in (left, right)]

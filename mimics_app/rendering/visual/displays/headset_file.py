@@ -1,4 +1,4 @@
-"""Files of headsets: panels, lenses and eyes, and for a simulated one what happens to it and when."""
+"""Headset files: panels, lenses and eyes, and the script of a simulated headset."""
 
 from __future__ import annotations
 
@@ -20,12 +20,14 @@ _Coefficients = tuple[Annotated[float, Meta(ge=0.0, le=2.0)], Annotated[float, M
 
 
 class LensSpec(Component, frozen=True):
-    """Coefficients k1, k2 of r (1 + k1 r^2 + k2 r^4) per colour, r in tangents from the lens's middle."""
+    """Coefficients k1, k2 of r (1 + k1 r^2 + k2 r^4) per colour, r in tangents from the lens's centre."""
 
     red: _Coefficients = (0.20, 0.05)
     green: _Coefficients = (0.21, 0.055)
     blue: _Coefficients = (0.22, 0.06)
-    centre: Annotated[tuple[_Tangent, _Tangent], Meta(description="Of the lens, tangents from straight ahead")] = (
+    centre: Annotated[
+        tuple[_Tangent, _Tangent], Meta(description="Centre of the lens, tangents from straight ahead")
+    ] = (
         0.0,
         0.0,
     )
@@ -35,28 +37,31 @@ class EyeSpec(Component, frozen=True):
     """One eye of a headset."""
 
     tangents: Annotated[
-        tuple[_Tangent, _Tangent, _Tangent, _Tangent], Meta(description="Of the panel: left, right, bottom, top")
+        tuple[_Tangent, _Tangent, _Tangent, _Tangent],
+        Meta(description="Tangents of the panel: left, right, bottom, top"),
     ]
-    position: Annotated[Point, Meta(description="In the head [m]")]
-    rotation: Annotated[Quaternion, Meta(description="In the head, x y z w; of canted panels not 0 0 0 1")] = (
+    position: Annotated[Point, Meta(description="Position in the head's frame [m]")]
+    rotation: Annotated[
+        Quaternion, Meta(description="Rotation in the head's frame, x y z w; not 0 0 0 1 for canted panels")
+    ] = (
         0.0,
         0.0,
         0.0,
         1.0,
     )
-    lens: Annotated[LensSpec, Meta(description="Of a raw headset; a runtime knows its own")] = LensSpec()
+    lens: Annotated[LensSpec, Meta(description="Lens of a headset without a runtime")] = LensSpec()
 
 
 class PoseSpec(Component, frozen=True):
-    """Where a simulated head is at a time."""
+    """Pose of a simulated head at a time."""
 
-    t: Annotated[float, Meta(ge=0.0, le=1e5, description="[s]")]
-    position: Annotated[Point, Meta(description="From where it is at rest [m]")] = (0.0, 0.0, 0.0)
-    rotation: Annotated[Quaternion, Meta(description="x y z w")] = (0.0, 0.0, 0.0, 1.0)
+    t: Annotated[float, Meta(ge=0.0, le=1e5, description="Time [s]")]
+    position: Annotated[Point, Meta(description="Displacement from rest [m]")] = (0.0, 0.0, 0.0)
+    rotation: Annotated[Quaternion, Meta(description="Rotation, x y z w")] = (0.0, 0.0, 0.0, 1.0)
 
 
 class StateSpec(Component, frozen=True):
-    """A state that a simulated session enters before a frame, counted from the first that is begun."""
+    """A state that a simulated session enters before a frame, counted from the first one."""
 
     frame: Annotated[int, Meta(ge=0, le=10**7)]
     state: Literal["visible", "focused", "synchronized", "stopping", "loss_pending", "exiting"]
@@ -73,30 +78,31 @@ def _right() -> EyeSpec:
 class HeadsetSpec(Component, frozen=True):
     """A headset."""
 
-    format: Annotated[Literal["mimics.headset/1"], Meta(description="Of this file")] = "mimics.headset/1"
+    format: Annotated[Literal["mimics.headset/1"], Meta(description="Format of this file")] = "mimics.headset/1"
     pixels: Annotated[
         tuple[Annotated[int, Meta(ge=16, le=8192)], Annotated[int, Meta(ge=16, le=8192)]] | None,
-        Meta(description="Of each eye's panel; absent: as requested"),
+        Meta(description="Resolution of each eye's panel; absent: as requested"),
     ] = None
-    refresh_hz: Annotated[Literal[60, 72, 80, 90, 120], Meta(description="Frames a second")] = 90
+    refresh_hz: Annotated[Literal[60, 72, 80, 90, 120], Meta(description="Refresh rate [Hz]")] = 90
     left: EyeSpec = field(default_factory=_left)
     right: EyeSpec = field(default_factory=_right)
-    poses: Annotated[list[PoseSpec], Meta(max_length=100_000, description="Of a simulated head, by time")] = field(
-        default_factory=list
-    )
-    dropped: Annotated[
-        list[Annotated[int, Meta(ge=0)]], Meta(max_length=100_000, description="Frames that miss their time, by number")
+    poses: Annotated[
+        list[PoseSpec], Meta(max_length=100_000, description="Script of a simulated head, ordered by time")
     ] = field(default_factory=list)
-    states: Annotated[list[StateSpec], Meta(max_length=1000, description="What becomes of a simulated session")] = (
+    dropped: Annotated[
+        list[Annotated[int, Meta(ge=0)]],
+        Meta(max_length=100_000, description="Numbers of the frames that are displayed late"),
+    ] = field(default_factory=list)
+    states: Annotated[list[StateSpec], Meta(max_length=1000, description="Script of a simulated session's states")] = (
         field(default_factory=list)
     )
 
 
 def load_headset(path: Path) -> HeadsetSpec:
-    """Read a file of a headset.
+    """Read a headset file.
 
     Raises:
-        SceneError: every fault of it: shape, empty frusta, rotations of another length than 1, times out of order.
+        SceneError: all faults: schema, empty frusta, quaternions that are not of length 1, times out of order.
     """
     spec, file = read_struct_file(path, HeadsetSpec), str(path)
     issues = [issue for name in ("left", "right") for issue in _check_eye(getattr(spec, name), f"/{name}", file)]
@@ -113,7 +119,7 @@ def _check_eye(eye: EyeSpec, pointer: str, file: str) -> list[Issue]:
     left, right, bottom, top = eye.tangents
     issues = _check_rotation(eye.rotation, f"{pointer}/rotation", file)
     if not (left < right and bottom < top):
-        issues.append(Issue(file, f"{pointer}/tangents", "holds no directions", "give left < right and bottom < top"))
+        issues.append(Issue(file, f"{pointer}/tangents", "is an empty frustum", "give left < right and bottom < top"))
     return issues
 
 

@@ -1,9 +1,9 @@
-"""The life of a headset's session: states, frames and their order, whatever runtime is below.
+"""The session of a headset: states, frames and their order, for any runtime.
 
     IDLE -> READY -> (begin) SYNCHRONIZED -> VISIBLE <-> FOCUSED -> STOPPING -> (end) IDLE -> EXITING
-    LOSS_PENDING from anywhere, or a call that fails: everything of the runtime is made anew, three times at most.
+    LOSS_PENDING in any state, or a call that fails: the runtime is opened again, at most three times.
 
-A frame is waited for, begun, located, drawn where somebody sees it, and ended: with a picture, or empty.
+A frame is waited for, begun, located, drawn if it is visible, and ended with a picture or empty.
 """
 
 from __future__ import annotations
@@ -35,24 +35,24 @@ from mimics_app.rendering.visual.displays.plain_display import PlainDisplay
 __all__ = ["EyeLocation", "HeadsetDisplay", "HeadsetRuntime", "RuntimeLostError", "sample_of"]
 
 F8 = NDArray[np.float64]
-_MOST_TRIES = 3
-"""So often a runtime is opened anew between two frames that were seen; then it is gone for good."""
+_MAX_TRIES = 3
+"""Maximum number of attempts to open a lost runtime again between two visible frames."""
 _RETRY_NS = 1_000_000_000
-"""From one try that failed to the next [ns]."""
+"""Interval between failed attempts [ns]."""
 _RUNNING = (HeadsetState.SYNCHRONIZED, HeadsetState.VISIBLE, HeadsetState.FOCUSED)
 
 
 class RuntimeLostError(DeviceError):
-    """A runtime that answered before does not any more: everything of it is to be made anew."""
+    """The connection to a runtime was lost: it has to be opened again."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EyeLocation:
-    """Where an eye is at a time.
+    """Pose and frustum of an eye at a time.
 
     Attributes:
-        rest_from_eye: Its whole pose in the frame of the head at rest, float64 [4, 4].
-        tangents: Left, right, bottom, top.
+        rest_from_eye: Its pose in the frame of the head at rest, float64 [4, 4].
+        tangents: Tangents left, right, bottom, top.
     """
 
     rest_from_eye: F8
@@ -60,50 +60,50 @@ class EyeLocation:
 
 
 class HeadsetRuntime(Protocol):
-    """What is below: OpenXR or its simulation. Every call but `close` may raise RuntimeLostError."""
+    """Runtime of a headset: OpenXR or its simulation. Every call but `close` may raise RuntimeLostError."""
 
     def eye_size(self, shown: Size) -> Size:
-        """Size of each eye's picture [px] where a whole one of size `shown` was requested."""
+        """Return the size of each eye's picture [px] for a requested picture of size `shown`."""
         ...
 
     def states(self) -> list[HeadsetState]:
-        """States entered since the last call, oldest first."""
+        """Return the states entered since the last call, oldest first."""
         ...
 
     def begin_session(self) -> None:
-        """After READY."""
+        """Begin the session, after READY."""
         ...
 
     def end_session(self) -> None:
-        """After STOPPING."""
+        """End the session, after STOPPING."""
         ...
 
     def rebuild(self) -> None:
-        """After LOSS_PENDING: free everything and begin anew.
+        """Free everything and open the runtime again, after LOSS_PENDING.
 
         Raises:
-            DeviceError: there is none any more.
+            DeviceError: the runtime is not available any more.
         """
         ...
 
     def wait_frame(self, now_ns: int) -> FrameTiming:
-        """Wait until it is time to draw; when that will be seen."""
+        """Wait until it is time to draw; return the timing of the frame."""
         ...
 
     def begin_frame(self) -> None:
-        """Between waiting and locating."""
+        """Begin a frame, between `wait_frame` and `locate`."""
         ...
 
     def locate(self, display_ns: int) -> list[EyeLocation]:
-        """The left and the right eye at a time."""
+        """Return the left and the right eye at a time."""
         ...
 
     def end_frame(self, display_ns: int, eyes: list[EyeLocation], frame: DisplayFrame | None) -> None:
-        """Submit a picture of both eyes side by side, or none."""
+        """End a frame with a picture of both eyes side by side, or None."""
         ...
 
     def tracked(self) -> Sequence[TrackerSample]:
-        """Head and hands in the frame of the head at rest, at the display time of the newest frame."""
+        """Return head and hands in the frame of the head at rest, at the display time of the newest frame."""
         ...
 
     def take_pressed(self) -> Sequence[str]:
@@ -116,14 +116,14 @@ class HeadsetRuntime(Protocol):
 
 
 class HeadsetDisplay(PlainDisplay):
-    """A headset with a runtime, which does lenses, late reprojection and the pace itself.
+    """A headset with a runtime, which does lens correction, reprojection and frame pacing itself.
 
     Args:
         kind: "openxr" or "sim-hmd".
-        runtime: What is below; closed with the display.
+        runtime: The runtime; closed with the display.
 
     Attributes:
-        state: Of the session.
+        state: State of the session.
     """
 
     def __init__(self, kind: str, runtime: HeadsetRuntime) -> None:
@@ -142,7 +142,7 @@ class HeadsetDisplay(PlainDisplay):
         """See `Display.begin_frame`.
 
         Raises:
-            DeviceError: the runtime is gone for good.
+            DeviceError: the runtime was lost for good.
         """
         self._timing = None
         if self._lost:
@@ -195,10 +195,10 @@ class HeadsetDisplay(PlainDisplay):
         return () if self._lost else self._runtime.take_pressed()
 
     def renew(self) -> None:
-        self._lost = self._lost or "the picture's context was made anew"
+        self._lost = self._lost or "the graphics context was lost"
 
     def close(self) -> None:
-        with suppress(DeviceError):  # of a runtime that is gone nothing can be ended
+        with suppress(DeviceError):  # a lost runtime can end nothing
             if self._timing is not None:
                 self.end_frame(None)
             if self.state in _RUNNING and not self._lost:
@@ -213,22 +213,22 @@ class HeadsetDisplay(PlainDisplay):
             elif state is HeadsetState.STOPPING:
                 self._runtime.end_session()
             elif state is HeadsetState.LOSS_PENDING:
-                self._lost = "it is about to go"
+                self._lost = "the runtime announced its loss"
                 self._rebuild()
             elif state is HeadsetState.EXITING:
                 self.leaving = True
 
     def _lose(self, error: RuntimeLostError) -> None:
-        """What a failing call means: nothing of this session can be used any more."""
+        """Record that nothing of the present session can be used any more."""
         self._lost = str(error)
 
     def _rebuild(self) -> None:
         now_ns = MonotonicClock().now_ns()
         if now_ns < self._retry_ns:
             return
-        if self._tries == _MOST_TRIES:
-            raise DeviceError(f"the headset is gone ({self._lost})", "start its runtime again")
-        self.note("the headset's runtime was lost and is opened anew")
+        if self._tries == _MAX_TRIES:
+            raise DeviceError(f"the headset was lost ({self._lost})", "restart its runtime")
+        self.note("the headset's runtime was lost and is opened again")
         self._tries, self.state = self._tries + 1, HeadsetState.IDLE
         try:
             self._runtime.rebuild()
@@ -239,7 +239,7 @@ class HeadsetDisplay(PlainDisplay):
 
 
 def sample_of(sensor: str, t_ns: int, rest_from_part: F8) -> TrackerSample:
-    """A pose as a tracker's report."""
+    """Return a pose as a tracker's sample."""
     x, y, z = (float(value) for value in rest_from_part[:3, 3])
     qx, qy, qz, qw = (float(value) for value in quaternion_of(rest_from_part[:3, :3]))
     return TrackerSample(sensor, t_ns, (x, y, z), (qx, qy, qz, qw))
@@ -252,4 +252,4 @@ def _resting(x: float) -> EyeLocation:
 
 
 _RESTING = [_resting(-0.0315), _resting(0.0315)]
-"""Eyes that were never located."""
+"""Eyes before they are first located."""

@@ -1,4 +1,4 @@
-"""Lenses of a headset: where a pixel of the panel is seen, per colour, and the other way round."""
+"""Lens distortion of a headset, per colour, and its inverse."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ __all__ = ["NEWTON_STEPS", "distort", "undistort"]
 
 
 NEWTON_STEPS = 8
-"""Of the inverse: five reach 2e-10 where the edge is moved by a third, six the last digit of a double."""
+"""Newton steps of the inverse: where the edge moves by a third, five reach 2e-10, six the precision of a double."""
 
 
 def distort(at: F8, k: tuple[float, float]) -> F8:
-    """Where a lens shows a place of the panel: r (1 + k1 r^2 + k2 r^4) from the lens's middle (Brown 1971).
+    """Return where a lens shows points of the panel: r (1 + k1 r^2 + k2 r^4) (Brown 1971).
 
     Args:
-        at: Places on the panel in tangents from the lens's middle, float64 [..., 2].
+        at: Points on the panel in tangents from the lens's centre, float64 [..., 2].
         k: Both coefficients of one colour.
 
     Returns:
@@ -28,14 +28,14 @@ def distort(at: F8, k: tuple[float, float]) -> F8:
 
 
 def undistort(seen: F8, k: tuple[float, float]) -> F8:
-    """Inverse of `distort` by Newton's method on the radius, for lenses whose radius grows throughout.
+    """Invert `distort` by Newton's method on the radius, for lenses with a monotonic radius.
 
     Args:
         seen: Tangents of directions, float64 [..., 2].
-        k: As there.
+        k: Both coefficients of one colour.
     """
     wanted = np.linalg.norm(seen, axis=-1, keepdims=True)
-    # Each term alone bounds the radius from above, from where Newton's steps go down to it and never past it.
+    # Each term alone gives an upper bound of the radius, from which Newton's method converges monotonically.
     r = wanted.copy()
     for coefficient, power in ((k[0], 3), (k[1], 5)):
         if coefficient > 0.0:

@@ -1,4 +1,4 @@
-"""Off-axis projection onto a flat rectangle in space, all of it in float64 (Kooima 2008; Pape 1999)."""
+"""Off-axis projection through a rectangle in space, in float64 (Kooima 2008; Pape 1999)."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ __all__ = ["EDGE_ON_RAD", "NEAREST_EYE", "Rectangle", "Sight", "look_through"]
 
 
 NEAREST_EYE = 0.01
-"""An eye is drawn as if no nearer to a wall's plane than this [m]: in the plane there is no picture."""
+"""Minimum distance of an eye from a wall's plane, in which there is no picture [m]."""
 
 EDGE_ON_RAD = 0.035
-"""A wall seen under less than two degrees is edge-on: a pixel of it covers a hundred times its width in depth."""
+"""Angle below which a wall is seen edge-on, two degrees [rad]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rectangle:
-    """A flat picture in space.
+    """A flat screen in space.
 
     Attributes:
-        lower_left: Corner [m], float64 [3].
-        lower_right: Likewise.
-        upper_left: Likewise; the two edges meet at a right angle.
+        lower_left: Lower left corner [m], float64 [3].
+        lower_right: Lower right corner [m], float64 [3].
+        upper_left: Upper left corner [m], float64 [3]; the two edges meet at a right angle.
     """
 
     lower_left: F8
@@ -35,12 +35,12 @@ class Rectangle:
 
     @property
     def width(self) -> float:
-        """Of the lower edge [m]."""
+        """Length of the lower edge [m]."""
         return float(np.linalg.norm(self.lower_right - self.lower_left))
 
     @property
     def height(self) -> float:
-        """Of the left edge [m]."""
+        """Length of the left edge [m]."""
         return float(np.linalg.norm(self.upper_left - self.lower_left))
 
     @property
@@ -52,7 +52,7 @@ class Rectangle:
 
     @property
     def corners(self) -> F8:
-        """Lower left, lower right, upper left, upper right; float64 [4, 3]."""
+        """Corners lower left, lower right, upper left, upper right [m]; float64 [4, 3]."""
         upper_right = self.lower_right + self.upper_left - self.lower_left
         return np.stack([self.lower_left, self.lower_right, self.upper_left, upper_right])
 
@@ -62,9 +62,9 @@ class Sight:
     """An eye looking through a rectangle.
 
     Attributes:
-        pose: Of the eye, its axes those of the rectangle, in the rectangle's frame of reference; float64 [4, 4].
-        tangents: Left, right, bottom, top.
-        fault: Why the picture is not what it should be, "" where it is.
+        pose: Pose of the eye with the axes of the rectangle, in the rectangle's frame of reference; float64 [4, 4].
+        tangents: Tangents left, right, bottom, top.
+        fault: Why the picture is wrong, "" where it is right.
     """
 
     pose: F8
@@ -73,14 +73,14 @@ class Sight:
 
 
 def look_through(rectangle: Rectangle, eye: F8) -> Sight:
-    """Frustum of an eye through a rectangle.
+    """Return the frustum of an eye through a rectangle.
 
-    An eye behind the plane or nearer than `NEAREST_EYE` is moved before it, so that the picture never turns over; the
-    fault says so.
+    An eye behind the plane or nearer than `NEAREST_EYE` is moved in front of it, so that the picture never flips; this
+    is reported as a fault.
 
     Args:
-        rectangle: In the same frame as the eye.
-        eye: Where it is [m], float64 [3].
+        rectangle: The rectangle, in the same frame as the eye.
+        eye: Position of the eye [m], float64 [3].
     """
     axes = rectangle.axes
     right, up, towards = axes.T
@@ -90,8 +90,8 @@ def look_through(rectangle: Rectangle, eye: F8) -> Sight:
         fault = "the eye is in the wall's plane" if away > -NEAREST_EYE else "the eye is behind the wall"
         eye = eye + (NEAREST_EYE - away) * towards
         away = NEAREST_EYE
-    middle = 0.5 * (rectangle.lower_right + rectangle.upper_left)
-    if not fault and away < np.sin(EDGE_ON_RAD) * float(np.linalg.norm(middle - eye)):
+    centre = 0.5 * (rectangle.lower_right + rectangle.upper_left)
+    if not fault and away < np.sin(EDGE_ON_RAD) * float(np.linalg.norm(centre - eye)):
         fault = "the wall is seen edge-on"
     from_eye = rectangle.lower_left - eye
     left, bottom = float(right @ from_eye) / away, float(up @ from_eye) / away

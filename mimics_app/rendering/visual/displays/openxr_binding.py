@@ -1,6 +1,6 @@
-"""OpenGL contexts in the form OpenXR takes them, by EGL or GLX: true configurations and visual ids, no helper library.
+"""OpenGL contexts as graphics bindings of OpenXR, by EGL or GLX, with the actual configuration and visual id.
 
-The context must be current on this thread. `xr.utils` of pyopenxr is not used: it leaves visual and configuration 0.
+The context must be current on this thread. `xr.utils` of pyopenxr is not used, since it sets both to 0.
 """
 
 from __future__ import annotations
@@ -25,27 +25,27 @@ _FIX = "use a desktop display, or --display sim-hmd"
 
 
 def graphics_binding(xr: ModuleType, backend: str) -> Any:
-    """What a session is created with.
+    """Return the graphics binding of the current context, for creating a session.
 
     Args:
         xr: The pyopenxr module.
-        backend: Of the surface: "egl" or "window".
+        backend: Backend of the surface: "egl" or "window".
 
     Raises:
-        DeviceError: another backend, or a context that cannot be asked.
+        DeviceError: another backend, or no usable context is current.
     """
     if backend == "egl":
         return _egl_binding(xr)
     if backend == "window":
         return _glx_binding(xr)
-    raise DeviceError(f"OpenXR takes no context of {backend}", _FIX)
+    raise DeviceError(f"OpenXR does not support contexts of {backend}", _FIX)
 
 
 def _library(name: str) -> ctypes.CDLL:
     try:
         return ctypes.CDLL(name)
     except OSError as error:
-        raise DeviceError(f"the library {name} is not there: {error}", _FIX) from None
+        raise DeviceError(f"the library {name} is missing: {error}", _FIX) from None
 
 
 def _egl_binding(xr: ModuleType) -> Any:
@@ -63,7 +63,7 @@ def _egl_binding(xr: ModuleType) -> Any:
     wanted = (c_int * 3)(_EGL_CONFIG_ID, number.value, _EGL_NONE)
     if not egl.eglChooseConfig(display, wanted, byref(config), 1, byref(count)) or count.value < 1:
         raise DeviceError("the EGL context's configuration cannot be found", _FIX)
-    # Plain integers are refused: the structure wants its own pointer types.
+    # Plain integers are rejected: the structure has its own pointer types.
     return xr.GraphicsBindingEGLMNDX(
         get_proc_address=cast(egl.eglGetProcAddress, xr.PFN_xrEglGetProcAddressMNDX),
         display=cast(c_void_p(display), linux.EGLDisplay),
@@ -101,10 +101,10 @@ def _glx_binding(xr: ModuleType) -> Any:
 
 
 class OwnContext:
-    """The context that is current on this thread: taken back where a runtime left another one, and copied in.
+    """The context that is current on this thread, to be restored after runtime calls, and to copy textures in.
 
     Args:
-        backend: Of the surface: "egl" or "window".
+        backend: Backend of the surface: "egl" or "window".
 
     Raises:
         DeviceError: another backend.
@@ -112,7 +112,7 @@ class OwnContext:
 
     def __init__(self, backend: str) -> None:
         if backend not in ("egl", "window"):
-            raise DeviceError(f"OpenXR takes no context of {backend}", _FIX)
+            raise DeviceError(f"OpenXR does not support contexts of {backend}", _FIX)
         egl = backend == "egl"
         library = _library("libEGL.so.1" if egl else "libGL.so.1")
         prefix = "egl" if egl else "glX"
@@ -138,16 +138,16 @@ class OwnContext:
         self._copy = ctypes.CFUNCTYPE(None, *arguments)(loader(b"glCopyImageSubData"))
 
     def take_back(self) -> None:
-        """Make it current again where it is not: some runtimes leave their own behind, or none (pyopenxr#55)."""
+        """Make it current again where it is not: some runtimes leave their own or none current (pyopenxr#55)."""
         if self._current() != self._context:
             self._make(*self._arguments)
 
     def copy_image(self, source: int, target: int, size: tuple[int, int]) -> None:
-        """Copy a texture bit for bit: display values go into an sRGB image as they are, nothing is encoded twice.
+        """Copy a texture bit for bit: display values are written to an sRGB image without encoding them again.
 
         Args:
-            source: Texture of RGBA, 8 bits each.
-            target: Texture of a swapchain; its format is sRGB with alpha, 8 bits each.
-            size: Of both [px].
+            source: RGBA texture, 8 bits per channel.
+            target: Texture of a swapchain, sRGB with alpha, 8 bits per channel.
+            size: Size of both [px].
         """
         self._copy(source, _TEXTURE_2D, 0, 0, 0, 0, target, _TEXTURE_2D, 0, 0, 0, 0, *size, 1)

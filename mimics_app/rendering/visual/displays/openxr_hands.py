@@ -1,7 +1,7 @@
-"""A headset's controllers: their poses as hands, their buttons as those of a gamepad, for every one a runtime has.
+"""A headset's controllers: their poses as hands, their buttons as those of a gamepad, for any controller model.
 
-A grip's +x goes through the palm to the left, -z towards the thumb ("Standard pose identifiers", OpenXR 1.0, 6.3.2). A
-hand's -z is where its fingers point, its +y the back of it, as for every tracker; its place is the wrist.
+A grip's +x points through the palm to the left, -z towards the thumb ("Standard pose identifiers", OpenXR 1.0, 6.3.2).
+A hand's -z points along its fingers, +y out of its back, as for every tracker; its origin is the wrist.
 """
 
 from __future__ import annotations
@@ -21,21 +21,22 @@ __all__ = ["OpenXrHands"]
 
 F8 = NDArray[np.float64]
 _PROFILE = "/interaction_profiles/khr/simple_controller"
-"""The one that every runtime has, and maps its own controllers to."""
+"""Interaction profile that every runtime supports and maps its controllers to."""
 _BUTTONS = {
     ("hand_left", "select"): "dpad_left",
     ("hand_right", "select"): "dpad_right",
     ("hand_left", "menu"): "a",
     ("hand_right", "menu"): "a",
 }
-"""What of a gamepad each button stands for: the triggers move a mark to the left and right, the menu takes it."""
-_KNOWN = 3
+"""Gamepad button of each controller button: the triggers move a selection left and right, the menu confirms it."""
+_VALID = 3
+"""Flags of a valid orientation (1) and position (2)."""
 _WRIST_M = 0.08
-"""From the middle of the palm back to the wrist [m]."""
+"""Distance from the centre of the palm to the wrist [m]."""
 
 
 def _grip_from_wrist(side: float) -> F8:
-    """Of the left hand (-1) or the right (+1): columns are the hand's axes in the grip's frame."""
+    """Return the pose of the left (-1) or right (+1) wrist in the grip's frame, float64 [4, 4]."""
     pose = np.eye(4)
     pose[:3, 0] = (0.0, 0.0, side)
     pose[:3, 1] = (side, 0.0, 0.0)
@@ -45,13 +46,13 @@ def _grip_from_wrist(side: float) -> F8:
 
 
 class OpenXrHands:
-    """Both controllers of a session; made before its first frame.
+    """Both controllers of a session; created before its first frame.
 
     Args:
         xr: The pyopenxr module.
-        instance: Of the runtime.
-        session: Of the headset.
-        owns: Keeps what is to be freed: (function, handle) -> handle.
+        instance: Instance of the runtime.
+        session: Session of the headset.
+        owns: Registers a handle to be freed: (function, handle) -> handle.
     """
 
     def __init__(
@@ -92,7 +93,7 @@ class OpenXrHands:
         self._pressed: list[str] = []
 
     def _action(self, name: str, kind: Any) -> Any:
-        """One action of both hands."""
+        """Create an action of both hands."""
         info = self._xr.ActionCreateInfo(
             action_name=name,
             action_type=kind,
@@ -102,7 +103,7 @@ class OpenXrHands:
         return self._xr.create_action(self._set, info)
 
     def sync(self) -> None:
-        """Once a frame: read what the controllers are at now."""
+        """Read the state of the controllers, once per frame."""
         xr = self._xr
         active = xr.ActiveActionSet(self._set, xr.NULL_PATH)
         xr.sync_actions(self._session, xr.ActionsSyncInfo(active_action_sets=[active]))
@@ -111,26 +112,26 @@ class OpenXrHands:
         self._held = held
 
     def take_pressed(self) -> list[str]:
-        """Gamepad buttons that went down since the last call."""
+        """Return the gamepad buttons pressed since the last call."""
         taken, self._pressed = self._pressed, []
         return taken
 
     def _is_held(self, sensor: str, name: str) -> bool:
         xr = self._xr
-        asked = xr.ActionStateGetInfo(action=self._clicks[name], subaction_path=self._paths[sensor])
-        state = xr.get_action_state_boolean(self._session, asked)
+        query = xr.ActionStateGetInfo(action=self._clicks[name], subaction_path=self._paths[sensor])
+        state = xr.get_action_state_boolean(self._session, query)
         return bool(state.is_active and state.current_state)
 
     def poses(self, base: Any, time: int) -> dict[str, F8]:
-        """base_from_wrist of each hand that is known at a time of the runtime's, float64 [4, 4]."""
+        """Return base_from_wrist of each tracked hand at a time of the runtime's clock, float64 [4, 4]."""
         grips = {sensor: self.place(space, base, time) for sensor, space in self._spaces.items()}
         sides = {"hand_left": -1.0, "hand_right": 1.0}
         return {sensor: grip @ _grip_from_wrist(sides[sensor]) for sensor, grip in grips.items() if grip is not None}
 
     def place(self, space: Any, base: Any, time: int) -> F8 | None:
-        """base_from_space at a time of the runtime's, float64 [4, 4]; None where it is not known."""
+        """Return base_from_space at a time of the runtime's clock, float64 [4, 4]; None where it is not tracked."""
         found = self._xr.locate_space(space, base, time)
-        if int(found.location_flags) & _KNOWN != _KNOWN:
+        if int(found.location_flags) & _VALID != _VALID:
             return None
         place, turn = found.pose.position, found.pose.orientation
         return pose_from_parts((place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w))

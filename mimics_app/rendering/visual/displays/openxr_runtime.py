@@ -1,7 +1,7 @@
 """OpenXR through pyopenxr (extra `hmd`): instance, session, swapchains, frames.
 
-The loader prints to stderr unless switched off before it is imported, and importing it takes a tenth of a second
-and more; so the module `xr` is imported by `load_openxr` alone, and only where a runtime says that it is there.
+The loader prints to stderr unless that is disabled before the import, which takes at least a tenth of a second; so the
+module `xr` is imported by `load_openxr` alone, and only where a runtime is installed.
 """
 
 from __future__ import annotations
@@ -46,16 +46,16 @@ __all__ = ["OpenXrRuntime", "load_openxr", "no_runtime"]
 F8 = NDArray[np.float64]
 _NS = 1_000_000_000
 _SRGB8_ALPHA8 = 0x8C43
-"""Takes display values bit for bit. A compositor takes those of any other format of 8 bits for linear light."""
-_KNOWN = 3
-"""That a pose's direction (1) and place (2) are valid."""
-_PATIENCE_NS = 1_000_000_000
-"""How long a session is given to stop when it is left [ns]."""
+"""Swapchain format for display values; compositors take 8-bit values of any other format for linear light."""
+_VALID = 3
+"""Flags of a valid orientation (1) and position (2)."""
+_STOP_TIMEOUT_NS = 1_000_000_000
+"""Time-out of a session that was asked to stop [ns]."""
 _TIME_EXTENSION = "XR_KHR_convert_timespec_time"
 
 
 def load_openxr() -> ModuleType:
-    """The module `xr`, its loader silenced.
+    """Import and return the module `xr`, its loader silenced.
 
     Raises:
         DeviceError: pyopenxr is not installed.
@@ -65,22 +65,22 @@ def load_openxr() -> ModuleType:
         import xr  # type: ignore[import-not-found,unused-ignore]
     except ImportError:
         raise DeviceError("pyopenxr is not installed", "pip install mimics_app[hmd]") from None
-    # "Not focused" and "a frame was discarded" are answers, no errors.
+    # "Not focused" and "frame discarded" are results, not errors.
     xr.exception.raise_on_qualified_success = False
     return xr  # type: ignore[no-any-return,unused-ignore]
 
 
 def no_runtime() -> str:
-    """Why no OpenXR runtime can be had, in words; "" where there is one.
+    """Return why no OpenXR runtime is available, in words; "" where there is one.
 
-    What has no runtime at all is found out by looking for files, without the loader.
+    A machine without any runtime is recognised by its files, without the loader.
     """
     if importlib.util.find_spec("xr") is None:
         return "pyopenxr is not installed; pip install mimics_app[hmd]"
     if sys.platform == "linux":
         named = os.environ.get("XR_RUNTIME_JSON")
         if named and not Path(named).is_file():
-            return f"no OpenXR runtime: XR_RUNTIME_JSON names {named}, which is not there"
+            return f"no OpenXR runtime: XR_RUNTIME_JSON names {named}, which does not exist"
         if not named and not any(file.is_file() for file in _manifests()):
             return "no OpenXR runtime: none is set as active (openxr/1/active_runtime.json), nor by XR_RUNTIME_JSON"
     try:
@@ -89,13 +89,13 @@ def no_runtime() -> str:
         return str(error)
     try:
         xr.enumerate_instance_extension_properties()
-    except Exception as error:  # noqa: BLE001  the loader's errors share no useful base
+    except Exception as error:  # noqa: BLE001  the loader's errors have no useful common base
         return f"no OpenXR runtime: {_words(error)}"
     return ""
 
 
 def _manifests() -> list[Path]:
-    """Where the loader looks for the active runtime (OpenXR loader, "Desktop Active Runtime File Location")."""
+    """Return the files of the active runtime in the loader's order ("Desktop Active Runtime File Location")."""
     own = Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config")
     shared = (os.environ.get("XDG_CONFIG_DIRS") or "/etc/xdg").split(":")
     folders = [own, *map(Path, shared), Path("/usr/local/etc"), Path("/etc")]
@@ -104,13 +104,13 @@ def _manifests() -> list[Path]:
 
 
 class OpenXrRuntime(HeadsetRuntime):
-    """A headset of this machine; the surface's context must be current.
+    """The headset of this machine; the surface's context must be current.
 
     Args:
-        backend: Of the surface: "egl" or "window".
+        backend: Backend of the surface: "egl" or "window".
 
     Raises:
-        DeviceError: no runtime, no headset, or a context it does not take.
+        DeviceError: no runtime, no headset, or an unsupported context.
     """
 
     def __init__(self, backend: str) -> None:
@@ -127,11 +127,11 @@ class OpenXrRuntime(HeadsetRuntime):
 
     def states(self) -> list[HeadsetState]:
         xr, entered = self._xr, list[HeadsetState]()
-        with self._asking():
+        with self._calling():
             while (event := xr.poll_event(self._instance)).type != xr.StructureType.EVENT_DATA_BUFFER:
                 if event.type == xr.StructureType.EVENT_DATA_SESSION_STATE_CHANGED:
                     changed = cast(byref(event), POINTER(xr.EventDataSessionStateChanged)).contents
-                    with suppress(ValueError):  # a state that an extension brings
+                    with suppress(ValueError):  # a state of an extension
                         entered.append(HeadsetState(xr.SessionState(changed.state).name.lower()))
                 elif event.type == xr.StructureType.EVENT_DATA_INSTANCE_LOSS_PENDING:
                     entered.append(HeadsetState.LOSS_PENDING)
@@ -140,14 +140,14 @@ class OpenXrRuntime(HeadsetRuntime):
 
     def begin_session(self) -> None:
         xr = self._xr
-        with self._asking():
+        with self._calling():
             kind = xr.ViewConfigurationType.PRIMARY_STEREO
             xr.begin_session(self._session, xr.SessionBeginInfo(primary_view_configuration_type=kind))
 
     def end_session(self) -> None:
-        """One that is not stopping is asked to: it is ended by its own runtime alone."""
+        """End the session; a running one is asked to stop first, since only the runtime may stop it."""
         xr = self._xr
-        with self._asking():
+        with self._calling():
             if self._state is not HeadsetState.STOPPING:
                 xr.request_exit_session(self._session)
                 self._wait_for_stop()
@@ -155,7 +155,7 @@ class OpenXrRuntime(HeadsetRuntime):
                 xr.end_session(self._session)
 
     def _wait_for_stop(self) -> None:
-        limit_ns = self._clock.now_ns() + _PATIENCE_NS
+        limit_ns = self._clock.now_ns() + _STOP_TIMEOUT_NS
         while self._clock.now_ns() < limit_ns:
             if HeadsetState.STOPPING in self.states():
                 self._state = HeadsetState.STOPPING
@@ -169,24 +169,24 @@ class OpenXrRuntime(HeadsetRuntime):
         self._open()
 
     def wait_frame(self, now_ns: int) -> FrameTiming:
-        # Through ctypes: the haptic thread and Python's others run on while this one waits.
-        asked_ns = self._clock.now_ns()
-        with self._asking():
+        # By ctypes: other threads run on while this one waits.
+        called_ns = self._clock.now_ns()
+        with self._calling():
             frame = self._xr.wait_frame(self._session, self._xr.FrameWaitInfo())
         self._display = int(frame.predicted_display_time)
-        self._display_ns = now_ns + self._display - self._epoch_ns - asked_ns
+        self._display_ns = now_ns + self._display - self._epoch_ns - called_ns
         return FrameTiming(self._display_ns, int(frame.predicted_display_period), bool(frame.should_render))
 
     def begin_frame(self) -> None:
-        with self._asking():
+        with self._calling():
             self._xr.begin_frame(self._session, self._xr.FrameBeginInfo())
             self._hands.sync()
 
     def locate(self, display_ns: int) -> list[EyeLocation]:
-        """Of eyes that the headset does not know now: where they were last."""
+        """Return the eyes at a time; their last poses while the headset is not tracked."""
         if self._display:
             xr = self._xr
-            with self._asking():
+            with self._calling():
                 state, views = xr.locate_views(
                     self._session,
                     xr.ViewLocateInfo(
@@ -195,14 +195,14 @@ class OpenXrRuntime(HeadsetRuntime):
                         space=self._space,
                     ),
                 )
-            if int(state.view_state_flags) & _KNOWN == _KNOWN:
+            if int(state.view_state_flags) & _VALID == _VALID:
                 self._views = views
                 self._located = [_location(view) for view in views]
         return self._located
 
     def end_frame(self, display_ns: int, eyes: list[EyeLocation], frame: DisplayFrame | None) -> None:
         xr = self._xr
-        with self._asking():
+        with self._calling():
             layers = [] if frame is None or self._views is None else [byref(self._project(frame))]
             xr.end_frame(
                 self._session,
@@ -212,7 +212,7 @@ class OpenXrRuntime(HeadsetRuntime):
     def tracked(self) -> list[TrackerSample]:
         if not self._display:
             return []
-        with self._asking():
+        with self._calling():
             found = self._hands.poses(self._space, self._display)
             head = self._hands.place(self._head, self._space, self._display)
         poses = ({} if head is None else {"head": head}) | found
@@ -226,8 +226,8 @@ class OpenXrRuntime(HeadsetRuntime):
         self._own_context.take_back()
 
     @contextmanager
-    def _asking(self) -> Iterator[None]:
-        """Around calls of the runtime: its errors in our words, and the context taken back afterwards."""
+    def _calling(self) -> Iterator[None]:
+        """Surround calls of the runtime: raise its errors as RuntimeLostError, and restore the context."""
         try:
             yield
         except self._xr.exception.XrException as error:
@@ -236,25 +236,25 @@ class OpenXrRuntime(HeadsetRuntime):
             self._own_context.take_back()
 
     def _owns(self, destroy: Callable[[Any], object], handle: Any) -> Any:
-        """What is freed with the rest, whatever becomes of the runtime."""
+        """Register a handle to be freed on close, and return it."""
 
         def free() -> None:
-            with suppress(self._xr.exception.XrException):  # of a runtime that is gone nothing can be freed
+            with suppress(self._xr.exception.XrException):  # a lost runtime can free nothing
                 destroy(handle)
 
         self._owned.callback(free)
         return handle
 
     def _open(self) -> None:
-        """Everything anew.
+        """Open instance, session and swapchain.
 
         Raises:
-            DeviceError: it cannot be had; nothing of it is left open.
+            DeviceError: not available; nothing is left open.
         """
         self._own_context = OwnContext(self._backend)
         self._state, self._display, self._views = HeadsetState.IDLE, 0, None
         with ExitStack() as self._owned:
-            with self._asking():
+            with self._calling():
                 self._make()
             self._owned = self._owned.pop_all()
 
@@ -270,7 +270,7 @@ class OpenXrRuntime(HeadsetRuntime):
         info = xr.InstanceCreateInfo(application_info=application, enabled_extension_names=wanted)
         self._instance = self._owns(xr.destroy_instance, xr.create_instance(info))
         system = xr.get_system(self._instance, xr.SystemGetInfo(form_factor=xr.FormFactor.HEAD_MOUNTED_DISPLAY))
-        self._ask_requirements(system)
+        self._query_requirements(system)
         binding = graphics_binding(xr, self._backend)
         create = xr.SessionCreateInfo(system_id=system, next=cast(pointer(binding), c_void_p))
         self._session = self._owns(xr.destroy_session, xr.create_session(self._instance, create))
@@ -288,14 +288,14 @@ class OpenXrRuntime(HeadsetRuntime):
         info = xr.ReferenceSpaceCreateInfo(reference_space_type=xr.ReferenceSpaceType[kind])
         return self._owns(xr.destroy_space, xr.create_reference_space(self._session, info))
 
-    def _ask_requirements(self, system: int) -> None:
-        """Obligatory before a session is created, whatever the answer."""
+    def _query_requirements(self, system: int) -> None:
+        """Query the requirements of OpenGL, as OpenXR demands before a session is created."""
         xr, needs = self._xr, self._xr.GraphicsRequirementsOpenGLKHR()
         address = xr.get_instance_proc_addr(self._instance, "xrGetOpenGLGraphicsRequirementsKHR")
         cast(address, xr.PFN_xrGetOpenGLGraphicsRequirementsKHR)(self._instance, system, byref(needs))
 
     def _make_swapchain(self, system: int) -> None:
-        """One wide picture for both eyes: each is a rectangle of it."""
+        """Create one swapchain for both eyes side by side."""
         xr = self._xr
         views = xr.enumerate_view_configuration_views(self._instance, system, xr.ViewConfigurationType.PRIMARY_STEREO)
         most = xr.get_system_properties(self._instance, system).graphics_properties
@@ -306,7 +306,7 @@ class OpenXrRuntime(HeadsetRuntime):
         share = min(1.0, most.max_swapchain_image_width / (2 * wanted[0]), most.max_swapchain_image_height / wanted[1])
         self._size = int(share * wanted[0]), int(share * wanted[1])
         if _SRGB8_ALPHA8 not in list(xr.enumerate_swapchain_formats(self._session)):
-            raise DeviceError("the headset takes no pictures of 8 bits a colour in sRGB", "update its runtime")
+            raise DeviceError("the headset does not support 8-bit sRGB images", "update its runtime")
         flags = xr.SwapchainUsageFlags
         chain = xr.create_swapchain(
             self._session,
@@ -326,7 +326,7 @@ class OpenXrRuntime(HeadsetRuntime):
         self._images = [image.image for image in images]
 
     def _time_offset(self) -> int:
-        """OpenXR's time minus the monotonic clock's [ns]; both count at the same rate."""
+        """Return OpenXR's time minus the monotonic clock's [ns]; both have the same rate."""
         xr = self._xr
         address = xr.get_instance_proc_addr(self._instance, "xrConvertTimespecTimeToTimeKHR")
         moment, converted = _Timespec(), ctypes.c_int64()
@@ -334,11 +334,11 @@ class OpenXrRuntime(HeadsetRuntime):
         moment.seconds, moment.nanoseconds = divmod(now_ns, _NS)
         convert = ctypes.CFUNCTYPE(ctypes.c_int, c_void_p, POINTER(_Timespec), POINTER(ctypes.c_int64))
         if cast(address, convert)(cast(self._instance, c_void_p), byref(moment), byref(converted)) != 0:
-            raise DeviceError("OpenXR does not convert its time", "update the headset's runtime")
+            raise DeviceError("OpenXR cannot convert its time", "update the headset's runtime")
         return int(converted.value) - now_ns
 
     def _project(self, frame: DisplayFrame) -> Any:
-        """Copy the picture into the swapchain and describe it with the very poses it was drawn from."""
+        """Copy the picture into the swapchain and return a layer with the poses it was drawn from."""
         xr = self._xr
         index = xr.acquire_swapchain_image(self._swapchain, xr.SwapchainImageAcquireInfo())
         xr.wait_swapchain_image(self._swapchain, xr.SwapchainImageWaitInfo(timeout=xr.INFINITE_DURATION))
@@ -368,7 +368,7 @@ class _Timespec(ctypes.Structure):
 
 
 def _words(error: Exception) -> str:
-    """What an error of pyopenxr says, in one line."""
+    """Return the message of an error of pyopenxr in one line."""
     return " ".join(str(error).split()) or type(error).__name__
 
 

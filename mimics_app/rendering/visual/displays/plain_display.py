@@ -1,4 +1,4 @@
-"""What displays without a session of their own have in common: they show a frame when it is there."""
+"""Base of displays without a session: they show a frame as soon as it is drawn."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ __all__ = ["PlainDisplay", "eye_offset", "no_head"]
 
 
 def no_head(now_ns: int) -> None:
-    """No tracker: the head is at rest."""
+    """Return None: without a tracker the head is at rest."""
     return
 
 
 def eye_offset(x: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """head_from_eye of an eye beside the middle of the head [m], which turns with the head; float64 [4, 4]."""
+    """Return head_from_eye of an eye at a lateral offset from the head's centre [m]; float64 [4, 4]."""
     pose = np.eye(4)
     pose[0, 3] = x
     return pose
 
 
 class PlainDisplay(Display):
-    """Shows every frame at once and paces nothing."""
+    """Shows every frame at once, without frame pacing."""
 
     composing: Composing | None = None
     leaving = False
@@ -54,10 +54,10 @@ class PlainDisplay(Display):
 
     @abstractmethod
     def eyes(self, viewpoint: Viewpoint, drawn: Size, display_ns: int) -> list[Eye]:
-        """Depends on what is looked at: every display says it for itself."""
+        """See `Display.eyes`."""
 
     def end_frame(self, frame: DisplayFrame | None) -> None:
-        """The surface shows it."""
+        """Do nothing: the surface shows the frame."""
 
     def take_faults(self) -> list[str]:
         new = [what for what, taken in self._faults.items() if not taken]
@@ -71,11 +71,11 @@ class PlainDisplay(Display):
         return ()
 
     def renew(self) -> None:
-        """Nothing of it lives in a context."""
+        """Do nothing: it owns no GPU objects."""
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing: nothing is open."""
 
     def note(self, fault: str) -> None:
-        """Remember a fault; reported once."""
+        """Record a fault, which is reported once."""
         self._faults.setdefault(fault, False)

@@ -1,6 +1,6 @@
-"""A headset that is not there: scripted head, states and dropped frames on the session's own clock, and a compositor.
+"""A simulated headset: scripted head, states and dropped frames on the session's clock, and a compositor.
 
-It is as strict as a runtime may be: calls out of order are errors, and what is submitted must be what was located.
+It is as strict as a runtime may be: calls out of order are errors, and the submitted eyes must be the located ones.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ _SEEN = (HeadsetState.VISIBLE, HeadsetState.FOCUSED)
 
 
 class SimulatedRuntime(HeadsetRuntime):
-    """Deterministic: everything follows from the file and from the times it is asked at.
+    """A deterministic runtime: everything follows from the file and the times of the calls.
 
     Args:
-        spec: What it is and what happens to it.
+        spec: Headset and script.
 
     Attributes:
-        calls: What was called, in order, for tests.
-        composed: What the panels show: both eyes side by side, RGBA uint8 [height, width, 4]; None before a picture.
-        shown: Per ended frame: display time [ns], the time the poses were located for [ns], whether it was dropped.
+        calls: Names of the calls in order, for tests.
+        composed: Picture on the panels, both eyes side by side, RGBA uint8 [height, width, 4]; None before the first.
+        shown: Per frame with a picture: display time [ns], time of the located poses [ns], whether it was dropped.
     """
 
     def __init__(self, spec: HeadsetSpec) -> None:
@@ -82,7 +82,7 @@ class SimulatedRuntime(HeadsetRuntime):
 
     def wait_frame(self, now_ns: int) -> FrameTiming:
         self._require(self._running and not self._begun, "wait_frame")
-        # A frame that is begun now is seen at the end of the next whole period.
+        # A frame begun now is displayed at the end of the present period.
         self._frame = now_ns // self._period
         self._waited = True
         late = self._frame in self._spec.dropped
@@ -116,7 +116,7 @@ class SimulatedRuntime(HeadsetRuntime):
             self.composed = frame.read()
 
     def head(self, display_ns: int) -> F8:
-        """rest_from_head at a time, between the poses of the script; float64 [4, 4]."""
+        """Return rest_from_head at a time, interpolated in the script; float64 [4, 4]."""
         if not self._heads:
             return np.eye(4)
         t = display_ns / _NS
@@ -127,7 +127,7 @@ class SimulatedRuntime(HeadsetRuntime):
         return interpolate_pose(first, second, (t - t0) / (t1 - t0))
 
     def tracked(self) -> list[TrackerSample]:
-        """The head alone, where it has a script: there are no controllers."""
+        """Return the head alone, if it has a script: there are no controllers."""
         if self._display_ns is None or not self._heads:
             return []
         return [sample_of("head", self._display_ns, self.head(self._display_ns))]

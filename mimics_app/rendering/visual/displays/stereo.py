@@ -1,4 +1,4 @@
-"""Two eyes before one screen: off-axis frusta through a common window, never toed in, and methods to show both."""
+"""Stereo on one screen: off-axis frusta through a common window, never toed in, and ways to show both eyes."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ DUBOIS_RED_CYAN = np.array(
         [-0.015, -0.021, -0.005, -0.072, -0.113, 1.226],
     ]
 )
-"""Least-squares red-cyan glasses, linear light in and out: columns are RGB of the left, then of the right eye
-(Dubois 2001, "A projection method to generate anaglyph stereo images")."""
+"""Least-squares matrix for red-cyan glasses, from and to linear light: columns are RGB of the left, then of the right
+eye (Dubois 2001, "A projection method to generate anaglyph stereo images")."""
 
 
 class StereoDisplay(PlainDisplay):
-    """Both eyes of a person before a flat screen.
+    """Both eyes of a person in front of a flat screen.
 
     Args:
-        kind: One of `STEREO_KINDS`. "sbs": side by side, each eye with the proportions of its half; "sbs-half": the
+        kind: One of `STEREO_KINDS`. "sbs": side by side, each eye with the aspect ratio of its half; "sbs-half": the
             same, each squeezed to half the width; "tb": left on top, squeezed to half the height; "interleaved": even
-            rows left, counted from the top; "anaglyph": red-cyan glasses; "quad": a picture for each buffer.
-        ipd: Between the eyes [m].
-        screen_distance: Where parallax is zero [m].
-        swap: Left and right exchanged, for cross-eyed looking and displays wired the other way.
+            rows left, counted from the top; "anaglyph": red-cyan glasses; "quad": quad buffers.
+        ipd: Interpupillary distance [m].
+        screen_distance: Distance of zero parallax [m].
+        swap: True swaps left and right, for cross-eyed viewing and for displays wired in reverse.
     """
 
     def __init__(self, kind: str, ipd: float = 0.063, screen_distance: float = 2.0, *, swap: bool = False) -> None:
@@ -44,7 +44,7 @@ class StereoDisplay(PlainDisplay):
         self.composing = _composing(kind)
 
     def drawn_size(self, shown: Size) -> Size:
-        # Where both eyes get every pixel they stand side by side before they are composed.
+        # Where both eyes have full resolution they are drawn side by side before composition.
         return (2 * shown[0], shown[1]) if self._whole else shown
 
     def eyes(self, viewpoint: Viewpoint, drawn: Size, display_ns: int) -> list[Eye]:
@@ -69,7 +69,7 @@ class StereoDisplay(PlainDisplay):
 
 
 def parallax(ipd: float, screen_distance: float, depth: float) -> float:
-    """Distance on the screen between the two pictures of a point [m], right minus left: e (Z - Z0) / Z."""
+    """Return the screen parallax of a point at a depth [m], right minus left: e (Z - Z0) / Z."""
     return ipd * (depth - screen_distance) / depth
 
 

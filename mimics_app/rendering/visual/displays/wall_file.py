@@ -1,4 +1,4 @@
-"""Files of walls: where each picture of a power wall or CAVE is in the room, by its corners."""
+"""Wall files: the screens of a power wall or CAVE by their corners in the room."""
 
 from __future__ import annotations
 
@@ -20,51 +20,51 @@ _Pixels = Annotated[int, Meta(ge=1, le=16384)]
 _Name = Annotated[str, Meta(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,31}$", description="Letters, digits, - and _")]
 
 _SQUARE = 1e-3
-"""Most cosine of the angle between a wall's edges."""
-_LEAST = 0.01
-"""Shortest edge [m]."""
+"""Largest cosine of the angle between a wall's edges."""
+_MIN_EDGE = 0.01
+"""Minimum length of an edge [m]."""
 
 
 class WallSpec(Component, frozen=True):
-    """One flat picture, as a person in the room sees it."""
+    """One flat screen, as seen by a person in the room."""
 
-    name: Annotated[_Name, Meta(description="For files and windows")]
-    lower_left: Annotated[Point, Meta(description="Corner in the room [m], +y up")]
-    lower_right: Annotated[Point, Meta(description="Likewise [m]")]
-    upper_left: Annotated[Point, Meta(description="Likewise [m]; a right angle at the lower left")]
+    name: Annotated[_Name, Meta(description="Name of its files and window")]
+    lower_left: Annotated[Point, Meta(description="Lower left corner in the room [m], +y up")]
+    lower_right: Annotated[Point, Meta(description="Lower right corner [m]")]
+    upper_left: Annotated[Point, Meta(description="Upper left corner [m]; the angle at the lower left is a right one")]
     pixels: Annotated[
-        tuple[_Pixels, _Pixels] | None, Meta(description="Width, height; absent: the height requested")
+        tuple[_Pixels, _Pixels] | None, Meta(description="Width, height [px]; absent: the requested height")
     ] = None
     window: Annotated[
         tuple[int, int] | None,
-        Meta(description="Where its window is on the desktop [px]; absent: it fills a monitor beside the first"),
+        Meta(description="Position of its window on the desktop [px]; absent: it fills a monitor other than the first"),
     ] = None
 
 
 class WallsSpec(Component, frozen=True):
     """A power wall or a CAVE."""
 
-    format: Annotated[Literal["mimics.walls/1"], Meta(description="Of this file")]
-    walls: Annotated[list[WallSpec], Meta(min_length=1, max_length=24, description="In any order")]
-    head: Annotated[Point, Meta(description="Of a person at rest, between the eyes [m]")] = (0.0, 1.7, 0.0)
-    stereo: Annotated[bool, Meta(description="True: a picture for each eye")] = False
-    ipd: Annotated[float, Meta(ge=0.0, le=0.1, description="Between the eyes [m]")] = 0.063
+    format: Annotated[Literal["mimics.walls/1"], Meta(description="Format of this file")]
+    walls: Annotated[list[WallSpec], Meta(min_length=1, max_length=24, description="The screens, in any order")]
+    head: Annotated[Point, Meta(description="Midpoint between the eyes of a person at rest [m]")] = (0.0, 1.7, 0.0)
+    stereo: Annotated[bool, Meta(description="True: one picture per eye")] = False
+    ipd: Annotated[float, Meta(ge=0.0, le=0.1, description="Interpupillary distance [m]")] = 0.063
     test_pattern: Annotated[
-        bool, Meta(description="True: lines along the edges and a cross at each corner over the picture")
+        bool, Meta(description="True: draws lines along the edges and a cross at each corner over the picture")
     ] = False
 
 
 def rectangle_of(wall: WallSpec) -> Rectangle:
-    """The wall in the room [m]."""
+    """Return the wall in the room [m]."""
     corners = (np.array(corner, np.float64) for corner in (wall.lower_left, wall.lower_right, wall.upper_left))
     return Rectangle(*corners)
 
 
 def load_walls(path: Path) -> WallsSpec:
-    """Read a file of walls.
+    """Read a wall file.
 
     Raises:
-        SceneError: every fault of it: shape, names that stand twice, edges that are too short or not square.
+        SceneError: all faults: schema, duplicate names, edges that are too short or not at right angles.
     """
     walls = read_struct_file(path, WallsSpec)
     issues = [issue for number in range(len(walls.walls)) for issue in _check(walls, number, str(path))]
@@ -79,9 +79,9 @@ def _check(walls: WallsSpec, number: int, file: str) -> list[Issue]:
     if wall.name in [other.name for other in walls.walls[:number]]:
         issues.append(Issue(file, f"{pointer}/name", f'another wall is called "{wall.name}"', "give each its own name"))
     place = rectangle_of(wall)
-    if min(place.width, place.height) < _LEAST:
-        return [*issues, Issue(file, pointer, f"an edge is shorter than {_LEAST} m", "give three different corners")]
+    if min(place.width, place.height) < _MIN_EDGE:
+        return [*issues, Issue(file, pointer, f"an edge is shorter than {_MIN_EDGE} m", "give three different corners")]
     right, up = (place.lower_right - place.lower_left) / place.width, (place.upper_left - place.lower_left)
     if abs(float(right @ up)) / place.height > _SQUARE:
-        issues.append(Issue(file, pointer, "its edges meet at no right angle", "correct upper_left"))
+        issues.append(Issue(file, pointer, "its edges are not at right angles", "correct upper_left"))
     return issues

@@ -1,4 +1,4 @@
-"""Power wall and CAVE: any number of flat pictures in a room, seen from where the head is."""
+"""Power wall and CAVE: any number of flat screens in a room, seen from the tracked head."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ _SIDES: dict[bool, tuple[tuple[str, float], ...]] = {False: (("", 0.0),), True: 
 
 
 class WallDisplay(PlainDisplay):
-    """Pictures on walls. The separation of the eyes turns with the head, not with a wall.
+    """Screens as walls. The eyes' separation rotates with the head, not with a wall.
 
-    The pictures stand beside each other in the one that is drawn, those of the right eye above.
+    The drawn picture has all walls side by side, those of the right eye above.
 
     Args:
-        kind: "wall" or "cave": the same thing.
-        spec: Where the walls are.
+        kind: "wall" or "cave", which do not differ.
+        spec: The walls.
     """
 
     def __init__(self, kind: str, spec: WallsSpec) -> None:
         super().__init__()
         self.kind, self.spec = kind, spec
         self._walls = [(wall, rectangle_of(wall)) for wall in spec.walls]
-        # Of two eyes the right one's window is beside the left one's, or on the next monitor.
+        # The right eye's window is beside the left eye's, or on the next monitor.
         self.windows = [
             WindowPlace(f"wall_{wall.name}{side}", _beside(wall, row), wall.pixels)
             for row, (side, _) in enumerate(_SIDES[spec.stereo])
@@ -38,7 +38,7 @@ class WallDisplay(PlainDisplay):
         self.composing = Composing("display/test_pattern.frag", {}, each_eye=True) if spec.test_pattern else None
 
     def pixels(self, shown: Size) -> list[Size]:
-        """Size of each wall's picture [px] where pictures as high as `shown` are wanted."""
+        """Return the size of each wall's picture [px] for a requested height of `shown`."""
         return [
             wall.pixels or (max(1, round(shown[1] * place.width / place.height)), shown[1])
             for wall, place in self._walls
@@ -66,31 +66,31 @@ class WallDisplay(PlainDisplay):
         sight = look_through(place, eye)
         if sight.fault:
             self.note(f'wall "{wall.name}": {sight.fault}')
-        # Figures are laid over the first wall alone: nobody looks for them on the floor.
+        # Only the first wall has a heads-up display: it would be overlooked on the floor.
         screen = 0 if number == 0 else -1
         pair = number if self.spec.stereo else -1
         return Eye(f"wall_{wall.name}{side}", world_from_room @ sight.pose, sight.tangents, rectangle, screen, pair)
 
     def _rectangles(self, drawn: Size, row: int) -> list[Rect]:
-        """Where the pictures of a row are in the one drawn [px]."""
+        """Return the rectangles of a row of pictures in the drawn picture [px]."""
         height = drawn[1] // len(_SIDES[self.spec.stereo])
         sizes = self._sizes_in(drawn, height)
         lefts = np.cumsum([0, *(width for width, _ in sizes[:-1])]).tolist()
         return [(left, row * height, *size) for left, size in zip(lefts, sizes, strict=True)]
 
     def _sizes_in(self, drawn: Size, height: int) -> list[Size]:
-        """Sizes of the walls' pictures in one of a size [px], which was `drawn_size` of some height."""
+        """Return the sizes of the walls' pictures in a drawn picture of a size [px]."""
         sizes = self.pixels((0, height))
         total, highest = sum(width for width, _ in sizes), max(each for _, each in sizes)
         if (total, highest) == (drawn[0], height):
             return sizes
-        # A window of another shape shows all of them smaller.
+        # In a window of another aspect ratio all of them are scaled down.
         across, down = drawn[0] / total, height / highest
         return [(max(1, int(width * across)), max(1, int(each * down))) for width, each in sizes]
 
 
 def _beside(wall: WallSpec, row: int) -> tuple[int, int] | None:
-    """Upper left corner of a wall's window [px]: the right eye's as far to the right as the wall is wide."""
+    """Return the upper left corner of a wall's window [px]; the right eye's is one width further to the right."""
     if wall.window is None:
         return None
     return wall.window[0] + row * (wall.pixels[0] if wall.pixels else 0), wall.window[1]

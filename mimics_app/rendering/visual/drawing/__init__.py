@@ -1,3 +1,3 @@
-"""What is drawn: chosen, sorted, and sent to the driver."""
+"""The draw list: culled, sorted, and submitted to the driver."""
 
 __all__: list[str] = []

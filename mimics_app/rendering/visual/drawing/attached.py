@@ -1,4 +1,4 @@
-"""What is plugged into this desktop: displays and gamepads, asked of GLFW without opening a window."""
+"""Attached displays and gamepads, queried from GLFW without opening a window."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ class DisplayInfo:
     """One display.
 
     Attributes:
-        name: As the display server calls it.
+        name: Name given by the display server.
         size_px: Width and height of its current mode [px].
-        size_m: Width and height of the glass [m]; (0, 0) where it is not known.
-        refresh_hz: Pictures per second.
-        primary: True for the one that windows open on.
+        size_m: Width and height of the panel [m]; (0, 0) where unknown.
+        refresh_hz: Refresh rate [Hz].
+        primary: True for the display on which windows open.
     """
 
     name: str
@@ -31,10 +31,10 @@ class DisplayInfo:
 
 
 def list_attached() -> tuple[list[DisplayInfo], list[str]]:
-    """The displays, the primary one first, and the names of the gamepads.
+    """Return the displays, the primary one first, and the names of the gamepads.
 
     Raises:
-        DeviceError: There is no display server to ask.
+        DeviceError: there is no display server.
     """
     glfw = _load()
     if not glfw.init():

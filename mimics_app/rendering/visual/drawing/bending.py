@@ -1,4 +1,4 @@
-"""Who bends the bodies that are drawn; nothing is loaded for a world in which none does."""
+"""Skinning of the drawn meshes, on the processor or the GPU; loaded only for worlds with skinned bodies."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from mimics_app.world.world import World
 if TYPE_CHECKING:
     import moderngl
 
+    from mimics_app.rendering.visual.drawing.draw_list import DrawList
     from mimics_app.rendering.visual.drawing.feedback import FeedbackSkinning
     from mimics_app.rendering.visual.drawing.skinning import ProcessorSkinning
 
@@ -19,18 +20,18 @@ __all__ = ["Bending"]
 
 
 class Bending:
-    """Bends by compiled loops or by the driver, as is asked for when the first body has to bend.
+    """Skins meshes by the requested method, which is loaded with the first skinned body.
 
     Attributes:
-        skinning: What does it; None before the first body.
+        skinning: The method in use; None before the first skinned body.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, arena: MeshArena, by: BendBy) -> None:
         self._ctx, self._shaders, self._arena, self._by = ctx, shaders, arena, by
         self.skinning: ProcessorSkinning | FeedbackSkinning | None = None
 
-    def bend(self, world: World, names: list[str]) -> None:
-        """Have those of a world's meshes bend that are drawn, by their keys."""
+    def bend(self, world: World, listed: DrawList) -> None:
+        """Skin those of a world's meshes that are drawn in this frame."""
         if not world.motion.bodies:
             return
         if self.skinning is None and self._by == "feedback":
@@ -41,9 +42,9 @@ class Bending:
             from mimics_app.rendering.visual.drawing.skinning import ProcessorSkinning
 
             self.skinning = ProcessorSkinning(self._arena)
-        self.skinning.bend(world, names)
+        self.skinning.bend(world, listed.drawn_meshes())
 
     def release(self) -> None:
-        """Free what the driver holds for it."""
+        """Free the GPU objects."""
         if self.skinning is not None:
             self.skinning.release()

@@ -1,4 +1,4 @@
-"""What of a world is in a view: every item tested on its own, or groups of the scene graph first."""
+"""Frustum culling: every item on its own, or groups of the scene graph first."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["TREE_FROM", "Culler", "FlatCuller", "TreeCuller", "make_culler"]
 
 
 TREE_FROM = 20_000
-"""Items from which the tree is quicker than going through all, where most of them are outside (chart "culling")."""
+"""Number of items from which the tree is faster than testing all, where most are outside (chart "culling")."""
 
 _MORTON_BITS = 10
 
@@ -26,24 +26,24 @@ class Culler(Protocol):
     """Finds the items in a frustum.
 
     Attributes:
-        tests: Tests of a sphere, box or group made since `moved` was last called.
+        tests: Frustum tests of items and groups since `moved` was last called.
     """
 
     tests: int
 
     def moved(self, items: int, centres: F8, radii: F8) -> None:
-        """Called once a frame with how many items moved, and where their spheres are now."""
+        """Called once per frame with the number of items that moved, and all bounding spheres, world [m]."""
 
     def cull(self, planes: F8, shown: U1, world: F8, centres: F8, radii: F8, out: I4) -> int:
-        """Write the items that are not wholly outside; returns how many.
+        """Write the numbers of the items that are not wholly outside; return how many.
 
         Args:
             planes: Unit normals inwards and offsets, [k, 4].
             shown: 1 where the item may be drawn at all, [n].
             world: T_world_from_node per row, [rows, 4, 4].
-            centres: Of the items' spheres [m], [n, 3].
-            radii: Of the same [m], [n].
-            out: Receives numbers of items, [n].
+            centres: Centres of the items' spheres, world [m], [n, 3].
+            radii: Their radii [m], [n].
+            out: Written: numbers of items, [n].
         """
         ...
 
@@ -59,7 +59,7 @@ class FlatCuller(Culler):
         self.tests = 0
 
     def cull(self, planes: F8, shown: U1, world: F8, centres: F8, radii: F8, out: I4) -> int:
-        self.tests += int(shown.sum())
+        self.tests += int(np.count_nonzero(shown))
         return cull_flat(planes, shown, self._items.rows, world, centres, radii, self._items.half, out)
 
 
@@ -67,9 +67,9 @@ class TreeCuller(Culler):
     """Tests groups of the scene graph first.
 
     Args:
-        items: What is drawn.
-        parents: Row of each row's parent, below the own row, -1: none; int32 [rows].
-        places: Where each row's node is in the world, float64 [rows, 3]: neighbours are grouped together.
+        items: The draw items.
+        parents: Row of each row's parent, less than the own row; -1: none; int32 [rows].
+        places: Position of each row's node in the world, float64 [rows, 3]: neighbours are grouped together.
     """
 
     def __init__(self, items: DrawItems, parents: I4, places: F8) -> None:
@@ -83,11 +83,11 @@ class TreeCuller(Culler):
         count_below(parents, items_of, below)
         children = np.lexsort((_morton(places), parents)).astype(np.int32)
         first_child = np.searchsorted(parents[children], np.arange(-1, rows + 1)).astype(np.int32)
-        room = 2 * rows + count + 64
-        entries, skips, above = (np.zeros(room, np.int32) for _ in range(3))
-        stack = np.zeros((2 * room, 3), np.int32)
-        laid = build_tree(parents, children, first_child, by_row, first_item, below, stack, entries, skips, above)
-        self._count, self._groups = laid
+        capacity = 2 * rows + count + 64
+        entries, skips, above = (np.zeros(capacity, np.int32) for _ in range(3))
+        stack = np.zeros((2 * capacity, 3), np.int32)
+        built = build_tree(parents, children, first_child, by_row, first_item, below, stack, entries, skips, above)
+        self._count, self._groups = built
         self._entries, self._skips = entries[: self._count].copy(), skips[: self._count].copy()
         self._above = above[: self._groups].copy()
         self._holders = _holders(self._entries, self._skips, self._above)
@@ -122,27 +122,27 @@ class TreeCuller(Culler):
 
 
 def make_culler(wanted: Culling, items: DrawItems, parents: I4, places: F8) -> Culler:
-    """The culling that a world of this size wants, or the one that is requested."""
+    """Return the requested culler; "auto" chooses by the number of items."""
     if wanted == "tree" or (wanted == "auto" and len(items.rows) >= TREE_FROM):
         return TreeCuller(items, parents, places)
     return FlatCuller(items)
 
 
 def _holders(entries: I4, skips: I4, above: I4) -> I4:
-    """Group each entry that is an item is in, -1: none."""
+    """Return the innermost group of each entry that is an item, -1: none."""
     holders = np.full(len(entries), -1, np.int32)
     starts = np.flatnonzero(entries < 0)
-    # Inner groups come later, so that each overwrites what its outer one wrote.
+    # Inner groups come later and overwrite the number of their outer group.
     for start in starts.tolist():
         holders[start + 1 : skips[start]] = -1 - entries[start]
     return holders
 
 
 def _morton(places: F8) -> NDArray[np.int64]:
-    """Place along a curve that keeps neighbours together: bits of x, y and z in turn (Morton 1966)."""
-    least = places.min(axis=0, initial=np.inf)
-    extent = np.maximum(places.max(axis=0, initial=-np.inf) - least, 1e-300)
-    steps = np.clip((places - least) / extent * (2**_MORTON_BITS - 1), 0, 2**_MORTON_BITS - 1).astype(np.int64)
+    """Return Morton codes of positions, [n]: bits of x, y and z interleaved (Morton 1966)."""
+    lower = places.min(axis=0, initial=np.inf)
+    extent = np.maximum(places.max(axis=0, initial=-np.inf) - lower, 1e-300)
+    steps = np.clip((places - lower) / extent * (2**_MORTON_BITS - 1), 0, 2**_MORTON_BITS - 1).astype(np.int64)
     code = np.zeros(len(places), np.int64)
     for bit in range(_MORTON_BITS):
         for axis in range(3):

@@ -1,4 +1,4 @@
-"""The world's sub-entities as arrays that the compiled passes read; made anew when the world's structure changes."""
+"""The world's sub-entities as arrays for the compiled passes; rebuilt when the world's structure changes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ A = TypeVar("A", bound=NDArray[Any])
 
 @dataclass(frozen=True, eq=False)
 class DrawState:
-    """What has to be set in the driver before a run of draws: a look, and whether indices have 32 bits."""
+    """State that is bound before a run of draws: a look, and True where indices have 32 bits."""
 
     look: Look
     wide: bool
@@ -33,7 +33,7 @@ class DrawState:
 
 @dataclass(frozen=True, eq=False)
 class DrawItems:
-    """One line per sub-entity.
+    """Arrays with one row per sub-entity.
 
     Attributes:
         rows: Row of the node in the Transform table, int32 [n].
@@ -41,15 +41,15 @@ class DrawItems:
         states: Number in `of_state`, int32 [n].
         shadow_states: Number in `of_shadow`, int32 [n].
         meshes: Number in `ranges`, int32 [n].
-        paint: What the look says of each, float32 [n, 4].
+        paint: Instance parameters from the look, float32 [n, 4]; see `Look.paint`.
         local: Centre [m] and radius [m] of the sphere in the node's frame, float64 [n, 4].
-        half: Half sizes of the box about the same centre [m], float64 [n, 3].
+        half: Half extents of the box around the same centre [m], float64 [n, 3].
         drawable: 1 where there is something to draw, uint8 [n].
-        transparent: True where it is blended, [n].
-        solid: True where nothing can be seen through it, [n].
-        casting: True where it belongs into shadow maps, [n].
-        levels: Level of detail each belongs to, uint8 [n].
-        families: Number of the body whose levels it is one of, -1: of none; int32 [n].
+        transparent: True where blended, [n].
+        solid: True where opaque and without holes, [n].
+        casting: True where it casts shadows, [n].
+        levels: Level of detail it belongs to, uint8 [n].
+        families: Number of its body in the table of levels, -1: a body without levels; int32 [n].
         mesh_names: Keys in `World.meshes`.
         ranges: Indices, first index and base vertex of each mesh, int32 [meshes, 3].
         of_state: The states.
@@ -76,7 +76,7 @@ class DrawItems:
     of_shadow: list[DrawState]
 
     def rebound(self, world: World, names: Sequence[str]) -> Flags:
-        """Take over the bounds of meshes whose numbers changed; returns which items show one of them, [n]."""
+        """Update the bounds of meshes whose vertices changed; return which items show one of them, [n]."""
         known = self._numbers
         numbers = np.array([known[name] for name in names if name in known], np.int32)
         local, half = _bounds(world, [self.mesh_names[number] for number in numbers])
@@ -93,7 +93,7 @@ class DrawItems:
 
 
 def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> DrawItems:
-    """Take over the world's structure.
+    """Build the draw items of a world.
 
     Args:
         world: After its update.
@@ -146,7 +146,7 @@ def list_items(world: World, arena: MeshArena, materials: MaterialStore) -> Draw
 
 
 def _families(world: World) -> I4:
-    """Row in the table of levels of each sub-entity's body, -1: it has only one."""
+    """Return the row of each sub-entity's body in the table of levels, -1: a body without levels."""
     table, entities = world.content.levels, world.subentities().entity
     row_of = np.full(int(entities.max(initial=-1)) + 1, -1, np.int32)
     known = table.entities[table.entities < len(row_of)]
@@ -155,7 +155,7 @@ def _families(world: World) -> I4:
 
 
 class _States:
-    """Numbers states as they are met."""
+    """Numbers distinct states in the order they are added."""
 
     def __init__(self) -> None:
         self.found: list[DrawState] = []
@@ -169,27 +169,27 @@ class _States:
 
 
 def _bounds(world: World, names: Sequence[str]) -> tuple[F8, F8]:
-    """Spheres [n, 4] and half sizes of boxes [n, 3] of meshes; zeros for one the world does not have."""
-    local, half = np.zeros((len(names), 4)), np.zeros((len(names), 3))
+    """Return bounding spheres [n, 4] and half extents of boxes [n, 3] of meshes; zeros for one the world lacks."""
+    local, lower, upper = np.zeros((len(names), 4)), np.zeros((len(names), 3)), np.zeros((len(names), 3))
     bent = np.zeros(len(names), np.bool_)
+    bodies = world.motion.body_of
     for i, name in enumerate(names):
         mesh = world.meshes.get(name)
         if mesh is None:
             continue
-        least, greatest = world.mesh_bounds(name)
-        half[i] = 0.5 * (greatest - least)
-        if name in world.motion.body_of:
-            local[i, :3], bent[i] = 0.5 * (least + greatest), True
-        else:
+        lower[i], upper[i] = world.mesh_bounds(name)
+        bent[i] = name in bodies
+        if not bent[i]:
             local[i, :3], local[i, 3] = mesh.centre, mesh.radius
-    local[bent, 3] = np.linalg.norm(half[bent], axis=1)
+    half = 0.5 * (upper - lower)
+    local[bent, :3], local[bent, 3] = 0.5 * (lower + upper)[bent], np.linalg.norm(half[bent], axis=1)
     return local, half
 
 
-def _numbers(things: Sequence[T]) -> dict[T, int]:
-    return {thing: number for number, thing in enumerate(things)}
+def _numbers(keys: Sequence[T]) -> dict[T, int]:
+    return {key: number for number, key in enumerate(keys)}
 
 
 def _spread(values: A, numbers: I4) -> A:
-    """The line of each item out of one line per kind."""
+    """Return the row of each item, given one row per kind."""
     return values[numbers] if len(values) else values  # type: ignore[return-value]  # numpy forgets the kind

@@ -1,4 +1,4 @@
-"""What is drawn in a frame: culled and sorted sub-entities, handed to the frame's buffers."""
+"""The draw list of a frame: culled and sorted sub-entities, queued in the frame's buffers."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from mimics_app.rendering.visual.drawing.draw_order import DrawOrder
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.drawing.levels import Levels
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
-from mimics_app.rendering.visual.drawing.occlusion import LEAST_ITEMS, OcclusionPass, gather_occluders
+from mimics_app.rendering.visual.drawing.occlusion import MIN_ITEMS, OcclusionPass, gather_occluders
 from mimics_app.rendering.visual.kernels.bounds import update_bounds
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.view import Rect, View, compute_frustum_planes
+from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
 
 __all__ = ["DRAWN", "HIDDEN", "Casters", "DrawList", "Tally"]
@@ -29,17 +29,17 @@ Size = tuple[int, int]
 
 
 HIDDEN, DRAWN = 1, 2
-"""Fates of an item in a view's frustum."""
+"""Fates of an item in a view's frustum: occluded, or drawn."""
 
 
 @dataclass(frozen=True, eq=False)
 class Casters:
-    """What casts a shadow: numbers of items, and bounding spheres of those a shadow map has to hold.
+    """Shadow casters, and the bounding spheres of those that a shadow map has to cover.
 
     Attributes:
         items: Numbers of items, int32 [n].
-        centres: World [m], float64 [m, 3].
-        radii: [m], float64 [m].
+        centres: Centres of the spheres, world [m], float64 [m, 3].
+        radii: Their radii [m], float64 [m].
     """
 
     items: I4
@@ -49,7 +49,7 @@ class Casters:
 
 @dataclass(slots=True)
 class Tally:
-    """What became of the items of a frame, all views together: how many there were, outside, hidden; tests made."""
+    """Counts of a frame, summed over the views: items, those outside, those occluded, frustum tests."""
 
     items: int = 0
     culled: int = 0
@@ -57,7 +57,7 @@ class Tally:
     tests: int = 0
 
     def count(self, items: int, in_frustum: int, drawn: int, tests: int) -> None:
-        """Add one view."""
+        """Add the counts of one view."""
         self.tests += tests
         self.items += items
         self.culled += items - in_frustum
@@ -69,13 +69,13 @@ class DrawList:
 
     Attributes:
         items: The sub-entities as arrays.
-        centres: Of their bounding spheres, world [m], float64 [n, 3].
-        radii: Of the same [m], float64 [n].
-        tally: What became of the items since the last update.
-        moved: Which items moved or changed their shape in the last update, [n]; None where that is not known.
-        remade: True where the last update found other looks, meshes or settings, or another world.
-        used: Which items are drawn in this frame, in whatever view or shadow, [n].
-        fates: The same of each one, 0 where no view has it, `HIDDEN` or `DRAWN`, uint8 [n]; None where nobody asks.
+        centres: Centres of their bounding spheres, world [m], float64 [n, 3].
+        radii: Radii of the spheres [m], float64 [n].
+        tally: Counts since the last update.
+        moved: Items that moved or changed their shape in the last update, [n]; None where unknown.
+        remade: True where looks, meshes, settings or the world changed in the last update.
+        used: Items drawn in this frame, in any view or shadow map, [n].
+        fates: Fate of each item, 0 (in no view), `HIDDEN` or `DRAWN`, uint8 [n]; None unless requested.
     """
 
     def __init__(self, arena: MeshArena, materials: MaterialStore) -> None:
@@ -96,16 +96,16 @@ class DrawList:
     def update(
         self, world: World, settings: RenderSettings, *, light_features: frozenset[str], fates: bool = False
     ) -> None:
-        """Take over structure where it changed, and this frame's transforms always.
+        """Rebuild the items where the world's structure changed, and update the bounds of what moved.
 
         Args:
-            world: What is drawn.
-            settings: Which techniques and which occluders may be used.
+            world: The world to draw.
+            settings: Quality; determines techniques and occluders.
             light_features: See `MaterialStore.update`.
-            fates: True remembers what becomes of each item.
+            fates: True records the fate of each item.
         """
         listed = world.subentities()
-        worth = len(listed.row) >= LEAST_ITEMS
+        worth = len(listed.row) >= MIN_ITEMS
         meshes = self._arena.update(world, solid=worth)
         materials = self._materials.update(
             world, light_features=light_features, shading=settings.shading, profile=settings.profile
@@ -138,7 +138,7 @@ class DrawList:
 
     @property
     def shown(self) -> NDArray[np.bool_]:
-        """Which items may be drawn at all, [n]; a copy."""
+        """Items that may be drawn at all, [n]; a copy."""
         return self._shown != 0
 
     @property
@@ -147,7 +147,7 @@ class DrawList:
         return self._world
 
     def _move(self, world: World, *, everything: bool, other: bool) -> int:
-        """Bring the spheres to where their nodes are; returns how many items moved or changed their shape."""
+        """Update the bounding spheres; return how many items moved or changed their shape."""
         items, transforms, last = self.items, world.transforms, self._updates
         self._updates = transforms.updates
         skipped = other or transforms.updates > last + 1
@@ -165,7 +165,7 @@ class DrawList:
         return int(update_bounds(items.rows, self._world, changed, missed, *bounds))
 
     def _newly_bent(self, world: World) -> list[str]:
-        """Meshes that bend otherwise than when this was asked last."""
+        """Return the meshes whose skinned bounds changed since the last call."""
         bodies = world.motion.body_of
         if not bodies:
             return []
@@ -173,28 +173,28 @@ class DrawList:
         before, self._bent = self._bent, revisions
         return [name for name, revision in revisions.items() if before.get(name) != revision]
 
-    def casters(self, longest: float) -> Casters:
-        """What casts shadows, and the spheres a shadow map has to hold.
+    def casters(self, max_radius: float) -> Casters:
+        """Return the shadow casters and the spheres that a shadow map has to cover.
 
         Args:
-            longest: Bodies of a radius beyond this [m] are left out of the spheres: grounds and skies.
+            max_radius: Larger bodies [m], such as grounds and skies, are left out of the spheres.
 
         Returns:
-            The same object as in the frame before where nothing came, went or moved.
+            The same object as in the last frame where nothing came, went or moved.
         """
-        known = self._casters.get(longest)
+        known = self._casters.get(max_radius)
         if known is None:
             shown = self._levels.show_finest(self._shown)
             casting = np.flatnonzero(shown * self.items.casting).astype(np.int32)
-            held = casting[self.radii[casting] <= longest]
-            known = self._casters[longest] = Casters(casting, self.centres[held], self.radii[held])
+            held = casting[self.radii[casting] <= max_radius]
+            known = self._casters[max_radius] = Casters(casting, self.centres[held], self.radii[held])
         return known
 
     def coarser(self, casters: Casters, texel: float) -> Casters:
-        """The same bodies in the forms that do for a map whose texels are so wide [m].
+        """Return the same bodies in the levels of detail that suffice for a map of a texel width [m].
 
         Returns:
-            The same object for the same casters as in one of the last frames.
+            The same object as before for the same casters.
         """
         if not self._levels.any:
             return casters
@@ -210,7 +210,7 @@ class DrawList:
         families = self.items.families
         casting = np.zeros(int(families.max(initial=-1)) + 2, np.bool_)
         casting[families[casters.items]] = True
-        casting[-1] = False  # -1 are bodies of one form alone
+        casting[-1] = False  # -1 are bodies without levels
         drawn |= casting[families]
         items = np.flatnonzero(drawn & (shown > 0) & (self.items.casting > 0)).astype(np.int32)
         return Casters(items, casters.centres, casters.radii)
@@ -231,31 +231,26 @@ class DrawList:
         sizes: Sequence[Size],
         samples: int,
         key: Hashable,
-        part: Rect | None = None,
     ) -> tuple[list[DrawRun], list[DrawRun], F8]:
-        """Queue what is in the frustum of any of some views and not hidden there.
+        """Queue the items that are visible in at least one of some views.
 
         Args:
-            frame: Where to.
-            views: From where: one, or two eyes.
-            origin: What is queued is relative to here, and sorted by the distance from here, world [m], [3].
-            sizes: Of the views' pictures as drawn [px].
-            samples: Per pixel.
-            key: Of the views together, the same from frame to frame.
-            part: Of a view's picture, from its lower left corner, in which alone something is to be drawn [px].
+            frame: Buffers of the frame.
+            views: One view or a part of one, or the two views of a stereo pair.
+            origin: Origin of the instance matrices and of the distances to sort by, world [m], [3].
+            sizes: Sizes of the views' pictures as drawn [px].
+            samples: Samples per pixel.
+            key: Identifies the views from frame to frame.
 
         Returns:
-            Opaque runs, the states with the nearest items first and near to far within each; blended runs, each item
-            on its own, far to near; and the distances of these from the origin [m].
+            Opaque runs, the state with the nearest item first, near to far within a state; blended runs of one item
+            each, far to near; and the distances of the blended items from the origin [m].
         """
         items, picked = self.items, self._picked
-        # One level for both eyes: a body that has two forms at once cannot be fused.
+        # One level for both eyes: two different levels of a body cannot be fused.
         between = replace(views[0], queued_at=origin)
         shown = self._levels.show(key, between, sizes[0], self._shown, self.centres, self.radii, self._detail)
-        if part is None:
-            count = self._pick(views[0], shown, sizes[0], samples)
-        else:
-            count = self._pick(views[0].through(part, sizes[0]), shown, part[2:], samples)
+        count = self._pick(views[0], shown, sizes[0], samples)
         if len(views) > 1:
             count = self._pick_also(views[1:], count, shown, sizes[1:], samples)
         self.used[picked[:count]] = True
@@ -267,23 +262,22 @@ class DrawList:
         return opaque, *self._batch_blended(frame, blended, origin)
 
     def _pick(self, view: View, shown: NDArray[np.uint8], size: Size, samples: int) -> int:
-        """Find what is in a view and not hidden in it; returns how many."""
+        """Pick the items that are visible in a view; return how many."""
         items, picked = self.items, self._picked
-        planes = compute_frustum_planes(view.clip_from_world)
         before = self._culler.tests
-        seen = count = self._culler.cull(planes, shown, self._world, self.centres, self.radii, picked)
+        seen = count = self._culler.cull(view.frustum_planes, shown, self._world, self.centres, self.radii, picked)
         self._remember(seen, HIDDEN)
         if self._occlusion is not None:
             spheres = (self.centres, self.radii)
             count = self._occlusion.remove_hidden(picked, seen, view, size, samples, items, self._world, *spheres)
         self._remember(count, DRAWN)
-        self.tally.count(int(shown.sum()), seen, count, self._culler.tests - before)
+        self.tally.count(int(np.count_nonzero(shown)), seen, count, self._culler.tests - before)
         return count
 
     def _pick_also(
         self, views: Sequence[View], count: int, shown: NDArray[np.uint8], sizes: Sequence[Size], samples: int
     ) -> int:
-        """Add what other views have to what is picked already; returns how many there are."""
+        """Add the items visible in other views to those picked already; return how many there are."""
         either = np.zeros(len(self.items.rows), np.bool_)
         either[self._picked[:count]] = True
         for view, size in zip(views, sizes, strict=True):
@@ -293,30 +287,32 @@ class DrawList:
         return len(found)
 
     def batch_meeting(self, frame: FrameBuffers, view: View, planes: F8, onto: I4 | None) -> list[DrawRun]:
-        """Queue once more what is opaque in the view batched last and meets a volume.
+        """Queue once more the opaque items of the view batched last that intersect a convex volume.
 
         Args:
-            frame: Where to.
+            frame: Buffers of the frame.
             view: The same view.
-            planes: Of the volume, unit normals inwards and offsets, [k, 4].
-            onto: Entity indices that count; None: all.
+            planes: Planes of the volume, unit normals inwards and offsets, [k, 4].
+            onto: Entity indices to include; None: all.
         """
-        asked = np.zeros(len(self.items.rows), np.uint8)
-        asked[self._picked[: self._opaque]] = 1
+        tested = np.zeros(len(self.items.rows), np.uint8)
+        tested[self._picked[: self._opaque]] = 1
         if onto is not None:
-            asked &= np.isin(self.items.entities, onto)
+            tested &= np.isin(self.items.entities, onto)
         items, met = self.items, np.zeros(self._opaque, np.int32)
-        count = cull_flat(planes, asked, items.rows, self._world, self.centres, self.radii, items.half, met)
+        count = cull_flat(planes, tested, items.rows, self._world, self.centres, self.radii, items.half, met)
         self._order.sort(met, count, view.eye_world, self.centres, self.radii, self._mirrored)
         return frame.add(met, count, view.eye_world, items, self._world, self._mirrored)
 
     def drawn_meshes(self) -> list[str]:
-        """Keys of the meshes that are drawn in this frame, in whatever view or shadow."""
+        """Return the keys of the meshes drawn in this frame, in any view or shadow map."""
         names = self.items.mesh_names
-        return [names[number] for number in np.unique(self.items.meshes[self.used]).tolist()]
+        drawn = np.zeros(len(names), np.bool_)
+        drawn[self.items.meshes[self.used]] = True
+        return [names[number] for number in np.flatnonzero(drawn).tolist()]
 
     def _remember(self, count: int, fate: int) -> None:
-        """Take down the better fate of items that are picked."""
+        """Record a fate of the picked items, unless they have a better one."""
         if self.fates is not None:
             items = self._picked[:count]
             self.fates[items] = np.maximum(self.fates[items], fate)
@@ -329,7 +325,7 @@ class DrawList:
         return runs, away[far_first]
 
     def _split(self, count: int) -> I4:
-        """Take the blended items out of those picked; returns them."""
+        """Remove the blended items from those picked, and return them."""
         if not self._any_transparent:
             return self._picked[:0]
         picked = self._picked[:count]

@@ -1,4 +1,4 @@
-"""Puts picked items into draw order, with memory kept from frame to frame."""
+"""Draw order of the picked items, with scratch memory kept from frame to frame."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class DrawOrder:
     """Sorts by state, then from near to far, then by mesh.
 
     Args:
-        items: What is sorted.
+        items: The draw items.
     """
 
     def __init__(self, items: DrawItems) -> None:
@@ -34,12 +34,12 @@ class DrawOrder:
 
         Args:
             picked: Numbers of items, [>= count].
-            count: How many.
-            eye: From where near and far are meant, world [m], [3].
-            centres: Of all items' spheres, world [m], [n, 3].
-            radii: Of the same [m], [n].
-            mirrored: 1 where an item's faces wind the other way round, [n].
-            shadow: True to go by the states of the shadow pass.
+            count: Number of items.
+            eye: Origin of the distances, world [m], [3].
+            centres: Centres of all items' spheres, world [m], [n, 3].
+            radii: Their radii [m], [n].
+            mirrored: 1 where the winding of an item's faces is reversed, [n].
+            shadow: True to sort by the states of the shadow pass.
         """
         items = self._items
         make_keys(

@@ -1,4 +1,4 @@
-"""Bends what is drawn by a shader whose vertices are fed back into the buffer that every pass draws from."""
+"""Skinning on the GPU: transform feedback into the vertex buffer that every pass draws from."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ __all__ = ["FeedbackSkinning"]
 _VARYINGS = ("bent_position", "bent_normal", "bent_uv")
 _VERTEX_BYTES = 32
 _PALETTE_BYTES = 65_536
-"""The block that a driver must offer at least: 4,096 rows."""
+"""Size of the palette's uniform block, which every driver offers: 4,096 rows [bytes]."""
 _BINDING, _TEXTURE_UNIT = 11, 24
-"""Of the palette and of the deltas, as skin.vert says."""
-_ACROSS = 2048
-"""Texels in a row of the deltas."""
-_MOST_MOVED = 64
-"""Morph targets that are not 0 at once; a mesh with more is bent by the processor."""
+"""Bindings of the palette and of the morph deltas in skin.vert."""
+_DELTAS_WIDTH = 2048
+"""Width of the texture of morph deltas [texel]."""
+_MAX_MORPHS = 64
+"""Maximum number of active morph targets; a mesh with more is skinned on the processor."""
 
 
 class _Held:
-    """What of a mesh lies with the driver: vertices with joints and weights, and deltas of morph targets."""
+    """GPU objects of a mesh: vertices with joints and weights, and deltas of morph targets."""
 
     def __init__(self, ctx: moderngl.Context, source: BendSource) -> None:
         mesh = source.mesh
@@ -54,10 +54,10 @@ class _Held:
 
 
 class FeedbackSkinning:
-    """Bends meshes by transform feedback.
+    """Skins meshes by transform feedback.
 
     Attributes:
-        vertices: How many it bent in the last frame.
+        vertices: Vertices skinned in the last frame.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, arena: MeshArena) -> None:
@@ -66,12 +66,12 @@ class FeedbackSkinning:
         self._done: dict[str, tuple[int, int]] = {}
         self._rebuilt = -1
         self._palette = ctx.buffer(reserve=_PALETTE_BYTES)
-        # Without a complete framebuffer a driver feeds nothing back, and says nothing.
-        self._somewhere = ctx.framebuffer([ctx.renderbuffer((1, 1))])
+        # Without a complete framebuffer a driver writes no feedback, and reports no error.
+        self._dummy = ctx.framebuffer([ctx.renderbuffer((1, 1))])
         self.vertices = 0
 
     def bend(self, world: World, names: list[str]) -> None:
-        """Bring the vertices of meshes that are drawn up to date; see `ProcessorSkinning.bend`."""
+        """Skin the drawn meshes that changed; see `ProcessorSkinning.bend`."""
         self.vertices = 0
         bodies = world.motion.body_of
         if self._rebuilt != self._arena.rebuilt:
@@ -83,11 +83,11 @@ class FeedbackSkinning:
             if body is None or self._done.get(name) == (id(body), body.revision):
                 continue
             if not self.vertices:
-                self._somewhere.use()
+                self._dummy.use()
             self._done[name] = id(body), body.revision
             mesh = body.meshes[name]
-            if mesh.weights is None or body.binding is None or int(np.count_nonzero(body.weights)) > _MOST_MOVED:
-                self._bend_here(name, mesh, body)
+            if mesh.weights is None or body.binding is None or int(np.count_nonzero(body.weights)) > _MAX_MORPHS:
+                self._bend_on_processor(name, mesh, body)
             else:
                 if body is not body_sent:
                     self._send_palette(body)
@@ -99,10 +99,10 @@ class FeedbackSkinning:
         """Free all buffers."""
         self._forget(set())
         self._palette.release()
-        self._somewhere.release()
+        self._dummy.release()
 
-    def _bend_here(self, name: str, mesh: MeshData, body: SkinnedBody) -> None:
-        """What follows no joint, or has too many targets at once."""
+    def _bend_on_processor(self, name: str, mesh: MeshData, body: SkinnedBody) -> None:
+        """Deform a mesh without joints, or with too many active morph targets."""
         stream = np.zeros((len(mesh.positions), 8), np.float32)
         if mesh.uvs is not None:
             stream[:, 6:] = mesh.uvs
@@ -131,7 +131,7 @@ class FeedbackSkinning:
     def _set_morphs(self, shader: ShaderProgram, held: _Held, weights: F4) -> None:
         assert held.deltas is not None
         moved = np.flatnonzero(weights)
-        listed = np.zeros((_MOST_MOVED, 2), np.float32)
+        listed = np.zeros((_MAX_MORPHS, 2), np.float32)
         listed[: len(moved), 0], listed[: len(moved), 1] = moved, weights[moved]
         held.deltas.use(_TEXTURE_UNIT)
         shader.set_number("vertices", held.count)
@@ -160,7 +160,7 @@ class FeedbackSkinning:
 
 
 def _pack(mesh: MeshData, sets: int) -> NDArray[np.void]:
-    """Vertices as the shader reads them; influences filled up with weight 0."""
+    """Return the vertices in the shader's layout; missing influences have weight 0."""
     assert mesh.weights is not None
     fields: list[tuple[str, str, tuple[int, ...]]] = [
         ("position", "f4", (3,)),
@@ -180,13 +180,13 @@ def _pack(mesh: MeshData, sets: int) -> NDArray[np.void]:
 
 
 def _upload_deltas(ctx: moderngl.Context, source: BendSource) -> moderngl.Texture:
-    """Deltas of positions and normals by turns, target by target, in rows of a texture."""
+    """Upload the deltas of positions and of normals alternately, target by target, in rows of a texture."""
     both = np.zeros((len(source.position_deltas), 2, len(source.mesh.positions), 4), np.float32)
     both[:, 0, :, :3] = source.position_deltas
     if source.normal_deltas is not None:
         both[:, 1, :, :3] = source.normal_deltas
     flat = both.reshape(-1, 4)
-    across = min(_ACROSS, len(flat))
+    across = min(_DELTAS_WIDTH, len(flat))
     filled = np.zeros((-(-len(flat) // across) * across, 4), np.float32)
     filled[: len(flat)] = flat
     texture = ctx.texture((across, len(filled) // across), 4, filled.tobytes(), dtype="f4")

@@ -1,4 +1,4 @@
-"""Instances and indirect draws of all passes of one frame: written by kernels, uploaded once, drawn in runs."""
+"""Instances and indirect draw commands of all passes of one frame: written by kernels, uploaded once."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.drawing.mesh_arena import COMMAND_WORDS, MeshArena
-from mimics_app.rendering.visual.kernels.commands import MOST_TRIANGLES, write_commands, write_instances
+from mimics_app.rendering.visual.kernels.commands import MAX_TRIANGLES, write_commands, write_instances
 from mimics_app.rendering.visual.materials.look import Look
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
@@ -29,24 +29,24 @@ I4 = NDArray[np.int32]
 U1 = NDArray[np.uint8]
 
 _INSTANCES = 1
-"""Word of a command that counts instances."""
+"""Index of the instance count among the words of a command."""
 _COMMAND_BYTES = 4 * COMMAND_WORDS
 
 
 @dataclass(slots=True)
 class DrawRun:
-    """Consecutive indirect draws that share a state: one call to the driver. `FrameBuffers` alone makes and changes it.
+    """Consecutive indirect commands that share a state: one draw call. Made and changed by `FrameBuffers` alone.
 
-    Not frozen: a frame makes thousands, and each would take three times as long.
+    Not frozen: a frame makes thousands, and constructing a frozen one takes three times as long.
 
     Attributes:
         look: Material and shaders, one of those that share the state.
         first: Number of the first command.
         count: Number of commands.
-        triangles: In all of them.
-        mirrored: True where a negative scale turned the faces over, so that clockwise ones are outside.
+        triangles: Triangles of all commands.
+        mirrored: True where a negative scale reversed the winding, so that clockwise faces are front faces.
         wide: True where indices have 32 bits.
-        eyes: How many each instance is drawn for, one instance after the other.
+        eyes: Number of eyes each instance is drawn for, in successive instances.
     """
 
     look: Look
@@ -59,7 +59,7 @@ class DrawRun:
 
 
 class FrameBuffers:
-    """Memory for a frame, kept from one to the next.
+    """Instance and command buffers, reused from frame to frame.
 
     Attributes:
         instance_count: Instances written since `begin`.
@@ -77,7 +77,7 @@ class FrameBuffers:
         self.instance_count = self.command_count = 0
 
     def begin(self) -> None:
-        """Forget the last frame."""
+        """Discard the last frame."""
         self.instance_count = self.command_count = self._waiting = 0
 
     def add(
@@ -96,13 +96,13 @@ class FrameBuffers:
 
         Args:
             items: Numbers of items in draw order, [>= count].
-            count: How many.
-            origin: Of the frame the shaders work in, world [m], [3].
-            listed: What the numbers mean.
+            count: Number of items.
+            origin: Origin of the shaders' frame, world [m], [3].
+            listed: The draw items.
             world: T_world_from_node per row, [rows, 4, 4].
-            mirrored: 1 where an item's faces wind the other way round, [n].
+            mirrored: 1 where the winding of an item's faces is reversed, [n].
             shadow: True to group by the states of the shadow pass.
-            single: True to draw each item on its own.
+            single: True for one run per item.
         """
         if not count:
             return []
@@ -129,7 +129,7 @@ class FrameBuffers:
         return [_run(row, of_state) for row in self._runs[:runs].tolist()]
 
     def double(self, runs: list[DrawRun]) -> None:
-        """Have runs that were added together draw each of their instances for two eyes."""
+        """Draw each instance of runs that were added together for two eyes."""
         if runs:
             self._commands[runs[0].first : runs[-1].first + runs[-1].count, _INSTANCES] *= 2
         for run in runs:
@@ -148,34 +148,34 @@ class FrameBuffers:
         self._buffer.write(self._commands[: self.command_count])
 
     def draw(self, arena: MeshArena, run: DrawRun, shader: ShaderProgram) -> None:
-        """Issue one run by a shader of its look, which is bound already."""
+        """Draw one run with a shader of its look, which is bound already."""
         import moderngl
 
         assert self._buffer is not None, "runs are drawn after upload"
         self._ctx.front_face = "cw" if run.mirrored else "ccw"
         array = arena.vertex_array(shader, wide=run.wide, eyes=run.eyes)
         waiting = self._waiting + run.eyes * run.triangles
-        if self._raw is None or waiting < MOST_TRIANGLES:
+        if self._raw is None or waiting < MAX_TRIANGLES:
             self._waiting = waiting
             array.render_indirect(self._buffer, moderngl.TRIANGLES, run.count, first=run.first)
             return
-        for first, count in self._pieces(run):
+        for first, count in self._split(run):
             array.render_indirect(self._buffer, moderngl.TRIANGLES, count, first=first)
-            if self._waiting >= MOST_TRIANGLES:
+            if self._waiting >= MAX_TRIANGLES:
                 self._raw.flush()
                 self._waiting = 0
 
-    def _pieces(self, run: DrawRun) -> Iterator[tuple[int, int]]:
-        """First command and number of commands of what is drawn at once; counts the triangles that wait for the driver.
+    def _split(self, run: DrawRun) -> Iterator[tuple[int, int]]:
+        """Yield first command and number of commands of each part of a run; counts the triangles since the last flush.
 
-        A software driver places corners in one thread and fills pixels in others, which begin when it is flushed, or at
-        the frame's end: corners and pixels of a large frame are worked on at once where it is sent in pieces.
+        A software driver transforms vertices in one thread and rasterises in others, which start at a flush or at the
+        end of the frame: flushing in between lets a large frame do both at once.
         """
         commands = self._commands[run.first : run.first + run.count].astype(np.int64)
         begun = 0
         for number, triangles in enumerate((commands[:, 0] // 3 * commands[:, _INSTANCES]).tolist(), 1):
             self._waiting += triangles
-            if self._waiting >= MOST_TRIANGLES or number == run.count:
+            if self._waiting >= MAX_TRIANGLES or number == run.count:
                 yield run.first + begun, number - begun
                 begun = number
 

@@ -1,4 +1,4 @@
-"""Which level of detail each view shows of each body."""
+"""Choice of the level of detail of each body in each view."""
 
 from __future__ import annotations
 
@@ -16,29 +16,29 @@ from mimics_app.world.world import World
 
 __all__ = ["Levels", "fewer_pixels"]
 
-_LEAST_PIXELS = 480.0 * 270.0
-"""Of a picture of fewer, levels are as wrong in pixels as in one of so many: coverages are shares of a picture, and
-the same share of a small one has fewer pixels to be wrong by."""
+_MIN_PIXELS = 480.0 * 270.0
+"""Pixels from which levels go by coverage alone; in a smaller picture the same coverage has fewer pixels, and levels
+are chosen with the error in pixels of a picture of this size."""
 
 _FILTER = 2.0
-"""Width of the filter of shadows (shaders/common/shadow.glsl): of its 3 x 3 weights half lie within [texel]."""
+"""Width of the shadow filter (shaders/common/shadow.glsl) that has half the weight of its 3 x 3 texels [texel]."""
 
 
 def fewer_pixels(view: View, size: tuple[int, int]) -> float:
-    """How many times as many pixels as a picture has the smallest one whose levels go by shares alone; >= 1.
+    """Return `_MIN_PIXELS` over the pixels of the whole picture, at least 1.
 
     Args:
-        view: The picture, or a part of it.
-        size: As it is drawn [px].
+        view: View of the picture, or of a part of it.
+        size: Size as drawn [px].
     """
-    return max(1.0, _LEAST_PIXELS / (size[0] * size[1] * view.parts))
+    return max(1.0, _MIN_PIXELS / (size[0] * size[1] * view.parts))
 
 
 class Levels:
-    """Remembers for each view what it showed last.
+    """Levels of detail by view, with the last choice kept for hysteresis.
 
     Args:
-        world: Whose bodies.
+        world: The world.
         items: Its sub-entities.
     """
 
@@ -57,22 +57,22 @@ class Levels:
 
     @property
     def any(self) -> bool:
-        """True when some body has levels."""
+        """Whether any body has levels."""
         return len(self._counts) > 0
 
     def show(
         self, key: Hashable, view: View, size: tuple[int, int], shown: U1, centres: F8, radii: F8, detail: float
     ) -> U1:
-        """What may be drawn in a view, [n]; good until the next call.
+        """Return 1 for each item of the chosen levels that may be drawn, [n]; valid until the next call.
 
         Args:
-            key: Of the view, the same from frame to frame.
-            view: From where; a part of a picture shows what the whole of it would.
-            size: As it is drawn [px].
+            key: Identifies the view from frame to frame.
+            view: The view; a part of a picture has the levels of the whole picture.
+            size: Size as drawn [px].
             shown: 1 where an item may be drawn at all, [n].
-            centres: Of the items' spheres, world [m], [n, 3].
-            radii: Of the same [m], [n].
-            detail: Distances at which levels change, over those that the bodies' authors gave.
+            centres: Centres of the items' spheres, world [m], [n, 3].
+            radii: Their radii [m], [n].
+            detail: Factor on the authored distances at which levels change.
         """
         if not self.any:
             return shown
@@ -85,11 +85,10 @@ class Levels:
         return self._shown
 
     def show_for_texels(self, shown: U1, radii: F8, texel: float) -> U1:
-        """What may be drawn into a map whose texels are so wide [m]: each body as coarse as its shadow does not show.
+        """Return 1 for each item of the coarsest levels that suffice for a shadow map of a texel width [m], [n].
 
-        Good until the next call. A body's coverages say from where a level is wrong by no more than a pixel or so of
-        a picture of `COVERED_PICTURE`; the same body covers as much of such a picture whose pixels are as wide as what
-        the filter of shadows blurs.
+        Valid until the next call. From its coverage on, a level deviates by about a pixel in a picture of
+        `COVERED_PICTURE` pixels; here the coverage is that of a picture whose pixels are as wide as the shadow filter.
         """
         if not self.any:
             return shown
@@ -101,9 +100,9 @@ class Levels:
         return self._shown
 
     def show_finest(self, shown: U1) -> U1:
-        """What may be drawn where no view counts, as in a shadow map: each body's finest level.
+        """Return 1 for each item of the finest levels that may be drawn, [n]; valid until the next call.
 
-        Of what bends it is the finest that a view showed last: another one would have to be bent for its shadow alone.
+        A skinned body has the finest level that a view showed last: another one would be skinned for its shadow alone.
         """
         if not self.any:
             return shown

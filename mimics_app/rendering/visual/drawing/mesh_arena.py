@@ -1,4 +1,4 @@
-"""All meshes of a world in shared vertex and index buffers, so that any number of them is one draw call."""
+"""All meshes of a world in shared vertex and index buffers, so that one draw call draws any number of them."""
 
 from __future__ import annotations
 
@@ -30,23 +30,23 @@ _INSTANCE = np.dtype(
 )
 
 COMMAND_WORDS = 5
-"""32-bit words of one indirect draw, as glMultiDrawElementsIndirect reads it: indices, instances, first index, base
-vertex, base instance."""
+"""32-bit words of a command of glMultiDrawElementsIndirect: indices, instances, first index, base vertex, base
+instance."""
 
 _SHORT_VERTICES = 65_536
-"""Vertices that 16-bit indices reach; a mesh of more has 32-bit ones."""
+"""Maximum number of vertices with 16-bit indices; a larger mesh has 32-bit ones."""
 
 
-_MOST_SOLIDS = 512
-"""Meshes that are looked into; each takes some milliseconds."""
+_MAX_SOLIDS = 512
+"""Maximum number of meshes that are searched for occluder boxes; each takes some milliseconds."""
 
 
 @dataclass(frozen=True, slots=True)
 class MeshRange:
-    """Where one mesh lies in the arena.
+    """Location of one mesh in the arena.
 
     Attributes:
-        first: Its first index, in the buffer of its width.
+        first: Its first index, in the buffer of its index width.
         count: Number of indices.
         base_vertex: Number of its first vertex.
         vertices: Number of vertices.
@@ -66,11 +66,11 @@ class MeshArena:
     """Uploads meshes as the world changes them, and makes the vertex arrays that read them.
 
     Attributes:
-        ranges: Where each mesh of the world lies.
-        solids: Meshes that have a box inside.
-        rewritten: Meshes whose numbers changed in the last update, their places in the buffers staying.
-        uploaded: Bytes of vertices and indices sent in the last update.
-        rebuilt: How often all of it was made anew, so that what others wrote is lost.
+        ranges: Location of each mesh of the world.
+        solids: Meshes with an occluder box inside.
+        rewritten: Meshes whose vertices or indices were rewritten in place in the last update.
+        uploaded: Bytes of vertices and indices uploaded in the last update.
+        rebuilt: Number of times the buffers were rebuilt; skinned vertices are lost each time.
     """
 
     def __init__(self, ctx: moderngl.Context) -> None:
@@ -91,19 +91,19 @@ class MeshArena:
         self._arrays: dict[tuple[ShaderProgram, bool, int], tuple[int, moderngl.VertexArray]] = {}
 
     def update(self, world: World, *, solid: bool = False) -> bool:
-        """Bring the buffers up to the world's meshes.
+        """Upload the world's meshes where they changed.
 
         Args:
-            world: Whose meshes.
-            solid: Look for boxes inside the meshes, and seal the cracks of those that have one.
+            world: The world.
+            solid: True searches the meshes for occluder boxes, and removes the T-junctions of those that have one.
 
         Returns:
-            True when meshes lie elsewhere now; not for those only `rewritten`.
+            True when the buffers were rebuilt; False where meshes were only `rewritten`.
         """
         self.rewritten, self.uploaded = [], 0
         if solid != self._solid:
             self._solid, self._seen = solid, {}
-        elif self._stands(world):
+        elif self._is_unchanged(world):
             return False
         self._held = world.meshes_published, list(world.meshes), list(world.meshes.values())
         wanted = {name: (world.mesh_revision(name), id(mesh)) for name, mesh in world.meshes.items()}
@@ -122,8 +122,8 @@ class MeshArena:
         self._seen = wanted
         return not fits
 
-    def _stands(self, world: World) -> bool:
-        """Whether every mesh is the very one of the last update: asked each frame, so nothing is made for it."""
+    def _is_unchanged(self, world: World) -> bool:
+        """Whether every mesh is the same object as in the last update; called every frame, so it must be cheap."""
         published, names, meshes = self._held
         if published != world.meshes_published or len(meshes) != len(world.meshes):
             return False
@@ -140,26 +140,28 @@ class MeshArena:
             self._instances.write(rows)
 
     def write_bent(self, name: str, packed: NDArray[np.float32]) -> None:
-        """Put the vertices of a mesh as they are bent in this frame, float32 [n, 8], where its own lie."""
+        """Overwrite the vertices of a mesh with its skinned ones, float32 [n, 8]."""
         self._vertices.write(packed, offset=self.ranges[name].base_vertex * _VERTEX.itemsize)
         self.uploaded += packed.nbytes
 
     @property
     def vertices(self) -> moderngl.Buffer:
-        """The buffer all vertices lie in; another one after meshes came or went."""
+        """The vertex buffer; another one after a rebuild."""
         return self._vertices
 
     def vertex_array(self, shader: ShaderProgram, *, wide: bool = False, eyes: int = 1) -> moderngl.VertexArray:
-        """The arena as a program reads it; made again when the program was reloaded.
+        """Return the vertex array of a program; made again when the program was reloaded.
 
         Args:
-            shader: Which program.
+            shader: The program.
             wide: True for indices of 32 bits, else 16.
-            eyes: How many instances that follow each other read the same numbers.
+            eyes: Number of successive instances that share the same instance attributes.
         """
         known = self._arrays.get((shader, wide, eyes))
         if known and known[0] == shader.revision:
             return known[1]
+        if known:
+            known[1].release()
         program = shader.program
         content = [
             _describe(self._vertices, _VERTEX, program, ""),
@@ -175,7 +177,7 @@ class MeshArena:
         return array
 
     def _share_instances(self, array: moderngl.VertexArray, program: moderngl.Program, eyes: int) -> None:
-        """Have so many instances that follow each other read the same numbers."""
+        """Let successive instances, one per eye, read the same instance attributes."""
         if self._raw is None:
             self._raw = RawGL(self._ctx)
         self._raw.set_divisor(array.glo, _locations(program, _INSTANCE), eyes)
@@ -194,7 +196,7 @@ class MeshArena:
         return same and known.coloured == (mesh.colours is not None)
 
     def _rewrite(self, name: str, world: World) -> None:
-        """Send what changed of a mesh: the ranges that were named, or all of it."""
+        """Upload the changed ranges of a mesh, or all of it where they are unknown."""
         mesh, buffer = world.meshes[name], world.opened_mesh(name)
         whole: list[MeshChange] = [(0, "vertices", 0, len(mesh.positions)), (0, "indices", 0, mesh.indices.size)]
         changes = None if buffer is None else buffer.changes_since(self._seen[name][0])
@@ -237,7 +239,7 @@ class MeshArena:
             self._indices[wide] = self._upload(self._indices[wide], parts, 4)
 
     def _all_colours(self, meshes: dict[str, MeshData]) -> Iterable[NDArray[np.float32]]:
-        """One colour for every vertex of the arena, or none where no mesh has any."""
+        """Return a colour for every vertex of the arena; empty where no mesh has colours."""
         if not any(known.coloured for known in self.ranges.values()):
             return []
         return [
@@ -247,11 +249,11 @@ class MeshArena:
             for mesh in meshes.values()
         ]
 
-    def _upload(self, old: moderngl.Buffer, parts: Iterable[NDArray[np.generic]], least: int) -> moderngl.Buffer:
+    def _upload(self, old: moderngl.Buffer, parts: Iterable[NDArray[np.generic]], min_bytes: int) -> moderngl.Buffer:
         old.release()
         data = b"".join(part.tobytes() for part in parts)
         self.uploaded += len(data)
-        return self._ctx.buffer(data or bytes(least))
+        return self._ctx.buffer(data or bytes(min_bytes))
 
     def _drop_arrays(self) -> None:
         for _, array in self._arrays.values():
@@ -260,14 +262,14 @@ class MeshArena:
 
 
 def _find_solids(world: World) -> dict[str, Solid]:
-    """Boxes inside those of the world's meshes that are not changed all the time, of the largest first."""
+    """Return the occluder boxes inside the world's static meshes, the largest meshes first."""
     bending = world.motion.body_of
     still = [
         name
         for name in world.meshes
         if world.mesh_revision(name) <= 1 and world.opened_mesh(name) is None and name not in bending
     ]
-    largest = sorted(still, key=lambda name: -world.meshes[name].radius)[:_MOST_SOLIDS]
+    largest = sorted(still, key=lambda name: -world.meshes[name].radius)[:_MAX_SOLIDS]
     found = {name: find_solid(world.meshes[name]) for name in largest}
     return {name: solid for name, solid in found.items() if solid is not None}
 
@@ -277,7 +279,7 @@ def _indices(mesh: MeshData) -> NDArray[np.unsignedinteger]:
 
 
 def _pack(mesh: MeshData, first: int = 0, count: int | None = None) -> NDArray[np.void]:
-    """Vertices as they lie in the buffer; what a mesh does not have is zero."""
+    """Return vertices in the buffer's layout; missing attributes are zero."""
     end = len(mesh.positions) if count is None else first + count
     packed = np.zeros(end - first, _VERTEX)
     for element in VERTEX_DECLARATION.elements:
@@ -288,7 +290,7 @@ def _pack(mesh: MeshData, first: int = 0, count: int | None = None) -> NDArray[n
 
 
 def _locations(program: moderngl.Program, layout: np.dtype[np.void]) -> list[int]:
-    """Where a program reads the elements of a layout that it reads at all."""
+    """Return the attribute locations of the elements of a layout that a program reads."""
     import moderngl
 
     read = (program[name] for name in layout.names or () if name in program)
@@ -298,7 +300,7 @@ def _locations(program: moderngl.Program, layout: np.dtype[np.void]) -> list[int
 def _describe(
     buffer: moderngl.Buffer, layout: np.dtype[np.void], program: moderngl.Program, divisor: str
 ) -> tuple[object, ...]:
-    """A buffer's layout in moderngl's words; what the compiler found unused is skipped over."""
+    """Return a buffer's layout in moderngl's notation; attributes that the program does not read are padding."""
     parts, names = [], []
     for name in layout.names or ():
         width = layout[name].shape[0]

@@ -1,4 +1,4 @@
-"""Bends what is drawn, once a frame: all views and shadow maps read the same plain vertices afterwards."""
+"""Skinning of the drawn meshes, once per frame: all views and shadow maps read the same skinned vertices."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ __all__ = ["BendSource", "ProcessorSkinning", "bend_mesh", "make_source"]
 
 
 _FLOATS = 8
-"""Of a vertex: position, normal, texture coordinates."""
+"""Floats per vertex: position, normal, texture coordinates."""
 
 
 @dataclass(frozen=True, eq=False)
 class BendSource:
-    """What of a mesh does not change while it bends.
+    """Constant input of skinning a mesh.
 
     Attributes:
         mesh: The mesh.
-        position_deltas: Of its morph targets, float32 [targets, n, 3].
-        normal_deltas: Likewise; None where no target has any.
+        position_deltas: Position deltas of its morph targets, float32 [targets, n, 3].
+        normal_deltas: Normal deltas, float32 [targets, n, 3]; None where no target has any.
     """
 
     mesh: MeshData
@@ -36,10 +36,10 @@ class BendSource:
 
 
 class ProcessorSkinning:
-    """Bends meshes by compiled loops and uploads them.
+    """Skins meshes in compiled loops and uploads them.
 
     Attributes:
-        vertices: How many it bent in the last frame.
+        vertices: Vertices skinned in the last frame.
     """
 
     def __init__(self, arena: MeshArena) -> None:
@@ -51,11 +51,11 @@ class ProcessorSkinning:
         self.vertices = 0
 
     def bend(self, world: World, names: list[str]) -> None:
-        """Bring the vertices of meshes that are drawn up to date, where they are not.
+        """Skin the meshes whose pose changed since they were last drawn.
 
         Args:
-            world: After its update.
-            names: Keys of the meshes; those that do not bend are passed over.
+            world: The world, updated.
+            names: Keys of the drawn meshes; those without a skinned body are ignored.
         """
         self.vertices = 0
         bodies = world.motion.body_of
@@ -76,7 +76,7 @@ class ProcessorSkinning:
             self.vertices += len(stream)
 
     def release(self) -> None:
-        """Nothing is the driver's."""
+        """Do nothing: no GPU object is owned."""
 
     def _stream(self, name: str, mesh: MeshData) -> F4:
         if name not in self._streams:
@@ -94,7 +94,7 @@ class ProcessorSkinning:
 
 
 def make_source(mesh: MeshData) -> BendSource:
-    """What bending a mesh takes."""
+    """Return the constant input of skinning a mesh."""
     morphs, shape = mesh.morphs, (len(mesh.morphs), *mesh.positions.shape)
     positions = np.array([morph.positions for morph in morphs], np.float32).reshape(shape)
     if all(morph.normals is None for morph in morphs):
@@ -105,7 +105,7 @@ def make_source(mesh: MeshData) -> BendSource:
 
 
 def bend_mesh(source: BendSource, body: SkinnedBody, out: F4) -> None:
-    """Write the vertices of a mesh as its body bends it, into position and normal of float32 [n, 8]."""
+    """Write position and normal of a mesh's skinned vertices into float32 [n, 8]."""
     mesh = source.mesh
     positions, normals = mesh.positions, mesh.normals
     if mesh.morphs and body.weights.any():

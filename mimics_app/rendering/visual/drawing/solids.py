@@ -1,9 +1,9 @@
-"""Boxes proven to lie inside opaque meshes: what is behind one of them cannot be seen.
+"""Occluder boxes proven to lie inside opaque meshes.
 
-A mesh with its cracks sealed is a closed surface where every edge is run along both ways equally often; flat holes, as
-a house has that stands on the ground, are thought closed by caps. Around a box that no triangle and no cap touches and
-about which the surface winds at least once, every ray from outside meets a front face first, as long as the eye is on
-the inner side of every cap's plane: a straight line that starts and ends there does not pass through the cap.
+A mesh without T-junctions is a closed surface where every edge is used equally often in both directions; flat holes,
+such as the floor of a house, are closed by virtual caps. If no triangle and no cap touches a box and the winding number
+in it is at least 1, every ray from outside hits a front face before the box, as long as the camera is on the inner side
+of every cap's plane: a straight line that starts and ends there does not pass through the cap.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from mimics_app.contracts.arrays import F8, I4
-from mimics_app.rendering.visual.drawing.t_junctions import seal, unmatched_edges
+from mimics_app.rendering.visual.drawing.t_junctions import remove_t_junctions, unmatched_edges
 from mimics_app.rendering.visual.kernels.solid import find_best_box, grow_box, label_cells, mark_cells, winding_number
 from mimics_app.world.meshes.mesh import MeshData
 
@@ -22,39 +22,40 @@ __all__ = ["MAX_TRIANGLES", "Solid", "find_solid"]
 
 
 MAX_TRIANGLES = 20_000
-"""Meshes of more triangles are not searched for a box."""
+"""Maximum number of triangles of a mesh that is searched for a box."""
 
 _CELLS = 18
-"""Cells along each side of the grid a box is looked for in."""
+"""Cells along each side of the search grid."""
 
 _CLEARANCE = 2e-3
-"""How far a box stays from the surface, as a share of the mesh's size: far more than a pixel's rounding."""
+"""Distance of a box from the surface over the mesh's size: far larger than rounding."""
 
 _FLAT = 1e-5
-"""How far the corners of a hole may be from a plane, as a share of the mesh's size."""
+"""Largest distance of a flat hole's vertices from its plane over the mesh's size."""
 
 _known: WeakKeyDictionary[MeshData, Solid | None] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """An occluder in the frame of its mesh.
+    """An occluder box in the frame of its mesh.
 
     Attributes:
-        mesh: What has to be drawn for it to hold: the mesh, its cracks sealed.
-        least: Corner of the box [m], float64 [3].
-        greatest: The opposite corner [m].
-        caps: Planes that close the mesh, normal outwards and offset, float64 [k, 4]; it holds for eyes behind them all.
+        mesh: The mesh without T-junctions, which has to be drawn for the box to be valid.
+        lower: Minimum corner of the box [m], float64 [3].
+        upper: Maximum corner [m], float64 [3].
+        caps: Planes that close the mesh, normal outwards and offset, float64 [k, 4]; the box is valid for cameras
+            behind all of them.
     """
 
     mesh: MeshData
-    least: F8
-    greatest: F8
+    lower: F8
+    upper: F8
     caps: F8
 
 
 def find_solid(mesh: MeshData) -> Solid | None:
-    """The largest box found inside a mesh; None where it has no inside. Found once for every mesh."""
+    """Return the largest box found inside a mesh, None where there is none; cached per mesh."""
     if mesh not in _known:
         _known[mesh] = _search(mesh)
     return _known[mesh]
@@ -64,7 +65,7 @@ def _search(mesh: MeshData) -> Solid | None:
     size = mesh.bounds[1] - mesh.bounds[0]
     if not 4 <= mesh.triangle_count <= MAX_TRIANGLES or float(size.min()) < 1e-3 * float(size.max()):
         return None
-    sealed = seal(mesh)
+    sealed = remove_t_junctions(mesh)
     if sealed is None:
         return None
     reach = float(np.linalg.norm(size))
@@ -84,23 +85,23 @@ def _search(mesh: MeshData) -> Solid | None:
 
 
 def _close(points: F8, edges: I4, tolerance: float) -> tuple[F8, F8] | None:
-    """Planes [k, 4] and triangles [n, 3, 3] of the caps on a surface's holes; None where one is not flat."""
+    """Return planes [k, 4] and triangles [n, 3, 3] of the caps on a surface's holes; None where a hole is not flat."""
     planes, lids = [], []
     loops = _loops(edges)
     if loops is None:
         return None
     for loop in loops:
-        corners = points[loop[::-1]]
-        following = np.roll(corners, -1, axis=0)
-        normal = np.cross(corners - corners[0], following - corners[0]).sum(axis=0)
+        rim = points[loop[::-1]]
+        following = np.roll(rim, -1, axis=0)
+        normal = np.cross(rim - rim[0], following - rim[0]).sum(axis=0)
         length = float(np.linalg.norm(normal))
         if length < tolerance * tolerance:
             return None
-        plane = np.append(normal / length, -float(normal @ corners.mean(axis=0)) / length)
-        if np.abs(corners @ plane[:3] + plane[3]).max() > tolerance:
+        plane = np.append(normal / length, -float(normal @ rim.mean(axis=0)) / length)
+        if np.abs(rim @ plane[:3] + plane[3]).max() > tolerance:
             return None
         planes.append(plane)
-        fan = [np.stack([corners[0], corners[k], corners[k + 1]]) for k in range(1, len(corners) - 1)]
+        fan = [np.stack([rim[0], rim[k], rim[k + 1]]) for k in range(1, len(rim) - 1)]
         lids.append(np.array(fan))
     if not planes:
         return np.zeros((0, 4)), np.zeros((0, 3, 3))
@@ -108,7 +109,7 @@ def _close(points: F8, edges: I4, tolerance: float) -> tuple[F8, F8] | None:
 
 
 def _loops(edges: I4) -> list[list[int]] | None:
-    """Directed edges strung together to closed loops; None where that cannot be done."""
+    """Join directed edges to closed loops; None where that is impossible."""
     onward: dict[int, list[int]] = {}
     for a, b in edges.tolist():
         onward.setdefault(a, []).append(b)
@@ -131,27 +132,27 @@ def _loops(edges: I4) -> list[list[int]] | None:
 
 
 def _find_box(surface: F8, bounds: tuple[F8, F8]) -> F8 | None:
-    """Least and greatest corner [2, 3] of the best box that no triangle touches and the surface winds about."""
-    least, greatest = bounds
-    size = (greatest - least) / _CELLS
+    """Return minimum and maximum corner [2, 3] of the best box inside the surface that no triangle touches."""
+    lower, upper = bounds
+    size = (upper - lower) / _CELLS
     blocked = np.zeros((_CELLS,) * 3, np.uint8)
-    mark_cells(surface, least, size, blocked)
+    mark_cells(surface, lower, size, blocked)
     labels = np.zeros(blocked.shape, np.int32)
     stack, seeds = np.zeros((blocked.size, 3), np.int32), np.zeros((blocked.size, 3), np.int32)
     groups = label_cells(blocked, labels, stack, seeds)
     free = np.zeros(blocked.shape, np.uint8)
     for group in range(groups):
-        if winding_number(surface, least + (seeds[group] + 0.5) * size) > 0.5:
+        if winding_number(surface, lower + (seeds[group] + 0.5) * size) > 0.5:
             free |= labels == group + 1
     cells = np.zeros((2, 3), np.int32)
     if find_best_box(free, size, cells) == 0.0:
         return None
-    box: F8 = least + cells * size
+    box: F8 = lower + cells * size
     grow_box(surface, box, size)
     return box
 
 
 def _behind(caps: F8, box: F8) -> bool:
-    """True when a box is on the inner side of every plane."""
+    """Whether a box is on the inner side of every plane."""
     corners = np.array([[box[(k >> axis) & 1, axis] for axis in range(3)] for k in range(8)])
     return bool((corners @ caps[:, :3].T + caps[:, 3] < 0.0).all())

@@ -1,8 +1,7 @@
-"""Cracks in a mesh closed: corners that touch an edge in its middle become corners of its triangle too.
+"""T-junction removal: a vertex that lies on another triangle's edge becomes a vertex of that triangle too.
 
-Where three triangles meet so that one's corner lies on another's edge (a T-junction), the pixels between them are
-rounded to different sides and the background shines through now and then. What shows through a crack is neither what
-a person should see nor something that occlusion culling can promise to be the same.
+At a T-junction the pixels along the edge are rounded to different sides, and the background is visible through the
+crack here and there; occlusion culling would change what is seen through it.
 """
 
 from __future__ import annotations
@@ -17,30 +16,30 @@ from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.kernels.solid import points_on_edges
 from mimics_app.world.meshes.mesh import MeshData
 
-__all__ = ["Sealed", "seal", "unmatched_edges"]
+__all__ = ["Sealed", "remove_t_junctions", "unmatched_edges"]
 
 
 _WELD = 2e-6
-"""Corners within this share of the mesh's size are one; float32 rounds to 6e-8 of it."""
+"""Distance over the mesh's size within which vertices are welded; float32 rounds to 6e-8."""
 
 _ON_EDGE = 6e-6
-"""The same for corners on edges."""
+"""Distance over the mesh's size within which a vertex lies on an edge."""
 
-_MOST_TRIALS = 50_000_000
-"""Corners times edges up to which T-junctions are looked for."""
+_MAX_TESTS = 50_000_000
+"""Maximum number of vertices times edges that are tested."""
 
 _OFFSETS = (0.377, 0.711, 0.043)
 
 
 @dataclass(frozen=True, eq=False)
 class Sealed:
-    """A mesh whose triangles meet corner to corner.
+    """A mesh without T-junctions.
 
     Attributes:
-        mesh: The mesh itself where nothing had to be done, or one that shows the same surface.
-        points: Its different corners [m], float64 [p, 3].
-        triangles: Numbers of points, none twice in one triangle, int32 [n, 3].
-        repaired: How many corners were put onto edges.
+        mesh: The original mesh where it had none, else one of the same surface.
+        points: Its distinct positions [m], float64 [p, 3].
+        triangles: Numbers of points, three different ones per triangle, int32 [n, 3].
+        repaired: Number of vertices inserted into edges.
     """
 
     mesh: MeshData
@@ -49,19 +48,19 @@ class Sealed:
     repaired: int
 
 
-def seal(mesh: MeshData) -> Sealed | None:
-    """Close a mesh's cracks; None where that would take too long."""
+def remove_t_junctions(mesh: MeshData) -> Sealed | None:
+    """Remove a mesh's T-junctions; None where that would take too long."""
     size = float(np.linalg.norm(mesh.bounds[1] - mesh.bounds[0]))
     point_of = _weld(mesh.positions, size * _WELD)
     first = np.unique(point_of, return_index=True)[1]
     points = mesh.positions[first].astype(np.float64)
-    corners = mesh.indices.reshape(-1, 3).astype(np.int64)
-    named = point_of[corners]
-    whole = (named[:, 0] != named[:, 1]) & (named[:, 1] != named[:, 2]) & (named[:, 2] != named[:, 0])
-    corners, named = corners[whole], named[whole]
-    open_edges = unmatched_edges(named)
+    vertices = mesh.indices.reshape(-1, 3).astype(np.int64)
+    welded = point_of[vertices]
+    whole = (welded[:, 0] != welded[:, 1]) & (welded[:, 1] != welded[:, 2]) & (welded[:, 2] != welded[:, 0])
+    vertices, welded = vertices[whole], welded[whole]
+    open_edges = unmatched_edges(welded)
     candidates = np.unique(open_edges).astype(np.int32)
-    if len(open_edges) * len(candidates) > _MOST_TRIALS:
+    if len(open_edges) * len(candidates) > _MAX_TESTS:
         return None
     found = np.empty((4 * len(open_edges) + 16, 3))
     count = points_on_edges(points, open_edges, candidates, size * _ON_EDGE, found, len(found))
@@ -70,14 +69,14 @@ def seal(mesh: MeshData) -> Sealed | None:
     positions = mesh.positions[first][point_of]
     snapped = not np.array_equal(positions, mesh.positions)
     if count == 0 and not snapped:
-        return Sealed(mesh, points, named.astype(np.int32), 0)
+        return Sealed(mesh, points, welded.astype(np.int32), 0)
     builder = _Splitter(mesh, positions, point_of, found[:count], open_edges)
-    split = builder.split(corners)
+    split = builder.split(vertices)
     return Sealed(builder.mesh(split), points, builder.points[split].astype(np.int32), count)
 
 
 def unmatched_edges(triangles: NDArray[np.integer]) -> I4:
-    """Directed edges of triangles that no other triangle runs along the other way, int32 [e, 2]."""
+    """Return directed edges of triangles without a counterpart in the opposite direction, int32 [e, 2]."""
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
     if not len(edges):
         return np.zeros((0, 2), np.int32)
@@ -93,7 +92,7 @@ def unmatched_edges(triangles: NDArray[np.integer]) -> I4:
 
 
 class _Splitter:
-    """Splits triangles at the points found on their edges."""
+    """Splits triangles at points on their edges."""
 
     def __init__(
         self, mesh: MeshData, positions: NDArray[np.float32], points: NDArray[np.int64], found: F8, edges: I4
@@ -112,20 +111,19 @@ class _Splitter:
         for inserted in self._on.values():
             inserted.sort()
 
-    def split(self, corners: NDArray[np.int64]) -> NDArray[np.int64]:
-        """The triangles [m, 3] that stand for these [n, 3]; numbers are of vertices, old and new."""
-        named = self.points[corners]
-        touched = np.zeros(len(corners), np.bool_)
-        for i, (a, b, c) in enumerate(named.tolist()):
+    def split(self, triangles: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the split triangles [m, 3] of some triangles [n, 3], by numbers of old and new vertices."""
+        touched = np.zeros(len(triangles), np.bool_)
+        for i, (a, b, c) in enumerate(self.points[triangles].tolist()):
             touched[i] = (a, b) in self._on or (b, c) in self._on or (c, a) in self._on
         made: list[tuple[int, int, int]] = []
-        for triangle in corners[touched].tolist():
+        for triangle in triangles[touched].tolist():
             self._split_one(triangle, made)
         self.points = np.concatenate([self.points, np.array(self._more, np.int64)])
-        return np.concatenate([corners[~touched], np.array(made, np.int64).reshape(-1, 3)])
+        return np.concatenate([triangles[~touched], np.array(made, np.int64).reshape(-1, 3)])
 
     def mesh(self, triangles: NDArray[np.int64]) -> MeshData:
-        """The mesh of these triangles."""
+        """Return the mesh of split triangles."""
         arrays = iter([np.concatenate(parts) for parts in self._parts])
         positions, normals = next(arrays), next(arrays)
         uvs = next(arrays) if self._source.uvs is not None else None
@@ -133,15 +131,15 @@ class _Splitter:
         return MeshData(positions, normals, triangles.reshape(-1).astype(np.uint32), uvs, colours)
 
     def _split_one(self, triangle: list[int], made: list[tuple[int, int, int]]) -> None:
-        """Cut a triangle along lines from the corner opposite to an edge with points, until no edge has any."""
+        """Split a triangle along lines from the vertex opposite an edge with points, until no edge has any."""
         waiting = [self._with_points(triangle)]
         while waiting:
-            corners, inserted = waiting.pop()
+            vertices, inserted = waiting.pop()
             side = next((k for k in range(3) if inserted[k]), None)
             if side is None:
-                made.append((corners[0], corners[1], corners[2]))
+                made.append((vertices[0], vertices[1], vertices[2]))
                 continue
-            a, b, c = (corners[(side + k) % 3] for k in range(3))
+            a, b, c = (vertices[(side + k) % 3] for k in range(3))
             row = [a, *inserted[side], b]
             for k, (start, end) in enumerate(itertools.pairwise(row)):
                 after = inserted[(side + 1) % 3] if k == len(row) - 2 else []
@@ -149,7 +147,7 @@ class _Splitter:
                 waiting.append(([start, end, c], [[], after, before]))
 
     def _with_points(self, triangle: list[int]) -> tuple[list[int], list[list[int]]]:
-        """The triangle and, for each of its edges, new vertices along it."""
+        """Return the triangle and the new vertices along each of its edges."""
         inserted: list[list[int]] = []
         for k in range(3):
             a, b = triangle[k], triangle[(k + 1) % 3]
@@ -158,7 +156,7 @@ class _Splitter:
         return triangle, inserted
 
     def _add(self, a: int, b: int, along: float, point: int) -> int:
-        """A new vertex: where the point is, all else mixed of both ends."""
+        """Add a vertex at a point, its other attributes interpolated between both ends; return its number."""
         self._parts[0].append(self._known[self._place[point]][None])
         for parts in self._parts[1:]:
             mixed = (1.0 - along) * parts[0][a] + along * parts[0][b]
@@ -169,7 +167,7 @@ class _Splitter:
 
 
 def _weld(positions: NDArray[np.float32], cell: float) -> NDArray[np.int64]:
-    """Number of the point each vertex stands at; vertices nearer than a cell stand at one."""
+    """Return the number of each vertex's point; vertices nearer to each other than a cell share one."""
     exact, number = np.unique(positions, axis=0, return_inverse=True)
     number = number.reshape(-1).astype(np.int64)
     places = exact.astype(np.float64)

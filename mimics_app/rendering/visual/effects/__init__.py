@@ -1,3 +1,3 @@
-"""What is seen but is no body: sprites, particles, projected pictures."""
+"""Effects: sprites, particles, projected textures."""
 
 __all__: list[str] = []

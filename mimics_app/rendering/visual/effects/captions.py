@@ -1,4 +1,4 @@
-"""Pictures of captions: a line of words on a plate, drawn from the glyph atlas."""
+"""Textures of captions: a line of text on a plate, drawn from the glyph atlas."""
 
 from __future__ import annotations
 
@@ -15,35 +15,35 @@ __all__ = ["caption_key", "caption_picture", "draw_letters"]
 
 
 _HEIGHT = 96
-"""Of the picture [px]: a caption fills an eighth of the screen at most."""
+"""Height of the texture [px]: a caption fills at most an eighth of the screen."""
 _EM = 0.58
-"""Size of the letters where there is room for them, over the plate's height."""
+"""Largest em size of the text over the plate's height."""
 _MARGIN = 0.30
-"""Left free on the left and on the right, over the height."""
+"""Margin on the left and on the right over the plate's height."""
 _MIDDLE = 0.33
-"""Of a letter above its baseline [em]: half the height of a capital, and a little less for what hangs below."""
+"""Height of the text's centre above its baseline: half of a capital, less a little for descenders [em]."""
 _CORNER = 0.28
-"""Radius of the corners, over the height."""
+"""Radius of the corners over the plate's height."""
 _PLATE = np.array([0.955, 0.950, 0.930])
 _INK = np.array([0.085, 0.105, 0.140])
-"""Display values."""
+"""Colours of plate and text [display values]."""
 _COVER = 0.94
 _ATLAS_EM = 40.0
-"""Pixels of the atlas to the em of its letters."""
+"""Em size of the glyphs in the atlas [atlas px]."""
 
 
 def caption_key(text: str, size: tuple[float, float]) -> str:
-    """Name of the picture of `caption_picture`."""
+    """Return the texture name of a `caption_picture`."""
     return f"#caption {_width(size)} {text}"
 
 
 @cache
 def caption_picture(text: str, size: tuple[float, float]) -> TextureData:
-    """Words on a plate.
+    """Return the texture of a caption.
 
     Args:
         text: One line.
-        size: Of the plate, width and height [m]; its ratio is the picture's.
+        size: Width and height of the plate [m]; the texture has the same aspect ratio.
     """
     width = _width(size)
     atlas = load_glyph_atlas()
@@ -54,12 +54,12 @@ def caption_picture(text: str, size: tuple[float, float]) -> TextureData:
 
 
 def _width(size: tuple[float, float]) -> int:
-    """Of the picture [px]; a multiple of four, so that captions of nearly one shape share an array."""
+    """Return the texture's width [px], a multiple of four, so that captions of similar shape share a texture array."""
     return max(4, 4 * round(_HEIGHT * size[0] / size[1] / 4.0))
 
 
 def _plate(width: int) -> F8:
-    """How much of each pixel the plate covers, [height, width]."""
+    """Return the plate's coverage of each pixel, [height, width]."""
     y, x = np.mgrid[0:_HEIGHT, 0:width] + 0.5
     radius, half = _CORNER * _HEIGHT, 0.5 * np.array([width, _HEIGHT]) - 1.0
     across = np.maximum(np.abs(x - 0.5 * width) - half[0] + radius, 0.0)
@@ -68,13 +68,13 @@ def _plate(width: int) -> F8:
 
 
 def draw_letters(atlas: GlyphAtlas, text: str, size: tuple[int, int], em: float) -> F8:
-    """How much of each pixel bold letters cover, [height, width]: in the middle, no wider than there is room.
+    """Return the coverage of each pixel by bold, centred text, [height, width].
 
     Args:
-        atlas: Their outlines.
+        atlas: Glyph atlas.
         text: One line.
         size: Width and height of the picture [px].
-        em: Size of the letters where there is room for them [px].
+        em: Largest em size; less where the text would be too wide [px].
     """
     width, height = size
     face = atlas.face(bold=True)
@@ -89,7 +89,7 @@ def draw_letters(atlas: GlyphAtlas, text: str, size: tuple[int, int], em: float)
 
 
 def _add_glyph(ink: F8, atlas: GlyphAtlas, glyph: Glyph, pen: tuple[float, float], em: float) -> None:
-    """Lay one letter on the picture; `pen` is left and above the lower edge [px]."""
+    """Draw one glyph; `pen` is its position from the lower left corner [px]."""
     left, bottom, wide, high = glyph.box
     u, v, across, up = glyph.picture
     rows, columns = np.mgrid[0 : ink.shape[0], 0 : ink.shape[1]] + 0.5
@@ -103,7 +103,7 @@ def _add_glyph(ink: F8, atlas: GlyphAtlas, glyph: Glyph, pen: tuple[float, float
 
 
 def _sample(pixels: NDArray[np.uint8], x: F8, y: F8) -> F8:
-    """Bilinear, 0 to 1."""
+    """Return bilinear samples, 0 to 1."""
     height, width = pixels.shape
     x, y = np.clip(x, 0.0, width - 1.001), np.clip(y, 0.0, height - 1.001)
     column, row = x.astype(np.int64), y.astype(np.int64)

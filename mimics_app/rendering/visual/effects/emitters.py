@@ -1,4 +1,4 @@
-"""Emitters of particles: what a component says, as the record that places the particles, and which of them live."""
+"""Particle emitters: their records for the kernels, and the births of the living particles."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ __all__ = ["Emitter", "SpriteRows"]
 
 
 _NUMBERS_OF_BURST = 1 << 20
-"""Numbers kept for each burst, more than it can have particles, so that no two share their randomness."""
+"""Particle numbers reserved per burst, more than it can have, so that no two particles share random numbers."""
 
 _BURSTS_KEPT = 2
-"""Of this many bursts at a time all births are kept; of more, some are computed again in every frame."""
+"""Simultaneous bursts whose births are all cached; with more, some are computed again in every frame."""
 
 
 class SpriteRows:
-    """Records of sprites, kept from frame to frame.
+    """Growing array of sprites, reused from frame to frame.
 
     Attributes:
-        rows: SPRITE, of which the first `count` are in use.
-        count: How many are.
+        rows: SPRITE records, of which the first `count` are in use.
+        count: Number of sprites.
     """
 
     def __init__(self) -> None:
@@ -37,18 +37,18 @@ class SpriteRows:
         self.count = 0
 
     def reserve(self, more: int) -> None:
-        """Make room."""
+        """Reserve space for more sprites."""
         self.rows = grown(self.rows, self.count + more)
 
 
 class Emitter:
-    """One emitter.
+    """One particle emitter.
 
     Args:
-        spec: What the scene says.
-        seed: Of its particles, unsigned 64 bits.
-        state: What has to be set in the driver for them.
-        layer: Of its picture.
+        spec: Its component in the scene.
+        seed: Seed of its particles, unsigned 64 bits.
+        state: Number of their render state.
+        layer: Layer of their texture.
     """
 
     def __init__(self, spec: Particles, seed: int, state: int, layer: int) -> None:
@@ -59,13 +59,13 @@ class Emitter:
         self._births["number"] = -1 << 62
 
     def fill(self, now: float, world_from_emitter: F8, bursts: Sequence[Burst], rows: SpriteRows) -> None:
-        """Append the particles that live.
+        """Append the sprites of the living particles.
 
         Args:
             now: Time of the scene [s].
-            world_from_emitter: Where the emitter is, float64 [4, 4].
-            bursts: Its own, oldest first.
-            rows: Where to.
+            world_from_emitter: Pose of the emitter, float64 [4, 4].
+            bursts: Its bursts, oldest first.
+            rows: Sprites to append to.
         """
         spec = self.spec
         if spec.trigger == "always":
@@ -97,7 +97,7 @@ class Emitter:
 
 
 def axes_about(direction: F8) -> F8:
-    """Unit columns: two across a direction, and the direction; right-handed, float64 [3, 3]."""
+    """Return two unit vectors across a direction, and the unit direction, as columns; right-handed, float64 [3, 3]."""
     along = direction / np.linalg.norm(direction)
     helper = np.eye(3)[int(np.argmin(np.abs(along)))]
     across = np.cross(helper, along)

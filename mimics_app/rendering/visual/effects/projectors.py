@@ -1,4 +1,4 @@
-"""Projectors of a frame: what each projects, where to, and which of the surfaces in a view it meets."""
+"""Projectors of a frame: their textures, volumes and the surfaces they hit."""
 
 from __future__ import annotations
 
@@ -29,17 +29,18 @@ _CUBE = np.array([[*corner, 1.0] for corner in product((-1.0, 1.0), repeat=3)]).
 
 @dataclass(frozen=True, eq=False)
 class Beam:
-    """A projector as it is in a frame.
+    """A projector in a frame.
 
     Attributes:
-        spec: What the scene says.
-        key: Name of its picture.
-        picture: What it projects.
-        texture_from_world: To texture coordinates and depth in [0, 1], before the division by w; float64 [4, 4].
-        towards: Against its rays, unit, and 0; or where they come from, world [m], and 1; float64 [4].
-        planes: Of its volume, normals inwards, float64 [6, 4].
-        corners: Of its volume, world [m], float64 [8, 3].
-        onto: Entity indices it falls on, int32; None: all.
+        spec: Its component in the scene.
+        key: Name of its texture.
+        picture: Its texture.
+        texture_from_world: Projection to texture coordinates and depth in [0, 1], before the division by w; float64
+            [4, 4].
+        towards: Unit vector against parallel rays, and 0; or origin of the rays, world [m], and 1; float64 [4].
+        planes: Planes of its volume, normals inwards, float64 [6, 4].
+        corners: Corners of its volume, world [m], float64 [8, 3].
+        onto: Entity indices that it affects, int32; None: all.
     """
 
     spec: Projector
@@ -52,25 +53,25 @@ class Beam:
     onto: NDArray[np.int32] | None
 
     def is_seen(self, view_planes: F8) -> bool:
-        """False when one plane of a view's frustum, [k, 4], has the whole volume behind it."""
+        """Return False when the whole volume is behind one plane of a view's frustum, [k, 4]."""
         depth = view_planes[:, :3] @ self.corners.T + view_planes[:, 3:]
         return not bool((depth < 0.0).all(axis=1).any())
 
 
 @dataclass(frozen=True, eq=False)
 class BeamRuns:
-    """A projector with the surfaces of a view that it meets."""
+    """A projector with the surfaces of a view that it hits."""
 
     beam: Beam
     runs: list[DrawRun]
 
 
 class ProjectorField:
-    """Every projector of a world.
+    """All projectors of a world.
 
     Attributes:
-        beams: Those that project something in this frame.
-        issues: Pictures that are missing, each reported once; take them out when they were reported.
+        beams: The projectors of this frame whose nodes are shown.
+        issues: Missing textures, each reported once; the caller removes what it reports.
     """
 
     def __init__(self) -> None:
@@ -79,7 +80,7 @@ class ProjectorField:
         self.issues: list[Issue] = []
 
     def update(self, world: World) -> None:
-        """Take over where the world's projectors are."""
+        """Update the projectors from the world."""
         shown = world.transforms.shown
         rows = {index: world.transforms.row(index) for index in world.effects.projectors}
         self.beams = [
@@ -114,7 +115,7 @@ class ProjectorField:
 
 
 def clip_from_projector(spec: Projector) -> F8:
-    """Projection from the projector's own frame, float64 [4, 4]: a box about it, or a pyramid along its -z."""
+    """Return the projection from the projector's frame, float64 [4, 4]: of a box around it, or a pyramid along -z."""
     width, height = spec.size
     if spec.kind == "decal":
         return np.diag([2.0 / width, 2.0 / height, -2.0 / spec.depth, 1.0])
@@ -124,7 +125,7 @@ def clip_from_projector(spec: Projector) -> F8:
 
 
 def _with_below(world: World, names: tuple[str, ...]) -> NDArray[np.int32]:
-    """Entity indices of nodes and of everything that hangs on them; names the world does not have are left out."""
+    """Return the entity indices of nodes and all their descendants; unknown names are ignored."""
     hierarchy, capacity = world.graph.hierarchy, world.graph.store.capacity
     found = [hierarchy.subtree(world.graph.find(name), capacity) for name in names if name in world]
     return np.concatenate([np.zeros(0, np.int32), *found]).astype(np.int32)

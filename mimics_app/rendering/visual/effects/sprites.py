@@ -1,4 +1,4 @@
-"""Sprites of a frame: billboards and particles together, and the runs in which they are drawn among the surfaces."""
+"""Sprites of a frame: billboards and particles, sorted into runs together with the blended surfaces."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from mimics_app.rendering.visual.kernels.order import sort_by_key
 from mimics_app.rendering.visual.kernels.particles import SPRITE
 from mimics_app.rendering.visual.kernels.sprites import SPRITE_VERTEX, see_sprites, write_sprites
 from mimics_app.rendering.visual.materials.picture_arrays import PictureArray, PictureArrays
-from mimics_app.rendering.visual.view import View, compute_frustum_planes
+from mimics_app.rendering.visual.view import View
 from mimics_app.world.components.effects import Billboard, Particles, SpriteShape
 from mimics_app.world.materials.material import TextureData
 from mimics_app.world.materials.sprite_pictures import sprite_picture
@@ -29,22 +29,22 @@ __all__ = ["SpriteField", "SpriteRun", "SpriteState"]
 
 
 _FACINGS = ("free", "upright")
-"""In the order of their numbers in kernels/sprites.py."""
+"""Facings in the order of their numbers in kernels/sprites.py."""
 _LEVEL = 3
-"""Of words, there."""
+"""Facing of captions in kernels/sprites.py."""
 _DOT = "#dot"
-"""Name of the picture that is a formula too."""
+"""Name of the texture for which the shader has a formula."""
 
 
 @dataclass(frozen=True)
 class SpriteState:
-    """What has to be set in the driver before sprites: their pictures, and which shader.
+    """Render state of sprites: texture array and shader variant.
 
     Attributes:
-        pictures: Of which each sprite names a layer.
-        masked: Cut out, not blended.
-        lit: By sun, lights and sky.
-        dots: None of them shows anything but the dot, which the shader has as a formula.
+        pictures: Texture array; each sprite selects a layer.
+        masked: True for alpha test instead of blending.
+        lit: True for sprites lit by sun, lights and sky.
+        dots: True where all of them show the dot, for which the shader has a formula.
     """
 
     pictures: PictureArray
@@ -55,7 +55,7 @@ class SpriteState:
 
 @dataclass(frozen=True, slots=True)
 class SpriteRun:
-    """Sprites drawn by one call: number of the first one, how many, and their state."""
+    """Sprites of one draw call: their state, the number of the first, and how many."""
 
     state: SpriteState
     first: int
@@ -63,17 +63,17 @@ class SpriteRun:
 
     @property
     def triangles(self) -> int:
-        """Two each."""
+        """Triangles of the run, two per sprite."""
         return 2 * self.count
 
 
 class SpriteField:
-    """Every sprite of a world.
+    """All sprites of a world.
 
     Attributes:
-        corners: What the shader reads of all views, SPRITE_VERTEX [>= count, 4].
+        vertices: Vertices of all views, SPRITE_VERTEX [>= count, 4].
         count: Sprites written to it since the last update.
-        issues: Pictures that are missing, each reported once; take them out when they were reported.
+        issues: Missing textures, each reported once; the caller removes what it reports.
     """
 
     def __init__(self, arrays: PictureArrays) -> None:
@@ -88,12 +88,12 @@ class SpriteField:
         self._reported: set[Issue] = set()
         self._scratch(0)
         self._axes = np.zeros((2, 3))
-        self.corners = np.zeros((256, 4), SPRITE_VERTEX)
+        self.vertices = np.zeros((256, 4), SPRITE_VERTEX)
         self.count = 0
         self.issues: list[Issue] = []
 
     def update(self, world: World) -> None:
-        """Take over the world's effects and where they are at its time."""
+        """Update the sprites from the world, at its time."""
         effects = world.effects
         self.count = self._rows.count = 0
         wanted = (id(world), effects.revision, effects.seed)
@@ -112,33 +112,33 @@ class SpriteField:
 
     @property
     def figures(self) -> F8:
-        """All of them as of the last update, float64 [n, m]: a sphere about each [m], then all there is of it."""
+        """All sprites as of the last update, float64 [n, m]: bounding sphere [m], then all other fields."""
         rows = self._rows.rows[: self._rows.count]
         if not len(rows):
             return np.zeros((0, 4))
-        # Twice the half diagonal: one that stands on its foot reaches that far.
+        # Twice the half diagonal, which a sprite with its pivot at the bottom reaches.
         reach = 2.0 * np.linalg.norm(rows["half"], axis=1)
         every = [np.asarray(rows[name], np.float64).reshape(len(rows), -1) for name in rows.dtype.names or ()]
         return np.concatenate([rows["place"], reach[:, None], *every], axis=1)
 
     def batch(self, view: View, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
-        """Queue what is in a view.
+        """Queue the sprites in a view.
 
         Args:
-            view: From where.
-            surfaces: Blended ones in this view, far to near, one each.
+            view: The view.
+            surfaces: Blended runs of this view, one item each, far to near.
             away: Their distances [m], [surfaces].
 
         Returns:
-            Sprites that are cut out; then sprites and surfaces together, far to near.
+            Masked sprites; then blended sprites and surfaces together, far to near.
         """
         rows, eye = self._rows, np.ascontiguousarray(view.eye_world)
         solid, blended = self._pick(view, eye)
         order = self._order
-        self.corners = grown(self.corners, self.count + solid + blended)
+        self.vertices = grown(self.vertices, self.count + solid + blended)
         first = self.count
         right = np.ascontiguousarray(view.world_from_eye[:3, 0])
-        write_sprites(rows.rows, order, solid + blended, first, eye, right, self._axes, self.corners)
+        write_sprites(rows.rows, order, solid + blended, first, eye, right, self._axes, self.vertices)
         self.count += solid + blended
         runs: list[DrawRun | SpriteRun] = [*self._runs(first, 0, solid)]
         cuts = self._cuts(blended, away) + solid
@@ -149,11 +149,10 @@ class SpriteField:
         return [*runs, *self._runs(first, done, solid + blended)]
 
     def _pick(self, view: View, eye: F8) -> tuple[int, int]:
-        """Fill `_order` with what is cut out, by state, then the rest, far to near with their `_keys`."""
+        """Fill `_order` with masked sprites by state, then blended ones far to near, with their `_keys`."""
         rows, order = self._rows, self._order
-        planes = compute_frustum_planes(view.clip_from_world)
         masked = np.array([state.masked for state in self._states], np.uint8)
-        picked = see_sprites(rows.rows, rows.count, planes, eye, masked, order, self._blended, self._away)
+        picked = see_sprites(rows.rows, rows.count, view.frustum_planes, eye, masked, order, self._blended, self._away)
         solid, blended = picked
         if solid:
             self._keys[:solid] = rows.rows["state"][order[:solid]]
@@ -165,7 +164,7 @@ class SpriteField:
         return solid, blended
 
     def _cuts(self, blended: int, away: F8) -> NDArray[np.intp]:
-        """Before which of the blended sprites surfaces so far away [m] belong, by the keys that were sorted."""
+        """Return the number of the blended sprite before which each surface at a distance [m] is drawn."""
         if not len(away):
             return np.zeros(0, np.intp)
         distances = (np.uint32(0xFFFFFFFF) - self._keys[:blended].astype(np.uint32)).view(np.float32)
@@ -175,7 +174,7 @@ class SpriteField:
         sort_by_key(self._keys, numbers, count, self._spare_keys, self._spare, self._digits)
 
     def _runs(self, first: int, begin: int, end: int) -> Iterator[SpriteRun]:
-        """Stretches of equal state in `_order[begin:end]`; sprite `first` of the frame is `_order[0]`."""
+        """Yield the runs of equal state in `_order[begin:end]`; `_order[0]` is sprite `first` of the frame."""
         if begin >= end:
             return
         if len(self._states) == 1:
@@ -222,7 +221,7 @@ class SpriteField:
         self._rows.count += count
 
     def _state(self, world: World, spec: Billboard | Particles, text: str = "") -> tuple[int, int]:
-        """Number of a state, and the layer of the picture."""
+        """Return the number of a state, and the layer of the texture."""
         if text:
             key, picture = caption_key(text, spec.size), caption_picture(text, spec.size)
         else:
@@ -246,5 +245,5 @@ class SpriteField:
 
 
 def _facing(spec: Billboard) -> int:
-    """Number of the way it turns to the eye."""
+    """Return the number of a billboard's facing."""
     return _LEVEL if spec.text else _FACINGS.index(spec.facing)

@@ -1,3 +1,3 @@
-"""Text and bars over the picture, and the colours of them."""
+"""Heads-up display content: text, bars, images and their colours."""
 
 __all__: list[str] = []

@@ -1,6 +1,6 @@
-"""The glyph atlas: signed distances of two faces of one font, and where each glyph lies in it.
+"""The glyph atlas: signed distance fields of two faces of one font, with the position of each glyph.
 
-Built by assets/fonts/build_glyphs.py; a distance instead of a bitmap stays crisp at any size and any angle.
+Built by assets/fonts/build_glyphs.py; distance fields stay crisp at any size and angle.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from mimics_app.contracts.errors import Issue, SceneError
 __all__ = ["Face", "Glyph", "GlyphAtlas", "load_glyph_atlas"]
 
 _MISSING = "\N{WHITE SQUARE}"
-_MOST_LINES = 512
-"""That a face remembers; numbers that count on are ever new ones."""
+_MAX_LINES = 512
+"""Maximum number of lines that a face caches; running counters would fill it without bound."""
 
 Box = tuple[float, float, float, float]
 
@@ -30,10 +30,10 @@ class Glyph:
     """One character of a face.
 
     Attributes:
-        advance: To the next character [em].
-        box: Left, bottom, width and height of its picture from the pen on the baseline [em]; width 0: nothing to see.
-        picture: The same in the atlas, lower left corner and extent [uv]; heights are negative, the atlas's first row
-            being its top.
+        advance: Distance to the next character [em].
+        box: Left, bottom, width and height relative to the pen on the baseline [em]; width 0: an empty glyph.
+        picture: Rectangle in the atlas, lower left corner and extent [uv]; the height is negative, since the first row
+            of the atlas is its top.
     """
 
     advance: float
@@ -42,28 +42,28 @@ class Glyph:
 
 
 Line = tuple[tuple[Glyph, float], ...]
-"""Glyphs with where the pen is before each [em]."""
+"""Glyphs with the pen's position before each [em]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Face:
-    """One weight of the font: glyphs by character and kerning by pair [em]; lines set lately are remembered."""
+    """One weight of the font: glyphs by character, kerning by pair [em], and a cache of recent lines."""
 
     glyphs: dict[str, Glyph]
     kerning: dict[str, float]
     _lines: dict[str, Line] = field(default_factory=dict)
 
     def layout(self, text: str) -> Line:
-        """Each glyph of a line with the pen's distance from the line's start [em]."""
+        """Return each glyph of a line with the pen's distance from the line's start [em]."""
         known = self._lines.get(text)
         if known is None:
-            if len(self._lines) >= _MOST_LINES:
+            if len(self._lines) >= _MAX_LINES:
                 self._lines.clear()
             known = self._lines[text] = tuple(self._set(text))
         return known
 
     def measure(self, text: str) -> float:
-        """Length of a line [em]."""
+        """Return the length of a line [em]."""
         line = self.layout(text)
         return line[-1][1] + line[-1][0].advance if line else 0.0
 
@@ -78,11 +78,13 @@ class Face:
 
 @dataclass(frozen=True, eq=False)
 class GlyphAtlas:
-    """Both faces in one picture.
+    """Both faces in one texture.
 
     Attributes:
-        pixels: Distance to the outline, 0.5 on it, larger inside; uint8 [height, width], first row the top.
-        spread: Distance that goes from 0 to 1 [atlas px].
+        pixels: Distance to the outline, 128 on it, larger inside; uint8 [height, width], first row at the top.
+        spread: Distance that corresponds to the whole range of `pixels` [atlas px].
+        regular: The regular face.
+        heavy: The bold face.
     """
 
     pixels: NDArray[np.uint8]
@@ -91,15 +93,15 @@ class GlyphAtlas:
     heavy: Face
 
     def face(self, *, bold: bool) -> Face:
-        """The regular or the bold face."""
+        """Return the regular or the bold face."""
         return self.heavy if bold else self.regular
 
 
 def load_glyph_atlas(folder: Path | None = None) -> GlyphAtlas:
-    """Read the atlas the application ships, or another folder's.
+    """Read the glyph atlas of the application, or of another folder.
 
     Raises:
-        SceneError: the files are missing or do not fit each other.
+        SceneError: the files are missing, broken or inconsistent.
     """
     from PIL import Image
 
@@ -111,7 +113,7 @@ def load_glyph_atlas(folder: Path | None = None) -> GlyphAtlas:
         faces = [_read_face(table["faces"][name], pixels.shape) for name in ("regular", "bold")]
         return GlyphAtlas(pixels, float(table["spread"]), *faces)
     except (OSError, ValueError, KeyError) as error:
-        fix = "build it anew: python assets/fonts/build_glyphs.py"
+        fix = "rebuild it: python assets/fonts/build_glyphs.py"
         raise SceneError(Issue(str(folder), "", f"the glyph atlas cannot be read ({error!r})", fix)) from error
 
 

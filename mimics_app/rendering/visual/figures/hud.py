@@ -1,4 +1,4 @@
-"""The heads-up display's content: rounded boxes, text and images as rows of one array."""
+"""Content of the heads-up display: rounded boxes, text and images as rows of one array."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from mimics_app.rendering.visual.figures.glyphs import GlyphAtlas, load_glyph_at
 __all__ = ["CANVAS_HEIGHT", "HUD_ROW", "Align", "Colour", "Hud"]
 
 Colour = tuple[float, float, float, float]
-"""Display code values 0-1 with straight alpha: what a colour picker shows, not linear light."""
+"""Display values 0-1 with straight alpha: as in a colour picker, not linear light."""
 
 Align = Literal["left", "centre", "right"]
 
 CANVAS_HEIGHT = 720.0
-"""Height of the canvas [hud px] whatever the picture's; its width follows the picture's shape."""
+"""Height of the canvas for any picture; its width follows the picture's aspect ratio [hud px]."""
 
 HUD_ROW = np.dtype([("box", "f4", (4,)), ("picture", "f4", (4,)), ("tint", "f4", (4,)), ("style", "f4", (4,))])
 """One rectangle as shaders/hud/hud.vert reads it."""
@@ -26,16 +26,16 @@ _BOX, _GLYPH, _IMAGE = 0.0, 1.0, 2.0
 
 
 class Hud:
-    """Collects what is to be seen over the picture. Later things cover earlier ones.
+    """Collects rectangles over the picture; later ones cover earlier ones.
 
-    The canvas is 720 px high, its origin the lower left corner, x right and y up. It is drawn in every view at a
-    depth, so that both eyes see it at one place.
+    The canvas is 720 px high, its origin the lower left corner, x right and y up. It is drawn in every view at a depth,
+    so that both eyes see it at the same place.
 
     Attributes:
-        width: Of the canvas [hud px]; set by whoever lays out, from the picture's aspect.
-        height: The same; less than `CANVAS_HEIGHT` where everything is to be larger.
+        width: Width of the canvas [hud px]; set by the caller from the picture's aspect ratio.
+        height: Height of the canvas [hud px]; less than `CANVAS_HEIGHT` enlarges everything.
         revision: Changes with the content.
-        images: Pictures shown by `image`, display code values, uint8 [n, height, width, 4], row 0 at the top.
+        images: Images for `image`, display values, uint8 [n, height, width, 4], row 0 at the top.
     """
 
     def __init__(self, atlas: GlyphAtlas | None = None) -> None:
@@ -56,22 +56,22 @@ class Hud:
 
     @property
     def empty(self) -> bool:
-        """True when nothing is to be drawn."""
+        """Whether there is nothing to draw."""
         return not (self._rows or self._parts)
 
     def clear(self) -> None:
-        """Take everything off."""
+        """Remove all content."""
         self._rows.clear()
         self._parts.clear()
         self.revision += 1
 
     def rows(self) -> NDArray[np.void]:
-        """The content, HUD_ROW [n], in the order it is drawn."""
+        """Return the content, HUD_ROW [n], in drawing order."""
         self._pack()
         return np.concatenate(self._parts) if self._parts else np.zeros(0, HUD_ROW)
 
     def extend(self, rows: NDArray[np.void]) -> None:
-        """Many rectangles at once, HUD_ROW [n]: what is drawn as they stand."""
+        """Add many rectangles at once, HUD_ROW [n]."""
         self._pack()
         self._parts.append(rows)
         self.revision += 1
@@ -87,7 +87,7 @@ class Hud:
         radius: float = 0.0,
         border: float = 0.0,
     ) -> None:
-        """A rounded box, filled, or hollow where `border` is its line's width [hud px]."""
+        """Add a rounded box, filled, or an outline of width `border` [hud px]."""
         if width <= 0.0 or height <= 0.0:
             return
         limit = min(radius, 0.5 * width, 0.5 * height)
@@ -102,14 +102,14 @@ class Hud:
         track: Colour = (1.0, 1.0, 1.0, 0.16),
         upwards: bool = False,
     ) -> None:
-        """A rounded bar filled to `share` (clamped to 0-1), to the right or upwards."""
+        """Add a rounded bar filled to `share` (clamped to 0-1), to the right or upwards."""
         x, y, width, height = box
         radius = 0.5 * min(width, height)
         self.box(x, y, width, height, track, radius=radius)
         share = min(max(share, 0.0), 1.0) if share == share else 0.0
         if share <= 0.0:
             return
-        # Never shorter than its own rounding, so that a small share is a dot and not a sliver.
+        # At least as long as its rounded ends, so that a small share is a dot.
         if upwards:
             self.box(x, y, width, max(share * height, width), colour, radius=radius)
         else:
@@ -127,17 +127,17 @@ class Hud:
         align: Align = "left",
         width: float = float("inf"),
     ) -> float:
-        """One line of text.
+        """Add one line of text.
 
         Args:
-            x: Its left end, middle or right end by `align` [hud px].
-            y: Of the baseline [hud px].
-            text: Characters the font has not become a box.
-            size: Of the em square [hud px]; capitals are 0.73 of it.
-            colour: Of the ink.
-            bold: The bold face.
-            align: What `x` means.
-            width: Where longer text is cut and ended with an ellipsis [hud px].
+            x: Left end, centre or right end by `align` [hud px].
+            y: Baseline [hud px].
+            text: The text; characters that the font lacks become a box.
+            size: Em size [hud px]; capitals have 0.73 of it.
+            colour: Colour of the text.
+            bold: True for the bold face.
+            align: Meaning of `x`.
+            width: Maximum width; longer text is cut and ends in an ellipsis [hud px].
 
         Returns:
             The width drawn [hud px].
@@ -154,7 +154,7 @@ class Hud:
         return length
 
     def measure(self, text: str, size: float, *, bold: bool = False) -> float:
-        """Width of a line of text [hud px]."""
+        """Return the width of a line of text [hud px]."""
         return self.atlas.face(bold=bold).measure(text) * size
 
     def wrap(self, text: str, size: float, width: float, lines: int) -> list[str]:
@@ -172,7 +172,7 @@ class Hud:
         return out
 
     def image(self, box: tuple[float, float, float, float], layer: int, *, radius: float = 0.0) -> None:
-        """One of `images`, stretched over a rounded box."""
+        """Add one of `images`, stretched over a rounded box."""
         self._add(box, (0.0, 1.0, 1.0, -1.0), (1.0, 1.0, 1.0, 1.0), (_IMAGE, radius, 0.0, float(layer)))
 
     def _shorten(self, text: str, size: float, width: float, *, bold: bool) -> str:
@@ -183,7 +183,7 @@ class Hud:
         return text.rstrip() + "…"
 
     def _pack(self) -> None:
-        """Turn what was added one by one into an array."""
+        """Convert the rows added one by one to an array."""
         if self._rows:
             self._parts.append(np.array(self._rows, HUD_ROW))
             self._rows.clear()

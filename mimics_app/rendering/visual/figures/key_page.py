@@ -1,4 +1,4 @@
-"""A page of keys over the middle of the picture."""
+"""The page of keys in the centre of the picture."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from mimics_app.rendering.visual.figures.palette import FAINT, INK
 __all__ = ["Keys", "draw_keys"]
 
 Keys = Sequence[tuple[str, str]]
-"""Keys, and what each does, in the order they are listed."""
+"""Keys with their functions, in the order listed."""
 
 _PANEL: Colour = (0.05, 0.06, 0.08, 0.88)
 _LINE, _SIZE = 30.0, 17.0
 _ROOM = 0.97
-"""Share of the canvas that the page takes at most."""
+"""Maximum share of the canvas that the page covers."""
 
 
 def draw_keys(hud: Hud, keys: Keys) -> None:
-    """All keys, in the middle."""
+    """Draw the list of keys, centred."""
     left = max(hud.measure(key, _SIZE, bold=True) for key, _ in keys)
     right = max(hud.measure(what, _SIZE) for _, what in keys)
     width, height = left + right + 84.0, _LINE * len(keys) + 44.0

@@ -1,3 +1,3 @@
-"""Compiled passes over what is drawn: bounds, culling, order, occlusion, commands."""
+"""Compiled passes over the draw items: bounds, culling, order, occlusion, commands."""
 
 __all__: list[str] = []

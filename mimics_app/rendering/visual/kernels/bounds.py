@@ -1,4 +1,4 @@
-"""Bounding spheres in the world, of everything drawn, wherever its node moved."""
+"""Bounding spheres of the draw items in the world."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ __all__ = ["update_bounds"]
 
 @kernel
 def _stretch(world: F8, row: int) -> float:
-    """An upper bound on how much a node's matrix stretches any length, exact where its axes are at right angles.
+    """Return an upper bound on the largest scale of a node's matrix, exact where its axes are orthogonal.
 
-    The stretch is the root of the largest eigenvalue of the axes' Gram matrix, which no row sum of absolute values
-    stays below (Gershgorin 1931); a rotated child of an unevenly scaled parent is sheared, and this still holds.
+    The scale is the root of the largest eigenvalue of the axes' Gram matrix, bounded by its largest absolute row sum
+    (Gershgorin 1931); this holds under shear too, as of a rotated child of a non-uniformly scaled parent.
     """
     largest = 0.0
     for i in range(3):
@@ -39,17 +39,17 @@ def _is_mirrored(world: F8, row: int) -> bool:
 def update_bounds(
     rows: I4, world: F8, changed: U1, everything: bool, local: F8, centres: F8, radii: F8, mirrored: U1
 ) -> int:
-    """Take spheres to the world where their node moved.
+    """Transform spheres to the world where their node moved.
 
     Args:
         rows: Row of the node per item, [n].
         world: T_world_from_node per row, [rows, 4, 4].
         changed: 1 where a row moved since the last call, [rows].
-        everything: Do all items, moved or not.
+        everything: True transforms all items, moved or not.
         local: Centre [m] and radius [m] of each item's sphere in its node's frame, [n, 4].
-        centres: Of the spheres in the world [m], written, [n, 3].
-        radii: [m], written, [n].
-        mirrored: 1 where the node's axes are left-handed, so that faces wind the other way round; written, [n].
+        centres: Centres of the spheres in the world [m], written, [n, 3].
+        radii: Their radii [m], written, [n].
+        mirrored: 1 where the node's axes are left-handed, so that the winding is reversed; written, [n].
 
     Returns:
         How many items moved.

@@ -1,29 +1,29 @@
-"""Instances and indirect draws out of sorted items."""
+"""Instances and indirect draw commands of sorted items."""
 
 from __future__ import annotations
 
 from mimics_app.contracts.arrays import F4, F8, I4, I8, U1, U4
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["MOST_TRIANGLES", "write_commands", "write_instances"]
+__all__ = ["MAX_TRIANGLES", "write_commands", "write_instances"]
 
-MOST_TRIANGLES = 20_000
-"""After which a command of many instances ends, and a piece of what is drawn (decision 173)."""
+MAX_TRIANGLES = 20_000
+"""Number of triangles after which a command of many instances ends, and a flush follows (decision 173)."""
 
 
 @kernel
 def write_instances(items: I4, count: int, first: int, origin: F8, rows: I4, world: F8, paint: F4, out: F4) -> None:
-    """Matrices relative to an origin, subtracted in float64, and the paint beside them.
+    """Write the instances: matrices relative to an origin, subtracted in float64, and instance parameters.
 
     Args:
-        items: In draw order, [>= count].
-        count: How many.
-        first: Where in `out` the first one goes.
-        origin: Of the frame the shaders work in, world [m], [3].
+        items: Numbers of items in draw order, [>= count].
+        count: Number of items.
+        first: Row of the first instance in `out`.
+        origin: Origin of the shaders' frame, world [m], [3].
         rows: Row of the node per item, [n].
         world: T_world_from_node per row, [rows, 4, 4].
-        paint: What the look says of each item, [n, 4].
-        out: Three rows of a matrix and the paint, [>= first + count, 4, 4].
+        paint: Instance parameters of each item, [n, 4].
+        out: Written: three rows of a matrix and the instance parameters, [>= first + count, 4, 4].
     """
     for i in range(count):
         item = items[i]
@@ -50,20 +50,20 @@ def write_commands(
     commands: U4,
     runs: I8,
 ) -> tuple[int, int]:
-    """Indirect draws of sorted items, and the runs of them that share a state.
+    """Write the indirect commands of sorted items, and the runs of commands that share a state.
 
     Args:
-        items: In draw order, [>= count].
-        count: How many.
-        first: Number of the first one's instance.
+        items: Numbers of items in draw order, [>= count].
+        count: Number of items.
+        first: Number of the first instance.
         first_command: Number of the first command.
         states: State of each item before mirroring, [n].
-        mirrored: 1 where faces wind the other way round, [n].
+        mirrored: 1 where the winding is reversed, [n].
         meshes: Number of each item's mesh, [n].
         ranges: Indices, first index and base vertex of each mesh, [meshes, 3].
-        single: One command and one run for each item.
+        single: True for one command and one run per item.
         commands: Written from `first_command` on: indices, instances, first index, base vertex, base instance.
-        runs: Written: state (twice its number, one more where mirrored), first command, commands, triangles.
+        runs: Written: state (twice its number, plus 1 where mirrored), first command, commands, triangles.
 
     Returns:
         Number of commands and of runs.
@@ -77,7 +77,7 @@ def write_commands(
             run += 1
             runs[run, 0], runs[run, 1], runs[run, 2], runs[run, 3] = state, command + 1, 0, 0
             mesh_before = -1
-        if mesh != mesh_before or commands[command, 1] * (ranges[mesh, 0] // 3) >= MOST_TRIANGLES:
+        if mesh != mesh_before or commands[command, 1] * (ranges[mesh, 0] // 3) >= MAX_TRIANGLES:
             command += 1
             commands[command, 0], commands[command, 1] = ranges[mesh, 0], 0
             commands[command, 2], commands[command, 3] = ranges[mesh, 1], ranges[mesh, 2]

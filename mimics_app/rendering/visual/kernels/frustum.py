@@ -1,4 +1,4 @@
-"""Which items a frustum shows: sphere first, then box, against six planes."""
+"""Frustum culling: bounding sphere first, then oriented box, against six planes."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ __all__ = ["box_outside", "cull_flat", "distance_key", "is_seen"]
 
 @kernel
 def box_outside(plane: F8, depth: float, half: F8, item: int, world: F8, row: int) -> bool:
-    """True when a box lies wholly behind a plane.
+    """Return True when a box lies wholly behind a plane.
 
     Args:
         plane: Unit normal inwards and offset, [4].
-        depth: Of the box's centre in front of the plane [m].
-        half: Half sizes of the boxes in their nodes' frames [m], [n, 3].
-        item: Which one.
+        depth: Signed distance of the box's centre from the plane [m].
+        half: Half extents of the boxes in their nodes' frames [m], [n, 3].
+        item: Number of the box.
         world: T_world_from_node per row, [rows, 4, 4].
-        row: The node's row.
+        row: Row of its node.
     """
     reach = 0.0
     for c in range(3):
@@ -31,10 +31,9 @@ def box_outside(plane: F8, depth: float, half: F8, item: int, world: F8, row: in
 
 @kernel
 def distance_key(eye: F8, centres: F8, radii: F8, item: int) -> float:
-    """What items are sorted by from near to far [m].
+    """Return the distance an item is sorted by [m].
 
-    The distance of the centre; where the eye is inside the sphere, the sphere's far side, so that ground and sky, which
-    are around everything, come last.
+    That of the centre; with the camera inside the sphere the radius is added, so that ground and sky come last.
     """
     x, y, z = centres[item, 0] - eye[0], centres[item, 1] - eye[1], centres[item, 2] - eye[2]
     away = math.sqrt(x * x + y * y + z * z)
@@ -43,7 +42,7 @@ def distance_key(eye: F8, centres: F8, radii: F8, item: int) -> float:
 
 @kernel
 def is_seen(planes: F8, item: int, row: int, centres: F8, radii: F8, half: F8, world: F8) -> bool:
-    """False when some plane has the item wholly behind it: the sphere where that settles it, else the box."""
+    """Return False when an item is wholly behind a plane, by its sphere where that decides, else by its box."""
     x, y, z, radius = centres[item, 0], centres[item, 1], centres[item, 2], radii[item]
     for k in range(planes.shape[0]):
         depth = planes[k, 0] * x + planes[k, 1] * y + planes[k, 2] * z + planes[k, 3]
@@ -63,10 +62,10 @@ def cull_flat(planes: F8, shown: U1, rows: I4, world: F8, centres: F8, radii: F8
         shown: 1 where the item may be drawn at all, [n].
         rows: Row of the node per item, [n].
         world: T_world_from_node per row, [rows, 4, 4].
-        centres: Of the spheres in the world [m], [n, 3].
-        radii: [m], [n].
-        half: Half sizes of the boxes about the same centres, in their nodes' frames [m], [n, 3].
-        out: Receives the items not wholly outside, ascending, [n].
+        centres: Centres of the spheres, world [m], [n, 3].
+        radii: Their radii [m], [n].
+        half: Half extents of the boxes around the same centres, in their nodes' frames [m], [n, 3].
+        out: Written: numbers of the items not wholly outside, ascending, [n].
 
     Returns:
         How many there are.

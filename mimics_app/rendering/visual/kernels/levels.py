@@ -1,4 +1,4 @@
-"""Levels of detail by how much of the picture a body covers, without flicker at the thresholds."""
+"""Levels of detail by the share of the picture a body covers, with hysteresis."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ __all__ = ["HYSTERESIS", "choose_levels", "show_levels"]
 
 
 HYSTERESIS = 0.1
-"""Share of a threshold by which a coverage has to be beyond it before the level changes."""
+"""Relative distance from a threshold at which the level changes."""
 
 
 @kernel
 def choose_levels(
     leads: I4, centres: F8, radii: F8, counts: I4, coverages: F8, eye: F8, window: float, smaller: float, chosen: I4
 ) -> None:
-    """The level of each body in one view.
+    """Choose the level of each body in one view.
 
     Coverage is the area of the bounding sphere's disc over that of the picture, both at distance 1, at most 1; 1 with
-    the eye inside the sphere. Of a picture of fewer pixels a level has to cover a larger share, for as many pixels to
-    be the same; where the last level ends is a share whatever the pixels.
+    the camera inside the sphere. In a picture of fewer pixels a level needs a larger coverage, so that its error in
+    pixels is the same; the coverage at which the last level vanishes does not depend on the pixels.
 
     Args:
-        leads: An item of each body's finest level, whose sphere counts; -1: none; [b].
-        centres: Of the items' spheres, world [m], [n, 3].
-        radii: Of the same [m], [n].
-        counts: Levels of each body, [b].
-        coverages: Least coverage of each level, falling, [b, most].
-        eye: World [m], [3].
+        leads: Item of each body's finest level, whose sphere is used; -1: none; [b].
+        centres: Centres of the items' spheres, world [m], [n, 3].
+        radii: Their radii [m], [n].
+        counts: Number of levels of each body, [b].
+        coverages: Minimum coverage of each level, descending, [b, levels].
+        eye: Position of the camera, world [m], [3].
         window: Area of the picture at distance 1.
-        smaller: Factor on the coverages but each last one, for a picture of fewer pixels; >= 1.
-        chosen: The level before, -1: none was; written: the level, or their count for too small; [b].
+        smaller: Factor on all coverages but the last of each body, for a picture of fewer pixels; >= 1.
+        chosen: Previous level, -1: none; written: the level, or the number of levels where too small; [b].
     """
     for body in range(leads.shape[0]):
         lead = leads[body]
@@ -57,12 +57,12 @@ def choose_levels(
 
 @kernel
 def show_levels(shown: U1, levels: U1, families: I4, chosen: I4, out: U1) -> None:
-    """Show of each body the items of its level only.
+    """Write 1 for the items of each body's chosen level that may be drawn, 0 for the others.
 
     Args:
         shown: 1 where an item may be drawn, [n].
         levels: Level each item belongs to, [n].
-        families: Number of each item's body, -1: it has only one level; [n].
+        families: Number of each item's body, -1: a body without levels; [n].
         chosen: Level of each body, [b].
         out: Written, [n].
     """

@@ -1,4 +1,4 @@
-"""Choosing boxes inside opaque things, and drawing them into the small picture of what is near (see `occlusion`)."""
+"""Choice of occluder boxes, and their rasterisation into the coarse depth buffer (see `occlusion`)."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ __all__ = ["draw_occluders", "pick_occluders"]
 
 
 _POINTS = 24
-"""A box cut by the near plane has at most 8 corners and 12 cut edges, of which some are gone."""
+"""Upper bound on the points of a box clipped by the near plane: fewer than 8 corners and 12 clipped edges."""
 
 _CORNERS, _WINDOW = 8, 4
-"""Of a box, and of the near plane's window."""
+"""Corners of a box, and of the near plane's window."""
 
-_AT_THE_EYE = 1e-300
-"""Square of a distance [m^2] in whose place none is divided by."""
+_MIN_DISTANCE2 = 1e-300
+"""Smallest squared distance to divide by [m^2]."""
 
-_FAR_BELOW = 1e9
-"""Line of the picture beyond which a hull is cut [px], so that it is a whole number."""
+_MAX_ROW_PX = 1e9
+"""Largest row of a hull [px], so that it fits an integer."""
 
 
 @kernel
 def _to_local(world: F8, row: int, x: float, y: float, z: float, out: F8, place: int) -> None:
-    """out[place] = the node-frame coordinates of a world vector, by Cramer's rule; not finite where there are none."""
+    """Set out[place] to the node-frame coordinates of a world vector, by Cramer's rule; not finite if singular."""
     for axis in range(3):
         i, j = (axis + 1) % 3, (axis + 2) % 3
         nx = world[row, 1, i] * world[row, 2, j] - world[row, 2, i] * world[row, 1, j]
@@ -39,26 +39,26 @@ def _to_local(world: F8, row: int, x: float, y: float, z: float, out: F8, place:
 
 
 @kernel
-def _holds(
-    eye: F8, window: F8, world: F8, row: int, middle: F8, half: F8, box: int, caps: F8, first: int, last: int, out: F8
+def _is_valid(
+    eye: F8, window: F8, world: F8, row: int, centre: F8, half: F8, box: int, caps: F8, first: int, last: int, out: F8
 ) -> bool:
-    """True when an eye is where an inner box hides what is behind it.
+    """Return True when an inner box is a valid occluder for a camera.
 
-    The eye and the near plane's window have to be outside the whole body around it, on one side of its box, so that
-    no front face is cut away, and the eye behind every cap.
+    Camera and near window have to be outside the bounding box of the whole body, on one side of it, so that the near
+    plane removes no front face, and the camera behind every cap.
 
     Args:
-        eye: World [m], [3].
-        window: Corners of the near plane's window, from the eye [m], [4, 3].
+        eye: Position of the camera, world [m], [3].
+        window: Corners of the near plane's window relative to the camera [m], [4, 3].
         world: T_world_from_node per row.
-        row: The item's.
-        middle: Of the boxes about whole bodies in their nodes' frames [m], [boxes, 3].
-        half: Half sizes of those boxes [m], [boxes, 3].
-        box: Which one.
+        row: Row of the item's node.
+        centre: Centres of the whole bodies' boxes in their nodes' frames [m], [boxes, 3].
+        half: Their half extents [m], [boxes, 3].
+        box: Number of the box.
         caps: Planes in the nodes' frames, [.., 4].
-        first: First of the box's.
-        last: The one past its last.
-        out: Written: eye and corners in the node's frame, [5, 3].
+        first: First cap of the box.
+        last: End of its caps.
+        out: Written: camera and corners in the node's frame, [5, 3].
     """
     _to_local(world, row, eye[0] - world[row, 0, 3], eye[1] - world[row, 1, 3], eye[2] - world[row, 2, 3], out, 0)
     for corner in range(_WINDOW):
@@ -70,7 +70,7 @@ def _holds(
     for k in range(3):
         low, high = math.inf, -math.inf
         for point in range(_WINDOW + 1):
-            low, high = min(low, out[point, k] - middle[box, k]), max(high, out[point, k] - middle[box, k])
+            low, high = min(low, out[point, k] - centre[box, k]), max(high, out[point, k] - centre[box, k])
         apart = apart or low > half[box, k] or high < -half[box, k]
     if not apart:
         return False
@@ -85,39 +85,39 @@ def _holds(
 def pick_occluders(
     items: I4, count: int, eye: F8, solid: I4, inner_half: F8, rows: I4, world: F8, centres: F8, out: I4, score: F8
 ) -> int:
-    """The items whose inner boxes look largest.
+    """Pick the items whose inner boxes have the largest solid angle.
 
     Args:
-        items: What is in the frustum, [>= count].
-        count: How many.
-        eye: World [m], [3].
+        items: Items in the frustum, [>= count].
+        count: Number of items.
+        eye: Position of the camera, world [m], [3].
         solid: Number of each item's inner box, -1: none; [n].
-        inner_half: Half sizes of inner boxes in their nodes' frames [m], [boxes, 3].
+        inner_half: Half extents of the inner boxes in their nodes' frames [m], [boxes, 3].
         rows: Row of the node per item, [n].
         world: T_world_from_node per row.
-        centres: Of the items' spheres [m], [n, 3].
-        out: Written, best first, [most].
-        score: Scratch, [most].
+        centres: Centres of the items' spheres, world [m], [n, 3].
+        out: Written: items, best first, [capacity].
+        score: Scratch, [capacity].
 
     Returns:
         How many, at most the length of `out`.
     """
-    kept, most = 0, out.shape[0]
+    kept, capacity = 0, out.shape[0]
     for i in range(count):
         item = items[i]
         box = solid[item]
         if box < 0:
             continue
-        row, size, away = rows[item], 0.0, 0.0
+        row, size, distance2 = rows[item], 0.0, 0.0
         for k in range(3):
             for axis in range(3):
                 size += (world[row, k, axis] * inner_half[box, axis]) ** 2
-            away += (centres[item, k] - eye[k]) ** 2
-        worth = size / max(away, _AT_THE_EYE)
-        if kept == most and worth <= score[kept - 1]:
+            distance2 += (centres[item, k] - eye[k]) ** 2
+        worth = size / max(distance2, _MIN_DISTANCE2)
+        if kept == capacity and worth <= score[kept - 1]:
             continue
-        place = kept if kept < most else most - 1
-        kept = min(kept + 1, most)
+        place = kept if kept < capacity else capacity - 1
+        kept = min(kept + 1, capacity)
         while place > 0 and score[place - 1] < worth:
             score[place], out[place] = score[place - 1], out[place - 1]
             place -= 1
@@ -127,7 +127,7 @@ def pick_occluders(
 
 @kernel
 def _cut_near(corners: F8, near: float, points: F8) -> int:
-    """Screen points [px] of a box's corners and, where it reaches behind the near plane, of its edges there."""
+    """Write the screen points [px] of a box clipped by the near plane: its corners and cut edges; return how many."""
     count = 0
     for corner in range(_CORNERS):
         if corners[corner, 2] >= near:
@@ -149,7 +149,7 @@ def _cut_near(corners: F8, near: float, points: F8) -> int:
 
 @kernel
 def _hull(points: F8, count: int, out: F8) -> int:
-    """Convex hull, counter-clockwise with y up (monotone chain, Andrew 1979); ties in x are broken by y."""
+    """Compute the convex hull, counter-clockwise with y up (monotone chain, Andrew 1979); ties in x go by y."""
     for i in range(1, count):
         x, y = points[i, 0], points[i, 1]
         j = i
@@ -157,15 +157,15 @@ def _hull(points: F8, count: int, out: F8) -> int:
             points[j, 0], points[j, 1] = points[j - 1, 0], points[j - 1, 1]
             j -= 1
         points[j, 0], points[j, 1] = x, y
-    size, least = 0, 2
-    for turn in range(2):
-        for step in range(turn, count):
-            i = step if turn == 0 else count - 1 - step
-            while size >= least and not _turns_left(out, size, points[i, 0], points[i, 1]):
+    size, base = 0, 2
+    for chain in range(2):
+        for step in range(chain, count):
+            i = step if chain == 0 else count - 1 - step
+            while size >= base and not _turns_left(out, size, points[i, 0], points[i, 1]):
                 size -= 1
             out[size, 0], out[size, 1] = points[i, 0], points[i, 1]
             size += 1
-        least = size + 1
+        base = size + 1
     return size - 1
 
 
@@ -176,52 +176,52 @@ def _turns_left(hull: F8, size: int, x: float, y: float) -> bool:
 
 
 @kernel
-def _entry_planes(eye_local: F8, middle: F8, half: F8, box: int, world: F8, row: int, rays: F8, out: F8) -> int:
-    """1/w of a box's faces that look at the eye, as a X + b Y + c over the screen [px]; a ray enters at the least.
+def _entry_planes(eye_local: F8, centre: F8, half: F8, box: int, world: F8, row: int, rays: F8, out: F8) -> int:
+    """Write 1/w of a box's front faces as a X + b Y + c over the screen [px]; a ray enters at their minimum.
 
     Args:
-        eye_local: In the node's frame, [5, 3], the first line.
-        middle: Of the inner boxes [m], [boxes, 3].
-        half: Their half sizes [m], [boxes, 3].
-        box: Which one.
+        eye_local: Position of the camera in the node's frame, the first row of [5, 3].
+        centre: Centres of the inner boxes [m], [boxes, 3].
+        half: Their half extents [m], [boxes, 3].
+        box: Number of the box.
         world: T_world_from_node per row.
-        row: The item's.
+        row: Row of the item's node.
         rays: World directions of w = 1 per pixel to the right, per pixel up, and at pixel (0, 0); [3, 3].
         out: Written, [3, 3].
     """
     faces = 0
-    turned = np.empty((3, 3))
+    rays_local = np.empty((3, 3))
     for k in range(3):
-        _to_local(world, row, rays[k, 0], rays[k, 1], rays[k, 2], turned, k)
+        _to_local(world, row, rays[k, 0], rays[k, 1], rays[k, 2], rays_local, k)
     for axis in range(3):
-        offset = eye_local[0, axis] - middle[box, axis]
+        offset = eye_local[0, axis] - centre[box, axis]
         if abs(offset) <= half[box, axis]:
             continue
         face = half[box, axis] if offset > 0.0 else -half[box, axis]
         for k in range(3):
-            out[faces, k] = turned[k, axis] / (face - offset)
+            out[faces, k] = rays_local[k, axis] / (face - offset)
         faces += 1
     return faces
 
 
 @kernel
 def _fill(hull: F8, size: int, planes: F8, faces: int, block: int, reach: float, nearness: F8) -> None:
-    """Enter a convex shape into the blocks whose sample positions it covers all.
+    """Rasterise a convex polygon into the blocks of which it covers all sample positions.
 
     Args:
-        hull: Counter-clockwise [px], [>= size, 2].
-        size: Corners.
+        hull: Vertices of the polygon, counter-clockwise [px], [>= size, 2].
+        size: Number of vertices.
         planes: 1/w as a X + b Y + c, [>= faces, 3].
-        faces: How many.
-        block: Pixels along a side of a block.
-        reach: Farthest a sample is from its pixel's middle, with the margin [px].
-        nearness: Greatest 1/w so far per block [1/m], [rows, columns].
+        faces: Number of planes.
+        block: Width of a square block [px].
+        reach: Largest offset of a sample from its pixel's centre, with the margin [px].
+        nearness: Largest 1/w so far per block [1/m], [rows, columns].
     """
     bottom, top = hull[0, 1], hull[0, 1]
     for k in range(1, size):
         bottom, top = min(bottom, hull[k, 1]), max(top, hull[k, 1])
     first = max(0, math.floor(bottom / block) - 1) if bottom > 0.0 else 0
-    last = min(nearness.shape[0], math.floor(min(top, _FAR_BELOW) / block) + 1) if top > 0.0 else 0
+    last = min(nearness.shape[0], math.floor(min(top, _MAX_ROW_PX) / block) + 1) if top > 0.0 else 0
     low_side, high_side = 0.5 - reach, block - 0.5 + reach
     for row in range(first, last):
         y0, y1 = row * block + low_side, row * block + high_side
@@ -262,36 +262,36 @@ def draw_occluders(
     rows: I4,
     world: F8,
     solid: I4,
-    whole_middle: F8,
+    whole_centre: F8,
     whole_half: F8,
-    inner_middle: F8,
+    inner_centre: F8,
     inner_half: F8,
     caps: F8,
     caps_from: I4,
     nearness: F8,
 ) -> int:
-    """Enter inner boxes into the picture of what is near.
+    """Rasterise inner boxes into the coarse depth buffer.
 
     Args:
         chosen: Numbers of items that have one, [>= count].
-        count: How many.
-        eye: World [m], [3].
-        window: Corners of the near plane's window, from the eye [m], [4, 3].
-        screen: World to X w, Y w [px] and w [m], from the eye, [3, 3].
+        count: Number of items.
+        eye: Position of the camera, world [m], [3].
+        window: Corners of the near plane's window relative to the camera [m], [4, 3].
+        screen: Matrix from world vectors relative to the camera to X w, Y w [px] and w [m], [3, 3].
         rays: World directions of w = 1 per pixel to the right, per pixel up, and at pixel (0, 0); [3, 3].
         near: Distance of the near plane [m].
-        block: Pixels along a side of a block.
-        reach: Farthest a sample is from its pixel's middle, with the margin [px].
+        block: Width of a square block [px].
+        reach: Largest offset of a sample from its pixel's centre, with the margin [px].
         rows: Row of the node per item, [n].
         world: T_world_from_node per row.
         solid: Number of each item's inner box, [n].
-        whole_middle: Of the boxes about the whole bodies in their nodes' frames [m], [boxes, 3].
-        whole_half: Their half sizes [m], [boxes, 3].
-        inner_middle: Of the inner boxes in their nodes' frames [m], [boxes, 3].
-        inner_half: Their half sizes [m], [boxes, 3].
+        whole_centre: Centres of the whole bodies' boxes in their nodes' frames [m], [boxes, 3].
+        whole_half: Their half extents [m], [boxes, 3].
+        inner_centre: Centres of the inner boxes in their nodes' frames [m], [boxes, 3].
+        inner_half: Their half extents [m], [boxes, 3].
         caps: Planes of all boxes, [.., 4].
-        caps_from: First plane of each box, and the one past the last, [boxes + 1].
-        nearness: Written: 1/w of what is nearest, 0 where nothing is [1/m], [rows, columns].
+        caps_from: First plane of each box, and the end of the last, [boxes + 1].
+        nearness: Written: 1/w of the nearest occluder, 0: none [1/m], [rows, columns].
 
     Returns:
         How many were used.
@@ -304,13 +304,13 @@ def draw_occluders(
         item = chosen[i]
         row, box = rows[item], solid[item]
         first, last = caps_from[box], caps_from[box + 1]
-        if not _holds(eye, window, world, row, whole_middle, whole_half, box, caps, first, last, spots):
+        if not _is_valid(eye, window, world, row, whole_centre, whole_half, box, caps, first, last, spots):
             continue
-        project_box(screen, eye, world, row, inner_middle, inner_half, box, corners)
+        project_box(screen, eye, world, row, inner_centre, inner_half, box, corners)
         size = _cut_near(corners, near, points)
         if size < 3:
             continue
-        faces = _entry_planes(spots, inner_middle, inner_half, box, world, row, rays, planes)
+        faces = _entry_planes(spots, inner_centre, inner_half, box, world, row, rays, planes)
         sides = _hull(points, size, hull)
         if faces and sides >= 3:
             _fill(hull, sides, planes, faces, block, reach, nearness)

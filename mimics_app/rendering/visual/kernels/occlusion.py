@@ -1,14 +1,14 @@
-"""What boxes inside opaque things hide: a small picture of how near they are, never nearer than what is drawn.
+"""Occlusion culling against a coarse depth buffer of the occluder boxes, never nearer than the drawn surfaces.
 
-One value stands for a block of k x k pixels: the inverse distance 1/w of the nearest box that covers the sample
-positions of all of them, taken where that box is entered, least over the block. A thing is hidden where every block
-that one of its samples can fall into has a value above its own nearest 1/w. Everything is rounded to the safe side:
+One value per block of k x k pixels: 1/w of the nearest box that covers all sample positions of the block, at the
+entry into that box, minimum over the block. An item is occluded where every block that its samples can touch has a
+value above the item's own largest 1/w. All rounding is conservative:
 
-- positions count as covered, and as touched, a sixteenth of a pixel farther than they are; drivers round corners to
-  1/256 of a pixel, and single precision moves them by less than that;
-- 1/w is compared with `depth_step` to spare, several steps of a 24-bit depth buffer, and with a share of the thing's
-  own depth, which slanted triangles are off by at their edges;
-- w is the distance along the line of sight, so that on the screen 1/w is linear on any plane (Blinn 1992).
+- positions count as covered, and as touched, with a margin of a sixteenth of a pixel; drivers round vertices to 1/256
+  of a pixel, and the error of single precision is smaller;
+- 1/w is compared with a margin of `depth_step`, several steps of a 24-bit depth buffer, and a share of the item's own
+  depth range, by which slanted triangles are off at their edges;
+- w is the depth along the view axis, so that 1/w is linear on the screen for any plane (Blinn 1992).
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ __all__ = ["MARGIN_PX", "remove_hidden"]
 
 
 MARGIN_PX = 0.0625
-"""How far a corner drawn may be from where it should be [px]; drivers stay below a sixteenth of that."""
+"""Largest assumed error of a drawn vertex [px]; drivers stay below a sixteenth of it."""
 
 _DEPTH_SHARE = 1.0 / 64.0
-"""Of a thing's own range of 1/w, by which its edges may come out nearer than its box."""
+"""Share of an item's own range of 1/w by which its edges may be drawn nearer than its box."""
 
 _CORNERS = 8
-"""Of a box."""
+"""Corners of a box."""
 
 
 @kernel
@@ -73,38 +73,38 @@ def remove_hidden(
     height: int,
     rows: I4,
     world: F8,
-    middle: F8,
+    centre: F8,
     half: F8,
     nearness: F8,
 ) -> int:
-    """Take out what is hidden; what stays keeps its order.
+    """Remove the occluded items; the rest keep their order.
 
     Args:
-        items: In the frustum, [>= count], changed.
-        count: How many.
-        eye: World [m], [3].
-        screen: World to X w, Y w [px] and w [m], from the eye, [3, 3].
+        items: Items in the frustum, [>= count], changed.
+        count: Number of items.
+        eye: Position of the camera, world [m], [3].
+        screen: Matrix from world vectors relative to the camera to X w, Y w [px] and w [m], [3, 3].
         near: Distance of the near plane [m].
-        depth_step: By how much 1/w has to differ to be distinguished for certain [1/m].
-        block: Pixels along a side of a block.
-        reach: Farthest a sample is from its pixel's middle, with the margin [px].
-        width: Of the picture [px].
-        height: The same.
+        depth_step: Difference of 1/w that the depth buffer resolves for certain [1/m].
+        block: Width of a square block [px].
+        reach: Largest offset of a sample from its pixel's centre, with the margin [px].
+        width: Width of the picture [px].
+        height: Height of the picture [px].
         rows: Row of the node per item, [n].
         world: T_world_from_node per row.
-        middle: Of the items' boxes in their nodes' frames [m], [n, >= 3].
-        half: Half sizes of those boxes [m], [n, 3].
-        nearness: 1/w of what is nearest per block [1/m], [rows, columns].
+        centre: Centres of the items' boxes in their nodes' frames [m], [n, >= 3].
+        half: Half extents of those boxes [m], [n, 3].
+        nearness: 1/w of the nearest occluder per block [1/m], [rows, columns].
 
     Returns:
-        How many stay.
+        How many remain.
     """
     corners = np.empty((_CORNERS, 3))
     touch = 0.5 + reach
     kept = 0
     for i in range(count):
         item = items[i]
-        project_box(screen, eye, world, rows[item], middle, half, item, corners)
+        project_box(screen, eye, world, rows[item], centre, half, item, corners)
         if not _is_hidden(corners, near, depth_step, block, touch, width, height, nearness):
             items[kept] = item
             kept += 1

@@ -1,4 +1,4 @@
-"""Draw order: by state, near to far within one, equal meshes side by side; by radix, so that cost grows linearly."""
+"""Draw order by radix sort: by state, near to far within a state, equal meshes side by side."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ __all__ = ["FINE_COUNT", "make_keys", "sort_by_key"]
 
 
 FINE_COUNT = 4096
-"""Items up to which each is placed by its own distance; of more, a quarter of an octave shares a place, so that equal
-meshes of it become one command."""
+"""Number of items up to which each is sorted by its own distance; of more, those within a quarter of an octave share a
+key, so that equal meshes become one command."""
 
 _RANK_SHIFT, _MESH_BITS = 44, 24
 _FINE_DROP, _COARSE_DROP = 11, 21
-"""Low bits of a distance's float32 that are left out: 12 or 2 bits of mantissa stay."""
+"""Low bits of a float32 distance that are dropped: 12 or 2 bits of mantissa remain."""
 
 _DIGITS, _DIGIT_BITS, _DIGIT = 8, 8, 255
-"""Of a key of 64 bits: how many, the bits of each, and their mask."""
+"""Digits of a 64-bit key: their number, bits per digit, and mask."""
 
 
 @kernel
@@ -38,19 +38,19 @@ def make_keys(
     away: F4,
     keys: U8,
 ) -> None:
-    """Sort keys of the items drawn: rank of the state (20 bits), distance (20), mesh (24).
+    """Write the sort keys of items: rank of the state (20 bits), distance (20), mesh (24).
 
     Args:
-        items: What is drawn, [>= count].
-        count: How many.
-        eye: In the world [m], [3].
-        centres: Of the spheres [m], [n, 3].
-        radii: [m], [n].
+        items: Numbers of items, [>= count].
+        count: Number of items.
+        eye: Position of the camera, world [m], [3].
+        centres: Centres of the spheres, world [m], [n, 3].
+        radii: Their radii [m], [n].
         states: State of each item before mirroring, [n].
-        mirrored: 1 where faces wind the other way round, [n].
+        mirrored: 1 where the winding is reversed, [n].
         meshes: Number of each item's mesh, [n].
         nearest: Scratch, two per state.
-        ranks: Scratch, two per state: states in the order of their nearest item.
+        ranks: Scratch, two per state: rank of the state by its nearest item.
         away: Scratch, [>= count].
         keys: Written, [>= count].
     """
@@ -75,14 +75,14 @@ def make_keys(
 
 @kernel
 def sort_by_key(keys: U8, items: I4, count: int, spare_keys: U8, spare_items: I4, counts: I4) -> None:
-    """Sort items by their keys, equal keys in the order they came: least digit first, eight bits at a time.
+    """Sort items by their keys: stable radix sort, least significant digit first, eight bits per digit.
 
-    A digit that all keys share is not gone over.
+    A digit that all keys share is skipped.
 
     Args:
-        keys: [>= count], sorted too.
-        items: [>= count].
-        count: How many.
+        keys: Keys, [>= count], sorted too.
+        items: Numbers of items, [>= count].
+        count: Number of items.
         spare_keys: Scratch, [>= count].
         spare_items: Scratch, [>= count].
         counts: Scratch, [8, 256].

@@ -1,4 +1,4 @@
-"""Where particles are: a closed formula of their number and their age, so that no frame has to come before another."""
+"""Particles in closed form of their number and age, so that any frame can be computed on its own."""
 
 from __future__ import annotations
 
@@ -9,68 +9,68 @@ import numpy as np
 from mimics_app.contracts.arrays import F4, F8, Records
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["BIRTH", "EMITTER", "MOST_COLOURS", "SPRITE", "ease", "fall", "fill_particles", "hash_unit"]
+__all__ = ["BIRTH", "EMITTER", "MAX_COLOURS", "SPRITE", "ease", "fall", "fill_particles", "hash_unit"]
 
 
-MOST_COLOURS = 8
-MOST_TINTS = 16
+MAX_COLOURS = 8
+MAX_TINTS = 16
 
 EMITTER = np.dtype(
     [
         ("seed", "u8"),
-        ("lifetime", "f8", (2,)),  # least, greatest [s]
-        ("cosine", "f8"),  # of the cone's half angle
+        ("lifetime", "f8", (2,)),  # minimum, maximum [s]
+        ("cosine", "f8"),  # cosine of the cone's half angle
         ("speed", "f8", (2,)),  # [m/s]
         ("drag", "f8"),  # [1/s]
-        ("pull", "f8", (3,)),  # gravity and what the wind does through drag, world [m/s^2]
-        ("sway", "f8"),  # sideways [m]
+        ("pull", "f8", (3,)),  # acceleration by gravity and by the wind through drag, world [m/s^2]
+        ("sway", "f8"),  # horizontal amplitude [m]
         ("sway_rate", "f8"),  # [rad/s]
-        ("spin", "f8"),  # greatest [rad/s]
-        ("floor", "f8"),  # height at which they rest, world [m]; -inf: none
+        ("spin", "f8"),  # maximum [rad/s]
+        ("floor", "f8"),  # height at which they come to rest, world [m]; -inf: none
         ("size", "f8", (2,)),  # full height at birth [m]
         ("aspect", "f8"),  # width over height
-        ("growth", "f8"),  # factor at the end of life
-        ("colours", "i8"),  # in use
-        ("colour", "f8", (MOST_COLOURS, 4)),  # linear RGBA over life
-        ("tints", "i8"),  # in use
-        ("tint", "f8", (MOST_TINTS, 4)),  # of which each has one
-        ("tumbles", "i8"),  # 1: turns in space, 0: about the line of sight
+        ("growth", "f8"),  # factor on the size at the end of life
+        ("colours", "i8"),  # number of colours in use
+        ("colour", "f8", (MAX_COLOURS, 4)),  # linear RGBA over life
+        ("tints", "i8"),  # number of tints in use
+        ("tint", "f8", (MAX_TINTS, 4)),  # each particle has one
+        ("tumbles", "i8"),  # 1: rotates in space, 0: about the line of sight
         ("state", "i4"),
-        ("style", "f4", (4,)),  # as SPRITE
+        ("style", "f4", (4,)),  # as in SPRITE
     ]
 )
-"""What an emitter gives its particles."""
+"""Parameters of an emitter."""
 
 BIRTH = np.dtype(
     [
-        ("number", "i8"),  # whose it is, -1: nobody's
+        ("number", "i8"),  # number of the particle, of either sign; -2^62: none
         ("life", "f8"),  # [s]
-        ("place", "f8", (3,)),  # in the emitter's box, each 0 to 1
-        ("velocity", "f8", (3,)),  # across, across and along the emitter's direction [m/s]
-        ("height", "f8"),  # half of it [m]
+        ("place", "f8", (3,)),  # position in the emitter's box, each 0 to 1
+        ("velocity", "f8", (3,)),  # two components across and one along the emitter's direction [m/s]
+        ("height", "f8"),  # half height [m]
         ("angle", "f8"),  # [rad]
         ("spin", "f8"),  # [rad/s]
-        ("axis", "f8", (3,)),  # it tumbles about, unit, world
-        ("phase", "f8", (2,)),  # of its swing [rad]
-        ("rest", "f8"),  # height above the floor it lies at [m]
+        ("axis", "f8", (3,)),  # axis of tumbling, unit, world
+        ("phase", "f8", (2,)),  # phases of its sway [rad]
+        ("rest", "f8"),  # height above the floor at rest [m]
         ("tint", "i8"),
     ]
 )
-"""What a particle is born with: all that chance decides, computed once and kept while its place is not needed."""
+"""Random properties of a particle, computed once and kept while its slot is not needed."""
 
 SPRITE = np.dtype(
     [
         ("place", "f8", (3,)),  # world [m]
-        ("turn", "f4", (4,)),  # own: quaternion xyzw; else cosine and sine of the turn about the line of sight
+        ("turn", "f4", (4,)),  # facing 2: quaternion xyzw; else cosine and sine of the angle about the line of sight
         ("tint", "f4", (4,)),  # linear RGBA
-        ("style", "f4", (4,)),  # layer, opacity (1: covers, 0: adds light), roundness, cutoff
-        ("half", "f4", (2,)),  # of width and height [m]
-        ("lift", "f4"),  # of the middle above the place, in half heights
-        ("facing", "i4"),  # 0: to the eye, 1: to the eye about the vertical, 2: as turned in the world
-        ("state", "i4"),  # what has to be set in the driver
+        ("style", "f4", (4,)),  # layer, opacity (1: covers, 0: adds light), roundness, alpha cutoff
+        ("half", "f4", (2,)),  # half width and half height [m]
+        ("lift", "f4"),  # height of the centre above the position, in half heights
+        ("facing", "i4"),  # 0: to the camera, 1: to the camera about the vertical, 2: `turn`, 3: to the camera, level
+        ("state", "i4"),  # number of the render state
     ]
 )
-"""One picture in space."""
+"""One sprite: a textured rectangle in space."""
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _STRIDE = np.uint64(0xD1B54A32D192ED03)
@@ -78,59 +78,59 @@ _MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
 _MIX_2 = np.uint64(0x94D049BB133111EB)
 _NEWTON_STEPS = 24
 _SETTLED = 1e-7
-"""Step below which a landing is found [s]."""
+"""Newton step below which the landing time has converged [s]."""
 
 _OWN = 2
-_LEAST_REST = 1e-3
-"""Height above the floor at which particles come to rest; up to twice as much, so that they do not flicker [m]."""
+_MIN_REST = 1e-3
+"""Minimum height above the floor at which particles come to rest; up to twice as much, against z-fighting [m]."""
 
 _FOLD_1, _FOLD_2, _FOLD_3 = np.uint64(30), np.uint64(27), np.uint64(31)
 """Shifts of splitmix64 [bits]."""
 
-_SPARE_BITS, _STEP_OF_ONE = np.uint64(11), 2.0**-53
-"""Bits of 64 beyond those that a float64 holds exactly, and the step between its numbers below 1."""
+_SPARE_BITS, _EPSILON = np.uint64(11), 2.0**-53
+"""Bits of 64 beyond a float64's mantissa, and the spacing of the numbers in [0, 1) [-]."""
 
 _LIFE, _CONE, _AROUND, _SPEED, _BIRTHPLACE, _REST, _ANGLE, _SPIN = 0, 1, 2, 3, 4, 7, 8, 9
 _AXIS_UP, _AXIS_AROUND, _TINT, _PHASE, _HEIGHT = 10, 11, 12, 13, 16
-"""Questions about a particle; a place has three numbers, a phase two."""
+"""Indices of a particle's random numbers; a position takes three, a phase two."""
 
 _COLOUR = 4
-"""Numbers of a colour and of a style."""
+"""Components of a colour and of a style."""
 
-_HARDLY_DRAGGED, _BARELY_DRAGGED = 1e-3, 1e-8
-"""Drag times age [-] below which `fall` and `ease` are their series: the closed form would lose its digits."""
+_SERIES_FALL, _SERIES_EASE = 1e-3, 1e-8
+"""Drag times age [-] below which `fall` and `ease` use series: the closed form would lose digits to cancellation."""
 
 
 @kernel
 def hash_unit(seed: int, number: int, which: int) -> float:
-    """A number in [0, 1) for the `which`-th question about particle `number`: splitmix64 (Steele et al. 2014)."""
+    """Return the `which`-th random number of particle `number`, in [0, 1): splitmix64 (Steele et al. 2014)."""
     z = np.uint64(seed) + np.uint64(number) * _GOLDEN + np.uint64(which) * _STRIDE
     z = (z ^ (z >> _FOLD_1)) * _MIX_1
     z = (z ^ (z >> _FOLD_2)) * _MIX_2
     z = z ^ (z >> _FOLD_3)
-    return float(z >> _SPARE_BITS) * _STEP_OF_ONE
+    return float(z >> _SPARE_BITS) * _EPSILON
 
 
 @kernel
 def ease(age: float, drag: float) -> float:
-    """Distance of a unit speed that drag slows down: (1 - exp(-c t)) / c [s]."""
+    """Return the distance at unit initial speed under drag: (1 - exp(-c t)) / c [s]."""
     x = drag * age
-    return age * (1.0 - 0.5 * x) if x < _BARELY_DRAGGED else -math.expm1(-x) / drag
+    return age * (1.0 - 0.5 * x) if x < _SERIES_EASE else -math.expm1(-x) / drag
 
 
 @kernel
 def fall(age: float, drag: float, eased: float) -> float:
-    """Distance under a unit pull that drag slows down: (t - ease) / c [s^2], given `ease` of the same."""
+    """Return the distance under unit acceleration and drag: (t - ease) / c [s^2], given `ease` of the same age."""
     x = drag * age
-    return age * age * (0.5 - x / 6.0 + x * x / 24.0) if x < _HARDLY_DRAGGED else (age - eased) / drag
+    return age * age * (0.5 - x / 6.0 + x * x / 24.0) if x < _SERIES_FALL else (age - eased) / drag
 
 
 @kernel
 def _bear(emitter: Records, number: int, birth: Records) -> None:
-    """Ask all questions about particle `number`."""
+    """Compute the random properties of particle `number`."""
     seed, one = emitter[0]["seed"], birth[0]
     one["number"] = number
-    shortest, slowest, least = emitter[0]["lifetime"][0], emitter[0]["speed"][0], emitter[0]["size"][0]
+    shortest, slowest, smallest = emitter[0]["lifetime"][0], emitter[0]["speed"][0], emitter[0]["size"][0]
     one["life"] = shortest + hash_unit(seed, number, _LIFE) * (emitter[0]["lifetime"][1] - shortest)
     cosine = 1.0 - hash_unit(seed, number, _CONE) * (1.0 - emitter[0]["cosine"])
     sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
@@ -140,7 +140,7 @@ def _bear(emitter: Records, number: int, birth: Records) -> None:
     one["velocity"][2] = speed * cosine
     for k in range(3):
         one["place"][k] = hash_unit(seed, number, _BIRTHPLACE + k)
-    one["rest"] = _LEAST_REST * (1.0 + hash_unit(seed, number, _REST))
+    one["rest"] = _MIN_REST * (1.0 + hash_unit(seed, number, _REST))
     one["angle"] = 2.0 * math.pi * hash_unit(seed, number, _ANGLE)
     one["spin"] = emitter[0]["spin"] * (2.0 * hash_unit(seed, number, _SPIN) - 1.0)
     up, around = 2.0 * hash_unit(seed, number, _AXIS_UP) - 1.0, 2.0 * math.pi * hash_unit(seed, number, _AXIS_AROUND)
@@ -149,15 +149,15 @@ def _bear(emitter: Records, number: int, birth: Records) -> None:
     one["tint"] = int(hash_unit(seed, number, _TINT) * emitter[0]["tints"])
     for k in range(2):
         one["phase"][k] = 2.0 * math.pi * hash_unit(seed, number, _PHASE + k)
-    one["height"] = 0.5 * (least + hash_unit(seed, number, _HEIGHT) * (emitter[0]["size"][1] - least))
+    one["height"] = 0.5 * (smallest + hash_unit(seed, number, _HEIGHT) * (emitter[0]["size"][1] - smallest))
 
 
 @kernel
 def _landing(height: float, speed: float, pull: float, drag: float, floor: float, age: float) -> float:
-    """Age at which the floor is reached, `age` itself while still above it.
+    """Return the age at which the floor is reached, `age` while still above it.
 
-    Height over time bends one way only, so that Newton's steps come from one side and never pass the root: from the
-    present where it bends down, from birth where drag slows a fall.
+    The curvature of height over time has one sign, so that Newton's method converges from one side: from the present
+    where it is concave, from birth where drag slows a fall.
     """
     gone = ease(age, drag)
     if height + speed * gone + pull * fall(age, drag, gone) >= floor or height < floor:
@@ -177,7 +177,7 @@ def _landing(height: float, speed: float, pull: float, drag: float, floor: float
 
 @kernel
 def _turn(emitter: Records, birth: Records, age: float, landed: bool, out: F4) -> None:
-    """How a particle is turned: in space about an axis of its own, lying flat where it landed; or before the eye."""
+    """Write a particle's rotation: about its own axis in space, flat once landed; or about the line of sight."""
     one = birth[0]
     angle = one["angle"] + one["spin"] * age
     if not emitter[0]["tumbles"]:
@@ -185,7 +185,7 @@ def _turn(emitter: Records, birth: Records, age: float, landed: bool, out: F4) -
         return
     c, s = math.cos(0.5 * angle), math.sin(0.5 * angle)
     if landed:
-        # Yaw after a quarter turn about x: the picture's normal points up.
+        # Yaw after a rotation by 90 degrees about x: the sprite's normal points up.
         c, s = c * math.sqrt(0.5), s * math.sqrt(0.5)
         out[0], out[1], out[2], out[3] = -c, s, s, c
         return
@@ -194,7 +194,7 @@ def _turn(emitter: Records, birth: Records, age: float, landed: bool, out: F4) -
 
 @kernel
 def _colour(emitter: Records, tint: int, share: float, out: F4) -> None:
-    """Colour at a share of a life: between the two nearest of the list, times the one tint it was given."""
+    """Write the colour at a share of a life: interpolated in the list of colours, times the particle's tint."""
     last = emitter[0]["colours"] - 1
     at = share * last
     first = min(int(at), max(last - 1, 0))
@@ -207,7 +207,7 @@ def _colour(emitter: Records, tint: int, share: float, out: F4) -> None:
 
 @kernel
 def _place(emitter: Records, birth: Records, age: float, corner: F8, box: F8, axes: F8, out: F8) -> float:
-    """Where a particle is; returns the age at which it came to rest, its own while it has not."""
+    """Write a particle's position; return the age at which it came to rest, its present age while it moves."""
     one, drag, floor = birth[0], emitter[0]["drag"], emitter[0]["floor"]
     at, velocity = one["place"], one["velocity"]
     moving = age
@@ -224,7 +224,7 @@ def _place(emitter: Records, birth: Records, age: float, corner: F8, box: F8, ax
     if emitter[0]["sway"] > 0.0:
         half = 0.5 * emitter[0]["sway_rate"] * moving
         for k in range(2):
-            # sin(phase + 2 half) - sin(phase): no swing at birth. Sideways only, so that landings stay what they are.
+            # sin(phase + 2 half) - sin(phase): no sway at birth. Horizontal only, so that landings are unaffected.
             out[2 * k] += 2.0 * emitter[0]["sway"] * math.cos(one["phase"][k] + half) * math.sin(half)
     if not math.isinf(floor):
         out[1] = max(out[1], floor + one["rest"])
@@ -246,24 +246,24 @@ def fill_particles(
     sprites: Records,
     start: int,
 ) -> int:
-    """Write the particles of a row of births that are alive.
+    """Write the sprites of the living particles of a sequence of births.
 
     Args:
         emitter: EMITTER, [1].
-        births: BIRTH, [slots]: what is kept from call to call; how many there are changes the time, not the places.
-        first: Number of the first one.
-        count: How many were born.
-        born: When the first one was [s].
-        interval: Between two births [s].
-        now: [s].
-        corner: Of the box they begin in, world [m], [3].
-        box: Its edges as columns, world [m], [3, 3].
-        axes: Two directions across and the middle one, unit columns, world, [3, 3].
+        births: BIRTH, [slots]: cache kept from call to call; the number of slots affects the run time alone.
+        first: Number of the first particle.
+        count: Number of births.
+        born: Time of the first birth [s].
+        interval: Time between two births [s].
+        now: Present time [s].
+        corner: Corner of the box they are born in, world [m], [3].
+        box: Edges of the box as columns, world [m], [3, 3].
+        axes: Two unit vectors across and one along the emitter's direction as columns, world, [3, 3].
         sprites: SPRITE, written from `start` on.
-        start: Where.
+        start: First row to write.
 
     Returns:
-        Number of the next free one in `sprites`.
+        The next free row of `sprites`.
     """
     at = start
     for i in range(count):

@@ -1,4 +1,4 @@
-"""Where sets of balls are on the screen."""
+"""Screen rectangles of sets of balls."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ __all__ = ["bound_balls"]
 F8 = NDArray[np.float64]
 
 _TIP = math.sqrt(3.0)
-"""Distance of the corners of the octahedron that holds the unit ball."""
+"""Distance of the vertices of the octahedron that circumscribes the unit ball."""
 
 _FIGURES = 10
 _LOW_X, _HIGH_X, _LOW_Y, _HIGH_Y, _NEAR, _FAR, _LEFT, _RIGHT, _BOTTOM, _TOP = range(_FIGURES)
-"""Of a set, least and greatest: its places across and up and how far it is away [m], and its places on the screen, in
-tangents."""
+"""Indices of a set's bounds: minimum and maximum of x, y and depth in the camera's frame [m], and of x and y on the
+screen [tangents]."""
 
 
 @kernel
 def _hold(reached: F8, x: float, y: float, away: float, near: float) -> None:
-    """Have a set's figures hold a point in the eye's frame [m]; on the screen it counts as no nearer than `near`."""
+    """Extend a set's bounds by a point in the camera's frame [m]; on the screen it counts as no nearer than `near`."""
     reached[_LOW_X], reached[_HIGH_X] = min(reached[_LOW_X], x), max(reached[_HIGH_X], x)
     reached[_LOW_Y], reached[_HIGH_Y] = min(reached[_LOW_Y], y), max(reached[_HIGH_Y], y)
     reached[_NEAR], reached[_FAR] = min(reached[_NEAR], away), max(reached[_FAR], away)
@@ -35,7 +35,7 @@ def _hold(reached: F8, x: float, y: float, away: float, near: float) -> None:
 
 @kernel
 def _hold_ball(reached: F8, x: float, y: float, away: float, radius: float, near: float) -> None:
-    """Have a set's figures hold a ball, by the corners of an octahedron about it."""
+    """Extend a set's bounds by a ball, by the vertices of its circumscribed octahedron."""
     if radius == 0.0:
         _hold(reached, x, y, away, near)
         return
@@ -50,7 +50,7 @@ def _hold_ball(reached: F8, x: float, y: float, away: float, radius: float, near
 
 @kernel
 def _widen(reached: F8, near: float) -> None:
-    """Of a set that reaches through the near plane: its ends at that and at its farthest point, wherever they are."""
+    """Set the screen bounds of a set that crosses the near plane, from its box at the near plane and at its far end."""
     far = reached[_FAR]
     reached[_LEFT] = min(reached[_LOW_X] / near, reached[_LOW_X] / far)
     reached[_RIGHT] = max(reached[_HIGH_X] / near, reached[_HIGH_X] / far)
@@ -60,18 +60,18 @@ def _widen(reached: F8, near: float) -> None:
 
 @kernel
 def bound_balls(points: F8, radii: F8, world_from_eye: F8, tangents: F8, near: float, bounds: F8) -> int:
-    """Rectangles about the convex hulls of sets of balls; hulls behind the near plane are left out.
+    """Compute screen rectangles of the convex hulls of sets of balls; hulls behind the near plane are left out.
 
     Args:
-        points: Middles of each set's balls, world [m], [n, k, 3].
-        radii: Of each set's balls [m], [n].
-        world_from_eye: Pose of the eye, [4, 4].
-        tangents: Of the picture's edges: left, right, bottom, top.
+        points: Centres of each set's balls, world [m], [n, k, 3].
+        radii: Radius of each set's balls [m], [n].
+        world_from_eye: Pose of the camera, [4, 4].
+        tangents: Tangents of the picture's edges: left, right, bottom, top.
         near: Distance of the near plane [m].
-        bounds: As shares of the picture: left, right, bottom, top; written, [>= n, 4].
+        bounds: Written: left, right, bottom, top as shares of the picture, [>= n, 4].
 
     Returns:
-        How many were written.
+        Number of rectangles.
     """
     left, right, bottom, top = tangents
     pose, reached, count = world_from_eye, np.zeros(_FIGURES), 0

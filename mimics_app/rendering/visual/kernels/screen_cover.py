@@ -1,4 +1,4 @@
-"""Few rectangles about all marks of a grid of cells: the one about all, cut in two where that leaves out most."""
+"""A few rectangles that cover all marked cells of a grid: the bounding one, split repeatedly where that saves most."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ U1 = NDArray[np.uint8]
 
 @kernel
 def mark_cells(bounds: F8, width: int, height: int, margin: float, cell: int, marked: U1) -> None:
-    """Mark the cells of a picture that rectangles reach into.
+    """Mark the cells of a picture that rectangles overlap.
 
     Args:
-        bounds: As shares of the picture: left, right, bottom, top; [n, 4].
-        width: Of the picture [px].
-        height: The same.
-        margin: About each rectangle [px].
-        cell: Side of a cell [px].
+        bounds: Rectangles as shares of the picture: left, right, bottom, top; [n, 4].
+        width: Width of the picture [px].
+        height: Height of the picture [px].
+        margin: Margin around each rectangle [px].
+        cell: Width of a square cell [px].
         marked: Set to 1, [rows, columns].
     """
     for i in range(bounds.shape[0]):
@@ -42,7 +42,7 @@ def mark_cells(bounds: F8, width: int, height: int, margin: float, cell: int, ma
 
 @kernel
 def _trim(marked: U1, rect: I4) -> None:
-    """Make a rectangle, x, y, width and height, the smallest one about the marks in it; it has some."""
+    """Shrink a rectangle (x, y, width, height) to the marks in it; there must be at least one."""
     x, y, width, height = rect[0], rect[1], rect[2], rect[3]
     left, right, bottom, top = width, -1, height, -1
     for row in range(height):
@@ -55,7 +55,7 @@ def _trim(marked: U1, rect: I4) -> None:
 
 @kernel
 def _spans(marked: U1, rect: I4, low: I4, high: I4, columns: bool) -> None:
-    """First mark and the one past the last of each column or row of a rectangle; of one without any, last and 0."""
+    """Write first and end mark of each column or row of a rectangle; its length and 0 where it has none."""
     x, y, width, height = rect[0], rect[1], rect[2], rect[3]
     lines, across = (width, height) if columns else (height, width)
     low[:lines], high[:lines] = across, 0
@@ -68,26 +68,26 @@ def _spans(marked: U1, rect: I4, low: I4, high: I4, columns: bool) -> None:
 
 @kernel
 def _best_cut(low: I4, high: I4, lines: int, across: int, before: I4) -> tuple[int, int]:
-    """Before which line a cut of a trimmed rectangle leaves out most, and how many cells that is.
+    """Return the line before which a cut of a trimmed rectangle saves most cells, and how many it saves.
 
     Args:
         low: First mark of each line, [>= lines].
-        high: The one past its last.
-        lines: How many.
-        across: Cells of each.
+        high: End mark of each line, [>= lines].
+        lines: Number of lines.
+        across: Cells per line.
         before: Scratch, [>= lines].
     """
-    least, most, last = across, 0, -1
+    lower, upper, last = across, 0, -1
     for line in range(lines):
-        least, most = min(least, low[line]), max(most, high[line])
+        lower, upper = min(lower, low[line]), max(upper, high[line])
         last = line if high[line] else last
-        before[line] = (last + 1) * (most - least)
-    least, most, first = across, 0, lines
+        before[line] = (last + 1) * (upper - lower)
+    lower, upper, first = across, 0, lines
     best, fewest = 0, lines * across
     for line in range(lines - 1, 0, -1):
-        least, most = min(least, low[line]), max(most, high[line])
+        lower, upper = min(lower, low[line]), max(upper, high[line])
         first = line if high[line] else first
-        total = before[line - 1] + (lines - first) * (most - least)
+        total = before[line - 1] + (lines - first) * (upper - lower)
         if total <= fewest:
             best, fewest = line, total
     return best, lines * across - fewest
@@ -95,7 +95,7 @@ def _best_cut(low: I4, high: I4, lines: int, across: int, before: I4) -> tuple[i
 
 @kernel
 def _find_cut(marked: U1, rect: I4, spare: I4) -> tuple[int, int, bool]:
-    """The best cut of a rectangle: before which of its lines, how many cells it leaves out, whether across."""
+    """Return the best cut of a rectangle: its line, the cells saved, and True for a cut between columns."""
     _spans(marked, rect, spare[0], spare[1], True)
     across, saved_across = _best_cut(spare[0], spare[1], rect[2], rect[3], spare[2])
     _spans(marked, rect, spare[0], spare[1], False)
@@ -107,15 +107,15 @@ def _find_cut(marked: U1, rect: I4, spare: I4) -> tuple[int, int, bool]:
 
 @kernel
 def cover_marks(marked: U1, worth: float, rects: I4) -> int:
-    """Rectangles of cells about all marks.
+    """Cover all marks by rectangles of cells.
 
     Args:
         marked: 1 where a cell is marked, [rows, columns].
-        worth: Fewest cells that a cut has to leave out.
-        rects: x, y, width, height [cells]; written, [most, 4].
+        worth: Minimum number of cells that a cut has to save.
+        rects: Written: x, y, width, height [cells], [capacity, 4].
 
     Returns:
-        How many there are, at most `len(rects)`.
+        Number of rectangles, at most `len(rects)`.
     """
     rows, columns = marked.shape
     if not marked.any():

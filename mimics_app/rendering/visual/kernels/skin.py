@@ -1,4 +1,4 @@
-"""Vertices bent by joints and morph targets, on the processor: positions and normals, as a plain stream."""
+"""Skinning on the processor: positions and normals deformed by joints and morph targets."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ __all__ = ["morph_vertices", "skin_dual", "skin_linear"]
 
 
 _COLUMNS = 4
-"""Of an affine matrix of three rows."""
+"""Columns of an affine matrix of three rows."""
 
 
 @kernel
 def morph_vertices(base: F4, deltas: F4, weights: F4, out: F4) -> None:
-    """Set out = base + sum of weighted deltas.
+    """Set out = base + weighted sum of deltas.
 
     Args:
         base: Positions or normals, [n, 3].
-        deltas: Of all targets, [targets, n, 3].
-        weights: [targets].
+        deltas: Deltas of all targets, [targets, n, 3].
+        weights: Weight of each target, [targets].
         out: Written, [n, 3].
     """
     for v in range(base.shape[0]):
@@ -47,15 +47,15 @@ def _store_normal(x: float, y: float, z: float, v: int, out: F4) -> None:
 
 @kernel
 def skin_linear(positions: F4, normals: F4, joints: U2, weights: F4, rows: F4, stretched: bool, out: F4) -> None:
-    """Mix the matrices of each vertex's joints (glTF 2.0 3.7.3).
+    """Skin vertices by blending the matrices of their joints (glTF 2.0 3.7.3).
 
     Args:
-        positions: As modelled, morphs added [m], [n, 3].
-        normals: Likewise, [n, 3].
-        joints: Numbers of joints, the heaviest first, [n, influences].
-        weights: Theirs, together 1, [n, influences].
+        positions: Morphed positions in the bind pose [m], [n, 3].
+        normals: Morphed normals in the bind pose, [n, 3].
+        joints: Numbers of joints, largest weight first, [n, influences].
+        weights: Their weights, of sum 1, [n, influences].
         rows: Palette, [joints, 3, 4].
-        stretched: True takes normals along by the cofactors, as what is stretched needs.
+        stretched: True transforms normals by the cofactor matrix, as joints with scale need.
         out: Position and normal are written, the rest is left; [n, 8].
     """
     m = np.empty((3, _COLUMNS), np.float32)
@@ -93,8 +93,8 @@ def skin_linear(positions: F4, normals: F4, joints: U2, weights: F4, rows: F4, s
 
 
 @kernel
-def _turn(qx: float, qy: float, qz: float, qw: float, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """A vector turned by a unit quaternion."""
+def _rotate(qx: float, qy: float, qz: float, qw: float, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Return a vector rotated by a unit quaternion."""
     tx = 2.0 * (qy * z - qz * y)
     ty = 2.0 * (qz * x - qx * z)
     tz = 2.0 * (qx * y - qy * x)
@@ -103,13 +103,13 @@ def _turn(qx: float, qy: float, qz: float, qw: float, x: float, y: float, z: flo
 
 @kernel
 def skin_dual(positions: F4, normals: F4, joints: U2, weights: F4, duals: F4, out: F4) -> None:
-    """Mix the dual quaternions of each vertex's joints, all on the side of the heaviest one (Kavan et al. 2008).
+    """Skin vertices by blending the dual quaternions of their joints in one hemisphere (Kavan et al. 2008).
 
     Args:
-        positions: As modelled, morphs added [m], [n, 3].
-        normals: Likewise, [n, 3].
-        joints: Numbers of joints, the heaviest first, [n, influences].
-        weights: Theirs, together 1, [n, influences].
+        positions: Morphed positions in the bind pose [m], [n, 3].
+        normals: Morphed normals in the bind pose, [n, 3].
+        joints: Numbers of joints, largest weight first, [n, influences].
+        weights: Their weights, of sum 1, [n, influences].
         duals: Palette: real part, dual part, xyzw each; [joints, 8].
         out: Position and normal are written, the rest is left; [n, 8].
     """
@@ -145,10 +145,10 @@ def skin_dual(positions: F4, normals: F4, joints: U2, weights: F4, duals: F4, ou
             sz * scale,
             sw * scale,
         )
-        px, py, pz = _turn(x, y, z, w, positions[v, 0], positions[v, 1], positions[v, 2])
-        # The shift is 2 (dual) (real)*; what of the dual part is along the real one falls out of it.
+        px, py, pz = _rotate(x, y, z, w, positions[v, 0], positions[v, 1], positions[v, 2])
+        # The translation is 2 (dual) (real)*; the component of the dual part along the real one cancels.
         out[v, 0] = px + 2.0 * (w * sx - sw * x + y * sz - z * sy)
         out[v, 1] = py + 2.0 * (w * sy - sw * y + z * sx - x * sz)
         out[v, 2] = pz + 2.0 * (w * sz - sw * z + x * sy - y * sx)
-        nx, ny, nz = _turn(x, y, z, w, normals[v, 0], normals[v, 1], normals[v, 2])
+        nx, ny, nz = _rotate(x, y, z, w, normals[v, 0], normals[v, 1], normals[v, 2])
         _store_normal(nx, ny, nz, v, out)

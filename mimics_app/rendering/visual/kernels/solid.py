@@ -1,4 +1,4 @@
-"""Where a closed surface has an inside: cells no triangle touches, winding numbers, and the best box of such cells."""
+"""Inside of a closed surface: cells that no triangle touches, winding numbers, and the best box of such cells."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ __all__ = ["find_best_box", "grow_box", "label_cells", "mark_cells", "points_on_
 _BISECTIONS = 10
 
 _CORNERS, _SIDES = 8, 6
-"""Of a box."""
+"""Corners and faces of a box."""
 
 
 @kernel
 def points_on_edges(points: F8, edges: I4, candidates: I4, tolerance: float, found: F8, most: int) -> int:
-    """Points that lie on edges between their ends, within a tolerance.
+    """Find the points that lie on edges between their ends, within a tolerance.
 
     Args:
-        points: [m], [n, 3].
-        edges: Two points each, [e, 2].
-        candidates: Numbers of points to try, [c].
-        tolerance: Largest distance from the edge, and least one from its ends [m].
-        found: Written: edge, point, how far along (0 to 1); [most, 3].
-        most: Lines of `found`.
+        points: Positions [m], [n, 3].
+        edges: Numbers of two points each, [e, 2].
+        candidates: Numbers of the points to test, [c].
+        tolerance: Maximum distance from the edge, and minimum distance from its ends [m].
+        found: Written: edge, point, parameter along the edge (0 to 1); [most, 3].
+        most: Rows of `found`.
 
     Returns:
-        How many, or `most + 1` when there are more.
+        Number of points found, `most + 1` when there are more.
     """
     count = 0
     for e in range(edges.shape[0]):
@@ -57,13 +57,13 @@ def points_on_edges(points: F8, edges: I4, candidates: I4, tolerance: float, fou
 
 @kernel
 def winding_number(triangles: F8, point: F8) -> float:
-    """How often surfaces wind about a point, counter-clockwise seen from outside: 1 inside, 0 outside.
+    """Return the winding number of surfaces about a point, counter-clockwise seen from outside: 1 inside, 0 outside.
 
     Sum of the solid angles of the triangles (Van Oosterom & Strackee 1983) over the whole sphere.
 
     Args:
-        triangles: Corners [m], [n, 3, 3].
-        point: [m], [3], on no triangle.
+        triangles: Vertices [m], [n, 3, 3].
+        point: Position [m], [3], on no triangle.
     """
     total = 0.0
     a, b, c = np.empty(3), np.empty(3), np.empty(3)
@@ -83,99 +83,99 @@ def winding_number(triangles: F8, point: F8) -> float:
 
 
 @kernel
-def _separated(axis: F8, corners: F8, half: F8) -> bool:
-    """True when a triangle and a box about the origin do not meet along an axis."""
-    low = high = axis[0] * corners[0, 0] + axis[1] * corners[0, 1] + axis[2] * corners[0, 2]
+def _separated(axis: F8, vertices: F8, half: F8) -> bool:
+    """Return True when an axis separates a triangle from a box around the origin."""
+    low = high = axis[0] * vertices[0, 0] + axis[1] * vertices[0, 1] + axis[2] * vertices[0, 2]
     for k in range(1, 3):
-        at = axis[0] * corners[k, 0] + axis[1] * corners[k, 1] + axis[2] * corners[k, 2]
+        at = axis[0] * vertices[k, 0] + axis[1] * vertices[k, 1] + axis[2] * vertices[k, 2]
         low, high = min(low, at), max(high, at)
     reach = abs(axis[0]) * half[0] + abs(axis[1]) * half[1] + abs(axis[2]) * half[2]
     return bool(low > reach or high < -reach)
 
 
 @kernel
-def touches_box(triangle: F8, least: F8, greatest: F8, scratch: F8) -> bool:
-    """True when a triangle and a closed box share a point (separating axes: Akenine-Moller 2001).
+def touches_box(triangle: F8, lower: F8, upper: F8, scratch: F8) -> bool:
+    """Return True when a triangle and a closed box intersect (separating axes: Akenine-Moller 2001).
 
     Args:
-        triangle: Corners [m], [3, 3].
-        least: Corner of the box [m], [3].
-        greatest: The other one.
-        scratch: [8, 3].
+        triangle: Vertices [m], [3, 3].
+        lower: Minimum corner of the box [m], [3].
+        upper: Maximum corner [m], [3].
+        scratch: Scratch, [8, 3].
     """
     for k in range(3):
         low = min(triangle[0, k], triangle[1, k], triangle[2, k])
         high = max(triangle[0, k], triangle[1, k], triangle[2, k])
-        if low > greatest[k] or high < least[k]:
+        if low > upper[k] or high < lower[k]:
             return False
-    half, corners = scratch[0], scratch[1:4]
+    half, vertices = scratch[0], scratch[1:4]
     for k in range(3):
-        half[k] = 0.5 * (greatest[k] - least[k])
-        for corner in range(3):
-            corners[corner, k] = triangle[corner, k] - 0.5 * (greatest[k] + least[k])
-    return not _parted(half, corners, scratch[4:7], scratch[7])
+        half[k] = 0.5 * (upper[k] - lower[k])
+        for vertex in range(3):
+            vertices[vertex, k] = triangle[vertex, k] - 0.5 * (upper[k] + lower[k])
+    return not _separated_by_edges(half, vertices, scratch[4:7], scratch[7])
 
 
 @kernel
-def _parted(half: F8, corners: F8, edges: F8, axis: F8) -> bool:
-    """True when the triangle's normal, or one of its edges crossed with one of the box's, keeps both apart."""
+def _separated_by_edges(half: F8, vertices: F8, edges: F8, axis: F8) -> bool:
+    """Return True when the triangle's normal, or the cross product of two edges, is a separating axis."""
     for k in range(3):
         for edge in range(3):
-            edges[edge, k] = corners[(edge + 1) % 3, k] - corners[edge, k]
+            edges[edge, k] = vertices[(edge + 1) % 3, k] - vertices[edge, k]
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
         axis[k] = edges[0, i] * edges[1, j] - edges[0, j] * edges[1, i]
-    if _separated(axis, corners, half):
+    if _separated(axis, vertices, half):
         return True
     for edge in range(3):
         for k in range(3):
             i, j = (k + 1) % 3, (k + 2) % 3
             axis[k], axis[i], axis[j] = 0.0, -edges[edge, j], edges[edge, i]
-            if _separated(axis, corners, half):
+            if _separated(axis, vertices, half):
                 return True
     return False
 
 
 @kernel
-def mark_cells(triangles: F8, least: F8, size: F8, blocked: U1) -> None:
+def mark_cells(triangles: F8, lower: F8, size: F8, blocked: U1) -> None:
     """Mark the cells of a grid that triangles touch.
 
     Args:
-        triangles: Corners [m], [n, 3, 3].
-        least: Corner of the grid [m], [3].
-        size: Of a cell [m], [3].
+        triangles: Vertices [m], [n, 3, 3].
+        lower: Minimum corner of the grid [m], [3].
+        size: Size of a cell [m], [3].
         blocked: Set to 1 where touched, [nx, ny, nz].
     """
     scratch, low, high = np.empty((_CORNERS, 3)), np.empty(3), np.empty(3)
     first, last = np.empty(3, np.int64), np.empty(3, np.int64)
     for t in range(triangles.shape[0]):
         for k in range(3):
-            start = min(triangles[t, 0, k], triangles[t, 1, k], triangles[t, 2, k]) - least[k]
-            end = max(triangles[t, 0, k], triangles[t, 1, k], triangles[t, 2, k]) - least[k]
+            start = min(triangles[t, 0, k], triangles[t, 1, k], triangles[t, 2, k]) - lower[k]
+            end = max(triangles[t, 0, k], triangles[t, 1, k], triangles[t, 2, k]) - lower[k]
             first[k] = max(0, math.floor(start / size[k]) - 1)
             last[k] = min(blocked.shape[k] - 1, math.floor(end / size[k]) + 1)
         for i in range(first[0], last[0] + 1):
-            low[0], high[0] = least[0] + i * size[0], least[0] + (i + 1) * size[0]
+            low[0], high[0] = lower[0] + i * size[0], lower[0] + (i + 1) * size[0]
             for j in range(first[1], last[1] + 1):
-                low[1], high[1] = least[1] + j * size[1], least[1] + (j + 1) * size[1]
+                low[1], high[1] = lower[1] + j * size[1], lower[1] + (j + 1) * size[1]
                 for k in range(first[2], last[2] + 1):
-                    low[2], high[2] = least[2] + k * size[2], least[2] + (k + 1) * size[2]
+                    low[2], high[2] = lower[2] + k * size[2], lower[2] + (k + 1) * size[2]
                     if not blocked[i, j, k] and touches_box(triangles[t], low, high, scratch):
                         blocked[i, j, k] = 1
 
 
 @kernel
 def label_cells(blocked: U1, labels: I4, stack: I4, seeds: I4) -> int:
-    """Number the groups of free cells that hang together by faces.
+    """Label the groups of free cells that are connected by faces.
 
     Args:
-        blocked: [nx, ny, nz].
+        blocked: 1 where a cell is blocked, [nx, ny, nz].
         labels: Written: number of the group from 1 on, 0 where blocked; [nx, ny, nz].
         stack: Scratch, [cells, 3].
         seeds: Written: one cell of each group, [cells, 3].
 
     Returns:
-        How many groups.
+        Number of groups.
     """
     labels[:] = 0
     groups = 0
@@ -211,7 +211,7 @@ def _flood(blocked: U1, labels: I4, stack: I4, i: int, j: int, k: int, label: in
 
 @kernel
 def _longest_run(free: U1) -> tuple[int, int]:
-    """First cell and length of the longest row of free cells."""
+    """Return first cell and length of the longest run of free cells."""
     best = start = length = 0
     best_start = 0
     for i in range(free.shape[0]):
@@ -228,15 +228,15 @@ def _longest_run(free: U1) -> tuple[int, int]:
 
 @kernel
 def find_best_box(free: U1, size: F8, out: I4) -> float:
-    """The box of free cells with the largest surface, by trying every pair of layers in two axes.
+    """Find the box of free cells with the largest surface, by trying every pair of layers in two axes.
 
     Args:
         free: 1 where a cell may be used, [nx, ny, nz].
-        size: Of a cell [m], [3].
-        out: Written: first cell of it and the one past the last, [2, 3].
+        size: Size of a cell [m], [3].
+        out: Written: first cell and end of the box, [2, 3].
 
     Returns:
-        Half its surface [m^2], 0 where no cell is free.
+        Half of its surface [m^2], 0 where no cell is free.
     """
     nx, ny, nz = free.shape
     best = 0.0
@@ -261,21 +261,21 @@ def find_best_box(free: U1, size: F8, out: I4) -> float:
 
 
 @kernel
-def _is_free(triangles: F8, least: F8, greatest: F8, scratch: F8) -> bool:
+def _is_free(triangles: F8, lower: F8, upper: F8, scratch: F8) -> bool:
     for t in range(triangles.shape[0]):
-        if touches_box(triangles[t], least, greatest, scratch):
+        if touches_box(triangles[t], lower, upper, scratch):
             return False
     return True
 
 
 @kernel
 def grow_box(triangles: F8, box: F8, reach: F8) -> None:
-    """Push the faces of a box that no triangle touches outwards, each as far as none does, by bisection.
+    """Move the faces of a box outwards in turn, each as far as no triangle touches the box, by bisection.
 
     Args:
-        triangles: Corners [m], [n, 3, 3].
-        box: Least and greatest corner [m], [2, 3], changed.
-        reach: Farthest each face may go, by axis [m], [3].
+        triangles: Vertices [m], [n, 3, 3].
+        box: Minimum and maximum corner [m], [2, 3], changed.
+        reach: Maximum displacement of a face by axis [m], [3].
     """
     scratch = np.empty((_CORNERS, 3))
     for face in range(_SIDES):

@@ -1,4 +1,4 @@
-"""Sprites of a view: which are seen, and their corners relative to the eye."""
+"""Sprites of a view: frustum culling, and their vertices relative to the camera."""
 
 from __future__ import annotations
 
@@ -16,39 +16,39 @@ SPRITE_VERTEX = np.dtype(
     [
         ("position", "f4", (3,)),  # eye frame [m]
         ("tint", "f4", (4,)),  # linear RGBA
-        ("style", "u2", (4,)),  # layer; opacity, roundness and cutoff as shares of 65535
+        ("style", "u2", (4,)),  # layer; opacity, roundness and alpha cutoff as shares of 65535
     ]
 )
-"""One corner as the shader reads it; four a sprite: lower left, lower right, upper left, upper right."""
+"""One vertex as the shader reads it; four per sprite: lower left, lower right, upper left, upper right."""
 
 _WHOLE = 65535.0
 
 _FREE, _UPRIGHT, _OWN, _LEVEL = 0, 1, 2, 3
 _STEEPEST = 1e-4
-"""Sine of the angle to the vertical below which "right" is the eye's own."""
+"""Sine of the angle to the vertical below which the camera's right axis is used."""
 
-_CORNERS, _NUMBERS = 4, 4
-"""Of a sprite, and of its tint and style."""
+_VERTICES, _NUMBERS = 4, 4
+"""Vertices of a sprite, and components of its tint and style."""
 
 
 @kernel
 def see_sprites(
     sprites: Records, count: int, planes: F8, eye: F8, masked: U1, solid: I4, blended: I4, away: F8
 ) -> tuple[int, int]:
-    """Pick what is in a frustum.
+    """Cull sprites against a frustum.
 
     Args:
         sprites: SPRITE, [>= count].
-        count: How many there are.
+        count: Number of sprites.
         planes: Unit normals inwards and offsets, [k, 4].
-        eye: World [m], [3].
-        masked: 1 for a state that is cut out instead of blended, [states].
-        solid: Written: numbers of those cut out, [>= count].
-        blended: Written: numbers of the others, [>= count].
-        away: Written: distance of each of the others [m], [>= count].
+        eye: Position of the camera, world [m], [3].
+        masked: 1 for a state with alpha test instead of blending, [states].
+        solid: Written: numbers of the masked sprites, [>= count].
+        blended: Written: numbers of the blended sprites, [>= count].
+        away: Written: distance of each blended sprite [m], [>= count].
 
     Returns:
-        How many are cut out, and how many are not.
+        Number of masked and of blended sprites.
     """
     solids = others = 0
     for i in range(count):
@@ -75,9 +75,9 @@ def see_sprites(
 
 @kernel
 def _axes_before_eye(place: F8, eye: F8, right_of_eye: F8, facing: int, out: F8) -> None:
-    """Unit vectors to the right and up of a picture that looks at the eye; the world's up stays up.
+    """Write the right and up unit vectors of a sprite that faces the camera, upright in the world.
 
-    Of a level one, words, right is the eye's own: they do not lean at the sides of the picture.
+    A level one (text) has the camera's right axis, so that it does not lean at the sides of the picture.
     """
     x, y, z = eye[0] - place[0], eye[1] - place[1], eye[2] - place[2]
     length = math.sqrt(x * x + y * y + z * z)
@@ -102,7 +102,7 @@ def _axes_before_eye(place: F8, eye: F8, right_of_eye: F8, facing: int, out: F8)
 
 @kernel
 def _turned_axes(q: F4, out: F8) -> None:
-    """The x and y axes of a quaternion's rotation."""
+    """Write the x and y axes of a quaternion's rotation."""
     x, y, z, w = float(q[0]), float(q[1]), float(q[2]), float(q[3])
     out[0, 0], out[0, 1], out[0, 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)
     out[1, 0], out[1, 1], out[1, 2] = 2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)
@@ -112,15 +112,15 @@ def _turned_axes(q: F4, out: F8) -> None:
 def write_sprites(
     sprites: Records, order: I4, count: int, first: int, eye: F8, right_of_eye: F8, axes: F8, out: Records
 ) -> None:
-    """Write the corners of sprites as the shader reads them, relative to the eye, subtracted in float64.
+    """Write the vertices of sprites as the shader reads them, relative to the camera, subtracted in float64.
 
     Args:
         sprites: SPRITE.
         order: Numbers of sprites in draw order, [>= count].
-        count: How many.
-        first: Where in `out` the first one goes.
-        eye: World [m], [3].
-        right_of_eye: Unit, world, [3]: right of words, and of what is seen from straight above.
+        count: Number of sprites.
+        first: Row of the first sprite in `out`.
+        eye: Position of the camera, world [m], [3].
+        right_of_eye: Right axis of the camera, unit, world, [3]: of text, and of sprites seen from straight above.
         axes: Scratch, [2, 3].
         out: SPRITE_VERTEX, [>= first + count, 4].
     """
@@ -138,14 +138,14 @@ def write_sprites(
         lift = float(sprites[n]["lift"])
         for k in range(3):
             across, along = wide * (axes[0, k] * c + axes[1, k] * s), high * (axes[1, k] * c - axes[0, k] * s)
-            middle = place[k] - eye[k] + lift * along
-            out[first + i, 0]["position"][k] = middle - across - along
-            out[first + i, 1]["position"][k] = middle + across - along
-            out[first + i, 2]["position"][k] = middle - across + along
-            out[first + i, 3]["position"][k] = middle + across + along
+            centre = place[k] - eye[k] + lift * along
+            out[first + i, 0]["position"][k] = centre - across - along
+            out[first + i, 1]["position"][k] = centre + across - along
+            out[first + i, 2]["position"][k] = centre - across + along
+            out[first + i, 3]["position"][k] = centre + across + along
         style = sprites[n]["style"]
-        for corner in range(_CORNERS):
-            vertex = out[first + i, corner]
+        for number in range(_VERTICES):
+            vertex = out[first + i, number]
             for k in range(_NUMBERS):
                 vertex["tint"][k] = sprites[n]["tint"][k]
             vertex["style"][0] = np.uint16(style[0])

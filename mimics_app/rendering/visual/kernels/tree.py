@@ -1,7 +1,7 @@
-"""Culling by the scene graph: an inner node that is outside takes all below it along, by one test.
+"""Hierarchical frustum culling by the scene graph: one test culls everything below a group that is outside.
 
-The tree is a list in which everything below a group follows it, and each group knows where that ends. Long rows of
-siblings are put into groups of their own, neighbours in space together.
+The tree is a list in depth-first order: the entries below a group follow it, up to its skip index. Long rows of
+siblings are split into groups of spatial neighbours.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ __all__ = ["FAN_OUT", "build_tree", "count_below", "cull_tree", "refit_tree"]
 
 
 FAN_OUT = 8
-"""Siblings that stand in one group before they are split up."""
+"""Maximum number of siblings in a group before it is split."""
 
 _NODE, _ROW, _OPEN, _CLOSE = 0, 1, 2, 3
 
 
 @kernel
 def count_below(parents: I4, items_of: I4, out: I4) -> None:
-    """Items on each row and below it; rows parents first.
+    """Count the items on each row and below it; parents come before their children.
 
     Args:
         parents: Row of each row's parent, -1: none; [rows].
@@ -40,7 +40,7 @@ def count_below(parents: I4, items_of: I4, out: I4) -> None:
 
 @kernel
 def _push_siblings(children: I4, below: I4, a: int, b: int, stack: I4, height: int) -> int:
-    """Put siblings on the stack, each on its own or, of many, in groups; returns the stack's height."""
+    """Push siblings onto the stack, one by one or, if many, in groups; return the stack's height."""
     if b - a > FAN_OUT:
         step = (b - a + FAN_OUT - 1) // FAN_OUT
         for part in range(a, b, step):
@@ -67,22 +67,22 @@ def build_tree(
     skips: I4,
     above: I4,
 ) -> tuple[int, int]:
-    """Lay the tree out.
+    """Build the list of entries.
 
     Args:
         parents: Row of each row's parent, -1: none; [rows].
-        children: Rows sorted by their parent and within by place in space, roots first; [rows].
-        first_child: First in `children` of each row's, roots at 0; [rows + 2].
+        children: Rows sorted by parent, then by position, roots first; [rows].
+        first_child: Index in `children` of each row's first child, roots at 0; [rows + 2].
         items: Items sorted by row, [n].
-        first_item: First in `items` of each row's, [rows + 1].
-        below: Items on each row and below it, [rows].
+        first_item: Index in `items` of each row's first item, [rows + 1].
+        below: Number of items on each row and below it, [rows].
         stack: Scratch, [>= 4 rows + 64, 3].
         entries: Written: an item, or -1 - group; [>= n + groups].
-        skips: Written: where what follows an entry ends, as long.
-        above: Written: group each group is in, -1: none; [>= groups].
+        skips: Written: index after the last entry below each entry, [>= n + groups].
+        above: Written: enclosing group of each group, -1: none; [>= groups].
 
     Returns:
-        Entries and groups.
+        Number of entries and of groups.
     """
     count = groups = 0
     current = -1
@@ -118,17 +118,17 @@ def build_tree(
 
 @kernel
 def refit_tree(entries: I4, count: int, above: I4, groups: int, holders: I4, centres: F8, radii: F8, boxes: F8) -> None:
-    """Boxes of the groups in the world, about the spheres of the items below.
+    """Compute the groups' bounding boxes in the world from the spheres of the items below.
 
     Args:
         entries: See `build_tree`.
-        count: How many.
-        above: Group each group is in.
-        groups: How many.
-        holders: Group each entry is in, -1: none; [>= count].
-        centres: Of the items' spheres [m], [n, 3].
-        radii: [m], [n].
-        boxes: Written: least and greatest corner, [>= groups, 2, 3].
+        count: Number of entries.
+        above: Enclosing group of each group.
+        groups: Number of groups.
+        holders: Innermost group of each entry, -1: none; [>= count].
+        centres: Centres of the items' spheres, world [m], [n, 3].
+        radii: Their radii [m], [n].
+        boxes: Written: minimum and maximum corner [m], [>= groups, 2, 3].
     """
     for group in range(groups):
         for k in range(3):
@@ -148,8 +148,8 @@ def refit_tree(entries: I4, count: int, above: I4, groups: int, holders: I4, cen
 
 
 @kernel
-def _place(planes: F8, boxes: F8, group: int) -> int:
-    """-1: a box is wholly outside one plane, 1: wholly inside all, 0: neither."""
+def _classify(planes: F8, boxes: F8, group: int) -> int:
+    """Return -1 for a box wholly outside one plane, 1 for one inside all, 0 otherwise."""
     inside = 1
     for p in range(planes.shape[0]):
         depth, reach = planes[p, 3], 0.0
@@ -178,24 +178,24 @@ def cull_tree(
     boxes: F8,
     out: I4,
 ) -> tuple[int, int]:
-    """Test groups first: what is below one that is outside is not looked at, below one inside it is taken as it is.
+    """Cull groups first: items of a group outside are skipped, those of a group inside are accepted without a test.
 
     Args:
         planes: Unit normals inwards and offsets, [k, 4].
         shown: 1 where the item may be drawn at all, [n].
         rows: Row of the node per item, [n].
         world: T_world_from_node per row, [rows, 4, 4].
-        centres: Of the spheres in the world [m], [n, 3].
-        radii: [m], [n].
-        half: Half sizes of the boxes about the same centres, in their nodes' frames [m], [n, 3].
+        centres: Centres of the spheres, world [m], [n, 3].
+        radii: Their radii [m], [n].
+        half: Half extents of the boxes around the same centres, in their nodes' frames [m], [n, 3].
         entries: See `build_tree`.
         skips: See `build_tree`.
-        count: Entries.
-        boxes: Of the groups, see `refit_tree`.
-        out: Receives the items not wholly outside, [n].
+        count: Number of entries.
+        boxes: Bounding boxes of the groups, see `refit_tree`.
+        out: Written: numbers of the items not wholly outside, [n].
 
     Returns:
-        How many there are, and how many tests it took.
+        Number of items, and of tests.
     """
     found = tests = 0
     e = within = 0
@@ -206,7 +206,7 @@ def cull_tree(
                 e += 1
                 continue
             tests += 1
-            where = _place(planes, boxes, -1 - item)
+            where = _classify(planes, boxes, -1 - item)
             if where < 0:
                 e = skips[e]
                 continue

@@ -1,3 +1,3 @@
-"""The page to choose a scenario from, drawn and steered in a window of its own."""
+"""The launcher: pages to choose a scene, to wait for it, and to show its result."""
 
 __all__: list[str] = []

@@ -22,9 +22,9 @@ __all__ = ["Launcher", "LauncherChoice", "ScenarioCard"]
 
 _WHEEL_STEP = 60.0
 _STICK_ON, _STICK_OFF = 0.6, 0.3
-"""Deflection at which a stick makes one step, and below which it may make the next [-]."""
+"""Deflection of the stick at which it makes a step, and below which it is armed for the next [-]."""
 
-_MOST_TYPED = 60
+_MAX_TYPED = 60
 
 _MOVES = {
     "up": (0, -1),
@@ -54,26 +54,26 @@ KEYS = (
 
 
 class LauncherChoice(NamedTuple):
-    """What the person wants to run: the scene file, and one value per setting."""
+    """The choice: a scene file, and one value per setting."""
 
     scene: Path
     settings: dict[str, str]
 
 
 class Launcher:
-    """The launcher's state, driven by `handle` and shown by `draw`; the caller polls and swaps the surface.
+    """The first screen, driven by `handle` and shown by `draw`; the caller polls and swaps the surface.
 
     Args:
         surface: A window, or an offscreen surface in tests.
-        scenarios: At least one; their groups become tabs in the order they first appear.
-        settings: What can be set.
-        last: What was chosen the last time: scene and settings that are there are taken over.
-        notice: What went wrong with the last start, "" for nothing.
+        scenarios: At least one; their groups become tabs in order of first appearance.
+        settings: The settings.
+        last: The last choice, whose scene and settings are preselected if they still exist.
+        notice: Error of the last start, "" for none.
 
     Attributes:
-        choice: What was chosen; None until the person starts a scene.
-        left: True once the person left without choosing.
-        values: The value of each setting now.
+        choice: The choice; None until a scene is started.
+        left: True once the launcher was left without a choice.
+        values: The present value of each setting.
 
     Raises:
         UsageError: no scene, or a setting without values.
@@ -108,11 +108,11 @@ class Launcher:
         self._page = LauncherPage(self._hud)
         self._take_over(last)
         self._fit()
-        self._look_at(self._focus)
+        self._focus_on(self._focus)
 
     @property
     def done(self) -> bool:
-        """True when the person has chosen or left."""
+        """Whether a scene was started or the launcher left."""
         return self.left or self.choice is not None
 
     @property
@@ -121,7 +121,7 @@ class Launcher:
         return self._cards[self._chosen].scene
 
     def handle(self, events: Sequence[InputEvent]) -> None:
-        """Take what happened since the last call, and the gamepad's stick as the surface holds it."""
+        """Process the events since the last call, and the present state of the gamepad's stick."""
         self._fit()
         for event in events:
             if self.done:
@@ -158,7 +158,7 @@ class Launcher:
             self.left = True
 
     def _take_over(self, last: LauncherChoice | None) -> None:
-        """Begin with what was chosen the last time."""
+        """Preselect the last choice."""
         if last is None:
             return
         known = {setting.name: setting for setting in self._settings}
@@ -169,14 +169,14 @@ class Launcher:
         self._chosen, self._focus = found, ("card", found)
 
     def _load_pictures(self) -> list[int]:
-        """Bring each picture to the canvas once; the layer of each card's."""
+        """Load each image once; return the layer of each card's image."""
         files = list(dict.fromkeys(card.picture for card in self._cards))
         self._hud.images = np.stack([load_thumbnail(file) for file in files])
         return [files.index(card.picture) for card in self._cards]
 
     @property
     def _visible(self) -> list[int]:
-        """Numbers of the cards that are listed: those that the search finds, else the group's."""
+        """Numbers of the listed cards: those found by the search, else those of the group."""
         words, group = self._search.lower().split(), self._tabs[self._tab]
         if not words and group != _ALL:
             return [i for i, card in enumerate(self._cards) if card.group == group]
@@ -184,7 +184,7 @@ class Launcher:
         return [i for i in everywhere if all(word in _text_of(self._cards[i]) for word in words)]
 
     def _fit(self) -> None:
-        """Bring the page up to date with the state, and the state within what the page holds."""
+        """Update the page from the state, and limit the scroll position to the page."""
         self._canvas.fit()
         visible = self._visible
         self._page.state = PageState(
@@ -225,7 +225,7 @@ class Launcher:
             self._choose()
 
     def _leave(self) -> None:
-        """Out of the page of keys, then of the search, then of the launcher."""
+        """Leave the page of keys, else the search, else the launcher."""
         if self._keys_shown:
             self._keys_shown = False
         elif self._search:
@@ -234,28 +234,28 @@ class Launcher:
             self.left = True
 
     def _type(self, character: str) -> None:
-        """A character for the field that is lit, else for the search; "" takes the last one away."""
+        """Append a character to the focused field, else to the search; "" deletes the last one."""
         setting = self._setting_in_focus()
         before = self._search if setting is None or not setting.typed else self.values[setting.name]
-        text = (before + character)[:_MOST_TYPED] if character else before[:-1]
+        text = (before + character)[:_MAX_TYPED] if character else before[:-1]
         if setting is not None and setting.typed:
             self.values[setting.name] = text.lstrip()
         elif text != before:
             self._find(text.lstrip())
 
     def _find(self, search: str) -> None:
-        """List what a search finds, its first card chosen."""
+        """List the cards that a search finds, and select the first."""
         self._search = search
-        self._list_anew()
+        self._refresh_list()
 
-    def _list_anew(self) -> None:
+    def _refresh_list(self) -> None:
         visible = self._visible
         if visible and self._chosen not in visible:
             self._chosen = visible[0]
         self._scroll = 0.0
         self._fit()
         if self._focus[0] == "card" or not visible:
-            self._look_at(("card", max(self._page.state.chosen, 0)))
+            self._focus_on(("card", max(self._page.state.chosen, 0)))
 
     def _choose(self) -> None:
         kind, index = self._focus
@@ -291,7 +291,7 @@ class Launcher:
     def _open_tab(self, index: int) -> None:
         self._tab, self._search = index % len(self._tabs), ""
         self._focus = ("tab", self._tab)
-        self._list_anew()
+        self._refresh_list()
 
     def _move(self, right: int, down: int) -> None:
         kind, index = self._focus
@@ -302,32 +302,32 @@ class Launcher:
         elif kind == "option" and right:
             self._change(index, right)
         elif right < 0:
-            self._look_at(("card", max(self._page.state.chosen, 0)))
+            self._focus_on(("card", max(self._page.state.chosen, 0)))
         else:
             self._move_in_column(down)
 
     def _move_in_cards(self, index: int, right: int, down: int) -> None:
         columns, count = self._page.columns, len(self._page.state.cards)
         if right > 0 and (index % columns == columns - 1 or index >= count - 1):
-            self._look_at(("option", 0) if self._settings else ("start", 0))
+            self._focus_on(("option", 0) if self._settings else ("start", 0))
             return
         target = index + right + down * columns
         if down < 0 and target < 0:
-            self._look_at(("tab", self._tab))
+            self._focus_on(("tab", self._tab))
         elif 0 <= target < count and (right == 0 or target // columns == index // columns):
             self._choose_card(target)
-            self._look_at(("card", target))
+            self._focus_on(("card", target))
 
     def _move_in_tabs(self, index: int, right: int, down: int) -> None:
         if right:
             self._open_tab(min(max(index + right, 0), len(self._tabs) - 1))
         elif down > 0:
-            self._look_at(("card", max(self._page.state.chosen, 0)))
+            self._focus_on(("card", max(self._page.state.chosen, 0)))
 
     def _move_in_column(self, down: int) -> None:
         places = [*self._option_places, ("start", 0)]
         at = places.index(self._focus) + down
-        self._look_at(places[min(max(at, 0), len(places) - 1)])
+        self._focus_on(places[min(max(at, 0), len(places) - 1)])
 
     @property
     def _option_places(self) -> list[tuple[str, int]]:
@@ -337,9 +337,9 @@ class Launcher:
         card = ("card", max(self._page.state.chosen, 0))
         places = [card, *self._option_places, ("start", 0), ("tab", self._tab)]
         at = places.index(self._focus) if self._focus in places else -1
-        self._look_at(places[(at + 1) % len(places)])
+        self._focus_on(places[(at + 1) % len(places)])
 
-    def _look_at(self, focus: tuple[str, int]) -> None:
+    def _focus_on(self, focus: tuple[str, int]) -> None:
         self._focus = focus
         if focus[0] != "card":
             return
@@ -356,7 +356,7 @@ class Launcher:
         return next((spot for spot in self._page.spots() if is_within(place, spot.box)), None)
 
     def _hover(self, spot: Spot | None) -> None:
-        """What is pointed at is lit; a field that is being filled stays so until something is clicked."""
+        """Focus the item under the pointer; a text field keeps the focus until something is clicked."""
         setting = self._setting_in_focus()
         if spot is not None and not (setting is not None and setting.typed):
             self._focus = (spot.kind, spot.index)
@@ -389,5 +389,5 @@ class Launcher:
 
 
 def _text_of(card: ScenarioCard) -> str:
-    """Where a search looks."""
+    """Return the text that a search is matched against."""
     return f"{card.title} {card.description} {card.group} {card.scene.stem}".lower()

@@ -1,4 +1,4 @@
-"""How the launcher's page is laid out and drawn: groups, cards of scenes, settings, a start button."""
+"""Layout and drawing of the launcher's page: groups, cards of scenes, settings, start button."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _FOOT = 56.0
 _ROW, _ROW_GAP = 44.0, 7.0
 _START, _LINE = 54.0, 18.0
 _TAB_HEIGHT = 34.0
-_LEAST_CARD = 250.0
+_MIN_CARD = 250.0
 _PICTURE_SHAPE = 16.0 / 9.0
 _TEXT_HEIGHT = 112.0
 _HINT = "Arrows, Tab, stick: move    Enter, A: choose    type: search    F1: keys    Esc, B: leave"
@@ -40,17 +40,17 @@ _HINT = "Arrows, Tab, stick: move    Enter, A: choose    type: search    F1: key
 
 @dataclass(frozen=True)
 class ScenarioCard:
-    """One scene a person may choose.
+    """Card of one scene.
 
     Attributes:
         title: A few words.
         description: A sentence or two.
-        picture: PNG or JPEG of it, or None; drawn at 16:9.
-        scene: The scene file that runs it.
-        group: In which it stands.
-        facts: What it takes and how long, or when it was played, a few words.
-        badge: What stands large beside the title, such as the last score.
-        everywhere: Whether it is found by a search and among all; else in its group alone, as one that was played.
+        picture: PNG or JPEG file, or None; drawn at 16:9.
+        scene: The scene file.
+        group: Group that it is listed in.
+        facts: Devices and duration, or when it was played, in a few words.
+        badge: Emphasised text beside the title, such as the last score.
+        everywhere: True to list it in searches and under "All" too; False for its group alone, as a played scene.
     """
 
     title: str
@@ -65,7 +65,7 @@ class ScenarioCard:
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """A place one can point at: what it is, which one, and for settings the step it makes."""
+    """A clickable area: its box, kind and index, and for settings the step of a click."""
 
     box: Box
     kind: str
@@ -75,19 +75,19 @@ class Spot:
 
 @dataclass(frozen=True, slots=True)
 class PageState:
-    """What the page shows.
+    """Content of the page.
 
     Attributes:
-        cards: With the layer of its picture each.
-        chosen: Place of the chosen card among them, -1 where it is not there.
-        focus: Kind of spot, and which one.
+        cards: Listed cards, each with the layer of its image.
+        chosen: Index of the selected card, -1 where it is not listed.
+        focus: Kind and index of the focused spot.
         tabs: Names of the groups.
-        tab: The present one.
-        search: What was typed.
-        settings: Those that matter now.
-        values: By their names.
-        notice: What went wrong with the last start, "" for nothing.
-        scroll: How far the cards are scrolled [hud px].
+        tab: Index of the present group.
+        search: Text of the search.
+        settings: Settings that apply at present.
+        values: Their values by name.
+        notice: Error of the last start, "" for none.
+        scroll: Scroll position of the cards [hud px].
     """
 
     cards: Sequence[tuple[ScenarioCard, int]] = ()
@@ -103,10 +103,10 @@ class PageState:
 
 
 class LauncherPage:
-    """The page as boxes; knows nothing of events.
+    """The page as boxes; independent of events.
 
     Attributes:
-        state: What it shows.
+        state: Content of the page.
     """
 
     def __init__(self, hud: Hud) -> None:
@@ -115,25 +115,25 @@ class LauncherPage:
 
     @property
     def columns(self) -> int:
-        """Cards side by side: as many as stay wide enough."""
-        return max(1, int((self._cards_width + _GAP) // (_LEAST_CARD + _GAP)))
+        """Number of columns of cards."""
+        return max(1, int((self._cards_width + _GAP) // (_MIN_CARD + _GAP)))
 
     @property
     def max_scroll(self) -> float:
-        """How far the cards can be scrolled [hud px]."""
+        """Largest scroll position of the cards [hud px]."""
         rows = -(-len(self.state.cards) // self.columns)
         content = rows * (self._card_size[1] + _GAP) - _GAP
         return max(0.0, content - (CANVAS_HEIGHT - _HEAD - _FOOT))
 
     def card_box(self, index: int, scroll: float) -> Box:
-        """Where a card lies."""
+        """Return the box of a card."""
         width, height = self._card_size
         row, column = divmod(index, self.columns)
         top = CANVAS_HEIGHT - _HEAD + scroll - row * (height + _GAP)
         return (_MARGIN + column * (width + _GAP), top - height, width, height)
 
     def spots(self) -> list[Spot]:
-        """Everything one can point at, the topmost first."""
+        """Return all clickable areas, the topmost first."""
         state = self.state
         spots = [Spot(self._start_box, "start")]
         for index in range(len(state.settings)):
@@ -145,7 +145,7 @@ class LauncherPage:
         return spots + [spot for spot in cards if spot.box[1] < CANVAS_HEIGHT - _HEAD]
 
     def draw(self) -> None:
-        """Put the page on the hud."""
+        """Draw the page on the canvas."""
         hud, state = self._hud, self.state
         hud.clear()
         hud.box(0.0, 0.0, hud.width, CANVAS_HEIGHT, BACK)
@@ -153,7 +153,7 @@ class LauncherPage:
             self._draw_card(index)
         if not state.cards:
             hud.text(_MARGIN, CANVAS_HEIGHT - _HEAD - 40.0, "No scene has these words", 20.0, FAINT)
-        # What scrolls past the head and the foot is covered again, so that one draw call needs no clipping.
+        # Cards that scroll under head and foot are covered again, which replaces clipping in the one draw call.
         hud.box(0.0, CANVAS_HEIGHT - _HEAD + 8.0, hud.width, _HEAD - 8.0, BACK)
         hud.box(0.0, 0.0, hud.width, _FOOT - 8.0, BACK)
         self._draw_head()
@@ -248,7 +248,7 @@ class LauncherPage:
         hud.text(x + 0.5 * width, y + 18.0, "Start", 25.0, ON_ACCENT, bold=True, align="centre")
 
     def _explanation(self) -> str:
-        """What stands over the start: help with the setting in focus, else all that the card of the scene says."""
+        """Return the text above the start button: help on the focused setting, else the scene's description."""
         state = self.state
         kind, which = state.focus
         if kind == "option" and which < len(state.settings):

@@ -1,4 +1,4 @@
-"""A page over the whole of a surface: a canvas, what draws it, and where on it the pointer is."""
+"""A page that fills a surface: its canvas, drawing and pointer coordinates."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Box = tuple[float, float, float, float]
 
 
 class PageSurface:
-    """Draws a canvas over all of a surface.
+    """Draws a canvas over a whole surface.
 
     Args:
-        surface: Owned by the caller, who polls and swaps it.
+        surface: Owned by the caller, which polls and swaps it.
 
     Attributes:
         hud: The canvas.
@@ -35,12 +35,12 @@ class PageSurface:
         self.fit()
 
     def fit(self) -> None:
-        """Give the canvas the shape of the surface."""
+        """Set the canvas to the aspect ratio of the surface."""
         width, height = self._surface.size
         self.hud.width = CANVAS_HEIGHT * width / height
 
     def draw(self) -> None:
-        """Draw what is on the canvas into the surface's framebuffer."""
+        """Draw the canvas into the surface's framebuffer."""
         surface = self._surface
         surface.framebuffer.use()
         surface.framebuffer.clear(0.0, 0.0, 0.0, 1.0)
@@ -48,7 +48,7 @@ class PageSurface:
         self._pass.draw(self.hud, view, plane_of_views([view], 1.0))
 
     def place(self, event: InputEvent) -> tuple[float, float]:
-        """Where on the canvas an event of the pointer was [hud px]."""
+        """Return the position of a pointer event on the canvas [hud px]."""
         return 0.5 * (event.x + 1.0) * self.hud.width, 0.5 * (event.y + 1.0) * CANVAS_HEIGHT
 
     def release(self) -> None:
@@ -57,6 +57,6 @@ class PageSurface:
 
 
 def is_within(place: tuple[float, float], box: Box) -> bool:
-    """Whether a place on the canvas lies in a box."""
+    """Whether a point of the canvas is in a box."""
     (x, y), (left, bottom, width, height) = place, box
     return left <= x <= left + width and bottom <= y <= bottom + height

@@ -1,4 +1,4 @@
-"""The page after a session: what it came to, trial by trial, and what may be done next."""
+"""The page after a session: its result, trial by trial, and buttons for the next step."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["Button", "ResultContent", "ResultPage"]
 _MARGIN, _GAP = 56.0, 18.0
 _TILE_HEIGHT, _BUTTON_HEIGHT = 92.0, 56.0
 _ROW_HEIGHT, _COLUMN_GAP = 30.0, 14.0
-_MOST_ROWS = 8
+_MAX_ROWS = 8
 _STEPS = {"left": -1, "right": 1, "up": -1, "down": 1, "dpad_left": -1, "dpad_right": 1, "tab": 1}
 _CHOOSE = {"enter", "a", "start"}
 _LEAVE = {"escape", "b", "back"}
@@ -26,12 +26,12 @@ _KEYS = "keys"
 
 @dataclass(frozen=True, slots=True)
 class Button:
-    """What may be done next.
+    """A button for the next step.
 
     Attributes:
-        name: What `ResultPage.choice` becomes.
-        label: In words.
-        key: That chooses it from the keyboard, a lower-case letter.
+        name: Value of `ResultPage.choice` once chosen.
+        label: Text on the button.
+        key: Key that chooses it, a lower-case letter.
     """
 
     name: str
@@ -41,17 +41,17 @@ class Button:
 
 @dataclass(frozen=True, slots=True)
 class ResultContent:
-    """What the page says.
+    """Content of the page.
 
     Attributes:
-        title: Of the scene.
-        sentence: What the session came to.
-        tiles: Caption and figure of each of the totals.
+        title: Title of the scene.
+        sentence: Result of the session in a sentence.
+        tiles: Caption and value of each total.
         head: Captions of the table's columns.
-        rows: A line for each trial, a text for each column.
-        buttons: What may be done next, the main one first.
-        footnote: Where the recording is, for whoever looks for it.
-        keys: Of the session, shown by a button named "keys".
+        rows: A row per trial, with a text per column.
+        buttons: The buttons, the main one first.
+        footnote: Path of the recording.
+        keys: Keys of the session, shown by a button named "keys".
     """
 
     title: str
@@ -65,10 +65,10 @@ class ResultContent:
 
 
 class ResultPage:
-    """Shows a result until something is chosen; the caller polls and swaps the surface.
+    """Shows a result until a button is chosen; the caller polls and swaps the surface.
 
     Attributes:
-        choice: Name of the button chosen, "" until then; "leave" by Escape or the window's cross.
+        choice: Name of the chosen button, "" until then; "leave" by Escape or by closing the window.
     """
 
     def __init__(self, surface: Surface, content: ResultContent) -> None:
@@ -78,7 +78,7 @@ class ResultPage:
         self.choice = ""
 
     def handle(self, events: Sequence[InputEvent]) -> None:
-        """Take what happened since the last call."""
+        """Process the events since the last call."""
         for event in events:
             if self.choice:
                 return
@@ -124,7 +124,7 @@ class ResultPage:
             self._choose(next((button.name for button in buttons if button.key == name), ""))
 
     def _choose(self, name: str) -> None:
-        """Take a button; that of the keys shows them, and every other press takes them away."""
+        """Choose a button; the one named "keys" shows the page of keys, and any other press hides it."""
         shown, self._keys_shown = self._keys_shown, name == _KEYS and not self._keys_shown
         self.choice = "" if name == _KEYS or (shown and not name) else name
 
@@ -146,11 +146,11 @@ class ResultPage:
             hud.text(x + 18.0, top - 72.0, figure, 30.0, INK, bold=True, width=width - 36.0)
 
     def _draw_table(self, hud: Hud, wide: float) -> None:
-        """The trials; of many the last ones, and how many came before."""
+        """Draw the table of trials; of many the last ones, and the number of those before."""
         head, rows = self._content.head, list(self._content.rows)
         if not rows:
             return
-        left_out, rows = len(rows) - _MOST_ROWS, rows[-_MOST_ROWS:]
+        left_out, rows = len(rows) - _MAX_ROWS, rows[-_MAX_ROWS:]
         top = CANVAS_HEIGHT - 182.0 - (_TILE_HEIGHT + 44.0 if self._content.tiles else 20.0)
         columns = self._columns(hud, wide, rows)
         for (x, width), caption in zip(columns, head, strict=True):
@@ -165,7 +165,7 @@ class ResultPage:
             hud.text(_MARGIN, top - _ROW_HEIGHT * (len(rows) + 1) - 4.0, f"and {left_out} before", 15.0, FAINT)
 
     def _columns(self, hud: Hud, wide: float, rows: Sequence[Sequence[str]]) -> list[tuple[float, float]]:
-        """Left end and width of each column of the table: as its texts need, and the rest shared out."""
+        """Return left end and width of each column: as its texts need, plus an equal share of the rest."""
         wanted = [
             max(hud.measure(caption, 15.0), *(hud.measure(row[number], 17.0, bold=number == 0) for row in rows))
             for number, caption in enumerate(self._content.head)

@@ -1,4 +1,4 @@
-"""A setting of the launcher: what it is called, what it helps with, and the values it may have."""
+"""Settings of the launcher: label, help, and allowed values."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["Choice", "Setting", "shown_settings"]
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A value, and how a person reads it."""
+    """A value and its text."""
 
     value: str
     words: str
@@ -21,13 +21,13 @@ class Setting:
     """One setting.
 
     Attributes:
-        name: Of the setting, for programs.
+        name: Identifier.
         label: Caption.
-        help: A line that says what it does.
-        choices: Its values; the first is the default. What may be typed may have none.
+        help: Explanation in one line.
+        choices: Its values; the first is the default. May be empty if `typed`.
         typed: Whether any text may be typed.
-        empty: What stands there where nothing was typed.
-        with_values: It is shown only while the first setting has one of these values; () for always.
+        empty: Placeholder while nothing is typed.
+        with_values: Values of the first setting for which this one is shown; () for all.
     """
 
     name: str
@@ -40,21 +40,21 @@ class Setting:
 
     @property
     def default(self) -> str:
-        """Its value until somebody chooses."""
+        """Its default value."""
         return self.choices[0].value if self.choices and not self.typed else ""
 
     def words(self, value: str) -> str:
-        """How a person reads a value."""
+        """Return the text of a value."""
         if self.typed and not value:
             return self.empty
         return next((choice.words for choice in self.choices if choice.value == value), value)
 
     def allows(self, value: str) -> bool:
-        """Whether it may have a value, such as one that was remembered."""
+        """Whether a value is valid, such as a saved one."""
         return self.typed or any(choice.value == value for choice in self.choices)
 
     def stepped(self, value: str, step: int) -> str:
-        """The value that follows, or that comes before; the same where there is no other."""
+        """Return the next (1) or previous (-1) value, cyclically; the same without choices."""
         values = [choice.value for choice in self.choices]
         if not values:
             return value
@@ -64,6 +64,6 @@ class Setting:
 
 
 def shown_settings(settings: Sequence[Setting], values: Mapping[str, str]) -> list[Setting]:
-    """The settings that matter now."""
+    """Return the settings that apply at present."""
     leading = values.get(settings[0].name, "") if settings else ""
     return [each for each in settings if not each.with_values or leading in each.with_values]

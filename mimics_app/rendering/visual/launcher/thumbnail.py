@@ -1,4 +1,4 @@
-"""The small picture on a card of the launcher."""
+"""The thumbnail on a card of the launcher."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 __all__ = ["THUMBNAIL", "load_thumbnail"]
 
 THUMBNAIL = (512, 288)
-"""Width and height [px]."""
+"""Width and height of a thumbnail [px]."""
 
 
 def load_thumbnail(file: Path | None) -> NDArray[np.uint8]:
-    """A picture cut to 16:9, RGBA uint8 [288, 512, 4]; a plain ground where there is none to read."""
+    """Return an image file cropped to 16:9, RGBA uint8 [288, 512, 4]; a plain colour where it cannot be read."""
     from PIL import Image, ImageOps
 
     if file is not None:
@@ -23,6 +23,6 @@ def load_thumbnail(file: Path | None) -> NDArray[np.uint8]:
                 fitted = ImageOps.fit(picture.convert("RGBA"), THUMBNAIL, Image.Resampling.LANCZOS)
                 return np.array(fitted, np.uint8)
         except OSError:
-            pass  # a missing picture is no reason to show no launcher
+            pass  # a missing image does not stop the launcher
     width, height = THUMBNAIL
     return np.full((height, width, 4), (38, 48, 60, 255), np.uint8)

@@ -1,3 +1,3 @@
-"""Materials on the driver: techniques, shaders, textures."""
+"""Materials on the GPU: techniques, shaders, textures."""
 
 __all__: list[str] = []

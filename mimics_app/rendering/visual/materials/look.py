@@ -1,4 +1,4 @@
-"""One material ready to draw: shaders with their render state, numbers and pictures."""
+"""One material ready to draw: shaders with their render state, uniforms and textures."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _BLOCK_BINDING = 1
 
 @dataclass(frozen=True, eq=False)
 class LookPass:
-    """A shader and the state it is used with: how it blends, what it leaves out, what it does with depth."""
+    """A shader and its render state: blending, face culling, depth test and write."""
 
     shader: ShaderProgram
     blend: Blend
@@ -48,14 +48,14 @@ class Look:
     """One material ready to draw.
 
     Attributes:
-        material: What it shows.
-        passes: Draw it to the picture, in order.
-        shadow_shader: Draws its depth seen from a light.
-        block: The material's numbers.
-        textures: Its pictures with their bindings; an array of pictures where `paint` says which.
-        state: Equal for looks that one call to the driver may draw together: only `paint` differs between them then.
+        material: The material.
+        passes: Passes that draw it to the picture, in order.
+        shadow_shader: Shader of the depth pass.
+        block: Uniform block of the material.
+        textures: Bindings and textures; `paint` selects the layer of a texture array.
+        state: Equal for looks that one draw call may draw together; only `paint` may differ between them.
         shadow_state: The same for the shadow pass.
-        paint: Four numbers that come with each instance; what they mean is the shader's to say.
+        paint: Instance parameters, whose meaning depends on the shader.
     """
 
     material: Material
@@ -69,24 +69,24 @@ class Look:
 
     @property
     def transparent(self) -> bool:
-        """True when it is blended and has to be sorted."""
+        """Whether it is blended and has to be sorted."""
         return any(each.blend != "none" for each in self.passes)
 
     @property
     def solid(self) -> bool:
-        """True when nothing can be seen through it: no blending, no holes."""
+        """Whether it is opaque: no blending, no holes."""
         written = any(each.depth == "write" for each in self.passes)
         return written and not self.transparent and self.material.alpha_mode == "opaque"
 
     def bind(self) -> None:
-        """Make it what the shaders read."""
+        """Bind uniform block and textures."""
         self.block.bind_to_uniform_block(_BLOCK_BINDING)
         for binding, texture in self.textures:
             texture.use(binding)
 
 
 def make_pass(spec: PassSpec, shader: ShaderProgram, material: Material) -> LookPass:
-    """A pass with what it leaves to the material filled in."""
+    """Return a pass whose state "material" is resolved by the material."""
     blend, cull, depth = spec.blend, spec.cull, spec.depth
     if blend == "material":
         blend = "alpha" if material.alpha_mode == "blend" else "none"
@@ -98,11 +98,11 @@ def make_pass(spec: PassSpec, shader: ShaderProgram, material: Material) -> Look
 
 
 def pack_material(material: Material, pictures: Mapping[str, TextureData]) -> np.ndarray[tuple[()], np.dtype[np.void]]:
-    """The numbers of a material as the shaders read them.
+    """Return the uniform block of a material.
 
     Args:
-        material: Whose.
-        pictures: Its pictures by map; a mirrored one lies beside its reflection and is read at half the rate.
+        material: The material.
+        pictures: Its textures by map; a mirrored one is stored beside its reflection and read at half the rate.
     """
     block = np.zeros((), _BLOCK)
     block["base_colour"] = material.base_colour
@@ -117,6 +117,6 @@ def pack_material(material: Material, pictures: Mapping[str, TextureData]) -> np
 
 
 def _rates(picture: TextureData | None) -> tuple[float, float]:
-    """Factors on the texture coordinates of a picture as it is uploaded."""
+    """Return the factors on the texture coordinates of an uploaded texture."""
     along_u, along_v = ("repeat", "repeat") if picture is None else picture.wrap
     return 0.5 if along_u == "mirror" else 1.0, 0.5 if along_v == "mirror" else 1.0

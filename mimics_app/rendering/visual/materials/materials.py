@@ -1,4 +1,4 @@
-"""Looks of the world's materials: which technique draws each, with which variant of its shaders."""
+"""Looks of the world's materials: the technique of each, with the variant of its shaders."""
 
 from __future__ import annotations
 
@@ -39,23 +39,23 @@ LIGHT_FEATURES = (
     "HAZE",
     "TONED",
 )
-"""Features of shaders that hang on what shines."""
+"""Shader features that depend on the light."""
 
 _BINDINGS = {"base": 0, "normal": 5, "surface": 6, "occlusion": 7, "emission": 8}
-"""Of the maps' samplers in shaders/common/material.glsl."""
+"""Bindings of the maps' samplers in shaders/common/material.glsl."""
 
-_FIGURES = ("normal", "surface", "occlusion")
-"""Maps whose texels are no colours."""
+_LINEAR_MAPS = ("normal", "surface", "occlusion")
+"""Maps whose texels are numbers, not colours."""
 
 _PLAIN = "plain"
 _SIMPLER: Mapping[Shading, str] = {"matt": "lit_matt", "plain": _PLAIN}
-"""Technique that draws what may be drawn by it, by shading."""
+"""Simpler technique by shading, for materials that allow it."""
 
 _KEPT = ("glass", "mirror")
-"""Techniques that are what their material is there for."""
+"""Techniques that are never simplified."""
 
 _MATT = 0.95
-"""Roughness from which a dielectric's mirroring is left out: it is spread out to about 2 % of what shines on it."""
+"""Roughness from which a dielectric's specular reflection is left out: about 2 % of the incident light."""
 _FALLBACK = Material("")
 
 _Pictures = dict[str, TextureData]
@@ -63,7 +63,7 @@ _Pictures = dict[str, TextureData]
 
 @dataclass(frozen=True)
 class _Variant:
-    """What all looks depend on."""
+    """Frame settings that all looks depend on."""
 
     light_features: frozenset[str] = frozenset()
     shading: Shading = "full"
@@ -71,11 +71,11 @@ class _Variant:
 
 
 class MaterialStore:
-    """Looks by material, made on demand and anew when the world's material or a texture of it is another.
+    """Looks by material, made on demand, and again when the world's material or one of its textures changes.
 
     Attributes:
-        issues: What could not be drawn as the world asks, each reported once; take them out when they were reported.
-        live: Pictures that are drawn, not uploaded, by key; a world has a plain texture under each.
+        issues: What could not be drawn as the world requires, each reported once; the caller removes what it reports.
+        live: Textures that are rendered, not uploaded, by key; the world has a placeholder under each key.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, has: Capabilities) -> None:
@@ -97,27 +97,27 @@ class MaterialStore:
     def update(
         self, world: World, *, light_features: frozenset[str], shading: Shading = "full", profile: Profile = "training"
     ) -> bool:
-        """Bring the looks up to the world's materials.
+        """Discard the looks of materials that changed.
 
         Args:
-            world: Whose materials.
-            light_features: What of `LIGHT_FEATURES` the frame has; shaders leave out the rest.
-            shading: Which techniques may be used.
-            profile: The same.
+            world: The world.
+            light_features: Those of `LIGHT_FEATURES` that the frame has; shaders leave out the rest.
+            shading: Techniques of opaque surfaces.
+            profile: Purpose of the picture, which techniques may exclude.
 
         Returns:
-            True when one came, went or changed.
+            True when a material came, went or changed.
         """
         variant = _Variant(light_features, shading, profile)
         techniques = {**built_in_techniques(), **world.techniques}
-        if self._stands(world) and variant == self._variant and techniques == self._techniques:
+        if self._is_unchanged(world) and variant == self._variant and techniques == self._techniques:
             return False
         known = {name: (material, _pictures(material, world)) for name, material in world.materials.items()}
         if variant != self._variant or techniques != self._techniques:
             self._variant, self._techniques = variant, techniques
             stale = {name for name, _ in self._looks} | {""}
         elif known == self._known:
-            return False  # what is the very same object is equal at once
+            return False  # identical objects compare at once
         else:
             stale = {name for name, was in self._known.items() if not _same(was, known.get(name))}
         changed = bool(stale) or known.keys() != self._known.keys()
@@ -126,19 +126,19 @@ class MaterialStore:
         self._known = known
         return changed
 
-    def _stands(self, world: World) -> bool:
-        """Whether materials and pictures are the very ones of the last update: asked each frame, so made cheap."""
+    def _is_unchanged(self, world: World) -> bool:
+        """Whether materials and textures are the same objects as in the last update; called every frame."""
         held, self._held = self._held, [(list(each), list(each.values())) for each in (world.materials, world.textures)]
         return len(held) == 2 and all(
             was[0] == now[0] and all(map(is_, was[1], now[1])) for was, now in zip(held, self._held, strict=True)
         )
 
     def look(self, name: str, *, coloured: bool = False) -> Look:
-        """The look of a material; plain grey for a name the world does not have.
+        """Return the look of a material; plain grey for an unknown name.
 
         Args:
-            name: Of the material.
-            coloured: True for a mesh whose vertices have colours.
+            name: Name of the material.
+            coloured: True for a mesh with vertex colours.
         """
         if name not in self._known:
             name = ""
@@ -155,7 +155,7 @@ class MaterialStore:
         self._looks.clear()
 
     def _make(self, name: str, material: Material, pictures: _Pictures, coloured: bool) -> Look:
-        self._tell_of_textures(material, pictures)
+        self._report_textures(material, pictures)
         wanted = self._wanted(material)
         while True:
             choice = choose_technique(wanted, self._techniques, self._has, self._variant.profile, self._broken)
@@ -171,7 +171,7 @@ class MaterialStore:
                 self._broken[choice.name] = f"does not compile ({error.issues[0]})"
 
     def _make_own(self, name: str, material: Material, pictures: _Pictures, coloured: bool, choice: Choice) -> Look:
-        """A look whose state nobody shares."""
+        """Make a look with a state of its own."""
         features = self._features(material, pictures, coloured)
         passes = []
         for spec in choice.spec.passes:
@@ -179,24 +179,24 @@ class MaterialStore:
             passes.append(make_pass(spec, self._shaders.program(spec.vertex, spec.fragment, defines), material))
         read = {feature for spec in choice.spec.passes for feature in spec.features}
         textures = tuple(
-            (_BINDINGS[which], self._texture(material.textures[which], picture, figures=which in _FIGURES))
+            (_BINDINGS[which], self._texture(material.textures[which], picture, linear=which in _LINEAR_MAPS))
             for which, picture in pictures.items()
             if _feature_of(which) in read
         )
         block = self._ctx.buffer(pack_material(material, pictures).tobytes())
         shadow_shader = self._shadow_shader(material, pictures, blended=any(each.blend != "none" for each in passes))
         look = Look(material, tuple(passes), shadow_shader, block, textures, (name, coloured), (name, coloured))
-        # Depth of what has no holes looks the same whatever its material.
+        # The depth of an opaque surface does not depend on its material.
         look.shadow_state = "solid" if look.solid else (name, coloured)
         return look
 
-    def _texture(self, key: str, picture: TextureData, *, figures: bool) -> moderngl.Texture | LivePicture:
-        return self.live.get(key) or self._textures.get(key, picture, figures=figures)
+    def _texture(self, key: str, picture: TextureData, *, linear: bool) -> moderngl.Texture | LivePicture:
+        return self.live.get(key) or self._textures.get(key, picture, linear=linear)
 
     def _make_plain(
         self, name: str, material: Material, pictures: _Pictures, coloured: bool, spec: TechniqueSpec
     ) -> Look:
-        """A look whose state it shares with all others of its kind."""
+        """Make a look of the plain technique, which shares its state with all others of its kind."""
         textures: tuple[tuple[int, object], ...] = ()
         layer, array, picture = 0, None, pictures.get("base")
         features = ["COLOURED"] if coloured else []
@@ -219,7 +219,7 @@ class MaterialStore:
         return Look(material, (drawn,), shadow_shader, block, textures, state, shadow_state, paint)  # type: ignore[arg-type]
 
     def _wanted(self, material: Material) -> str:
-        """The technique requested: the material's own, or a simpler one of its chain that shows what matters of it."""
+        """Return the material's own technique, or a simpler one of its chain that loses nothing visible."""
         chain, simpler = self._chain(material), _SIMPLER.get(self._variant.shading)
         if simpler is None or simpler not in chain or chain[0] in _KEPT or not _shown_by(simpler, material):
             return material.technique
@@ -229,7 +229,7 @@ class MaterialStore:
         return technique_chain(material.technique, self._techniques) or ["lit", _PLAIN]
 
     def _features(self, material: Material, pictures: _Pictures, coloured: bool) -> list[str]:
-        """What shaders may be requested, in a fixed order."""
+        """Return the shader features of a material, in a fixed order."""
         has = {
             "COLOURED": coloured,
             **{_feature_of(which): which in pictures for which in MAPS},
@@ -253,7 +253,7 @@ class MaterialStore:
             defines.append("TRANSLUCENT")
         return self._shaders.program("shadow/shadow.vert", "shadow/shadow.frag", tuple(defines))
 
-    def _tell_of_textures(self, material: Material, pictures: _Pictures) -> None:
+    def _report_textures(self, material: Material, pictures: _Pictures) -> None:
         for which, key in material.textures.items():
             if which not in pictures:
                 self._report(f'material "{material.name}": no texture "{key}"; drawn without it')
@@ -276,12 +276,12 @@ def _feature_of(which: str) -> str:
 
 
 def _is_placed(material: Material, which: str, picture: TextureData) -> bool:
-    """True when a map is not read at the mesh's own coordinates; a mirrored one is not, see `unfolded`."""
+    """Whether a map has other texture coordinates than the mesh, as a mirrored one has; see `unfolded`."""
     return material.uv_transforms[MAPS.index(which)] != IDENTITY or "mirror" in picture.wrap
 
 
 def _pictures(material: Material, world: World) -> _Pictures:
-    """A material's pictures by map; where the one of its colours is not there, a checker that nobody overlooks."""
+    """Return a material's textures by map; a missing base texture is replaced by a conspicuous checker."""
     found = {which: world.textures[key] for which, key in material.textures.items() if key in world.textures}
     if "base" in material.textures:
         found.setdefault("base", MISSING_PICTURE)
@@ -295,7 +295,7 @@ def _same(was: tuple[Material, _Pictures], now: tuple[Material, _Pictures] | Non
 
 
 def _shown_by(simpler: str, material: Material) -> bool:
-    """True for a surface of which a simpler technique leaves out no holes, lines or light of its own."""
+    """Whether a simpler technique draws a material without losing holes, grid lines or emission."""
     if simpler == _PLAIN:
         whole = material.alpha_mode == "opaque" and material.uv_transforms[0] == IDENTITY
         return whole and material.grid == 0.0 and not any(material.emission)

@@ -1,4 +1,4 @@
-"""Pictures of one size in one texture, so that surfaces that differ in nothing but their picture share a draw call."""
+"""Texture arrays of images of one size: surfaces that differ only in their texture share a draw call."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _Kind = tuple[tuple[int, ...], tuple[str, str], str, bool]
 
 
 class PictureArray:
-    """Pictures of one size that are sampled alike, each a layer; uploaded when it is used after a change."""
+    """Texture array of images of equal size and sampling, one layer each; uploaded on first use after a change."""
 
     def __init__(self, ctx: moderngl.Context, longest: int) -> None:
         self._ctx = ctx
@@ -28,7 +28,7 @@ class PictureArray:
         self._texture: moderngl.TextureArray | None = None
 
     def place(self, name: str, picture: TextureData) -> int:
-        """The layer of a picture, which takes over the layer its name had."""
+        """Return the layer of an image; an image of a known name replaces the one in its layer."""
         for layer, (known, data) in enumerate(self._layers):
             if known == name:
                 if data is not picture:
@@ -40,13 +40,13 @@ class PictureArray:
         return len(self._layers) - 1
 
     def use(self, binding: int) -> None:
-        """Make it what a sampler reads."""
+        """Bind it to a sampler."""
         if self._texture is None:
             self._texture = self._upload()
         self._texture.use(binding)
 
     def release(self) -> None:
-        """Free the texture; the next use makes it again."""
+        """Free the texture; the next use uploads it again."""
         if self._texture is not None:
             self._texture.release()
             self._texture = None
@@ -60,11 +60,11 @@ class PictureArray:
 
 
 class PictureArrays:
-    """Every array, by size and sampling. Pictures hold display values: nothing is decoded when they are read.
+    """Texture arrays by size and sampling; texels are display values that the sampler does not decode.
 
     Args:
-        ctx: Where they live.
-        longest: Longest side the driver takes [texels]; larger pictures are halved until they fit.
+        ctx: Context that owns them.
+        longest: Largest texture size of the driver [texels]; larger images are halved until they fit.
     """
 
     def __init__(self, ctx: moderngl.Context, longest: int) -> None:
@@ -73,7 +73,7 @@ class PictureArrays:
         self._arrays: dict[_Kind, PictureArray] = {}
 
     def place(self, name: str, picture: TextureData) -> tuple[PictureArray, int]:
-        """The array and the layer of a picture."""
+        """Return the array and the layer of an image."""
         kind = (picture.pixels.shape, picture.wrap, picture.filter, picture.srgb)
         array = self._arrays.setdefault(kind, PictureArray(self._ctx, self._longest))
         return array, array.place(name, picture)
@@ -86,15 +86,15 @@ class PictureArrays:
 
 
 def encode_srgb(linear: F8) -> F8:
-    """Display values of linear light, both in [0, 1] (IEC 61966-2-1)."""
+    """Return the display values of linear light, both in [0, 1] (IEC 61966-2-1)."""
     clamped = np.clip(linear, 0.0, 1.0)
     return np.asarray(np.where(clamped < 0.0031308, 12.92 * clamped, 1.055 * clamped ** (1.0 / 2.4) - 0.055))
 
 
 def unfolded(picture: TextureData) -> NDArray[np.uint8]:
-    """A picture as it is uploaded, [height, width, 4].
+    """Return an image as it is uploaded, [height, width, 4].
 
-    moderngl repeats or clamps; a mirrored picture is laid beside its reflection and read at half the rate.
+    moderngl has no mirrored repeat: such an image is stored beside its reflection and read at half the rate.
     """
     pixels = np.ascontiguousarray(picture.pixels, np.uint8)
     for side, axis in zip(picture.wrap, (1, 0), strict=True):
@@ -104,7 +104,7 @@ def unfolded(picture: TextureData) -> NDArray[np.uint8]:
 
 
 def set_sampling(texture: moderngl.Texture | moderngl.TextureArray, picture: TextureData) -> None:
-    """Have a texture repeated and filtered as its picture asks."""
+    """Set wrap and filter of a texture as its image requests."""
     import moderngl
 
     texture.repeat_x, texture.repeat_y = (side != "clamp" for side in picture.wrap)
@@ -116,14 +116,14 @@ def set_sampling(texture: moderngl.Texture | moderngl.TextureArray, picture: Tex
 
 
 def shrunk(pixels: NDArray[np.uint8], longest: int) -> NDArray[np.uint8]:
-    """A picture halved until its longer side is at most `longest`, uint8 [height, width, 4]."""
+    """Halve an image until its longer side is at most `longest`, uint8 [height, width, 4]."""
     while max(pixels.shape[:2]) > longest:
         pixels = halved(pixels)
     return pixels
 
 
 def halved(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """A picture of half the size, uint8 [ceil(h/2), ceil(w/2), 4]: the mean of two by two texels."""
+    """Return an image of half the size, uint8 [ceil(h/2), ceil(w/2), 4]: means of 2 x 2 texels."""
     height, width = pixels.shape[:2]
     even = np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
     blocks = even.reshape(even.shape[0] // 2, 2, even.shape[1] // 2, 2, 4)

@@ -29,7 +29,7 @@ _VERSION = "#version 430 core"
 
 
 _Key = tuple[str, str, tuple[str, ...], tuple[str, ...]]
-"""Vertex shader, fragment shader or "", defines, outputs that are fed back."""
+"""Vertex shader, fragment shader or "", defines, varyings of transform feedback."""
 
 
 @dataclass(eq=False)
@@ -37,9 +37,9 @@ class ShaderProgram:
     """A compiled program that a reload may replace.
 
     Attributes:
-        varyings: Outputs that go into a buffer; () for a program that draws.
+        varyings: Outputs captured by transform feedback; () for a program that draws.
         program: The newest program that compiled.
-        revision: Counts replacements; vertex arrays made for an older revision are to be made anew.
+        revision: Number of replacements; vertex arrays made for an older revision are invalid.
         files: Every file read for it.
     """
 
@@ -55,27 +55,27 @@ class ShaderProgram:
         return cast("moderngl.Uniform", self.program[name])
 
     def set_matrix(self, name: str, matrix: NDArray[np.float64]) -> None:
-        """Give a mat4 uniform its value (column vectors, float64 [4, 4]); uploaded as float32."""
+        """Set a mat4 uniform (for column vectors, float64 [4, 4]); uploaded as float32."""
         self._uniform(name).write(np.ascontiguousarray(matrix.T, np.float32))
 
     def set_number(self, name: str, value: float) -> None:
-        """Give a float uniform its value."""
+        """Set a scalar uniform."""
         self._uniform(name).value = value
 
     def set_array(self, name: str, values: NDArray[np.float32]) -> None:
-        """Give an array of uniforms its values, float32."""
+        """Set a uniform array, float32."""
         self._uniform(name).write(np.ascontiguousarray(values, np.float32))
 
     def set_numbers(self, name: str, values: Sequence[float]) -> None:
-        """Give a vector uniform its value."""
+        """Set a vector uniform."""
         self._uniform(name).value = tuple(values)
 
 
 class ShaderLibrary:
     """Compiles programs on first use and keeps them.
 
-    Shaders have no `#version` line of their own. `#include "common/sky.glsl"` takes paths from the shaders folder,
-    each file at most once per shader. Errors name the file and the line a person edits, not the assembled text.
+    Shaders have no `#version` line of their own. `#include "common/sky.glsl"` is relative to the shaders folder; each
+    file is included at most once per shader. Errors give the line of the source file, not of the assembled text.
 
     Attributes:
         folder: The shaders folder.
@@ -90,12 +90,12 @@ class ShaderLibrary:
         self._variants: dict[tuple[ShaderProgram, tuple[str, ...]], ShaderProgram] = {}
 
     def program(self, vertex: str, fragment: str, defines: tuple[str, ...] = ()) -> ShaderProgram:
-        """The program of two shader files.
+        """Return the program of two shader files.
 
         Args:
             vertex: Path below the shaders folder, e.g. "lit/lit.vert".
-            fragment: The same for the fragment shader.
-            defines: Names that are `#define`d, e.g. ("TEXTURED",).
+            fragment: Path of the fragment shader.
+            defines: Names to `#define`, e.g. ("TEXTURED",).
 
         Raises:
             SceneError: a file is missing or does not compile.
@@ -103,22 +103,22 @@ class ShaderLibrary:
         return self._find((vertex, fragment, defines, ()))
 
     def also_with(self, shader: ShaderProgram, defines: tuple[str, ...]) -> ShaderProgram:
-        """The same two files with more names defined; the very program where there are none."""
+        """Return the variant of a program with further defines; the program itself where there are none."""
         if not defines:
             return shader
-        known = self._variants.get((shader, defines))  # requested every run of every frame
+        known = self._variants.get((shader, defines))  # called for every run of every frame
         if known is None:
             known = self.program(shader.vertex, shader.fragment, (*shader.defines, *defines))
             self._variants[shader, defines] = known
         return known
 
     def feedback(self, vertex: str, varyings: tuple[str, ...], defines: tuple[str, ...] = ()) -> ShaderProgram:
-        """The program of a vertex shader alone, whose outputs go into a buffer instead of a picture.
+        """Return the program of a vertex shader alone, for transform feedback.
 
         Args:
             vertex: Path below the shaders folder.
-            varyings: Outputs in the order they lie in the buffer.
-            defines: Names that are `#define`d.
+            varyings: Outputs in the order of the buffer.
+            defines: Names to `#define`.
 
         Raises:
             SceneError: a file is missing or does not compile.
@@ -132,10 +132,10 @@ class ShaderLibrary:
         return self._programs[key]
 
     def reload(self) -> list[Issue]:
-        """Compile anew what changed on disk; a program that does not compile keeps its old form.
+        """Recompile the programs whose files changed; one that fails to compile stays in use as it was.
 
         Returns:
-            The faults found, each with the file and the line as its pointer; [] when all is well.
+            The errors, each with the file and the line as its pointer; [] without errors.
         """
         issues: list[Issue] = []
         for key, shader in self._programs.items():
@@ -147,7 +147,7 @@ class ShaderLibrary:
             except SceneError as error:
                 issues += error.issues
                 continue
-            # Vertex arrays still hold the old program; the driver frees it with the last of them.
+            # Vertex arrays still reference the old program; the driver frees it with the last of them.
             shader.program = program
             shader.revision += 1
             self.replaced += 1
@@ -169,13 +169,13 @@ class ShaderLibrary:
 
 
 class _Source:
-    """One shader's text with its includes pasted in, and where each of its lines comes from.
+    """A shader's source with its includes expanded, and the origin of each line.
 
-    Not by `#line`: Mesa counts the lines it says but forgets the file.
+    `#line` would not do: Mesa reports the line but not the file.
 
     Attributes:
         files: Every file read, the shader's own first.
-        text: What the driver compiles.
+        text: Source for the driver.
     """
 
     def __init__(self, folder: Path, name: str, defines: tuple[str, ...]) -> None:
@@ -189,17 +189,17 @@ class _Source:
         self.text = "\n".join(self._lines) + "\n"
 
     def place(self, line: int) -> tuple[Path, int]:
-        """File and line of a line of the text, counted from 1."""
+        """Return file and line of a line of the text, counted from 1."""
         return self._places[min(max(line, 1), len(self._places)) - 1]
 
-    def _paste(self, name: str, asked_by: str) -> None:
+    def _paste(self, name: str, included_by: str) -> None:
         path = self._folder / name
         if path in self.files:
             return
         try:
             lines = path.read_text(encoding="utf-8").splitlines()
         except OSError as error:
-            raise SceneError(Issue(str(path), "", f"cannot be read for {asked_by}: {error.strerror}")) from error
+            raise SceneError(Issue(str(path), "", f"cannot be read for {included_by}: {error.strerror}")) from error
         self.files.append(path)
         for number, line in enumerate(lines, start=1):
             match = _INCLUDE.match(line)

@@ -1,4 +1,4 @@
-"""Which technique draws a material: the first along its chain of fallbacks that driver and profile can have."""
+"""Choice of a material's technique: the first of its chain of fallbacks that driver and profile support."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from mimics_app.world.materials.technique import Profile, TechniqueSpec
 __all__ = ["SAFE", "Choice", "choose_technique", "technique_chain"]
 
 SAFE = "unlit"
-"""Drawn where a whole chain fails."""
+"""Technique in use where a whole chain fails."""
 
-_STANDS_IN = "lit"
-"""Drawn instead of a technique nobody knows."""
+_DEFAULT = "lit"
+"""Replacement of an unknown technique."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """What draws a material.
+    """Technique chosen for a material.
 
     Attributes:
-        name: Of the technique.
+        name: Name of the technique.
         spec: The technique.
-        why: Why it is not the one that was requested, "" where it is.
-        fault: True where that is a mistake and not a matter of driver or profile.
+        why: Why it is not the requested one, "" where it is.
+        fault: True where the cause is an error, not a limit of driver or profile.
     """
 
     name: str
@@ -42,19 +42,19 @@ def choose_technique(
     profile: Profile,
     broken: Mapping[str, str] | None = None,
 ) -> Choice:
-    """Go along the chain of fallbacks.
+    """Choose the first usable technique of a chain of fallbacks.
 
     Args:
-        wanted: What the material requests.
-        known: Techniques by name; has to have "lit" and "unlit".
-        has: What the driver can do.
-        profile: What it is drawn for.
+        wanted: Technique that the material requests.
+        known: Techniques by name; must contain "lit" and "unlit".
+        has: Capabilities of the driver.
+        profile: Purpose of the picture.
         broken: Techniques whose shaders failed, with the reason.
     """
     broken = broken or {}
     if wanted not in known:
         why = f'no technique "{wanted}"; {nearest(wanted, known)}'
-        instead = choose_technique(_STANDS_IN, known, has, profile, broken)
+        instead = choose_technique(_DEFAULT, known, has, profile, broken)
         return Choice(instead.name, instead.spec, f'{why}; drawn as "{instead.name}"', fault=True)
     reasons: list[str] = []
     for name in technique_chain(wanted, known):
@@ -69,7 +69,7 @@ def choose_technique(
 
 
 def technique_chain(wanted: str, known: Mapping[str, TechniqueSpec]) -> list[str]:
-    """A technique and its fallbacks in order, each once, those that are not known left out."""
+    """Return a technique and its fallbacks in order, each once, up to the first unknown one."""
     chain: list[str] = []
     name: str | None = wanted
     while name is not None and name in known and name not in chain:
@@ -79,7 +79,7 @@ def technique_chain(wanted: str, known: Mapping[str, TechniqueSpec]) -> list[str
 
 
 def _refusal(name: str, spec: TechniqueSpec, has: Capabilities, profile: Profile, broken: Mapping[str, str]) -> str:
-    """Why a technique cannot be had, "" where it can."""
+    """Return why a technique cannot be used, "" where it can."""
     if name in broken:
         return broken[name]
     if not spec.passes:

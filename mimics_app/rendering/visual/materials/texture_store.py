@@ -1,4 +1,4 @@
-"""Pictures on the GPU by name, uploaded again when a name gets another picture."""
+"""Textures by name, uploaded again when a name gets another image."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ __all__ = ["TextureStore"]
 
 
 class TextureStore:
-    """Textures, each with the picture it was made of.
+    """Textures, each with the image it was made of.
 
     Args:
-        ctx: Where they live.
-        longest: Longest side the driver takes [texels]; larger pictures are halved until they fit.
+        ctx: Context that owns them.
+        longest: Largest texture size of the driver [texels]; larger images are halved until they fit.
     """
 
     def __init__(self, ctx: moderngl.Context, longest: int) -> None:
@@ -27,25 +27,25 @@ class TextureStore:
         self._longest = longest
         self._known: dict[tuple[str, bool], tuple[TextureData, moderngl.Texture]] = {}
 
-    def get(self, name: str, picture: TextureData, *, figures: bool = False) -> moderngl.Texture:
-        """The texture of a picture.
+    def get(self, name: str, picture: TextureData, *, linear: bool = False) -> moderngl.Texture:
+        """Return the texture of an image.
 
         Args:
-            name: Of the picture.
-            picture: What it shows now.
-            figures: True where texels are figures, not colours, whatever the picture says.
+            name: Name of the texture.
+            picture: Its present image.
+            linear: True where texels are numbers, not colours, even if the image is marked as sRGB.
         """
-        known = self._known.get((name, figures))
+        known = self._known.get((name, linear))
         if known and known[0] is picture:
             return known[1]
         if known:
             known[1].release()
-        texture = self._make(picture, srgb=picture.srgb and not figures)
-        self._known[name, figures] = (picture, texture)
+        texture = self._make(picture, srgb=picture.srgb and not linear)
+        self._known[name, linear] = (picture, texture)
         return texture
 
     def fits(self, picture: TextureData) -> bool:
-        """True when a picture is uploaded as it is."""
+        """Whether an image is uploaded without being shrunk."""
         return max(picture.pixels.shape[:2]) <= self._longest
 
     def release(self) -> None:

@@ -1,3 +1,3 @@
-"""What a developer wants to see over the picture: wires, bounds, lights, forces, shadow maps, the cost of a frame."""
+"""The developer's overlay: wireframe, bounds, lights, forces, shadow atlas, frame graph."""
 
 __all__: list[str] = []

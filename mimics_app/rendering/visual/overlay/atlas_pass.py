@@ -1,4 +1,4 @@
-"""The shadow atlas as an inset of the picture."""
+"""The shadow atlas as an inset."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ __all__ = ["AtlasPass"]
 
 _BINDING = 4
 _SHARE = 0.36
-"""Of the picture's height."""
-_MOST_TILES = 16
+"""Height of the inset over that of the picture."""
+_MAX_TILES = 16
 
 
 class AtlasPass:
-    """Shows depths as a relief, in the lower right corner."""
+    """Shows the depths as a shaded relief, in the lower right corner."""
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
         self._ctx = ctx
@@ -31,7 +31,7 @@ class AtlasPass:
         self._made_for = -1
 
     def draw(self, framebuffer: moderngl.Framebuffer, shadows: ShadowStage) -> int:
-        """Draw it over a framebuffer; returns the draw calls made, 0 where the frame has no maps."""
+        """Draw the inset over a framebuffer; return the draw calls, 0 without shadow maps."""
         import moderngl
 
         if not shadows.plan.maps:
@@ -61,10 +61,10 @@ class AtlasPass:
 
 
 def _relief(plan: ShadowPlan) -> list[float]:
-    """Depth [m] over a texel's width [m] of each tile; of a spot's, whose depth is not linear, about a metre away."""
-    figures = [1.0] * _MOST_TILES
+    """Return depth range over texel width of each tile; approximate for spot lights, whose depth is not linear."""
+    ratios = [1.0] * _MAX_TILES
     for shadow in plan.maps:
         column, row = shadow.tile
         along = float(np.linalg.norm(shadow.clip_from_world[2, :3]))
-        figures[row * plan.grid + column] = 2.0 / (along * shadow.texel)
-    return figures
+        ratios[row * plan.grid + column] = 2.0 / (along * shadow.texel)
+    return ratios

@@ -1,4 +1,4 @@
-"""What of a world is drawn as lines: boxes and spheres about bodies, and the volumes of lights."""
+"""Line figures of the overlay: boxes and spheres around bodies, and the volumes of lights."""
 
 from __future__ import annotations
 
@@ -25,28 +25,28 @@ _ROUND: Colour = (0.55, 0.70, 1.0, 0.40)
 _CHOSEN: Colour = (1.0, 0.85, 0.25, 1.0)
 _LIGHT: Colour = (1.0, 0.88, 0.35, 0.9)
 
-_MOST = 500
-"""Bodies whose bounds are drawn: those that look largest."""
+_MAX_BOUNDS = 500
+"""Maximum number of items whose bounds are drawn, the largest on the screen first."""
 _BOUNDLESS = 0.5
-"""Radius a light without a range is drawn with [m]."""
+"""Radius of the figure of a light without a range [m]."""
 _SUN_RAYS = ((0.0, 0.0), (0.12, 0.0), (-0.12, 0.0), (0.0, 0.12), (0.0, -0.12))
 
 
 def add_bounds(lines: LineSet, listed: DrawList, world: F8, view: View) -> None:
-    """Boxes of what is drawn and of what is hidden, in two colours, and circles about their spheres.
+    """Add boxes of drawn and of occluded items, in two colours, and circles of the drawn items' spheres.
 
     Args:
-        lines: What to add to.
-        listed: After its frame, with fates.
+        lines: Lines to add to.
+        listed: Draw list of the frame, with fates.
         world: T_world_from_node per row, [rows, 4, 4].
-        view: From where.
+        view: The view.
     """
     fates = listed.fates
     if fates is None:
         return
     away = np.linalg.norm(listed.centres - view.eye_world, axis=1)
-    looks = np.where(fates > 0, listed.radii / np.maximum(away, view.near), 0.0)
-    largest = np.argsort(-looks)[:_MOST]
+    angles = np.where(fates > 0, listed.radii / np.maximum(away, view.near), 0.0)
+    largest = np.argsort(-angles)[:_MAX_BOUNDS]
     axes = view.world_from_eye[:3, :3]
     for fate, tint in ((DRAWN, _DRAWN), (HIDDEN, _HIDDEN)):
         items = largest[fates[largest] == fate]
@@ -57,7 +57,7 @@ def add_bounds(lines: LineSet, listed: DrawList, world: F8, view: View) -> None:
 
 
 def add_node_bounds(lines: LineSet, world: World, listed: DrawList, node: int) -> None:
-    """Boxes of everything on a node, given by its entity index, and below it: what is chosen."""
+    """Add boxes of everything on and below a node, given by its entity index."""
     entities = world.subentities().entity
     inside = {entity: world.graph.hierarchy.is_inside(entity, node) for entity in set(entities.tolist())}
     items = np.flatnonzero([inside[entity] for entity in entities.tolist()])
@@ -65,11 +65,11 @@ def add_node_bounds(lines: LineSet, world: World, listed: DrawList, node: int) -
 
 
 def add_lights(lines: LineSet, world: World, view: View) -> None:
-    """Spheres of point lights, cones of spots, and a few rays of a sun before the eye."""
+    """Add spheres of point lights, cones of spot lights, and a few rays of the sun in front of the camera."""
     for light in world.lights:
         red, green, blue = light.colour
-        most = max(red, green, blue, 1e-6)
-        tint = tuple(0.35 + 0.65 * part / most for part in (red, green, blue))
+        brightest = max(red, green, blue, 1e-6)
+        tint = tuple(0.35 + 0.65 * part / brightest for part in (red, green, blue))
         own: Colour = (tint[0], tint[1], tint[2], 0.9)
         if light.kind == "point":
             _add_sphere(lines, light, own)
@@ -96,19 +96,19 @@ def _add_cone(lines: LineSet, light: Light, tint: Colour) -> None:
     reach = light.range if math.isfinite(light.range) else 4.0 * _BOUNDLESS
     pose = light.node.world_matrix()[:3, :3]
     axes = pose / np.linalg.norm(pose, axis=0)
-    place, middle = light.position_world, light.position_world - reach * math.cos(light.outer_cone) * axes[:, 2]
+    place, centre = light.position_world, light.position_world - reach * math.cos(light.outer_cone) * axes[:, 2]
     for angle, strength in ((light.outer_cone, 1.0), (light.inner_cone, 0.45)):
         width, depth = reach * math.sin(angle), reach * math.cos(angle)
         rim = (place - depth * axes[:, 2])[None]
         own: Colour = (*tint[:3], strength * tint[3])
         lines.add(circle_lines(rim, width * axes[None, :, 0], width * axes[None, :, 1]), own)
     side = reach * math.sin(light.outer_cone)
-    ends = [middle + sign * side * axes[:, axis] for axis in (0, 1) for sign in (1.0, -1.0)]
+    ends = [centre + sign * side * axes[:, axis] for axis in (0, 1) for sign in (1.0, -1.0)]
     lines.add(np.stack([np.broadcast_to(place, (4, 3)), np.array(ends)], axis=1), tint)
 
 
 def _add_sun(lines: LineSet, light: Light, view: View) -> None:
-    """Five arrows in front of the eye, up in the picture, that go the way the light goes."""
+    """Add five arrows along the light's direction in the upper part of the picture."""
     axes = view.world_from_eye[:3, :3]
     depth = 20.0 * view.near + 0.6
     _, right, _, top = view.tangents

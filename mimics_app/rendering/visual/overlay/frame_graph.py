@@ -1,4 +1,4 @@
-"""The frame graph: the newest frames as stacked bars, a colour for each stage, and the driver's own time as a line."""
+"""The frame graph: recent frames as stacked bars, a colour per stage, and the GPU time as a line."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["draw_frame_graph"]
 
 _WIDTH, _HEIGHT = 480.0, 120.0
 _MARGIN, _BELOW = 18.0, 98.0
-"""From the right edge, and from the upper one: below the figures of a task."""
+"""Margins from the right and the upper edge, below the cards of a task [hud px]."""
 _FRAMES = 240
 _PANEL: Colour = (0.05, 0.06, 0.08, 0.80)
 _OVER: Colour = (0.98, 0.45, 0.36, 1.0)
@@ -33,12 +33,12 @@ _COLOURS: tuple[Colour, ...] = (
 )
 _SCALES_MS = (20.0, 40.0, 80.0, 160.0, 400.0, 2000.0)
 _SUMMED = 30
-"""Newest frames the figures are the median of."""
+"""Number of recent frames whose median is shown."""
 
 
 def draw_frame_graph(hud: Hud, frames: Sequence[FrameTimes]) -> None:
-    """Lay the graph into the upper right, below the figures of a task."""
-    known = list(frames)[:-1][-_FRAMES:]  # the last one is being drawn
+    """Draw the graph in the upper right, below the cards of a task."""
+    known = list(frames)[:-1][-_FRAMES:]  # the last frame is in progress
     if not known:
         return
     stages = list(dict.fromkeys(name for frame in known for name in frame.cpu_ms))
@@ -72,7 +72,7 @@ def _write_head(hud: Hud, frames: Sequence[FrameTimes], x: float, y: float) -> N
 def _bars(
     frames: Sequence[FrameTimes], stages: Sequence[str], x: float, bottom: float, per_ms: float
 ) -> NDArray[np.void]:
-    """A bar for each stage of each frame, on top of each other, and a dash for the driver's time."""
+    """Return stacked bars of the stages of each frame, and a dash for its GPU time."""
     times = np.array([[frame.cpu_ms.get(name, 0.0) for name in stages] for frame in frames])
     heights = np.minimum(per_ms * times, _HEIGHT)
     base = np.minimum(np.cumsum(heights, axis=1) - heights, _HEIGHT)
@@ -98,7 +98,7 @@ def _write_stages(hud: Hud, frames: Sequence[FrameTimes], stages: Sequence[str],
         hud.text(x + 18.0, line, name, 14.0, INK)
         cpu = median(frame.cpu_ms.get(name, 0.0) for frame in newest)
         gpu = [frame.gpu_ms[name] for frame in newest if name in frame.gpu_ms]
-        may = BUDGET_MS.get(name, FRAME_MS)
-        hud.text(x + 230.0, line, f"{cpu:.2f} ms", 14.0, _OVER if cpu > may else INK, align="right")
-        hud.text(x + 300.0, line, f"of {may:.1f}", 14.0, FAINT, align="right")
+        budget = BUDGET_MS.get(name, FRAME_MS)
+        hud.text(x + 230.0, line, f"{cpu:.2f} ms", 14.0, _OVER if cpu > budget else INK, align="right")
+        hud.text(x + 300.0, line, f"of {budget:.1f}", 14.0, FAINT, align="right")
         hud.text(x + 420.0, line, f"driver {median(gpu):.2f}" if gpu else "", 14.0, FAINT, align="right")

@@ -1,4 +1,4 @@
-"""What the overlay shows: its layers, and the arrows of forces, contacts and handles."""
+"""Layers of the overlay, and the arrows of forces, contacts and handles."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ __all__ = ["LAYERS", "Arrow", "Layer"]
 
 Layer = Literal["graph", "wires", "bounds", "lights", "forces", "atlas"]
 LAYERS: tuple[Layer, ...] = ("graph", "wires", "bounds", "lights", "forces", "atlas")
-"""In the order of their keys."""
+"""All layers, in the order of their keys."""
 
 
 @dataclass(frozen=True, eq=False)
 class Arrow:
-    """An arrow of the layer "forces": from a place along a vector, both world [m], float64 [3]."""
+    """An arrow of the layer "forces": origin and vector, both world [m], float64 [3]."""
 
     origin: F8
     vector: F8

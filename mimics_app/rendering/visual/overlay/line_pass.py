@@ -1,4 +1,4 @@
-"""Draws lines over the world: whole where they are seen, faint where something stands before them."""
+"""Draws lines over the world, faint where they are occluded."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _FAINT = 0.22
 
 
 class LinePass:
-    """A buffer of lines and the shader that draws them."""
+    """Draws lines of constant width on the screen."""
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
         self._ctx = ctx
@@ -27,7 +27,7 @@ class LinePass:
         self._made_for = -1
 
     def draw(self, target: moderngl.Framebuffer, lines: LineSet, view: View, rectangle: Rect) -> int:
-        """Draw lines into a view of a target, which is in use; returns the draw calls made."""
+        """Draw lines into a view of the framebuffer in use; return the draw calls."""
         import moderngl
 
         rows = lines.rows(view.eye_world)

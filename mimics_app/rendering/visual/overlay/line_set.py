@@ -1,4 +1,4 @@
-"""Lines in the world as one array, and the figures made of them: boxes, circles, cones, arrows."""
+"""Lines in the world as one array, and figures made of them: boxes, circles, arrows."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["LINE_ROW", "LineSet", "box_lines", "circle_lines"]
 
 
 LINE_ROW = np.dtype([("begin", "f4", (3,)), ("end", "f4", (3,)), ("tint", "f4", (4,)), ("widths", "f4", (2,))])
-"""One line as shaders/overlay/lines.vert reads it."""
+"""One line, as read by shaders/overlay/lines.vert."""
 
 _CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 _EDGES = np.array([(a, b) for a, b in itertools.combinations(range(8), 2) if bin(a ^ b).count("1") == 1])
@@ -24,9 +24,9 @@ _ROUND = np.linspace(0.0, 2.0 * np.pi, _STEPS + 1)
 
 _WIDTH = 1.6
 _SHAFT, _HEAD = 3.4, 13.0
-"""Of an arrow [px]."""
+"""Widths of an arrow's shaft and head [px]."""
 _HEAD_SHARE = 0.28
-"""Of an arrow's length that is its head."""
+"""Length of an arrow's head over that of the arrow."""
 
 
 class LineSet:
@@ -37,21 +37,21 @@ class LineSet:
         self._rest: list[NDArray[np.float32]] = []
 
     def __len__(self) -> int:
-        """Number of lines."""
+        """Return the number of lines."""
         return sum(len(part) for part in self._ends)
 
     def clear(self) -> None:
-        """Take all lines away."""
+        """Remove all lines."""
         self._ends.clear()
         self._rest.clear()
 
     def add(self, ends: F8, tint: Colour, width: float | tuple[float, float] = _WIDTH) -> None:
-        """Lines of one colour.
+        """Add lines of one colour.
 
         Args:
-            ends: World [m], [n, 2, 3].
-            tint: Display code values, straight alpha.
-            width: [px], or at begin and end.
+            ends: Ends of the lines, world [m], [n, 2, 3].
+            tint: Display values, straight alpha.
+            width: Width, or widths at both ends [px].
         """
         ends = np.asarray(ends, np.float64).reshape(-1, 2, 3)
         widths = (width, width) if isinstance(width, float | int) else width
@@ -59,14 +59,14 @@ class LineSet:
         self._rest.append(np.tile(np.array([*tint, *widths], np.float32), (len(ends), 1)))
 
     def arrow(self, origin: F8, vector: F8, tint: Colour, width: float = _SHAFT) -> None:
-        """An arrow from a place along a vector [m]."""
+        """Add an arrow from a point along a vector, world [m]."""
         tip = np.asarray(origin, np.float64) + vector
         neck = tip - _HEAD_SHARE * np.asarray(vector)
         self.add(np.stack([origin, neck])[None], tint, width)
         self.add(np.stack([neck, tip])[None], tint, (_HEAD * width / _SHAFT, 0.0))
 
     def rows(self, eye_world: F8) -> NDArray[Any]:
-        """The lines about an eye, LINE_ROW [n]; differences are taken in float64."""
+        """Return the lines relative to the camera, subtracted in float64, LINE_ROW [n]."""
         rows = np.zeros(len(self), LINE_ROW)
         if self._ends:
             ends, rest = np.concatenate(self._ends) - eye_world, np.concatenate(self._rest)
@@ -76,12 +76,12 @@ class LineSet:
 
 
 def box_lines(matrices: F8, centres: F8, halves: F8) -> F8:
-    """Edges of boxes, [12 n, 2, 3].
+    """Return the edges of boxes, [12 n, 2, 3].
 
     Args:
         matrices: T_world_from_box, [n, 4, 4].
-        centres: In the box's frame [m], [n, 3].
-        halves: Half sizes [m], [n, 3].
+        centres: Centres in the boxes' frames [m], [n, 3].
+        halves: Half extents [m], [n, 3].
     """
     local = centres[:, None] + _CORNERS * halves[:, None]
     corners = np.einsum("nij,nkj->nki", matrices[:, :3, :3], local) + matrices[:, None, :3, 3]
@@ -89,13 +89,13 @@ def box_lines(matrices: F8, centres: F8, halves: F8) -> F8:
 
 
 def circle_lines(centres: F8, right: F8, up: F8) -> F8:
-    """Circles or ellipses, [32 n, 2, 3].
+    """Return the segments of circles or ellipses, [32 n, 2, 3].
 
     Args:
-        centres: World [m], [n, 3].
-        right: From the centre to the rim [m], [n, 3].
-        up: Across that [m], [n, 3].
+        centres: Centres, world [m], [n, 3].
+        right: First semi-axis [m], [n, 3].
+        up: Second semi-axis [m], [n, 3].
     """
-    turned = np.cos(_ROUND)[:, None] * right[:, None] + np.sin(_ROUND)[:, None] * up[:, None]
-    points = centres[:, None] + turned
+    offsets = np.cos(_ROUND)[:, None] * right[:, None] + np.sin(_ROUND)[:, None] * up[:, None]
+    points = centres[:, None] + offsets
     return np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 2, 3)

@@ -1,4 +1,4 @@
-"""The developer's overlay: made when it is first requested, drawn over the world and over the figures."""
+"""The developer's overlay, drawn over the world and over the heads-up display."""
 
 from __future__ import annotations
 
@@ -41,14 +41,15 @@ _PANEL: Colour = (0.05, 0.06, 0.08, 0.66)
 
 
 class Overlay:
-    """What is shown over the world.
+    """The overlay.
 
     Attributes:
-        layers: Those that are on.
-        arrows: Forces and contacts of this frame; whoever knows them sets them.
-        chosen: Entity index of a node whose box is drawn, None: of none.
+        layers: Layers that are on.
+        arrows: Forces and contacts of this frame; set by the caller.
+        chosen: Entity index of a selected node whose box is drawn; None: none.
         handles: Arrows drawn with it.
-        times: Of the stages, while the graph is shown.
+        times: Stage times, recorded while the graph is shown.
+        hud: Canvas of its panels.
     """
 
     def __init__(
@@ -68,31 +69,31 @@ class Overlay:
 
     @property
     def shows(self) -> bool:
-        """Whether anything of it is seen."""
+        """Whether any of it is visible."""
         return bool(self.layers) or self.chosen is not None
 
     @property
-    def asks_fates(self) -> bool:
-        """Whether the draw list has to remember what became of each item."""
+    def needs_fates(self) -> bool:
+        """Whether the draw list has to record the fate of each item."""
         return "bounds" in self.layers
 
     def toggle(self, layer: Layer) -> None:
-        """Take a layer off, or put it on."""
+        """Switch a layer on or off."""
         self.layers ^= {layer}
 
     def take_over(self, other: Overlay) -> None:
-        """Show what another one shows."""
+        """Take over the state of another overlay."""
         self.layers, self.arrows = other.layers, other.arrows
         self.chosen, self.handles = other.chosen, other.handles
 
     def draw_wires(self, target: moderngl.Framebuffer, drawn: ViewDraws) -> int:
-        """Edges of what is drawn in a view whose block is bound; returns the draw calls made."""
+        """Draw the wireframe of a view whose block is bound; return the draw calls."""
         return self._wires.draw(target, drawn) if "wires" in self.layers else 0
 
     def draw_lines(
         self, target: moderngl.Framebuffer, scene: FrameScene, listed: DrawList, views: Sequence[ViewDraws]
     ) -> int:
-        """Everything made of lines, in every view of the world's target; returns the draw calls made."""
+        """Draw all lines in every view of the world's target; return the draw calls."""
         draws = 0
         for drawn in views:
             self._collect(scene, listed, drawn)
@@ -100,7 +101,7 @@ class Overlay:
         return draws
 
     def lay_out(self, width: float, height: float) -> None:
-        """Write the panels for a canvas of a width and height [hud px]."""
+        """Lay out the panels on a canvas of a width and height [hud px]."""
         hud = self.hud
         hud.width, hud.height = width, height
         hud.clear()
@@ -116,13 +117,13 @@ class Overlay:
             hud.text(30.0, hud.height - 120.0, text, 14.0, INK)
 
     def draw_atlas(self, framebuffer: moderngl.Framebuffer, shadows: ShadowStage) -> int:
-        """The shadow atlas in a corner of the surface, before `lay_out`; returns the draw calls made."""
+        """Draw the shadow atlas in a corner of the surface, before `lay_out`; return the draw calls."""
         draws = self._atlas.draw(framebuffer, shadows) if "atlas" in self.layers else 0
         self._maps_shown = draws > 0
         return draws
 
     def release(self) -> None:
-        """Free everything; the vertex arrays of wires are the arena's."""
+        """Free everything; the vertex arrays of the wireframe belong to the arena."""
         self._line_pass.release()
         self._atlas.release()
 
@@ -143,14 +144,14 @@ class Overlay:
 
 
 class _WirePass:
-    """Draws the runs of a frame again as lines, a little nearer than they are."""
+    """Draws the runs of a frame again as wireframe, with a depth bias towards the camera."""
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, arena: MeshArena, frame: FrameBuffers) -> None:
         self._ctx, self._arena, self._frame = ctx, arena, frame
         self._shader = shaders.program("common/mesh.vert", "overlay/wire.frag")
 
     def draw(self, target: moderngl.Framebuffer, drawn: ViewDraws) -> int:
-        """Draw a view whose block is bound; returns the draw calls made."""
+        """Draw a view whose block is bound; return the draw calls."""
         import moderngl
 
         ctx, runs = self._ctx, (*drawn.opaque, *drawn.blended)

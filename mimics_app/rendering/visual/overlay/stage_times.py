@@ -1,7 +1,7 @@
-"""How long each stage of a frame took: on the processor by the clock, on the driver's side by timer queries.
+"""Times of the stages of a frame: on the CPU by the clock, on the GPU by timer queries.
 
-A driver that draws on the processor puts all drawing off to the end of a frame: it is waited for after each stage, so
-that the clock gives whose time it was, and is not asked.
+A software driver defers all drawing to the end of a frame: it is waited for after each stage instead of being queried,
+so that the clock attributes its time to the stage.
 """
 
 from __future__ import annotations
@@ -21,17 +21,19 @@ __all__ = ["FrameTimes", "StageTimes"]
 
 _FRAMES = 240
 _BEHIND = 2
-"""Frames a query is left alone before it is read: a driver that is asked at once makes the frame wait for it."""
+"""Frames before a query is read: reading it at once would stall the frame."""
 
 
 @dataclass(slots=True)
 class FrameTimes:
-    """One frame.
+    """Stage times of one frame.
 
     Attributes:
-        cpu_ms: By stage, in the order they ran [ms].
-        gpu_ms: The same of the driver's own time, once it is known.
-        items, hidden, culled: What became of the sub-entities.
+        cpu_ms: CPU time by stage, in the order in which they ran [ms].
+        gpu_ms: GPU time by stage, once it is known [ms].
+        items: Sub-entities that could be drawn.
+        culled: Of these, those outside the frustum.
+        hidden: Of the rest, those that are occluded.
     """
 
     cpu_ms: dict[str, float] = field(default_factory=dict)
@@ -42,18 +44,18 @@ class FrameTimes:
 
 
 class StageTimes:
-    """Times of the newest frames.
+    """Stage times of the newest frames.
 
     Args:
-        ctx: Whose driver.
-        clock: For the processor's side.
+        ctx: Context to query.
+        clock: Clock of the CPU times.
         software: Whether the driver draws on the processor.
 
     Attributes:
-        frames: Oldest first, at most 240; the last one is being drawn.
-        begun: Whether a frame is under way that the renderer has not drawn yet.
-        waits: False neither waits for the driver nor asks it: stages have the time that the frame spent in them, which
-            changes no frame's length, whosever drawing it was.
+        frames: Oldest first, at most 240; the last one is in progress.
+        begun: Whether a frame was begun that the renderer has not drawn yet.
+        waits: False neither waits for the driver nor queries it: the frame time is not affected, but a software
+            driver's deferred drawing counts for a later stage.
     """
 
     def __init__(self, ctx: moderngl.Context, clock: Clock, *, software: bool) -> None:
@@ -61,28 +63,28 @@ class StageTimes:
         self._clock = clock
         self._software = software
         self._queries: list[dict[str, moderngl.Query]] = [{} for _ in range(_BEHIND)]
-        self._asked: list[tuple[FrameTimes, list[str]]] = [(FrameTimes(), []) for _ in range(_BEHIND)]
+        self._queried: list[tuple[FrameTimes, list[str]]] = [(FrameTimes(), []) for _ in range(_BEHIND)]
         self._number = 0
         self.begun = False
         self.waits = True
         self.frames: deque[FrameTimes] = deque(maxlen=_FRAMES)
 
     def begin(self) -> None:
-        """A new frame; what the driver took for the one two frames ago is read."""
+        """Begin a frame; reads the GPU times of the frame before the last."""
         self._number += 1
         self.begun = True
         slot = self._number % _BEHIND
-        frame, stages = self._asked[slot]
+        frame, stages = self._queried[slot]
         for stage in stages:
             frame.gpu_ms[stage] = self._queries[slot][stage].elapsed * 1e-6
         self.frames.append(FrameTimes())
-        self._asked[slot] = (self.frames[-1], [])
+        self._queried[slot] = (self.frames[-1], [])
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Time a stage; stages do not lie in each other."""
+        """Time a stage; stages cannot be nested."""
         slot = self._number % _BEHIND
-        frame, stages = self._asked[slot]
+        frame, stages = self._queried[slot]
         if self._software or not self.waits:
             started = self._clock.now_ns()
             yield
@@ -99,7 +101,7 @@ class StageTimes:
         stages.append(name)
 
     def count(self, items: int, culled: int, hidden: int) -> None:
-        """Take down what became of the sub-entities."""
+        """Record the counts of sub-entities."""
         if self.frames:
             frame = self.frames[-1]
             frame.items, frame.culled, frame.hidden = items, culled, hidden

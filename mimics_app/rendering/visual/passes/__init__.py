@@ -1,3 +1,3 @@
-"""The passes of a frame, in the order they are drawn: shadow, opaque, sky, transparent, hud."""
+"""Render passes of a frame, in drawing order: shadow, opaque, sky, transparent, heads-up display."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""How much of the sky's light near surfaces leave each other: found in the picture's depth before it is drawn."""
+"""Screen-space ambient occlusion, computed from a depth pre-pass."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ if TYPE_CHECKING:
 __all__ = ["AmbientPass"]
 
 _TEXTURE_BINDING, _BLOCK_BINDING = 23, 6
-"""Of shaders/common/ambient.glsl."""
+"""Bindings of shaders/common/ambient.glsl."""
 
 _BOTH_EYES = ("EYES_BY_CLIPPING",)
-"""However the picture itself has room for them: in the depth that is looked at here they are side by side."""
+"""Define for both eyes, which are always side by side in the depth buffer of this pass."""
 
 
 class AmbientPass:
-    """Draws the depth of an eye, or of both, at half the size, and from it what lit shaders take off the sky's light.
+    """Draws the depth of one eye or both at half resolution, and computes the visibility of the sky from it.
 
-    Only light from everywhere is taken off, because it is known before anything is lit. What is blended, and what a
-    mirror or another camera shows, is without it.
+    Only ambient light is occluded, since visibility is known before shading. Blended surfaces, mirrors and other
+    cameras' pictures are not occluded.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, arena: MeshArena, frame: FrameBuffers) -> None:
@@ -51,22 +51,22 @@ class AmbientPass:
         self._places = np.zeros((2, 8), np.float32)
 
     def begin_depth(self, rectangles: Sequence[Rect]) -> None:
-        """Clear the depth of views.
+        """Clear the depth buffer.
 
         Args:
-            rectangles: Where they are in the picture [px]; of one size.
+            rectangles: Rectangles of the views in the picture, of equal size [px].
         """
-        self._make_room(rectangles)
+        self._reserve(rectangles)
         assert self._depth is not None
         self._depth.use()
         self._depth.clear(depth=1.0)
 
     def draw_depth(self, views: Sequence[View], opaque: list[DrawRun]) -> int:
-        """Draw the depth of a view, or of two eyes or one of them, as the bound block says; returns the draw calls.
+        """Draw the depth of one view, or of the eyes selected by the bound view block; return the draw calls.
 
         Args:
-            views: From where: one, or both eyes.
-            opaque: What is drawn in them.
+            views: One view, or both eyes.
+            opaque: Their opaque runs.
         """
         import moderngl
 
@@ -86,10 +86,10 @@ class AmbientPass:
         return len(opaque)
 
     def find(self, number: int, settings: RenderSettings) -> int:
-        """Find it in the depth of an eye, whose block is bound; returns the draw calls made.
+        """Compute the visibility for an eye whose view block is bound; return the draw calls.
 
         Args:
-            number: Of the eye among those whose depth was drawn.
+            number: Number of the eye among those whose depth was drawn.
             settings: Strength and radius.
         """
         assert self._depth is not None
@@ -103,12 +103,12 @@ class AmbientPass:
         return draws + self._smooth.draw(texture_of(found), part, part, radius=settings.ambient_radius)
 
     def use(self, eyes: Sequence[int]) -> None:
-        """Have the shaders read what was found for an eye, or for both where they draw both."""
+        """Bind the visibility of one eye, or of both where one pass draws both."""
         self._write(self._places[list(eyes)])
         texture_of(self._found[1]).use(_TEXTURE_BINDING)
 
     def skip(self) -> None:
-        """Have the shaders read that all is open."""
+        """Bind full visibility."""
         if self._open is None:
             self._open = self._ctx.texture((1, 1), 2, np.array([1.0, 0.0], np.float16).tobytes(), dtype="f2")
         self._write(np.zeros((2, 8), np.float32))
@@ -123,7 +123,7 @@ class AmbientPass:
         self._free()
 
     def _write(self, places: NDArray[np.float32]) -> None:
-        """Set in the shaders where the texels of each eye are: corner [px], texels per pixel; first, last, height."""
+        """Upload the texels of each eye: corner [px], texels per pixel; first and last column, last row."""
         if self._block is None:
             self._block = self._ctx.buffer(reserve=64)
         block = np.zeros((2, 2, 4), np.float32)
@@ -132,8 +132,8 @@ class AmbientPass:
         self._block.write(block.tobytes())
         self._block.bind_to_uniform_block(_BLOCK_BINDING)
 
-    def _make_room(self, rectangles: Sequence[Rect]) -> None:
-        """Buffers for eyes of half the size of these rectangles [px], beside each other."""
+    def _reserve(self, rectangles: Sequence[Rect]) -> None:
+        """Create buffers for eyes side by side, at half the size of these rectangles [px]."""
         _, _, across, along = rectangles[0]
         width, height = (across + 1) // 2, (along + 1) // 2
         for number, (x, y, _, _) in enumerate(rectangles):

@@ -1,4 +1,4 @@
-"""A share of all light spread about, as an eye or a lens does: half-size copies down, and added up again."""
+"""Bloom: a share of the light is spread, as by an eye or a lens, through a pyramid of half-size copies."""
 
 from __future__ import annotations
 
@@ -20,37 +20,37 @@ __all__ = ["BloomPass"]
 
 _LEVELS = 6
 _SMALLEST = 4
-"""Side below which no smaller copy is made [texels]."""
+"""Minimum width and height of a copy [texels]."""
 
 _WIDER = 0.8
-"""Share of each level that comes from the wider ones."""
+"""Share of each level that comes from the coarser ones."""
 
 _BINDING = 21
 
 
 class BloomPass:
-    """Mixes a picture's light with a wide blur of it: no threshold, no light made or lost but over the border.
+    """Mixes the picture with a wide blur of its light: without threshold, energy-preserving except at the border.
 
-    The picture holds display values as half floats; their tone map is undone for the blur, which is of light.
-    Copies are made per view and clamped at its borders, so that views beside each other stay apart.
+    The picture holds display values as half floats; the tone map is inverted for the blur, which is of linear light.
+    Copies are made per view and clamped at its borders, so that adjacent views do not mix.
 
     Attributes:
-        settings: Of the frame: `bloom` is the share of the light that is spread.
+        settings: Settings of the frame; `bloom` is the share of the light that is spread.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, settings: RenderSettings) -> None:
         self.settings = settings
         self._ctx = ctx
         self._first = ScreenPass(ctx, shaders, "post/downsample.frag", ("FROM_DISPLAY",))
-        self._spread = ScreenPass(ctx, shaders, "post/downsample.frag")
-        self._gather = ScreenPass(ctx, shaders, "post/upsample.frag")
+        self._downsample = ScreenPass(ctx, shaders, "post/downsample.frag")
+        self._upsample = ScreenPass(ctx, shaders, "post/upsample.frag")
         self._mix = ScreenPass(ctx, shaders, "post/bloom.frag")
         self._levels: dict[Size, list[moderngl.Framebuffer]] = {}
 
     def draw(
         self, source: moderngl.Texture, target: moderngl.Framebuffer, regions: Sequence[Rect], places: Sequence[Rect]
     ) -> int:
-        """Fill a target; the arguments of `PictureFilter.draw`."""
+        """Fill a target; arguments of `PictureFilter.draw`."""
         self._drop_unused(regions)
         neutral = float(self.settings.tone_map == "neutral")
         draws = 0
@@ -64,21 +64,21 @@ class BloomPass:
 
     def release(self) -> None:
         """Free copies and vertex arrays."""
-        for part in (self._first, self._spread, self._gather, self._mix):
+        for part in (self._first, self._downsample, self._upsample, self._mix):
             part.release()
         for size in list(self._levels):
             self._free(size)
 
     def _blur(self, source: moderngl.Texture, region: Rect, levels: list[moderngl.Framebuffer], neutral: float) -> int:
-        """Fill the copies: downwards each the mean of 4 x 4 texels, upwards the wider one mixed in by a tent."""
+        """Fill the pyramid: downsample by means of 4 x 4 texels, upsample and blend by a tent filter."""
         levels[0].use()
         draws = self._first.draw(source, region, _whole(levels[0]), neutral=neutral)
         for finer, wider in itertools.pairwise(levels):
             wider.use()
-            draws += self._spread.draw(texture_of(finer), _whole(finer), _whole(wider))
+            draws += self._downsample.draw(texture_of(finer), _whole(finer), _whole(wider))
         for finer, wider in reversed(list(itertools.pairwise(levels))):
             finer.use()
-            draws += self._gather.draw(texture_of(wider), _whole(wider), _whole(finer), blend=True, share=_WIDER)
+            draws += self._upsample.draw(texture_of(wider), _whole(wider), _whole(finer), blend=True, share=_WIDER)
         return draws
 
     def _copies(self, size: Size) -> list[moderngl.Framebuffer]:

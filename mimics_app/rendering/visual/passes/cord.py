@@ -1,4 +1,4 @@
-"""Draws cords: one static index buffer, a block of numbers per cord, everything else in the vertex shader."""
+"""Draws cords: one static index buffer, a uniform block per cord, the geometry in the vertex shader."""
 
 from __future__ import annotations
 
@@ -39,17 +39,17 @@ CORD_BLOCK = np.dtype(
 
 _BINDING = 7
 RINGS, SIDES = 128, 24
-"""Along and around: 3,200 vertices. The drawn polyline is 2e-5 shorter than the cord at most (chart "cord")."""
+"""Vertices along and facets around: 3,200 vertices. The drawn polyline is at most 2e-5 shorter (chart "cord")."""
 _SOFTNESS = 0.25
-"""Radius of the shadow's edge over the gap below the ball: a window's light."""
+"""Radius of the shadow's penumbra over the gap below the ball, as under a window's light."""
 
 
 class CordPass:
-    """All cords of a view.
+    """Draws all cords of a view.
 
     Args:
-        ctx: Where it draws.
-        shaders: Has the shaders.
+        ctx: Context of the pass.
+        shaders: Shader library.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
@@ -69,15 +69,15 @@ class CordPass:
         time_s: float,
         eyes: EyePass,
     ) -> int:
-        """Draw into the framebuffer in use, depth tested and written; the view's block is bound.
+        """Draw into the framebuffer in use with depth test and write; the view's block is bound.
 
         Args:
-            cords: Of the world.
-            view: From where.
-            lighting: What shines.
-            lights: Features of shaders that the frame's light needs.
-            time_s: Of the world, by which ripples run [s].
-            eyes: Which eyes see it.
+            cords: Cords of the world.
+            view: The view.
+            lighting: Light of the frame.
+            lights: Shader features that the frame's light needs.
+            time_s: Time of the world, for the ripples [s].
+            eyes: Eyes to draw.
 
         Returns:
             Draw calls made.
@@ -121,14 +121,14 @@ class CordPass:
 
 
 def fill_cord_block(data: NDArray[np.void], cord: Cord, eye: F8, sun: F8, time_s: float) -> None:
-    """Write one cord's numbers, places relative to the eye subtracted in float64.
+    """Write one cord's uniforms; positions are made relative to the camera in float64.
 
     Args:
         data: A CORD_BLOCK.
-        cord: Which.
-        eye: Where the eye is, world [m], float64 [3].
-        sun: Unit, towards the light that casts the ball's shadow, float64 [3].
-        time_s: Of the world [s].
+        cord: The cord.
+        eye: Position of the camera, world [m], float64 [3].
+        sun: Unit vector towards the light that casts the ball's shadow, float64 [3].
+        time_s: Time of the world [s].
     """
     curve, waves, radius = cord.curve, cord.waves, cord.shown_radius
     ripples = cord.ripples(time_s)
@@ -146,7 +146,7 @@ def fill_cord_block(data: NDArray[np.void], cord: Cord, eye: F8, sun: F8, time_s
 
 
 def grid_indices(rings: int, sides: int) -> NDArray[np.uint32]:
-    """Triangles of a grid of `rings` by `sides` + 1 vertices closed around itself, counterclockwise from outside."""
+    """Return the triangles of a tube of `rings` by `sides` + 1 vertices, counter-clockwise from outside."""
     i, j = np.meshgrid(np.arange(rings - 1), np.arange(sides), indexing="ij")
     corner = (i * (sides + 1) + j).ravel()
     quads = np.stack(

@@ -1,4 +1,4 @@
-"""In how many passes eyes are drawn over one queue, and what their shaders are given."""
+"""Passes in which the eyes of one queue are drawn, and the defines of their shaders."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from typing import Literal
 __all__ = ["AT_ONCE", "EyePass", "EyePasses", "passes_of"]
 
 EyePasses = Literal["alone", "viewports", "viewports_in_turn", "halves", "halves_in_turn"]
-"""How eyes are drawn over one queue: each by programs that know one eye; or by programs that know both, into two
-viewports or the halves of one, both at once or one after the other. In turn no pixel differs from both at once: another
-program may round the same formula otherwise, and a half rounds other places than a viewport."""
+"""Passes of the eyes of one queue: each with programs for one eye; or with stereo programs into two viewports or the
+halves of one, in one pass or in turn. In turn gives the same pixels as in one pass: another program may round
+differently, and so may a half and a viewport of its own."""
 
 
 @dataclass(frozen=True, slots=True)
 class EyePass:
-    """What shaders that ask which eye they draw for are given, and how often each instance is drawn.
+    """One pass over a queue.
 
     Attributes:
-        defines: Names besides their own.
-        instances: Of what stands once.
-        eye: The one that is drawn alone; -1: both.
+        defines: Additional defines of the shaders.
+        instances: Instances per object.
+        eye: Number of the only eye drawn; -1: all.
     """
 
     defines: tuple[str, ...] = ()
@@ -28,7 +28,7 @@ class EyePass:
     eye: int = -1
 
 
-_GIVEN: dict[EyePasses, tuple[str, ...]] = {
+_DEFINES: dict[EyePasses, tuple[str, ...]] = {
     "alone": (),
     "viewports": ("EYES_BY_VIEWPORT",),
     "viewports_in_turn": ("EYES_BY_VIEWPORT",),
@@ -36,13 +36,13 @@ _GIVEN: dict[EyePasses, tuple[str, ...]] = {
     "halves_in_turn": ("EYES_BY_CLIPPING",),
 }
 AT_ONCE: tuple[EyePasses, ...] = ("viewports", "halves")
-"""Those in which every second instance is the other eye's."""
+"""Kinds in which every second instance is for the other eye."""
 _IN_TURN: tuple[EyePasses, ...] = ("viewports_in_turn", "halves_in_turn")
 
 
 def passes_of(eyes: EyePasses) -> tuple[EyePass, ...]:
-    """The passes in which eyes are drawn over one queue."""
-    given = _GIVEN[eyes]
+    """Return the passes in which the eyes of one queue are drawn."""
+    defines = _DEFINES[eyes]
     if eyes in _IN_TURN:
-        return tuple(EyePass(given, eye=eye) for eye in (0, 1))
-    return (EyePass(given, 2 if eyes in AT_ONCE else 1),)
+        return tuple(EyePass(defines, eye=eye) for eye in (0, 1))
+    return (EyePass(defines, 2 if eyes in AT_ONCE else 1),)

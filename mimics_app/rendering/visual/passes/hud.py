@@ -1,4 +1,4 @@
-"""The heads-up display laid over a view, on a plane before the eyes."""
+"""The heads-up display, drawn over a view on a plane in front of the eyes."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ __all__ = ["HudPass", "HudPlane", "clip_from_hud", "plane_of_views"]
 
 
 _GLYPH_BINDING, _IMAGE_BINDING = 2, 3
-_NEAREST_FOR_TWO = 1.28
-"""Distance [m] at which eyes 63 mm apart turn in one degree more than at 2 m, where screens and headsets focus."""
-_AROUND = 1.68
-"""Height of a picture, in tangents, beyond 80 degrees: a headset."""
-_LOOKED_AT = (0.6, 0.45)
-"""Tangents right and up that eyes turn to without the head: some 30 and 24 degrees."""
+_MIN_STEREO_DEPTH = 1.28
+"""Distance at which eyes 63 mm apart converge by one degree more than at 2 m, the focus of screens and headsets [m]."""
+_HEADSET_HEIGHT = 1.68
+"""Height of the picture from which it is taken for a headset's, 80 degrees [tangents]."""
+_EYE_RANGE = (0.6, 0.45)
+"""Range of eye movements without the head, right and up, about 30 and 24 degrees [tangents]."""
 _ENLARGED = 1.6
-"""Figures in a headset over those of a screen: its pixels are coarse, so that the smallest word takes 1.4 degrees."""
+"""Factor on the size of the display in a headset, whose pixels are coarse: the smallest word spans 1.4 degrees."""
 _BEYOND = 1.05
-"""How far inside the near and the far plane a display stays."""
+"""Factor by which the display stays inside the near and the far plane."""
 
 
 @dataclass(frozen=True, eq=False)
 class HudPlane:
-    """Where the display hangs in the world.
+    """Plane of the display in the world.
 
     Attributes:
         origin_world: Its lower left corner [m], float64 [3].
-        right_world: From there along its lower edge [m], float64 [3].
-        up_world: Along its left edge [m], float64 [3].
-        canvas_height: Of the canvas on it [hud px].
+        right_world: Its lower edge [m], float64 [3].
+        up_world: Its left edge [m], float64 [3].
+        canvas_height: Height of its canvas [hud px].
     """
 
     origin_world: F8
@@ -51,26 +51,25 @@ class HudPlane:
 
     @property
     def canvas_width(self) -> float:
-        """Width of the canvas [hud px] of the plane's shape."""
+        """Width of the canvas, by the plane's aspect ratio [hud px]."""
         return float(self.canvas_height * np.linalg.norm(self.right_world) / np.linalg.norm(self.up_world))
 
 
 def plane_of_views(views: Sequence[View], depth: float) -> HudPlane:
-    """The plane that fills the mean frustum of one screen's eyes at a depth.
+    """Return the plane that fills the mean frustum of one screen's views at a depth.
 
-    With a single view it fills the picture exactly, off-axis or not; with two eyes it hangs between them, so that
-    both see it at the same place in space.
+    With one view it fills the picture exactly, off-axis or not; with two it is centred between the eyes, which see it
+    at the same place in space. In a wide headset it fills only the range of eye movements.
 
     Args:
-        views: The eyes of one screen.
-        depth: Distance from the eyes [m]; as near to that as is neither too near nor too far to be seen. Two eyes get
-            it no nearer than they comfortably turn in, and of a wide headset only what they see without the head.
+        views: The views of one screen.
+        depth: Distance from the eyes [m], limited by near and far plane, and for two eyes by comfortable convergence.
     """
-    depth = max(depth, _NEAREST_FOR_TWO) if len(views) > 1 else depth
+    depth = max(depth, _MIN_STEREO_DEPTH) if len(views) > 1 else depth
     nearest, farthest = max(view.near for view in views), min(view.far for view in views)
     depth = min(max(depth, _BEYOND * nearest), farthest / _BEYOND)
     seen = np.mean([view.tangents for view in views], axis=0)
-    around = len(views) > 1 and bool(seen[3] - seen[2] >= _AROUND)
+    around = len(views) > 1 and bool(seen[3] - seen[2] >= _HEADSET_HEIGHT)
     left, right, bottom, top = depth * (_readable(seen) if around else seen)
     centre = np.mean([view.eye_world for view in views], axis=0)
     axes = _axes_between(views[0].world_from_eye[:3, :3], views[-1].world_from_eye[:3, :3])
@@ -80,7 +79,7 @@ def plane_of_views(views: Sequence[View], depth: float) -> HudPlane:
 
 
 def _axes_between(first: F8, last: F8) -> F8:
-    """Axes midway between those of two eyes: panels of a headset may each look outwards; float64 [3, 3]."""
+    """Return axes midway between those of two eyes, since a headset's panels may be canted; float64 [3, 3]."""
     if np.array_equal(first, last):
         return first
     back = first[:, 2] + last[:, 2]
@@ -91,8 +90,8 @@ def _axes_between(first: F8, last: F8) -> F8:
 
 
 def _readable(tangents: F8) -> F8:
-    """The part of what surrounds the eyes that figures are laid over: its middle."""
-    across, up = _LOOKED_AT
+    """Clamp tangents to the range of eye movements."""
+    across, up = _EYE_RANGE
     return np.clip(tangents, [-across, -across, -up, -up], [across, across, up, up])
 
 
@@ -112,7 +111,7 @@ class HudPass:
         self._image_source: NDArray[np.uint8] | None = None
 
     def draw(self, hud: Hud, view: View, plane: HudPlane) -> int:
-        """Lay the display over one view; the framebuffer's viewport is set to the view's rectangle.
+        """Draw the display over one view; sets the viewport to the view's rectangle.
 
         Returns:
             Draw calls made.
@@ -183,7 +182,7 @@ class HudPass:
 
 
 def clip_from_hud(view: View, plane: HudPlane) -> F8:
-    """Projection of the canvas, x and y in hud px from its lower left corner (float64 [4, 4])."""
+    """Return the projection of canvas coordinates [hud px] from its lower left corner (float64 [4, 4])."""
     eye_from_hud = np.zeros((4, 4))
     eye_from_hud[:3, 0] = plane.right_world / plane.canvas_width
     eye_from_hud[:3, 1] = plane.up_world / plane.canvas_height

@@ -1,4 +1,4 @@
-"""Pictures of other cameras laid over the display, on the plane of the heads-up display."""
+"""Insets: pictures of other cameras, drawn on the plane of the heads-up display."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _BINDING = 22
 
 
 def inset_pixels(inset: InsetView, view: View) -> Rect:
-    """Where an inset lies in a view [px], from its own corner."""
+    """Return the rectangle of an inset relative to its view's corner [px]."""
     left, bottom, width, height = inset.rectangle
     wide, high = view.rectangle[2:]
     return round(left * wide), round(bottom * high), max(1, round(width * wide)), max(1, round(height * high))
 
 
 class InsetPass:
-    """Draws one inset; compiled when it is first needed."""
+    """Draws insets; the shader is compiled on first use."""
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
         self._ctx = ctx
@@ -35,14 +35,14 @@ class InsetPass:
         self._made: tuple[int, moderngl.VertexArray] | None = None
 
     def draw(self, inset: InsetView, picture: LivePicture, pixels: Rect, view: View, plane: HudPlane) -> int:
-        """Lay it over a view; returns the draw calls made.
+        """Draw an inset over a view; return the draw calls.
 
         Args:
-            inset: What.
-            picture: What it shows.
-            pixels: Where in the first view of the screen, see `inset_pixels`.
-            view: Which view of that screen.
-            plane: Of the screen's heads-up display.
+            inset: The inset.
+            picture: Its picture.
+            pixels: Its rectangle in the first view of the screen, see `inset_pixels`.
+            view: A view of that screen.
+            plane: Plane of the screen's heads-up display.
         """
         import moderngl
 

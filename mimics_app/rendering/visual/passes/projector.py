@@ -1,4 +1,4 @@
-"""Projects pictures onto surfaces: each surface it meets is drawn once more where its depth is what was seen."""
+"""Projective textures: each surface that a projector hits is drawn again with depth test "equal"."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ __all__ = ["ProjectorPass"]
 _BINDING = 10
 _DEFINES = {"paint": (), "stain": ("STAIN",), "light": ("LIGHT",)}
 _OF_ALBEDO = ("TEXTURED", "COLOURED", "UV_TRANSFORMS")
-"""Features that a surface's own colour hangs on."""
+"""Shader features that the surface's albedo depends on."""
 
 
 class ProjectorPass:
-    """Draws projected pictures."""
+    """Draws projected textures."""
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:
         self._ctx = ctx
@@ -45,16 +45,16 @@ class ProjectorPass:
         lights: frozenset[str],
         eyes: tuple[str, ...],
     ) -> int:
-        """Draw over what is opaque in a view; afterwards depth is written and tested as before.
+        """Draw over the opaque surfaces of a view; depth state is restored afterwards.
 
         Args:
-            target: Where to; holds the depth of what is opaque.
-            arena: Has the meshes.
-            frame: Has the instances.
-            view: From where; its block is bound.
-            projected: Projectors with the surfaces they meet.
-            lights: Features of shaders that the frame's light needs.
-            eyes: What is set in shaders besides where both eyes are drawn together.
+            target: Framebuffer with the depth of the opaque surfaces.
+            arena: Mesh arena.
+            frame: Buffers of the frame.
+            view: The view; its block is bound.
+            projected: Projectors with the surfaces they hit.
+            lights: Shader features that the frame's light needs.
+            eyes: Additional defines where both eyes are drawn in one pass.
 
         Returns:
             Draw calls made.
@@ -81,7 +81,7 @@ class ProjectorPass:
         return draws
 
     def release(self) -> None:
-        """Free the pictures."""
+        """Free the textures."""
         self._textures.release()
 
     def _set_state(self, look: Look, beam: Beam) -> None:
@@ -95,7 +95,7 @@ class ProjectorPass:
         self._ctx.enable_only(flags)
         self._ctx.blend_func = {
             "stain": (moderngl.DST_COLOR, moderngl.ZERO),
-            # Display values: light on light comes nearer to the sum of the two than adding their codes does.
+            # On display values this "screen" blending is closer to a sum of light than addition.
             "light": (moderngl.ONE_MINUS_DST_COLOR, moderngl.ONE),
         }.get(beam.spec.blend, (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA))
 
@@ -103,14 +103,14 @@ class ProjectorPass:
         defines = [*_DEFINES[beam.spec.blend], *(sorted(lights) if beam.spec.blend == "paint" else ())]
         if beam.spec.blend == "light":
             drawn = look.passes[0].shader
-            # Pictures of the plain technique lie in arrays, which this shader does not read: their tint has to do.
+            # Textures of the plain technique are in arrays, which this shader does not read: tint only.
             readable = _OF_ALBEDO if drawn.fragment != "plain/plain.frag" else ("COLOURED",)
             defines += [name for name in readable if name in drawn.defines]
         return self._shaders.program("common/mesh.vert", "projector/projector.frag", tuple(defines))
 
 
 def _describe(shader: ShaderProgram, beam: Beam, view: View) -> None:
-    """Give the shader the projector, relative to the eye, subtracted in float64."""
+    """Set the projector's uniforms, relative to the camera, subtracted in float64."""
     world_from_eye = np.eye(4)
     world_from_eye[:3, 3] = view.eye_world
     shader.set_matrix("slide_from_eye", beam.texture_from_world @ world_from_eye)

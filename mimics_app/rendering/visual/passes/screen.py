@@ -1,4 +1,4 @@
-"""One triangle over a rectangle, filled by a fragment shader from a part of a picture."""
+"""Full-screen passes: one triangle over a rectangle, shaded from a region of a texture."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ if TYPE_CHECKING:
 __all__ = ["PictureFilter", "ScreenPass"]
 
 _BINDING = 20
-"""Of the picture in shaders/post/region.glsl."""
+"""Binding of the texture in shaders/post/region.glsl."""
 
 
 class ScreenPass:
-    """A fragment shader run over a rectangle of the framebuffer in use; compiled when it is first needed.
+    """Runs a fragment shader over a rectangle of the framebuffer in use; compiled on first use.
 
     Args:
-        ctx: Whose state is set.
-        shaders: Has the shader.
-        fragment: Path of one that includes post/region.glsl.
-        defines: Its variant.
+        ctx: Context of the pass.
+        shaders: Shader library.
+        fragment: Path of a shader that includes post/region.glsl.
+        defines: Names to `#define`.
     """
 
     def __init__(
@@ -42,11 +42,11 @@ class ScreenPass:
         """Fill a rectangle.
 
         Args:
-            source: The picture.
-            region: The part of it that is shown and not looked out of [texels].
-            place: Where, in the framebuffer in use [px].
-            blend: True mixes with what is there by the shader's alpha.
-            numbers: Uniforms.
+            source: The texture.
+            region: Region that is shown, and outside of which nothing is sampled [texels].
+            place: Rectangle to fill in the framebuffer in use [px].
+            blend: True blends by the shader's alpha.
+            numbers: Values of uniforms.
 
         Returns:
             Draw calls made.
@@ -76,14 +76,14 @@ class ScreenPass:
 
 
 class PictureFilter:
-    """Shows each view's part of a picture in its place, through one shader with some fixed uniforms.
+    """Filters each view's region of a picture by one shader with fixed uniforms.
 
     Args:
-        ctx: Whose state is set.
-        shaders: Has the shader.
-        fragment: Its path, of one that includes post/region.glsl.
-        reach: How far from its own place a pixel looks into the picture at most [texels].
-        numbers: Uniforms.
+        ctx: Context of the pass.
+        shaders: Shader library.
+        fragment: Path of a shader that includes post/region.glsl.
+        reach: Radius of the filter [texels].
+        numbers: Values of uniforms.
     """
 
     def __init__(
@@ -100,9 +100,9 @@ class PictureFilter:
 
         Args:
             source: The picture.
-            target: Where to.
-            regions: Each view's part of it [texels].
-            places: Where each goes [px].
+            target: Framebuffer to fill.
+            regions: Region of each view in the picture [texels].
+            places: Rectangle of each view in the target [px].
 
         Returns:
             Draw calls made.
@@ -119,23 +119,23 @@ class PictureFilter:
         place: Rect,
         parts: Sequence[Rect],
     ) -> list[Rect]:
-        """Fill of a target that holds another picture's view what is not the same of this one.
+        """Update a target that holds the filtered last picture of a view.
 
         Args:
             source: The picture.
-            target: Where to.
-            region: The view's part of it [texels].
-            place: Where that goes [px].
-            parts: Outside of which the picture is that other one [texels].
+            target: Framebuffer to update.
+            region: Region of the view in the picture [texels].
+            place: Rectangle of the view in the target [px].
+            parts: Rectangles of the picture that changed [texels].
 
         Returns:
-            Where the target was written, one rectangle for each part [px].
+            Rectangles of the target that were written, one per part [px].
         """
         written = [_reached(part, region, place, self._reach) for part in parts]
         for each in written:
             target.scissor = each
             self.draw(source, target, [region], [place])
-        target.scissor = None  # type: ignore[assignment]  # None takes it away
+        target.scissor = None  # type: ignore[assignment]  # None disables it
         return written
 
     def release(self) -> None:
@@ -144,7 +144,7 @@ class PictureFilter:
 
 
 def _reached(part: Rect, region: Rect, place: Rect, reach: int) -> Rect:
-    """Where in its place a filter shows a part of a region, or what lies so near it [texels]."""
+    """Return the rectangle of the target that a changed part affects, within the filter's radius [px]."""
     spans = []
     for axis in (0, 1):
         scale = place[axis + 2] / region[axis + 2]

@@ -1,4 +1,4 @@
-"""Depth of the scene seen from the sun and from spot lights, in the tiles of one atlas."""
+"""Shadow map pass: depth of the scene from the sun and from spot lights, in the tiles of one atlas."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ if TYPE_CHECKING:
 __all__ = ["MapWork", "draw_shadows"]
 
 _SLOPE_BIAS, _CONSTANT_BIAS = 2.5, 4.0
-"""Depth bias: depth slopes per texel, and smallest depth steps. The filter reaches 1.5 texels, so that 1.5
-would do for planes; curved surfaces need more, and still more lets light in under thin edges."""
+"""Depth bias: slopes per texel, and smallest depth steps. A slope bias of 1.5, the filter's reach in texels, suffices
+for planes; curved surfaces need more, and a larger one leaks light under thin edges."""
 
 
 @dataclass(frozen=True, eq=False)
 class MapWork:
-    """What is drawn into a map.
+    """Draws of one shadow map.
 
     Attributes:
-        still: What stands still, drawn first; None: its depths were kept, and are put back.
-        keep: True to keep the depths of what stands still.
-        moving: Drawn over it.
+        still: Static casters, drawn first; None: their kept depths are restored.
+        keep: True to keep the depths of the static casters.
+        moving: Moving casters, drawn over them.
     """
 
     still: list[DrawRun] | None
@@ -40,12 +40,12 @@ class MapWork:
 
     @property
     def runs(self) -> list[DrawRun]:
-        """All that is drawn."""
+        """All runs."""
         return [*(self.still or ()), *self.moving]
 
     @property
     def triangles(self) -> int:
-        """In all runs."""
+        """Triangles of all runs."""
         return sum(run.triangles for run in self.runs)
 
 
@@ -57,15 +57,15 @@ def draw_shadows(
     plan: ShadowPlan,
     work: list[MapWork | None],
 ) -> int:
-    """Fill the tiles of maps that have changed; the others stay what they were.
+    """Draw the tiles of maps that have changed; the others stay as they are.
 
     Args:
-        ctx: Whose state is set.
-        arena: Has the meshes.
-        frame: Has the instances, each map's relative to its own origin.
+        ctx: Context of the pass.
+        arena: Mesh arena.
+        frame: Buffers of the frame; each map's instances are relative to its own origin.
         target: The atlas.
         plan: Its maps.
-        work: What to draw into each of `plan.maps`; None leaves it as it is.
+        work: Draws of each of `plan.maps`; None leaves a map as it is.
 
     Returns:
         Draw calls made.

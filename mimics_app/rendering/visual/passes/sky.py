@@ -1,4 +1,4 @@
-"""The sky behind everything."""
+"""The sky behind the scene."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _BINDING = 9
 
 
 def flat_sky(lighting: Lighting, settings: RenderSettings) -> tuple[float, float, float] | None:
-    """Display values of a sky of one colour, which plain shading clears with instead of drawing; None for any other."""
+    """Return the display values of a sky of one colour, the clear colour of plain shading; None for any other sky."""
     same = np.array_equal(lighting.zenith, lighting.horizon) and np.array_equal(lighting.horizon, lighting.ground)
     if settings.shading != "plain" or not same or lighting.backdrop is not None:
         return None
@@ -35,10 +35,10 @@ def flat_sky(lighting: Lighting, settings: RenderSettings) -> tuple[float, float
 
 
 class SkyPass:
-    """Draws the sky wherever nothing opaque was drawn, with the pictures of its backdrop where there are any.
+    """Draws the sky behind the opaque surfaces, with the textures of its backdrop if there is one.
 
     Attributes:
-        issues: Backdrops that could not be drawn, each reported once; take them out when they were reported.
+        issues: Backdrops that could not be drawn, each reported once; the caller removes what it reports.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:
@@ -54,7 +54,7 @@ class SkyPass:
         self.issues: list[Issue] = []
 
     def prepare(self, world: World) -> None:
-        """Take over the backdrop of a world's environment."""
+        """Select shader and textures for the backdrop of a world."""
         backdrop = world.environment.backdrop
         pictures = self._pictures(backdrop, world)
         defines: tuple[str, ...] = ()
@@ -69,7 +69,7 @@ class SkyPass:
             self._shader.set_number("height", backdrop.height / backdrop.tile)
 
     def draw(self) -> int:
-        """Draw it; returns the draw calls made."""
+        """Draw the sky; return the draw calls."""
         import moderngl
 
         wanted = (self._shader, self._shader.revision)
@@ -85,7 +85,7 @@ class SkyPass:
         return 1
 
     def release(self) -> None:
-        """Free the vertex array and the pictures."""
+        """Free the vertex array and the textures."""
         if self._array is not None:
             self._array.release()
             self._array = None
@@ -95,7 +95,7 @@ class SkyPass:
         self._textures.release()
 
     def _pictures(self, backdrop: Backdrop | None, world: World) -> list[TextureData]:
-        """All pictures of a backdrop, or none where one is missing or a box's differ in size."""
+        """Return all textures of a backdrop; none where one is missing or those of a box differ in size."""
         if backdrop is None:
             return []
         found = [world.textures[key] for key in backdrop.textures if key in world.textures]
@@ -104,9 +104,9 @@ class SkyPass:
         fault = ""
         if len(found) != len(backdrop.textures) or len(found) != (6 if backdrop.kind == "box" else 1):
             missing = [key for key in backdrop.textures if key not in world.textures]
-            fault = f"no texture {', '.join(missing)}" if missing else f"{len(found)} pictures are no {backdrop.kind}"
+            fault = f"no texture {', '.join(missing)}" if missing else f"{len(found)} textures make no {backdrop.kind}"
         elif backdrop.kind == "box" and (len(sizes) > 1 or not square):
-            fault = "its six pictures are not squares of one size"
+            fault = "its six textures are not squares of one size"
         if fault and backdrop not in self._reported:
             self._reported.add(backdrop)
             self.issues.append(Issue("", "", f"backdrop of the sky: {fault}; drawn without it"))
@@ -117,7 +117,7 @@ class SkyPass:
             return self._cube[1]
         if self._cube is not None:
             self._cube[1].release()
-        # A cube's faces are laid out as seen from outside: the sides are mirrored, top and bottom turned over.
+        # Cube map faces are defined as seen from outside: mirror the sides, flip top and bottom.
         turned = (np.flip(each.pixels, 0 if number in (2, 3) else 1) for number, each in enumerate(pictures))
         faces = [shrunk(face, self._longest) for face in turned]
         data = b"".join(np.ascontiguousarray(face).tobytes() for face in faces)

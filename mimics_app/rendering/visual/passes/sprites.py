@@ -1,4 +1,4 @@
-"""Draws sprites in the runs a view was cut into."""
+"""Sprite pass: draws the sprite runs of a view."""
 
 from __future__ import annotations
 
@@ -17,48 +17,47 @@ if TYPE_CHECKING:
 __all__ = ["SpritePass"]
 
 _FORMATS = {"position": "3f4", "tint": "4f4", "style": "4u2"}
-"""Of the fields of SPRITE_VERTEX, in their order, as moderngl writes them."""
+"""Fields of SPRITE_VERTEX in order, in moderngl's notation."""
 
 _TWO_TRIANGLES = np.array([0, 1, 2, 2, 1, 3], np.uint32)
 _INDICES = len(_TWO_TRIANGLES)
 _BINDING = 0
 _OF_DISPLAY = frozenset(("HAZE", "TONED"))
-"""Features of the frame's light that change what a sprite of its own light is shown as."""
+"""Light features that apply to unlit sprites too."""
 
 
 class SpritePass:
-    """Buffers and shaders of sprites; nothing is made before the first sprite is seen.
+    """Buffers and shaders of sprites, created with the first visible sprite.
 
-    Corners are computed on the processor: drivers that draw there need half the time for them of what they need for
-    as many instances.
+    Vertices are computed on the processor: software drivers take half as long for them as for as many instances.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
         self._ctx = ctx
         self._shaders = shaders
-        self._corners: moderngl.Buffer | None = None
+        self._vertices: moderngl.Buffer | None = None
         self._indices: moderngl.Buffer | None = None
         self._arrays: dict[ShaderProgram, tuple[int, moderngl.VertexArray]] = {}
 
-    def upload(self, corners: NDArray[np.void]) -> None:
-        """Send the sprites of a frame to the GPU: SPRITE_VERTEX [n, 4], contiguous, of all views."""
-        if not len(corners):
+    def upload(self, vertices: NDArray[np.void]) -> None:
+        """Upload the sprites of all views of a frame: SPRITE_VERTEX [n, 4], contiguous."""
+        if not len(vertices):
             return
-        if self._corners is None or self._corners.size < corners.nbytes:
+        if self._vertices is None or self._vertices.size < vertices.nbytes:
             self.release()
-            self._corners = self._ctx.buffer(reserve=2 * corners.nbytes)
-            firsts = np.arange(0, 2 * corners.size, 4, dtype=np.uint32)
+            self._vertices = self._ctx.buffer(reserve=2 * vertices.nbytes)
+            firsts = np.arange(0, 2 * vertices.size, 4, dtype=np.uint32)
             self._indices = self._ctx.buffer((firsts[:, None] + _TWO_TRIANGLES).tobytes())
-        self._corners.orphan()
-        self._corners.write(corners)
+        self._vertices.orphan()
+        self._vertices.write(vertices)
 
     def draw(self, target: moderngl.Framebuffer, run: SpriteRun, lights: frozenset[str]) -> int:
-        """Draw a run; afterwards depth is written.
+        """Draw a run; depth write is on afterwards.
 
         Args:
-            target: Where to; in use.
-            run: Of what was uploaded.
-            lights: Features of shaders that the frame's light needs.
+            target: The framebuffer in use.
+            run: Run of the uploaded sprites.
+            lights: Shader features that the frame's light needs.
 
         Returns:
             Draw calls made.
@@ -82,10 +81,10 @@ class SpritePass:
         for _, array in self._arrays.values():
             array.release()
         self._arrays.clear()
-        for buffer in (self._corners, self._indices):
+        for buffer in (self._vertices, self._indices):
             if buffer is not None:
                 buffer.release()
-        self._corners = self._indices = None
+        self._vertices = self._indices = None
 
     def _shader(self, state: SpriteState, lights: frozenset[str]) -> ShaderProgram:
         defines = ["MASKED"] if state.masked else []
@@ -101,8 +100,10 @@ class SpritePass:
         known = self._arrays.get(shader)
         if known is not None and known[0] == shader.revision:
             return known[1]
-        assert self._corners is not None and self._indices is not None, "runs are drawn after upload"
-        content = (self._corners, " ".join(_FORMATS.values()), *(SPRITE_VERTEX.names or ()))
+        if known is not None:
+            known[1].release()
+        assert self._vertices is not None and self._indices is not None, "runs are drawn after upload"
+        content = (self._vertices, " ".join(_FORMATS.values()), *(SPRITE_VERTEX.names or ()))
         array = self._ctx.vertex_array(shader.program, [content], self._indices)
         self._arrays[shader] = (shader.revision, array)
         return array

@@ -1,4 +1,4 @@
-"""Render state of a look's passes, set in the driver only where it changes."""
+"""Drawing of mesh runs: every pass of their looks, with render state set only where it changes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["draw_runs"]
 
 
-def _as_it_is(shader: ShaderProgram) -> ShaderProgram:
+def _identity(shader: ShaderProgram) -> ShaderProgram:
     return shader
 
 
@@ -25,16 +25,16 @@ def draw_runs(
     arena: MeshArena,
     frame: FrameBuffers,
     runs: list[DrawRun],
-    variant: Callable[[ShaderProgram], ShaderProgram] = _as_it_is,
+    variant: Callable[[ShaderProgram], ShaderProgram] = _identity,
 ) -> int:
-    """Draw every pass of every run in order; afterwards depth is written and back faces are what is left out.
+    """Draw every pass of every run in order; depth write and back-face culling are restored afterwards.
 
     Args:
-        target: Where to; in use.
-        arena: What the runs draw.
-        frame: Has their commands.
-        runs: In order.
-        variant: Which program draws instead of a pass's own.
+        target: The framebuffer in use.
+        arena: Mesh arena.
+        frame: Buffers of the frame.
+        runs: Runs in order.
+        variant: Returns the program to use in place of a pass's own.
 
     Returns:
         Draw calls made.

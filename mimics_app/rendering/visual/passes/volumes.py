@@ -1,4 +1,4 @@
-"""The sun's shadows by stencil: volumes counted behind what is seen."""
+"""Stencil shadows of the sun: shadow volumes counted by depth fail."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ __all__ = ["VolumePass"]
 
 
 _BIAS = (0.05, 8.0)
-"""Depth slopes per pixel and smallest depth steps by which volumes lie behind the surfaces that cast them: a cap that
-won against its own surface would put it in its own shadow. More than rounding needs would move the shadows' edges."""
+"""Depth bias of volumes behind their casters, as slopes per pixel and smallest depth steps: a cap in front of its own
+surface would shadow it. More than rounding needs would displace the shadows' edges."""
 
 _SAME_LIGHT = 1e-4
-"""Farthest the light may have turned in a body's frame for its volume to be used again [rad]."""
+"""Largest rotation of the light in a body's frame for which its volume is reused [rad]."""
 
 
 class VolumePass:
-    """Draws the volumes of everything that casts a shadow, and darkens or spares what they cover.
+    """Draws the shadow volumes of all casters, and darkens or excludes what they cover.
 
-    Volumes are made per body on the processor and kept while the light does not move in the body's frame.
+    Volumes are extruded per body on the processor and kept while the light does not move in the body's frame.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
@@ -57,17 +57,17 @@ class VolumePass:
         lighting: Lighting,
         eyes: EyePass,
     ) -> int:
-        """Count the volumes into the target's cleared stencil, whose depth has all that receives.
+        """Count the volumes into the target's cleared stencil; its depth has all receivers.
 
-        What is blended has no volume; what has holes casts as a whole.
+        Blended surfaces have no volume; those with alpha test cast as a whole.
 
         Args:
-            target: In use.
-            world: Whose bodies cast.
-            items: Which of them cast.
-            views: From where: one, or two eyes that are drawn together.
-            lighting: What shines.
-            eyes: Which of them.
+            target: The framebuffer in use.
+            world: The world.
+            items: Its sub-entities.
+            views: One view, or two that are drawn in one pass.
+            lighting: Light of the frame.
+            eyes: Eyes to draw.
 
         Returns:
             Draw calls made.
@@ -97,11 +97,13 @@ class VolumePass:
         return drawn
 
     def darken(self, tone: float) -> int:
-        """Leave `tone` of the display values wherever a volume counts; returns the draw calls."""
+        """Multiply the display values in shadow by `tone`; return the draw calls."""
         import moderngl
 
         ctx = self._ctx
         if self._screen is None or self._screen[0] != self._darken.revision:
+            if self._screen is not None:
+                self._screen[1].release()
             self._screen = (self._darken.revision, ctx.vertex_array(self._darken.program, []))
         self._darken.set_number("tone", tone)
         ctx.enable_only(moderngl.BLEND)
@@ -125,7 +127,7 @@ class VolumePass:
         mesh = world.meshes.get(name)
         if mesh is None:
             return None
-        # Rows of the axes: a direction goes back into the node's frame by the inverse of the matrix itself.
+        # A direction transforms into the node's frame by the inverse of the matrix.
         local = np.asarray(np.linalg.solve(world_from_node[:3, :3], towards), np.float64)
         local = local / np.linalg.norm(local)
         kept = self._kept.get(item)
@@ -141,27 +143,29 @@ class VolumePass:
 
 
 class _Volume:
-    """A volume on the GPU, and what it was made for."""
+    """A volume on the GPU, with the mesh and light direction it was made for."""
 
-    def __init__(self, ctx: moderngl.Context, mesh: MeshData, light: F8, corners: NDArray[np.float32]) -> None:
+    def __init__(self, ctx: moderngl.Context, mesh: MeshData, light: F8, vertices: NDArray[np.float32]) -> None:
         self._ctx, self._mesh, self._light = ctx, mesh, light
-        self._buffer = ctx.buffer(corners.tobytes() or bytes(16))
+        self._buffer = ctx.buffer(vertices.tobytes() or bytes(16))
         self._arrays: dict[ShaderProgram, tuple[int, moderngl.VertexArray]] = {}
 
     def fits(self, mesh: MeshData, light: F8) -> bool:
-        """True when it can be used again."""
+        """Whether the volume can be reused."""
         return self._mesh is mesh and float(np.linalg.norm(light - self._light)) <= _SAME_LIGHT
 
     def array(self, shader: ShaderProgram) -> moderngl.VertexArray:
-        """It as a program reads it; made again when the program was reloaded."""
+        """Return the vertex array of a program; made again when the program was reloaded."""
         known = self._arrays.get(shader)
         if known is None or known[0] != shader.revision:
+            if known is not None:
+                known[1].release()
             made = self._ctx.vertex_array(shader.program, [(self._buffer, "4f", "in_corner")])
             known = self._arrays[shader] = (shader.revision, made)
         return known[1]
 
     def release(self) -> None:
-        """Free it."""
+        """Free buffer and vertex arrays."""
         for _, array in self._arrays.values():
             array.release()
         self._buffer.release()

@@ -1,3 +1,3 @@
-"""Pictures of the world within its picture: what they are drawn into, and the views of mirrors."""
+"""Live pictures within the picture: their render targets, and the views of mirrors."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""Textures that the renderer draws itself, bound where a look would bind one that was uploaded."""
+"""Live pictures: textures that the renderer draws itself, bound in place of uploaded ones."""
 
 from __future__ import annotations
 
@@ -18,21 +18,20 @@ if TYPE_CHECKING:
 __all__ = ["LivePicture", "MirrorPicture"]
 
 _BLOCK_BINDING = 5
-"""Of MirrorBlock in shaders/mirror/mirror.frag."""
+"""Binding of MirrorBlock in shaders/mirror/mirror.frag."""
 
 _OTHER_BINDING = 25
-"""Of the right eye's picture there."""
+"""Binding of the right eye's texture there."""
 
 _STEP = 64
-"""Buffers of mirrors grow in such steps [px], because the part of the picture a mirror covers changes all the time."""
+"""Step of the size of mirror buffers [px], since the part of the picture that a mirror covers changes all the time."""
 
 
 class LivePicture:
-    """What a camera sees: drawn into one buffer while the one drawn before is shown, so that it may show itself.
+    """A camera's picture, double-buffered, so that it may show itself.
 
     Attributes:
-        decoded: True for a surface's picture, of which samplers give light, and which may be far away; False for
-            display values.
+        decoded: True for the texture of a surface: sRGB-decoded and with mipmaps; False for display values.
     """
 
     def __init__(self, ctx: moderngl.Context, *, decoded: bool = True) -> None:
@@ -44,12 +43,12 @@ class LivePicture:
 
     @property
     def drawn(self) -> bool:
-        """True once there is something to show."""
+        """True once a picture was drawn."""
         return self._shown is not None
 
     @property
     def texture(self) -> moderngl.Texture:
-        """What is shown; one dark texel before the first picture."""
+        """The latest picture; one dark texel before the first."""
         if self._shown is not None:
             return self._shown.texture
         if self._empty is None:
@@ -57,11 +56,11 @@ class LivePicture:
         return self._empty
 
     def use(self, binding: int) -> None:
-        """Make it what a sampler reads."""
+        """Bind it to a sampler."""
         self.texture.use(binding)
 
     def begin(self, size: Size, samples: int) -> DrawBuffer:
-        """The buffer to draw the next picture into."""
+        """Return the buffer to draw the next picture into."""
         if self._spare is None or (self._spare.size, self._spare.samples) != (size, samples):
             if self._spare is not None:
                 self._spare.release()
@@ -69,7 +68,7 @@ class LivePicture:
         return self._spare
 
     def finish(self) -> None:
-        """Show what was drawn."""
+        """Resolve and show the buffer drawn last."""
         if self._spare is not None:
             self._spare.finish()
             if self.decoded:
@@ -85,13 +84,13 @@ class LivePicture:
 
 
 SeenIn = tuple[int, Reflection | None, tuple[int, int]]
-"""Number of a view, what was drawn for a mirror in it (None: nothing), and the view's corner in the target [px]."""
+"""Number of a view, the reflection drawn for a mirror in it (None: none), and the view's corner in the target [px]."""
 
 
 class MirrorPicture(LivePicture):
-    """What a mirror shows, for each view one; in a view that none was drawn for its shader shows the sky.
+    """A mirror's pictures, one per view; its shader shows the sky in a view without one.
 
-    Display values are kept as they are: what is read texel by texel is shown as it was drawn.
+    They hold display values, since a mirror shows them texel by texel.
     """
 
     def __init__(self, ctx: moderngl.Context) -> None:
@@ -108,12 +107,12 @@ class MirrorPicture(LivePicture):
             self._other.texture.use(_OTHER_BINDING)
 
     def begin_view(self, view: int, size: Size, samples: int) -> DrawBuffer:
-        """The buffer to draw what the mirror shows in a view into.
+        """Return the buffer to draw the mirror's picture for a view into.
 
         Args:
             view: Number of the view in the frame.
-            size: Of the part that is drawn [px]; the buffer may be larger.
-            samples: Per pixel.
+            size: Size of the picture [px]; the buffer may be larger.
+            samples: Samples per pixel.
         """
         old = self._of_view.get(view)
         if (
@@ -129,7 +128,7 @@ class MirrorPicture(LivePicture):
         return self._of_view[view]
 
     def show(self, seen: Sequence[SeenIn]) -> None:
-        """Be from here on what is seen in a view, or in two that are drawn together; () in none."""
+        """Select the pictures for a view, or for two that are drawn in one pass; () for none."""
         block = np.zeros((2, 2, 4), np.float32)
         shown: list[DrawBuffer | None] = [None, None]
         for eye, (view, reflection, corner) in enumerate(seen):
@@ -140,7 +139,7 @@ class MirrorPicture(LivePicture):
         self._write(block)
 
     def release(self) -> None:
-        """Free textures and block; a surface that still wears it shows the sky."""
+        """Free textures and block; a surface that still uses them shows the sky."""
         self._shown = self._other = None
         for buffer in self._of_view.values():
             buffer.release()
@@ -159,10 +158,10 @@ class MirrorPicture(LivePicture):
 
 
 def _texels_of_pixels(reflection: Reflection, corner: tuple[int, int]) -> NDArray[np.float32]:
-    """Factors and offsets from pixels of the target to texels of what was drawn, and its size; [2, 4]."""
+    """Return factors and offsets from pixels of the target to texels of the reflection, and its size; [2, 4]."""
     x, y, width, height = reflection.pixels
     wide, high = reflection.view.rectangle[2:]
     across, along = wide / width, high / height
-    # Turned over: the right edge of the mirror is the left one of what was drawn.
+    # Flipped: the right edge of the mirror is the left one of the reflection.
     placement = (-across, along, (corner[0] + x + width) * across, -(corner[1] + y) * along)
     return np.array([placement, (wide, high, 0.0, 0.0)], np.float32)

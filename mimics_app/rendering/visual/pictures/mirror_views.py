@@ -1,4 +1,4 @@
-"""The view a plane mirror shows: from the reflected eye, of what is before the plane."""
+"""Views of plane mirrors: from the reflected camera, clipped at the mirror's plane."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ __all__ = ["Reflection", "plane_of_sheet", "reflect_view"]
 
 
 _FLAT = 1e-3
-"""Largest share of its width that a sheet may be thick."""
+"""Largest thickness of a flat mesh over its width."""
 
-_LEAST_DISTANCE = 1e-3
-"""Of an eye before a mirror in which it sees anything [m]."""
+_MIN_DISTANCE = 1e-3
+"""Minimum distance of the camera from a mirror's plane [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Reflection:
-    """What a mirror shows in a view.
+    """Reflection of a mirror in a view.
 
     Attributes:
-        view: From the reflected eye; its picture is turned over left to right.
-        pixels: The part of the view's picture the mirror lies in [px], from the view's own corner.
+        view: View of the reflected camera; its picture is flipped horizontally.
+        pixels: Rectangle of the mirror in the view's picture, relative to the view's corner [px].
     """
 
     view: View
@@ -34,7 +34,7 @@ class Reflection:
 
 
 def plane_of_sheet(mesh: MeshData) -> F8 | None:
-    """Unit normal and offset of a flat mesh in its own frame, float64 [4]; None where it is not flat.
+    """Return unit normal and offset of a flat mesh in its own frame, float64 [4]; None where it is not flat.
 
     The normal is the mean of the mesh's.
     """
@@ -51,28 +51,25 @@ def plane_of_sheet(mesh: MeshData) -> F8 | None:
 
 
 def reflect_view(view: View, size: tuple[int, int], plane: F8, corners: F8, resolution: float) -> Reflection | None:
-    """The view of a mirror, cut to what it covers.
+    """Return the view of a mirror, cropped to the pixels it covers; None where it is not visible, as from behind.
 
-    The pose stays a rotation: the reflection of a picture is drawn turned over, and read the other way round.
+    The pose is a proper rotation: the picture is drawn flipped and sampled in reverse.
 
     Args:
-        view: From where the mirror is looked at.
-        size: Of that view's picture [px].
-        plane: Of the mirror, world, unit normal towards what is mirrored and offset, [4].
-        corners: Of a box about the mirror, world [m], [8, 3].
-        resolution: Of the picture over that of the view.
-
-    Returns:
-        None where nothing of it is seen, as from behind.
+        view: View that sees the mirror.
+        size: Size of that view's picture [px].
+        plane: Plane of the mirror, world, unit normal towards the reflecting side and offset, [4].
+        corners: Corners of the mirror's bounding box, world [m], [8, 3].
+        resolution: Ratio of the reflection's resolution to that of the view.
     """
     distance = float(plane[:3] @ view.world_from_eye[:3, 3] + plane[3])
     pixels = _covered(view, size, corners)
-    if distance < _LEAST_DISTANCE or pixels is None:
+    if distance < _MIN_DISTANCE or pixels is None:
         return None
     x, y, width, height = pixels
     left, right, bottom, top = view.tangents
     across, along = (right - left) / size[0], (top - bottom) / size[1]
-    # Turned over: what lies at a slope to the right lies at that slope to the left.
+    # Flipped: left and right tangents change sides.
     tangents = (-(left + (x + width) * across), -(left + x * across), bottom + y * along, bottom + (y + height) * along)
     drawn = (0, 0, max(1, round(width * resolution)), max(1, round(height * resolution)))
     whole = (-right, -left, bottom, top)
@@ -81,7 +78,7 @@ def reflect_view(view: View, size: tuple[int, int], plane: F8, corners: F8, reso
 
 
 def _reflection(plane: F8) -> F8:
-    """Householder's matrix of a plane (world [4, 4])."""
+    """Return the Householder reflection at a plane (world, [4, 4])."""
     matrix = np.eye(4)
     matrix[:3, :3] -= 2.0 * np.outer(plane[:3], plane[:3])
     matrix[:3, 3] = -2.0 * plane[3] * plane[:3]
@@ -89,7 +86,7 @@ def _reflection(plane: F8) -> F8:
 
 
 def _covered(view: View, size: tuple[int, int], corners: F8) -> Rect | None:
-    """The pixels a box may touch, a margin about it; None where it is outside the picture."""
+    """Return the pixels that a box may cover, with a margin; None where it is outside the picture."""
     clip = np.c_[corners, np.ones(len(corners))] @ view.clip_from_world.T
     if (clip[:, 3] < view.near).all():
         return None

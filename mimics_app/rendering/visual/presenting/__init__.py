@@ -1,3 +1,3 @@
-"""From the eyes' pictures to what is shown: composed on the surface, handed to a headset, or kept as files."""
+"""Presentation of the eyes' pictures: composed on the surface, submitted to a headset, or saved as files."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""Pictures that have windows of their own, beside the surface that shows all of them."""
+"""Windows for the single pictures of a display, beside the surface that shows all of them."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ __all__ = ["BesideWindows"]
 
 
 class BesideWindows:
-    """The windows of a display's pictures; opened when the first frame is shown.
+    """The windows of a display's pictures, opened with the first frame.
 
     Args:
-        display: Says which there are.
-        surface: In whose context everything is drawn.
+        display: Display that lists the windows.
+        surface: Surface whose context they share.
     """
 
     def __init__(self, display: Display, surface: Surface) -> None:
         self._display, self._surface = display, surface
         self._windows: WallWindows | None = None
         self._composed: EyeBuffer | None = None
-        self._begun = False
+        self._opened = False
         self._faults: list[str] = []
 
     def show(self, drawn: EyeBuffer, eyes: Sequence[Eye], compose: ComposePass | None) -> None:
-        """Bring each eye's picture to its window.
+        """Show each eye's picture in its window.
 
         Args:
-            drawn: All eyes.
-            eyes: As they were drawn.
-            compose: What a display lays over its pictures, None for nothing.
+            drawn: Picture of all eyes.
+            eyes: The eyes as drawn.
+            compose: Composition of the display, None without one.
         """
         windows = self._open(eyes[0].rectangle[2:])
         if windows is None:
@@ -52,20 +52,20 @@ class BesideWindows:
         return self._windows is not None and self._windows.should_close
 
     def take_faults(self) -> list[str]:
-        """What could not be opened, a line each, once."""
+        """Return the windows that could not be opened, a line each; each is reported once."""
         taken, self._faults = self._faults, []
         return taken
 
     def close(self) -> None:
-        """Close them; the next frame opens them again."""
+        """Close the windows; the next frame opens them again."""
         if self._windows is not None:
             self._windows.close()
-        self._windows, self._composed, self._begun = None, None, False
+        self._windows, self._composed, self._opened = None, None, False
 
     def _open(self, size: tuple[int, int]) -> WallWindows | None:
-        if self._begun:
+        if self._opened:
             return self._windows
-        self._begun = True
+        self._opened = True
         self._windows = self._surface.open_beside(self._display.windows, size)
         if self._windows is not None and self._windows.missing:
             names = ", ".join(self._windows.missing)

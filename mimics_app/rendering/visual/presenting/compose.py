@@ -1,4 +1,4 @@
-"""Runs a display's own shader over what was drawn."""
+"""Composition: a display's own shader from the picture of all eyes to the one that is shown."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ __all__ = ["ComposePass"]
 
 
 class ComposePass:
-    """One shader from the picture of all eyes to the one that is shown.
+    """Runs the composition of a display.
 
     Args:
-        ctx: Where it runs.
-        composing: Which, with its numbers.
+        ctx: Context of the pass.
+        composing: Shader and uniforms.
     """
 
     def __init__(self, ctx: moderngl.Context, composing: Composing) -> None:
@@ -31,12 +31,12 @@ class ComposePass:
         self._pass = ScreenPass(ctx, self._shaders, composing.shader)
 
     def draw(self, drawn: EyeBuffer, shown: Surface, places: Sequence[Rect]) -> int:
-        """Fill the surface; returns the draw calls made.
+        """Fill the surface; return the draw calls.
 
         Args:
-            drawn: All eyes.
-            shown: Where to.
-            places: Of the eyes in `drawn` [px], for shaders that run over each of them.
+            drawn: Picture of all eyes.
+            shown: Surface to fill.
+            places: Rectangles of the eyes in `drawn` [px], for shaders that run per eye.
         """
         shown.framebuffer.use()
         program: Any = self._shaders.program("post/screen.vert", self._composing.shader).program
@@ -56,7 +56,7 @@ class ComposePass:
 
 
 def scaled(place: Rect, drawn: Surface, shown: Surface) -> Rect:
-    """A rectangle of one picture in another that holds the whole of it, smaller or larger [px]."""
+    """Scale a rectangle of one picture to another that shows all of it at another size [px]."""
     across, down = shown.size[0] / drawn.size[0], shown.size[1] / drawn.size[1]
     x, y, width, height = place
     left, bottom = round(x * across), round(y * down)

@@ -1,4 +1,4 @@
-"""Brings what the renderer drew to a display: views out, pictures back in."""
+"""Presenter of a display: gives the renderer its views, and shows its pictures."""
 
 from __future__ import annotations
 
@@ -27,41 +27,41 @@ __all__ = ["Presenter"]
 F8 = NDArray[np.float64]
 
 _REST_HEIGHT = 1.7
-"""Height of the eyes of a person at rest, where trackers give places in a room and the display has none [m]."""
+"""Eye height of a person at rest, for trackers with room coordinates and displays without [m]."""
 
 _WALLS = ("wall", "cave")
-"""Kinds whose pictures nobody sees together: where there is no window the surface takes their size."""
+"""Kinds whose pictures are seen apart: an offscreen surface takes their total size."""
 
 _HEADSETS = ("sim-hmd", "openxr")
-"""Kinds with a runtime that takes the frame."""
+"""Kinds with a runtime that receives the frame."""
 
 _OVER_EACH_OTHER = ("interleaved", "anaglyph", "quad")
 """Kinds that show both eyes in the same place."""
 
 _PATIENCE_NS, _STEP_NS = 5_000_000_000, 2_000_000
-"""How long a still waits for a headset to come up, and how often it looks [ns]."""
+"""Time-out and polling interval of a still picture that waits for a headset's session [ns]."""
 
 _SHOW = Composing("post/resample.frag", {}, each_eye=True)
-"""For a display whose picture has another size than the surface: a mirror of it."""
+"""Composition of a display whose picture has another size than the surface: scaled to fit."""
 
 
 class Presenter:
     """One display on one surface.
 
     Args:
-        display: What shows it; closed with the presenter.
-        surface: The window, or the picture that is kept.
+        display: The display; closed with the presenter.
+        surface: The window, or an offscreen surface.
 
     Attributes:
-        drawn: What the renderer draws on: the surface itself where the display has nothing to compose.
-        timing: Of the frame that is under way.
+        drawn: Surface to draw on: `surface` itself where the display has no composition.
+        timing: Timing of the present frame.
     """
 
     def __init__(self, display: Display, surface: Surface) -> None:
         self.display, self.surface = display, surface
-        self._asked = None if surface.backend == "window" else surface.size
-        if self._asked is not None and display.kind in _WALLS:
-            surface.resize(display.drawn_size(self._asked))
+        self._fixed = None if surface.backend == "window" else surface.size
+        if self._fixed is not None and display.kind in _WALLS:
+            surface.resize(display.drawn_size(self._fixed))
         self._beside = BesideWindows(display, surface) if display.windows and surface.backend == "window" else None
         apart = display.composing is not None or self._beside is not None or self._wanted() != surface.size
         apart = apart or display.kind == "openxr"  # its runtime is given a texture
@@ -72,7 +72,7 @@ class Presenter:
         self._compose: ComposePass | None = None
 
     def follow(self, head: HeadSource) -> None:
-        """Have a display that does not track the head itself request it here: room_from_head, of the room's floor."""
+        """Set the source of the head pose, room_from_head, of displays without a tracker of their own."""
         if self.display.kind in _WALLS:
             self.display.head = head
         elif self.display.kind == "hmd":
@@ -80,16 +80,16 @@ class Presenter:
 
     @property
     def follows_head(self) -> bool:
-        """Whether the views depend on where a head is."""
+        """Whether the views depend on the head pose."""
         return self.display.kind in (*_WALLS, "hmd", "sim-hmd", "openxr")
 
     @property
     def surrounds(self) -> bool:
-        """Whether a person stands before the pictures and sees the own body with them."""
+        """Whether the person stands in front of walls and sees their own body."""
         return self.display.kind in _WALLS
 
     def begin(self, now_ns: int) -> FrameTiming:
-        """Begin a frame; see `Display.begin_frame`. One that was begun and never shown ends empty."""
+        """Begin a frame; see `Display.begin_frame`. A frame that was begun and never shown ends empty."""
         if self._begun:
             self.skip()
         self._begun = True
@@ -101,7 +101,7 @@ class Presenter:
         return self.timing
 
     def begin_seen(self, now_ns: int) -> FrameTiming:
-        """Begin a frame that somebody sees: a headset's session takes some frames to come up."""
+        """Begin a frame that will be visible: a headset's session takes some frames to start."""
         clock = MonotonicClock()
         limit_ns = clock.now_ns() + (_PATIENCE_NS if self.display.kind == "openxr" else 0)
         while not self.begin(now_ns).render and clock.now_ns() < limit_ns:
@@ -109,7 +109,7 @@ class Presenter:
         return self.timing
 
     def _show_on_desktop(self, error: DeviceError) -> None:
-        """A display that is gone for good: what it showed is shown where its mirror was."""
+        """Replace a display that was lost for good by the desktop."""
         faults = self.display.take_faults()
         self.display.close()
         desktop = DesktopDisplay()
@@ -118,14 +118,14 @@ class Presenter:
         self.display = desktop
 
     def tracked(self) -> list[TrackerSample]:
-        """Head and hands as the display itself knows them, in the room: the head at rest is where a person's is."""
+        """Return head and hands as tracked by the display, in room coordinates."""
         return [
             replace(each, position=(each.position[0], each.position[1] + _REST_HEIGHT, each.position[2]))
             for each in self.display.tracked()
         ]
 
     def views(self, camera: Camera) -> list[View]:
-        """What each eye sees when the frame is shown."""
+        """Return the views of all eyes at the frame's display time."""
         if self.drawn is not self.surface:
             self.drawn.resize(self._wanted())
         viewpoint = Viewpoint(camera.world_from_eye, camera.vertical_fov)
@@ -136,12 +136,12 @@ class Presenter:
         ]
 
     def ray(self, camera: Camera, right: float, up: float) -> tuple[F8, F8]:
-        """The ray through a place of what is shown, each coordinate in [-1, 1].
+        """Return the ray through a point of the shown picture, each coordinate in [-1, 1].
 
-        Of the eye whose picture is there; where both lie over each other, of one between them.
+        It is that of the eye whose picture is there; the mean of both where their pictures overlap.
 
         Returns:
-            World [m] and direction, float64 [3] each.
+            Origin, world [m], and direction, float64 [3] each.
         """
         views = self.views(camera)
         if self.display.kind in _OVER_EACH_OTHER:
@@ -154,9 +154,9 @@ class Presenter:
         return view.ray(float(inside[0]), float(inside[1]))
 
     def present(self) -> None:
-        """Compose what was drawn and hand it over; the surface's `swap` brings it to the glass.
+        """Compose the drawn picture and submit it; the surface's `swap` shows it.
 
-        A headset gets the frame first: the mirror of it may take its time.
+        A headset receives the frame first, before its mirror on the surface.
         """
         self._begun = False
         texture = self.drawn.texture.glo if isinstance(self.drawn, EyeBuffer) else 0
@@ -178,19 +178,19 @@ class Presenter:
             self.surface.both_eyes = self.drawn.framebuffer if self.display.kind == "quad" else None
 
     def skip(self) -> None:
-        """End a frame that nobody sees."""
+        """End a frame without a picture."""
         self._begun = False
         self.display.end_frame(None)
 
     def save(self, file: Path, write: WritePng = write_png) -> list[Path]:
-        """Write what is shown as PNG, and each eye's picture beside it where there are several.
+        """Save the shown picture as PNG, and each eye's picture beside it where there are several.
 
         Args:
-            file: Of what is shown.
-            write: What writes pixels; they are read before this returns.
+            file: File of the shown picture.
+            write: Writes pixels, which are read before this returns.
 
         Returns:
-            The files: FILE.png, then FILE_left.png and so on; of walls one each and none of all together.
+            The files: FILE.png, then FILE_left.png and so on; for walls one file each and none of all together.
         """
         eyes = [self._save_eye(eye, file, write) for eye in self._eyes if eye.name]
         if self.display.kind in _WALLS:
@@ -200,19 +200,21 @@ class Presenter:
 
     @property
     def leaving(self) -> bool:
-        """Whether the display wants the session to end, or the person closed a window of one of its pictures."""
+        """Whether the display requests the end of the session, or one of its windows was closed."""
         return self.display.leaving or (self._beside is not None and self._beside.should_close)
 
     def take_faults(self) -> list[str]:
-        """What could not be shown as it should since the last call, a line each; each fault is reported once."""
+        """Return new faults since the last call, a line each; each fault is reported once."""
         return [*self.display.take_faults(), *(self._beside.take_faults() if self._beside is not None else ())]
 
     def renew(self) -> None:
-        """The surface has a new context: what lived in the old one is gone."""
+        """Create the GPU objects again after the surface's context was lost."""
         self._compose = None
         self.display.renew()
         if self._beside is not None:
-            self._beside = BesideWindows(self.display, self.surface)  # the old ones went with what they shared
+            self._beside = BesideWindows(
+                self.display, self.surface
+            )  # the old windows were lost with the shared context
         if self.drawn is not self.surface:
             self.drawn.renew()
 
@@ -225,7 +227,7 @@ class Presenter:
         self.display.close()
 
     def _wanted(self) -> Size:
-        return self.display.drawn_size(self._asked or self.surface.size)
+        return self.display.drawn_size(self._fixed or self.surface.size)
 
     def _read(self) -> NDArray[np.uint8]:
         return read_pixels(self.drawn)
@@ -240,13 +242,13 @@ class Presenter:
 
 
 def _outside(rectangle: Rect, at: F8) -> float:
-    """How far a place is outside a rectangle [px], 0 inside."""
+    """Return the distance of a point from a rectangle [px], 0 inside."""
     corner, size = np.array(rectangle[:2]), np.array(rectangle[2:])
     return float(np.maximum(np.maximum(corner - at, at - corner - size), 0.0).max())
 
 
 def _from_rest(head: HeadSource, now_ns: int) -> NDArray[np.float64] | None:
-    """The head in the frame of a head at rest."""
+    """Return the head pose in the frame of the head at rest."""
     room_from_head = head(now_ns)
     if room_from_head is None:
         return None

@@ -1,3 +1,3 @@
-"""Shadows: maps in an atlas, and volumes."""
+"""Shadows: shadow maps in an atlas, and shadow volumes."""
 
 __all__: list[str] = []

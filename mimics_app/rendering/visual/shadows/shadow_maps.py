@@ -1,4 +1,4 @@
-"""Shadow maps and where they lie in one atlas: those of the sun, and one for each spot light."""
+"""Shadow maps and their tiles in one atlas: those of the sun, and one per spot light."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ class ShadowMap:
     """One map of the atlas.
 
     Attributes:
-        clip_from_world: From the light, float64 [4, 4].
-        origin: Point near which its casters are placed, world [m], float64 [3].
-        texel: Width of a texel [m]; of a spot's at 1 m.
-        casters: What it has to draw.
-        tile: Column and row in the atlas's grid of squares.
+        clip_from_world: Projection of the light, float64 [4, 4].
+        origin: Origin of the casters' instance matrices, world [m], float64 [3].
+        texel: Width of a texel [m]; for a spot light at 1 m.
+        casters: Casters to draw.
+        tile: Column and row in the atlas's grid of square tiles.
     """
 
     clip_from_world: F8
@@ -56,8 +56,8 @@ class ShadowPlan:
 
     Attributes:
         grid: Tiles along a side of the atlas.
-        sun: The sun's, the innermost first.
-        spots: By the number of the light in the view block.
+        sun: Maps of the sun, the innermost first.
+        spots: Maps of spot lights by the light's number in the view block.
     """
 
     grid: int
@@ -66,22 +66,22 @@ class ShadowPlan:
 
     @property
     def maps(self) -> list[ShadowMap]:
-        """All of them."""
+        """All maps."""
         return [*self.sun, *self.spots.values()]
 
     def tile_of(self, shadow: ShadowMap) -> tuple[float, float, float]:
-        """Lower left corner and width of a map's tile in the atlas, in [0, 1]."""
+        """Return lower left corner and width of a map's tile in the atlas, in [0, 1]."""
         column, row = shadow.tile
         return column / self.grid, row / self.grid, 1.0 / self.grid
 
 
 def texture_from_world(shadow: ShadowMap) -> F8:
-    """Projection to coordinates of the map's own tile and depth, all in [0, 1]."""
+    """Return the projection to coordinates in the map's own tile and depth, all in [0, 1]."""
     return np.asarray(_TO_TEXTURE @ shadow.clip_from_world)
 
 
 def lay_out(sun: Sequence[ShadowMap], spots: dict[int, ShadowMap]) -> ShadowPlan:
-    """Give each map its tile: the smallest square grid that holds them all."""
+    """Assign each map a tile of the smallest square grid that holds them all."""
     grid = max(1, math.ceil(math.sqrt(len(sun) + len(spots))))
     placed = [
         replace(each, tile=(number % grid, number // grid)) for number, each in enumerate([*sun, *spots.values()])
@@ -90,12 +90,12 @@ def lay_out(sun: Sequence[ShadowMap], spots: dict[int, ShadowMap]) -> ShadowPlan
 
 
 def whole_map(frustum: ShadowFrustum, casters: Casters) -> ShadowMap:
-    """The one map that holds every caster."""
+    """Return the one map of the sun that covers every caster."""
     return ShadowMap(frustum.clip_from_world, frustum.centre, frustum.texel, casters)
 
 
 def fit_spot(light: Light, casters: Casters, size: int) -> ShadowMap:
-    """The cone of a spot light."""
+    """Return the map of a spot light's cone, `size` texels wide."""
     reach = light.range if math.isfinite(light.range) else _REACH_OF_SPOT
     slope = math.tan(min(light.outer_cone, 1.48))
     place, towards = light.position_world, light.direction_world

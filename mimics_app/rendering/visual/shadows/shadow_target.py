@@ -1,4 +1,4 @@
-"""The texture that shadow maps are drawn into, one tile each."""
+"""The shadow atlas: the depth texture that shadow maps are drawn into, one tile each."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["ShadowTarget"]
 
 
 class ShadowTarget:
-    """A square depth texture.
+    """The shadow atlas, a square depth texture.
 
     Attributes:
         size: Texels along a side.
@@ -36,11 +36,11 @@ class ShadowTarget:
         self._framebuffer.clear(depth=1.0)
 
     def begin(self) -> None:
-        """Draw into it from here on."""
+        """Bind the atlas for drawing."""
         self._framebuffer.use()
 
     def enter(self, tile: tuple[int, int], grid: int, *, kept: bool) -> None:
-        """Draw into one of grid x grid tiles from here on: emptied, or as it was when it was kept."""
+        """Select one of grid x grid tiles for drawing, cleared or restored to its kept depths."""
         rectangle = self._framebuffer.viewport = self._rectangle(tile, grid)
         if kept:
             self._raw.copy_texels(self._layer, self._texture, rectangle)
@@ -48,12 +48,12 @@ class ShadowTarget:
             self._framebuffer.clear(depth=1.0, viewport=rectangle)
 
     def keep(self, tile: tuple[int, int], grid: int) -> None:
-        """Keep what a tile holds now."""
+        """Keep a copy of a tile's present depths."""
         self._raw.copy_texels(self._texture, self._layer, self._rectangle(tile, grid))
 
     @cached_property
     def _layer(self) -> moderngl.Texture:
-        """What tiles held when they were kept."""
+        """Copies of the kept depths."""
         return self._ctx.depth_texture(self._texture.size)
 
     @cached_property
@@ -65,7 +65,7 @@ class ShadowTarget:
         return tile[0] * width, tile[1] * width, width, width
 
     def bind(self, binding: int = _BINDING) -> None:
-        """Make it what shaders read: surfaces as their map, or others as a picture."""
+        """Bind it as a texture."""
         self._texture.use(binding)
 
     def release(self) -> None:

@@ -1,4 +1,4 @@
-"""Shadow volumes: what a mesh takes the sun's light from, as triangles that end at infinity."""
+"""Shadow volumes of meshes: triangles extruded to infinity."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ __all__ = ["VolumeSource", "extrude"]
 
 
 _WELD = 1e-6
-"""Corners within this share of a mesh's size are one."""
+"""Distance over the mesh's size within which vertices are welded."""
 
 
 class VolumeSource:
-    """A mesh with its corners welded: normals and pictures split vertices, silhouettes must not.
+    """A mesh with welded vertices: normals and texture coordinates split vertices, silhouettes must not.
 
     Attributes:
-        points: Its different corners [m], float64 [p, 3].
-        triangles: Numbers of points, int64 [n, 3], those without area left out.
-        closed: True where every edge has its counterpart.
+        points: Its distinct positions [m], float64 [p, 3].
+        triangles: Numbers of points, int64 [n, 3], without degenerate triangles.
+        closed: True where every directed edge has its counterpart.
     """
 
     def __init__(self, mesh: MeshData) -> None:
@@ -38,21 +38,21 @@ class VolumeSource:
 
 
 def extrude(source: VolumeSource, towards_light: F8) -> NDArray[np.float32]:
-    """The volume of a mesh under light from infinitely far away.
+    """Return the shadow volume of a mesh under directional light.
 
-    Triangles that face the light are its cap; each of their edges that no other of them shares is drawn out to the
-    point at infinity behind it. With light from a direction all those points are one, so that there is no other cap
-    (Everitt and Kilgard 2002). Of an open mesh, triangles that face away cast as well, turned over.
+    Triangles that face the light are the cap; their silhouette edges are extruded to infinity. Under directional light
+    all points at infinity coincide, so that there is no far cap (Everitt and Kilgard 2002). Of an open mesh, triangles
+    that face away cast as well, with reversed winding.
 
     Args:
         source: The mesh.
-        towards_light: In the mesh's frame, of any length, float64 [3].
+        towards_light: Direction to the light in the mesh's frame, of any length, float64 [3].
 
     Returns:
-        Corners of triangles that face outwards, three by three, homogeneous, float32 [3 m, 4]; w is 0 at infinity.
+        Vertices of triangles that face outwards, homogeneous, float32 [3 m, 4]; w is 0 at infinity.
     """
-    corners = source.points[source.triangles]
-    facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ towards_light
+    vertices = source.points[source.triangles]
+    facing = np.cross(vertices[:, 1] - vertices[:, 0], vertices[:, 2] - vertices[:, 0]) @ towards_light
     lit = source.triangles[facing > 0.0]
     if not source.closed:
         lit = np.concatenate([lit, source.triangles[facing < 0.0][:, ::-1]])
@@ -60,7 +60,7 @@ def extrude(source: VolumeSource, towards_light: F8) -> NDArray[np.float32]:
     cap = np.ones((3 * len(lit), 4), np.float32)
     cap[:, :3] = source.points[lit.reshape(-1)]
     sides = np.ones((len(edges), 3, 4), np.float32)
-    # The edge runs a to b along its triangle; seen from outside the volume's side runs b, a, infinity.
+    # An edge a, b of its triangle gives a side b, a, infinity, counter-clockwise seen from outside.
     sides[:, 0, :3], sides[:, 1, :3] = source.points[edges[:, 1]], source.points[edges[:, 0]]
     sides[:, 2] = (*(-towards_light), 0.0)
     return np.concatenate([cap, sides.reshape(-1, 4)])

@@ -1,4 +1,4 @@
-"""The one box of a sun whose map holds all casters, kept from frame to frame while they stay in it."""
+"""The box of the sun's one shadow map around all casters, kept while they stay inside."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ __all__ = ["SteadyBox"]
 
 
 _WIDEST = SHADOW_STEP**3
-"""How many times as wide as it would have to be a box may be before it is made smaller."""
+"""Largest ratio of a box's width to the required one."""
 
-_LEAST_TEXELS = 1.5
-"""Between a caster and the border of the map: as far as the filter reaches."""
+_MIN_TEXELS = 1.5
+"""Minimum distance of a caster from the border of the map, the reach of the filter [texel]."""
 
 
 class SteadyBox:
-    """Remembers the box of the last frame: its map can be kept in part only where it stays exactly the same.
+    """Keeps the box of the last frame: only an identical box allows its map to be reused in part.
 
-    A caster that leaves it gets a box one step wider than need be, so that the next one does not leave it at once.
+    When a caster leaves the box, the new one is a step wider than required, so that it is not left at once again.
     """
 
     def __init__(self) -> None:
@@ -28,7 +28,7 @@ class SteadyBox:
         self._box: ShadowFrustum | None = None
 
     def fit(self, sun_direction: F8, centres: F8, radii: F8, size: int) -> ShadowFrustum | None:
-        """The box of this frame; arguments and result as of `fit_shadow_frustum`."""
+        """Return the box of this frame; arguments and result as of `fit_shadow_frustum`."""
         fitted, had = fit_shadow_frustum(sun_direction, centres, radii, size), self._box
         alike = had is not None and had.size == size and self._sun == sun_direction.tobytes()
         if fitted is not None and had is not None and alike:
@@ -42,9 +42,9 @@ class SteadyBox:
 
 
 def _holds(box: ShadowFrustum, centres: F8, radii: F8) -> bool:
-    """Whether all spheres are in a box."""
+    """Whether all spheres are inside a box."""
     clip = box.clip_from_world
     half = 0.5 * box.size * box.texel
     reach = np.abs(centres @ clip[:3, :3].T + clip[:3, 3]) + radii[:, None] / half
-    inside = np.array([*[1.0 - 2.0 * _LEAST_TEXELS / box.size] * 2, 1.0])
+    inside = np.array([*[1.0 - 2.0 * _MIN_TEXELS / box.size] * 2, 1.0])
     return bool((reach <= inside).all())

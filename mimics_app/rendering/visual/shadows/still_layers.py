@@ -1,4 +1,4 @@
-"""What of a shadow map is kept from frame to frame: the depth of all casters in it that have long stood still."""
+"""Static layers of shadow maps: the depths of casters that have not moved for a while, kept from frame to frame."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ __all__ = ["QUIET_FRAMES", "Split", "StillLayers"]
 
 
 QUIET_FRAMES = 120
-"""Frames without motion after which a caster counts as still."""
+"""Frames without motion after which a caster counts as static."""
 
 
 @dataclass(frozen=True, eq=False)
 class Split:
-    """How a map is drawn: what stands still first, then what moves over it.
+    """Casters of a map: the static ones, drawn first, and the moving ones.
 
     Attributes:
-        still: Numbers of items drawn into the emptied map; None where the layer kept from before is put there instead.
-        keep: True where what was drawn so far is to be kept.
-        moving: Numbers of items drawn over that.
+        still: Numbers of items to draw into the cleared map; None where its kept layer is restored instead.
+        keep: True where the depths of `still` are to be kept.
+        moving: Numbers of items to draw over them.
     """
 
     still: I4 | None
@@ -36,7 +36,7 @@ class Split:
 
 @dataclass(frozen=True, eq=False)
 class _Layer:
-    """What is kept of a tile: of how many tiles, by what projection, which items, and since which frame."""
+    """Kept layer of a tile: grid size, projection, items, and the frame it was drawn in."""
 
     grid: int
     clip: NDArray[np.float64]
@@ -45,10 +45,10 @@ class _Layer:
 
 
 class StillLayers:
-    """Remembers when each item moved last, and which of them are in the layer of each tile.
+    """Records when each item last moved, and the items in the layer of each tile.
 
-    Depths of opaque and of dithered casters are the nearest of all, in whatever order they are drawn: with a layer a
-    map holds the same numbers as without.
+    The nearest depth does not depend on the drawing order, for dithered casters too: with a layer a map has the same
+    depths as without.
     """
 
     def __init__(self) -> None:
@@ -58,11 +58,11 @@ class StillLayers:
         self._layers: dict[tuple[int, int], _Layer] = {}
 
     def forget(self) -> None:
-        """The kept depths are gone."""
+        """Discard all layers."""
         self._layers.clear()
 
     def begin(self, listed: DrawList) -> None:
-        """Take down what has moved since the last frame."""
+        """Record the items that moved since the last frame."""
         self._frame += 1
         if listed.items is not self._items:
             self._items = listed.items
@@ -74,7 +74,7 @@ class StillLayers:
             self._moved_at[listed.moved] = self._frame
 
     def split(self, shadow: ShadowMap, grid: int) -> Split:
-        """How to draw a map that has changed, in one of grid x grid tiles."""
+        """Split the casters of a map that has changed, in one of grid x grid tiles."""
         casters, layer = shadow.casters.items, self._layers.get(shadow.tile)
         quiet = self._frame - self._moved_at[casters] >= QUIET_FRAMES
         if layer is not None and self._still_holds(layer, shadow, grid):
@@ -89,7 +89,7 @@ class StillLayers:
         return Split(still, True, casters[~quiet])
 
     def _still_holds(self, layer: _Layer, shadow: ShadowMap, grid: int) -> bool:
-        """Whether all of a layer would be drawn again as it is."""
+        """Whether a layer is still valid."""
         alike = layer.grid == grid and np.array_equal(layer.clip, shadow.clip_from_world)
         if not alike or (self._moved_at[layer.items] > layer.frame).any():
             return False

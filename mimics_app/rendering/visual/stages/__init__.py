@@ -1,3 +1,3 @@
-"""Stages of a frame: each prepares its part for all passes and views of it, and draws with the passes below."""
+"""Stages of a frame: each prepares its part for all passes and views, and draws it by passes."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""Sprites and projectors of a frame from the world to the driver; made when a world first has any."""
+"""Stage of sprites and projectors; created when a world first has any."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.projector import ProjectorPass
 from mimics_app.rendering.visual.passes.sprites import SpritePass
 from mimics_app.rendering.visual.passes.states import draw_runs
-from mimics_app.rendering.visual.view import View, compute_frustum_planes
+from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ __all__ = ["EffectStage"]
 
 
 class EffectStage:
-    """Everything that is seen but is no body."""
+    """Prepares and draws sprites and projected textures."""
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest_texture: int) -> None:
         self._pictures = PictureArrays(ctx, longest_texture)
@@ -38,11 +38,11 @@ class EffectStage:
         self._lights: frozenset[str] = frozenset()
 
     def prepare(self, world: World, lights: frozenset[str]) -> None:
-        """Take over the world's effects as they are at its time.
+        """Update the effects from the world, at its time.
 
         Args:
-            world: After its update.
-            lights: Features of shaders that the frame's light needs.
+            world: The world, updated.
+            lights: Shader features that the frame's light needs.
         """
         self._lights = lights
         self._field.update(world)
@@ -50,7 +50,7 @@ class EffectStage:
 
     @property
     def sprites(self) -> F8:
-        """All sprites, a row each: a sphere about each one [m], then its look and the rest; float64 [n, m]."""
+        """All sprites, one row each: bounding sphere [m], then all other fields; float64 [n, m]."""
         return self._field.figures
 
     def mix(self, view: View, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
@@ -58,18 +58,17 @@ class EffectStage:
         return self._field.batch(view, surfaces, away)
 
     def meet(self, views: Sequence[View], listed: DrawList, frame: FrameBuffers) -> list[BeamRuns]:
-        """Queue the opaque surfaces that projectors meet, of the views that were batched last."""
-        planes = [compute_frustum_planes(view.clip_from_world) for view in views]
+        """Queue the opaque surfaces that projectors hit, of the views that were batched last."""
         met = [
             BeamRuns(beam, listed.batch_meeting(frame, views[0], beam.planes, beam.onto))
             for beam in self._projectors.beams
-            if any(beam.is_seen(each) for each in planes)
+            if any(beam.is_seen(view.frustum_planes) for view in views)
         ]
         return [each for each in met if each.runs]
 
     def upload(self) -> None:
-        """Send the sprites of all views to the GPU."""
-        self._sprites.upload(self._field.corners[: self._field.count])
+        """Upload the sprites of all views."""
+        self._sprites.upload(self._field.vertices[: self._field.count])
 
     def project(
         self,
@@ -80,13 +79,13 @@ class EffectStage:
         projected: Sequence[BeamRuns],
         eyes: tuple[str, ...],
     ) -> int:
-        """Draw projected pictures onto what is opaque; returns the draw calls made."""
+        """Draw projected textures onto the opaque surfaces; return the draw calls."""
         return self._projecting.draw(target, arena, frame, view, projected, self._lights, eyes)
 
     def draw_mixed(
         self, target: moderngl.Framebuffer, arena: MeshArena, frame: FrameBuffers, runs: Sequence[DrawRun | SpriteRun]
     ) -> int:
-        """Draw sprites and blended surfaces in their order; returns the draw calls made."""
+        """Draw sprites and blended surfaces in order; return the draw calls."""
         draws = 0
         for run in runs:
             if isinstance(run, SpriteRun):
@@ -96,7 +95,7 @@ class EffectStage:
         return draws
 
     def take_issues(self) -> list[Issue]:
-        """What could not be drawn as the world asks since the last call."""
+        """Return what could not be drawn as the world requires since the last call."""
         taken = [*self._field.issues, *self._projectors.issues]
         self._field.issues, self._projectors.issues = [], []
         return taken

@@ -1,4 +1,4 @@
-"""Two eyes before one picture: queued once, from between them, and drawn in one pass or in two."""
+"""Stereo pairs: two views queued once, from their midpoint, and drawn in one pass or in two."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from mimics_app.rendering.visual.view import Rect, View
 __all__ = ["VIEWPORT_EXTENSION", "eye_passes", "group_views", "see_from_between"]
 
 VIEWPORT_EXTENSION = "GL_ARB_shader_viewport_layer_array"
-"""Lets a vertex shader choose its viewport."""
+"""Extension by which a vertex shader selects its viewport."""
 
-_KNOW_EYES = {"common/mesh.vert", "plain/plain.vert"}
-"""Vertex shaders that ask common/eyes.glsl; one that a scene brings may not."""
+_STEREO_SHADERS = {"common/mesh.vert", "plain/plain.vert"}
+"""Vertex shaders that include common/eyes.glsl; those of a scene need not."""
 
 
 def group_views(views: Sequence[View]) -> list[tuple[int, ...]]:
-    """Numbers of the views in their order, the two eyes of a pair together at the place of the first."""
+    """Group the numbers of views in order; the two of a stereo pair are one group, at the position of the first."""
     groups: list[tuple[int, ...]] = []
     for number, view in enumerate(views):
         eyes = tuple(k for k, other in enumerate(views) if other.pair == view.pair) if view.pair >= 0 else ()
@@ -33,26 +33,26 @@ def group_views(views: Sequence[View]) -> list[tuple[int, ...]]:
 
 
 def see_from_between(left: View, right: View) -> list[View]:
-    """The two views with one origin, midway, to which everything is relative that is queued for both."""
-    middle = 0.5 * (left.eye_world + right.eye_world)
-    return [replace(view, queued_at=middle) for view in (left, right)]
+    """Return the two views with their midpoint as common origin of what is queued."""
+    midpoint = 0.5 * (left.eye_world + right.eye_world)
+    return [replace(view, queued_at=midpoint) for view in (left, right)]
 
 
 def eye_passes(
     settings: RenderSettings, has: Capabilities, runs: Sequence[DrawRun], places: Sequence[Rect]
 ) -> EyePasses:
-    """How two eyes can be drawn: as the settings say, in two passes where that cannot be.
+    """Choose the passes of two eyes: as the settings request, else two passes.
 
-    Eyes beside each other have the halves of one picture in every way, since a place in a half is rounded otherwise
-    than in a picture of its own: viewports are for eyes that are elsewhere.
+    Adjacent eyes always use the halves of one viewport, since positions are rounded differently in a viewport of its
+    own; viewports are for eyes that are not adjacent.
 
     Args:
         settings: Quality.
-        has: What the driver can do.
-        runs: Everything queued for both.
+        has: Capabilities of the driver.
+        runs: All runs queued for both.
         places: The eyes' rectangles [px].
     """
-    if not {each.shader.vertex for run in runs for each in run.look.passes} <= _KNOW_EYES:
+    if not {each.shader.vertex for run in runs for each in run.look.passes} <= _STEREO_SHADERS:
         return "alone"
     if _side_by_side(*places):
         return "halves_in_turn" if settings.stereo == "two_pass" else "halves"

@@ -1,4 +1,4 @@
-"""Pictures within the picture: which mirrors, screens and insets are seen, what they show, and their drawing."""
+"""Stage of live pictures: visible mirrors, screens and insets, and the drawing of what they show."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ if TYPE_CHECKING:
 __all__ = ["PictureStage"]
 
 Batch = Callable[[View, Hashable], ViewDraws]
-"""Queues what is seen in a view whose rectangle begins at 0, 0."""
+"""Queues what is visible in a view whose rectangle starts at 0, 0."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Job:
-    """A picture to be drawn: into what, of which view of the frame it is (mirrors), and what is seen in it."""
+    """A picture to draw: its target, the number of the view it belongs to (mirrors), and its draws."""
 
     picture: LivePicture
     number: int
@@ -41,14 +41,14 @@ class _Job:
 
 
 class PictureStage:
-    """Draws what mirrors, screens and insets show, where somebody sees them.
+    """Draws the pictures of visible mirrors, screens and insets.
 
-    A picture has all of the world but this: mirrors in it show the sky, so that nothing goes on for ever, and no
-    filter touches it. A screen in its own picture shows the last one. Shadow maps are those of the frame.
+    Within a picture, mirrors show the sky, which ends recursion, and a screen in its own picture shows the last one. No
+    filter is applied. Shadow maps are those of the frame.
 
     Attributes:
-        pictures: By key of the texture they stand for.
-        issues: Mirrors that are not flat, each reported once; take them out when they were reported.
+        pictures: Pictures by the key of the texture they replace.
+        issues: Mirrors that are not flat, each reported once; the caller removes what it reports.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
@@ -61,7 +61,7 @@ class PictureStage:
         self._reported: set[str] = set()
 
     def update(self, world: World) -> None:
-        """Have a picture ready for each mirror, screen and inset of the world, and no others."""
+        """Create a picture for each mirror, screen and inset of the world, and free all others."""
         wanted: dict[str, Callable[[moderngl.Context], LivePicture]] = {}
         wanted |= dict.fromkeys(map(live_key, world.mirrors), MirrorPicture)
         wanted |= dict.fromkeys(map(live_key, world.screens), LivePicture)
@@ -73,16 +73,16 @@ class PictureStage:
                 self.pictures[key] = make(self._ctx)
 
     def queue(self, world: World, drawn: Sequence[ViewDraws], batch: Batch, resolution: float) -> list[ViewDraws]:
-        """Choose the pictures of a frame and queue what is seen in them.
+        """Choose the pictures of a frame and queue what is visible in them.
 
         Args:
-            world: After its update.
+            world: The world, updated.
             drawn: The views of the frame.
-            batch: Queues what is seen in a view.
-            resolution: Factor on that of mirrors.
+            batch: Queues what is visible in a view.
+            resolution: Factor on the resolution of mirrors.
 
         Returns:
-            The views with what mirrors show in each.
+            The views, each with its mirrors.
         """
         self._jobs = []
         self._frames += 1
@@ -97,12 +97,12 @@ class PictureStage:
 
     @property
     def triangles(self) -> int:
-        """In all pictures of the frame."""
+        """Triangles of all pictures of the frame."""
         return sum(job.drawn.triangles for job in self._jobs)
 
     def draw(self, stage: WorldStage, scene: FrameScene, samples: int) -> int:
-        """Draw the frame's pictures; returns the draw calls made."""
-        # What a surface shows is light, and is tone mapped where that surface is seen.
+        """Draw the frame's pictures; return the draw calls."""
+        # A screen emits linear light, which is tone mapped in the view that sees the screen.
         scene = replace(scene, settings=replace(scene.settings, ambient_occlusion=0.0))
         emitted = replace(scene, settings=replace(scene.settings, tone_map="none", exposure=1.0))
         draws = 0
@@ -124,12 +124,12 @@ class PictureStage:
         return draws
 
     def draw_insets(self, world: World, views: Sequence[View], depth: float) -> int:
-        """Lay the insets over the views of the first screen; returns the draw calls made.
+        """Draw the insets over the views of the first screen; return the draw calls.
 
         Args:
-            world: Whose.
-            views: Of the frame.
-            depth: Of the heads-up display [m].
+            world: The world.
+            views: Views of the frame.
+            depth: Distance of the heads-up display [m].
         """
         shown = [(_inset_key(name), inset) for name, inset in world.insets.items() if name in world]
         shown = [(key, inset) for key, inset in shown if self.pictures[key].drawn]
@@ -150,7 +150,7 @@ class PictureStage:
         self.pictures.clear()
 
     def _queue_mirrors(self, world: World, number: int, drawn: ViewDraws, batch: Batch, resolution: float) -> ViewDraws:
-        """The view with its mirrors, for each of which a picture is queued."""
+        """Queue a picture for each visible mirror; return the view with its mirrors."""
         seen, shown = drawn.materials, []
         for name, mirror in world.mirrors.items():
             picture = self.pictures[live_key(name)]
@@ -191,8 +191,8 @@ class PictureStage:
         return found
 
     def _queue_screens(self, world: World, views: Sequence[ViewDraws], batch: Batch) -> list[_Job]:
-        """The screens seen in these views, and those seen on them."""
-        waiting, known, mine = list(views), set[str](), len(self._jobs)
+        """Queue the screens visible in some views, and those visible on these screens; return the jobs."""
+        waiting, known, first = list(views), set[str](), len(self._jobs)
         while waiting:
             seen = waiting.pop().materials
             for name, screen in world.screens.items():
@@ -200,7 +200,7 @@ class PictureStage:
                     known.add(name)
                     if self._due(live_key(name), screen.every):
                         waiting += self._queue_camera(world, live_key(name), screen.camera, screen.size, batch)
-        jobs, self._jobs = self._jobs[mine:], self._jobs[:mine]
+        jobs, self._jobs = self._jobs[first:], self._jobs[:first]
         return jobs
 
     def _queue_camera(self, world: World, key: str, camera: str, size: Size, batch: Batch) -> list[ViewDraws]:

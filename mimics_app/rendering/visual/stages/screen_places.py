@@ -1,4 +1,4 @@
-"""Where sets of points are on the screen, and few rectangles that hold all of them."""
+"""Screen rectangles of sets of points, and a few rectangles that cover all of them."""
 
 from __future__ import annotations
 
@@ -18,29 +18,30 @@ F8 = NDArray[np.float64]
 _SIGNS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 
 _CELL = 16
-"""Side of the squares that rectangles are made of [px]."""
+"""Width of the square cells that rectangles consist of [px]."""
 
-_MOST_PARTS, _WORTH = 4, 0.04
-"""More rectangles than these, or a cut that leaves out less of the picture, cost more by corners than they save."""
+_MAX_PARTS, _WORTH = 4, 0.04
+"""Maximum number of rectangles, and minimum share of the picture that a cut has to save: beyond these, vertex
+processing costs more than the pixels saved."""
 
 _MARGIN_PX = 2.0
-"""About everything: samples of a pixel, and rounding."""
+"""Margin for the samples of a pixel and for rounding."""
 
 
 def box_corners(centres: F8, axes: F8) -> F8:
-    """Corners of boxes [m], [n, 8, 3], by their middles [n, 3] and half edges, which are the columns of [n, 3, 3]."""
+    """Return the corners of boxes [m], [n, 8, 3], given centres [n, 3] and half edges as columns of [n, 3, 3]."""
     return np.asarray(centres[:, None] + _SIGNS @ axes.transpose(0, 2, 1))
 
 
 def screen_bounds(view: View, points: F8, radii: F8) -> F8:
-    """Rectangles about the convex hulls of sets of balls, as shares of the picture: left, right, bottom, top; [m, 4].
+    """Return left, right, bottom, top of the convex hulls of sets of balls, as shares of the picture; [m, 4].
 
-    Hulls behind the near plane are left out; of one that reaches through it the rectangle may be far too large.
+    Hulls behind the near plane are left out; the rectangle of one that crosses it may be far too large.
 
     Args:
-        view: From where.
-        points: Middles of each set's balls, world [m], [n, k, 3].
-        radii: Of each set's balls [m], [n].
+        view: The view.
+        points: Centres of each set's balls, world [m], [n, k, 3].
+        radii: Radius of each set's balls [m], [n].
     """
     bounds = np.empty((len(points), 4))
     pose, tangents = np.ascontiguousarray(view.world_from_eye), np.array(view.tangents)
@@ -48,16 +49,16 @@ def screen_bounds(view: View, points: F8, radii: F8) -> F8:
 
 
 def cover_of(bounds: F8, size: tuple[int, int]) -> list[Rect]:
-    """A few rectangles, of whole cells of the picture, that hold all of many and lie apart.
+    """Return a few disjoint rectangles of whole cells that cover many rectangles [px].
 
     Args:
-        bounds: As shares of the picture: left, right, bottom, top; [n, 4].
-        size: Of the picture [px].
+        bounds: Rectangles as shares of the picture: left, right, bottom, top; [n, 4].
+        size: Size of the picture [px].
     """
     width, height = size
     marked = np.zeros((-(-height // _CELL), -(-width // _CELL)), np.uint8)
     mark_cells(bounds, width, height, _MARGIN_PX, _CELL, marked)
-    rects = np.zeros((_MOST_PARTS, 4), np.int32)
+    rects = np.zeros((_MAX_PARTS, 4), np.int32)
     covered = []
     for x, y, wide, high in rects[: cover_marks(marked, _WORTH * marked.size, rects)].tolist():
         left, bottom = x * _CELL, y * _CELL

@@ -1,4 +1,4 @@
-"""All that a frame's picture depends on, to be compared with that of another frame."""
+"""Everything a frame's picture depends on, for comparison with another frame."""
 
 from __future__ import annotations
 
@@ -15,29 +15,28 @@ from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.world.materials.material import TextureData
 from mimics_app.world.render_list import RenderList
 
-__all__ = ["SeenFrame", "look_at", "may_keep"]
+__all__ = ["SeenFrame", "capture_frame", "may_keep"]
 
 
-_LEAST_PIXELS = 10_000
-"""Of a picture of fewer, looking for what changed costs more than drawing them."""
+_MIN_PIXELS = 10_000
+"""Number of pixels from which the search for changes costs less than drawing all of them."""
 
 _NO_SPRITES = np.zeros((0, 4))
 
 
 @dataclass(frozen=True, eq=False)
 class SeenFrame:
-    """All that a frame's picture depends on.
+    """Everything a frame's picture depends on.
 
     Attributes:
-        fixed: What changes all of it: anything that compares equal to that of another frame where that is the same.
+        fixed: Values that affect the whole picture; equal to those of another frame where none of them changed.
         pictures: All textures.
-        view: From where.
-        rectangle: Where in the target [px].
-        listed: Its bodies.
-        subentities: The world's list they were made of.
-        sprites: Places [m], sizes and looks of its sprites, one row each, float64 [n, m]; the first four columns are a
-            sphere about it.
-        sun: Direction to the sun, unit, [3]; None where it casts no shadow.
+        view: The view.
+        rectangle: Rectangle in the target [px].
+        listed: Its draw list.
+        subentities: The world's render list that the draw list was built from.
+        sprites: All fields of its sprites, one row each, float64 [n, m]; bounding spheres in the first four columns.
+        sun: Unit vector towards the sun, [3]; None where it has no shadow map.
         maps: Shadow maps of the sun.
         cones: True where spot lights have shadow maps.
     """
@@ -55,25 +54,22 @@ class SeenFrame:
 
 
 def may_keep(scene: FrameScene, views: Sequence[View], rectangle: Rect) -> bool:
-    """Whether one eye sees bodies and sprites alone, lit by nothing but lights and maps, in pixels worth saving.
-
-    That is what `look_at` knows of.
-    """
+    """Whether parts of the last picture may be reused: one large view, without content `capture_frame` leaves out."""
     world = scene.world
     living = world.mirrors or world.screens or world.insets or world.cords or world.effects.projectors
     plain = scene.settings.ambient_occlusion == 0.0 and not scene.by_stencil
-    return len(views) == 1 and rectangle[2] * rectangle[3] >= _LEAST_PIXELS and plain and not living
+    return len(views) == 1 and rectangle[2] * rectangle[3] >= _MIN_PIXELS and plain and not living
 
 
-def look_at(scene: FrameScene, view: View, rectangle: Rect, listed: DrawList, shaders: int) -> SeenFrame:
-    """What a frame sees.
+def capture_frame(scene: FrameScene, view: View, rectangle: Rect, listed: DrawList, shaders: int) -> SeenFrame:
+    """Capture what a frame's picture depends on.
 
     Args:
-        scene: Its world, light and settings, all up to date.
-        view: From where.
-        rectangle: Where in the target [px].
-        listed: Its bodies.
-        shaders: How many programs were replaced so far.
+        scene: World, light and settings of the frame.
+        view: The view.
+        rectangle: Rectangle in the target [px].
+        listed: Its draw list.
+        shaders: Number of programs replaced by reloads so far.
     """
     plan, lighting, world = scene.plan, scene.lighting, scene.world
     fixed = (

@@ -1,4 +1,4 @@
-"""Shadow maps of a frame from choice to atlas: which there are, what casts into each, and their drawing."""
+"""Stage of shadow maps: choice of the maps, their casters, and their drawing into the atlas."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ __all__ = ["ShadowStage", "light_features"]
 
 
 def light_features(lighting: Lighting, settings: RenderSettings) -> frozenset[str]:
-    """Features of shaders that this light needs (`materials.LIGHT_FEATURES`)."""
+    """Return the shader features that a frame's light needs (`materials.LIGHT_FEATURES`)."""
     maps = _sun_maps(lighting, settings)
     wanted = {
         "PLACED_LIGHTS": lighting.place_count > 0,
@@ -52,11 +52,11 @@ def light_features(lighting: Lighting, settings: RenderSettings) -> frozenset[st
 
 
 class ShadowStage:
-    """The atlas and what goes into it.
+    """The shadow atlas and its content.
 
     Attributes:
         plan: The maps of the frame.
-        work: What is drawn into each of its maps; None for one that is still what it was.
+        work: Draws of each of its maps; None for an unchanged one.
     """
 
     def __init__(self, ctx: moderngl.Context, size: int) -> None:
@@ -69,7 +69,7 @@ class ShadowStage:
         self._drawn: dict[tuple[int, int], _Drawn] = {}
 
     def resize(self, size: int) -> None:
-        """Give the atlas another width [texel]; 0 leaves it as it is, unused."""
+        """Change the width of the atlas [texel]; 0 leaves it as it is, unused."""
         if size not in (0, self._target.size):
             self._target.release()
             self._target = ShadowTarget(self._ctx, size)
@@ -85,15 +85,15 @@ class ShadowStage:
         settings: RenderSettings,
         coarser: float = 1.0,
     ) -> None:
-        """Choose the frame's maps and queue what casts into those that have changed.
+        """Choose the frame's maps and queue the casters of those that have changed.
 
         Args:
-            lighting: What shines.
-            views: Whose eyes.
-            listed: What casts.
-            frame: Where it is queued.
+            lighting: Light of the frame.
+            views: The views.
+            listed: The draw list.
+            frame: Buffers of the frame.
             settings: Quality.
-            coarser: Width of a pixel over that in a picture whose shadows take forms for whole texels.
+            coarser: Factor on the texel width by which casters' levels of detail are chosen, for small pictures.
         """
         sun_maps = _sun_maps(lighting, settings)
         spots = _spots(lighting) if settings.shadow_size else []
@@ -118,17 +118,17 @@ class ShadowStage:
 
     @property
     def triangles(self) -> int:
-        """Drawn into the maps of the frame."""
+        """Triangles drawn into the maps of the frame."""
         return sum(work.triangles for work in self.work if work is not None)
 
     def draw(self, arena: MeshArena, frame: FrameBuffers) -> int:
-        """Fill the atlas and make it what the shaders read; returns the draw calls made."""
+        """Draw the changed maps and bind the atlas; return the draw calls."""
         draws = draw_shadows(self._ctx, arena, frame, self._target, self.plan, self.work)
         self._target.bind()
         return draws
 
     def bind(self, binding: int) -> None:
-        """Let a shader read the atlas's depths."""
+        """Bind the atlas's depths as a texture."""
         self._target.bind(binding)
 
     def release(self) -> None:
@@ -136,7 +136,7 @@ class ShadowStage:
         self._target.release()
 
     def _queue(self, shadow: ShadowMap, listed: DrawList, frame: FrameBuffers) -> MapWork:
-        """Queue what has to be drawn into a map: of what stands still nothing, where that was kept."""
+        """Queue the casters of a map; no static ones where their depths were kept."""
         split, casters = self._layers.split(shadow, self.plan.grid), shadow.casters
         still, moving = (
             None if items is None else listed.batch_casters(frame, replace(casters, items=items), shadow.origin)
@@ -145,7 +145,7 @@ class ShadowStage:
         return MapWork(still, split.keep, moving or [])
 
     def _is_stale(self, shadow: ShadowMap, listed: DrawList) -> bool:
-        """True when a map's tile does not hold it already; takes down that it will."""
+        """Whether a map has to be redrawn; records its present content."""
         was = self._drawn.get(shadow.tile)
         now = _Drawn(self.plan.grid, listed.items, shadow.clip_from_world, shadow.casters.items)
         self._drawn[shadow.tile] = now
@@ -156,7 +156,7 @@ class ShadowStage:
 
 @dataclass(frozen=True, eq=False)
 class _Drawn:
-    """What a tile holds: how many tiles there were, structure, projection and casters."""
+    """Content of a tile: grid size, draw items, projection and casters."""
 
     grid: int
     items: DrawItems
@@ -164,19 +164,19 @@ class _Drawn:
     casters: NDArray[np.int32]
 
     def same(self, other: _Drawn) -> bool:
-        """True when drawing the other gives the same depths, if nothing has moved."""
+        """Whether both have the same depths, if no caster has moved."""
         alike = self.grid == other.grid and self.items is other.items
         return alike and np.array_equal(self.clip, other.clip) and np.array_equal(self.casters, other.casters)
 
 
 def _sun_maps(lighting: Lighting, settings: RenderSettings) -> int:
-    """How many maps the sun has: one about all casters, or cascades."""
+    """Return the number of the sun's maps: one around all casters, or cascades."""
     if not (lighting.sun_casts_shadow and settings.shadow_size and settings.shadows.startswith("texture")):
         return 0
     return settings.cascades if settings.shadow_distance > 0.0 else 1
 
 
 def _spots(lighting: Lighting) -> list[int]:
-    """Numbers of the spot lights that have maps."""
+    """Return the numbers of the spot lights that have maps."""
     casting = [i for i, light in enumerate(lighting.places) if light.kind == "spot" and light.casts_shadow]
     return casting[:MAX_SPOT_MAPS]

@@ -1,4 +1,4 @@
-"""What of a picture has to be drawn again: where something moved, came, went, or casts its shadow."""
+"""Partial redraw: the parts of a picture where something moved, appeared, vanished, or casts a shadow."""
 
 from __future__ import annotations
 
@@ -19,45 +19,45 @@ __all__ = ["StillPicture"]
 F8 = NDArray[np.float64]
 
 _STEADY_FRAMES = 2
-"""Frames that see the same before what they drew is kept."""
+"""Successive comparable frames before their picture is kept."""
 
 _RESTLESS_FRAMES = 30
-"""Frames that all see something else before keeping is given up."""
+"""Successive frames without reuse before keeping ends."""
 
 _WHOLE = 0.6
-"""Share of a picture from which it is drawn as a whole."""
+"""Changed share of a picture from which all of it is redrawn."""
 
 _REACH_TEXELS = 4.0
-"""About a shadow: how far the filter and the offsets of the look-up reach."""
+"""Margin around a shadow: reach of the filter and of the lookup's offsets."""
 
-_MOST_ITEMS = 4000
-"""In a world of more, looking for what changed costs more than is likely to be saved."""
+_MAX_ITEMS = 4000
+"""Number of items up to which the search for changes pays off."""
 
-_MOST_SPRITES = 300
-"""Of more that changed, finding out where they are costs more than drawing the picture, as of a fountain of dots."""
+_MAX_SPRITES = 300
+"""Number of changed sprites up to which locating them costs less than a redraw."""
 
-_PIECES = 4
-"""In which a body's way along the sun's rays is looked at: aslant on the screen, it is not the rectangle about it."""
+_SEGMENTS = 4
+"""Segments of a body's path along the sun's rays: an oblique path is much smaller than its bounding rectangle."""
 
 _LOWEST_SUN = 0.05
-"""Height of a sun, as the sine of its angle, below which shadows are taken to be everywhere."""
+"""Sine of the sun's elevation below which shadows are taken to be everywhere."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Boxes:
-    """About the items: middles [m], [n, 3], and half edges as the columns of [n, 3, 3]."""
+    """Oriented boxes of the items: centres [m], [n, 3], and half edges as columns of [n, 3, 3]."""
 
     centres: F8
     axes: F8
 
     def corners(self, which: NDArray[np.bool_]) -> F8:
-        """Of some of them [m], [m, 8, 3]."""
+        """Return the corners of some boxes [m], [m, 8, 3]."""
         return box_corners(self.centres[which], self.axes[which])
 
 
 @dataclass(eq=False)
 class _Before:
-    """What the last frame saw; where its bodies were unless the eye moves anyway."""
+    """State of the last frame; without boxes while the camera moves."""
 
     seen: SeenFrame | None = None
     shown: NDArray[np.bool_] | None = None
@@ -65,12 +65,12 @@ class _Before:
 
 
 class StillPicture:
-    """Compares each frame with the one before.
+    """Finds the parts of a frame that differ from the last one.
 
-    Where eye, light and most bodies stand still, all pixels but a few are those of the frame before, to the bit.
+    While camera, light and most bodies do not move, most pixels equal those of the last frame, to the bit.
 
     Attributes:
-        keeps: True while frames are worth being kept: the eye stands still.
+        keeps: True while frames are kept: the camera does not move.
     """
 
     def __init__(self) -> None:
@@ -80,14 +80,14 @@ class StillPicture:
         self._before = _Before()
 
     def forget(self) -> None:
-        """A frame of which nothing can be kept was drawn."""
+        """Discard the last frame."""
         self.keeps, self._steady, self._before = False, 0, _Before()
 
     def parts(self, seen: SeenFrame) -> list[Rect] | None:
-        """Rectangles outside of which a frame is as the one before [px]; None where nothing is known of that one."""
+        """Return the rectangles in which a frame differs from the last one [px]; None: redraw all of it."""
         before, listed = self._before, seen.listed
         sprites = _changed_sprites(before.seen, seen)
-        few = len(listed.radii) <= _MOST_ITEMS and len(sprites) <= _MOST_SPRITES
+        few = len(listed.radii) <= _MAX_ITEMS and len(sprites) <= _MAX_SPRITES
         changed = _changed_items(before, seen) if few else None
         self._count(alike=changed is not None)
         if changed is None and not self.keeps:
@@ -105,7 +105,7 @@ class StillPicture:
         return self._places(seen, touched, touched[casting], sprites)
 
     def _count(self, *, alike: bool) -> None:
-        """Whether the eye stands still has to hold for some frames before it counts, and to fail for more."""
+        """Update `keeps`, which starts after some comparable frames and ends after many others."""
         self._steady = self._steady + 1 if alike else 0
         self._restless = 0 if alike else self._restless + 1
         if self._steady >= _STEADY_FRAMES:
@@ -114,7 +114,7 @@ class StillPicture:
             self.keeps = False
 
     def _places(self, seen: SeenFrame, touched: F8, casters: F8, sprites: F8) -> list[Rect] | None:
-        """Where boxes by their corners, their shadows, and sprites by spheres are in the picture."""
+        """Return rectangles around boxes (by their corners), their shadows, and sprites (by spheres)."""
         view, (x, y, width, height) = seen.view, seen.rectangle
         if len(casters) and (seen.cones or (seen.sun is not None and seen.sun[1] < _LOWEST_SUN)):
             return None
@@ -123,22 +123,22 @@ class StillPicture:
         if seen.sun is not None and seen.maps and len(casters):
             reach = _REACH_TEXELS * max(each.texel for each in seen.maps)
             ends = self._shadow_ends(seen.sun, casters)
-            cuts = [casters + share * (ends - casters) for share in np.linspace(0.0, 1.0, _PIECES + 1)]
-            pieces = np.concatenate([np.concatenate(pair, axis=1) for pair in itertools.pairwise(cuts)])
-            bounds.append(screen_bounds(view, pieces, np.full(len(pieces), reach)))
+            cuts = [casters + share * (ends - casters) for share in np.linspace(0.0, 1.0, _SEGMENTS + 1)]
+            segments = np.concatenate([np.concatenate(pair, axis=1) for pair in itertools.pairwise(cuts)])
+            bounds.append(screen_bounds(view, segments, np.full(len(segments), reach)))
         covered = cover_of(np.concatenate(bounds), (width, height))
         if sum(wide * high for _, _, wide, high in covered) > _WHOLE * width * height:
             return None
         return [(x + left, y + bottom, wide, high) for left, bottom, wide, high in covered]
 
     def _shadow_ends(self, sun: F8, corners: F8) -> F8:
-        """Where the shadows of corners leave the scene through its lowest point [m], [n, 8, 3]."""
+        """Return where the shadow rays of corners reach the scene's lowest height [m], [n, 8, 3]."""
         self._lowest = min(self._lowest, float(corners[..., 1].min()))
         return np.asarray(corners - ((corners[..., 1] - self._lowest) / sun[1])[..., None] * sun)
 
 
 def _changed_items(before: _Before, seen: SeenFrame) -> NDArray[np.bool_] | None:
-    """Items that moved or look otherwise; None where more changed, or that is not known."""
+    """Return the items that moved or changed their look; None where more changed, or it is unknown."""
     listed, last = seen.listed, before.seen
     if last is None or listed.moved is None or listed.remade or last.fixed != seen.fixed:
         return None
@@ -157,7 +157,7 @@ def _changed_items(before: _Before, seen: SeenFrame) -> NDArray[np.bool_] | None
 
 
 def _changed_sprites(last: SeenFrame | None, seen: SeenFrame) -> F8:
-    """Spheres about sprites that are others now, where they were and where they are, [n, 4]."""
+    """Return bounding spheres of the changed sprites, before and after, [n, 4]."""
     now = seen.sprites
     before = now[:0] if last is None else last.sprites
     if before.shape != now.shape:
@@ -172,6 +172,6 @@ def _boxes_of(listed: DrawList) -> _Boxes:
 
 
 def _lowest_of(boxes: _Boxes, shown: NDArray[np.bool_]) -> float:
-    """Lowest point of the boxes of what is shown [m]; infinite where nothing is."""
+    """Return the lowest height of the boxes of shown items [m]; infinite without any."""
     bottoms = boxes.centres[:, 1] - np.abs(boxes.axes[:, 1]).sum(axis=1)
     return float(bottoms[shown].min(initial=np.inf))

@@ -1,4 +1,4 @@
-"""Draws the world into a target, view by view: what every picture of a frame has in common."""
+"""Stage of the world: draws it into a target, view by view."""
 
 from __future__ import annotations
 
@@ -40,17 +40,17 @@ __all__ = ["FrameScene", "ViewDraws", "WorldStage"]
 
 @dataclass(frozen=True, eq=False)
 class FrameScene:
-    """What all pictures of a frame share.
+    """Input shared by all pictures of a frame.
 
     Attributes:
-        world: What is drawn, after its update.
+        world: The world, updated.
         items: Its sub-entities.
-        lighting: What shines.
+        lighting: Light of the frame.
         plan: The shadow maps, drawn already.
         settings: Quality.
-        ambient: True where the shaders ask how open the surroundings are, whatever the answer.
-        lights: Features of shaders that the frame's light needs, without that.
-        effects: Sprites and projectors; None in a world without.
+        ambient: True where the shaders read ambient occlusion, which may be full visibility.
+        lights: Shader features that the frame's light needs, without ambient occlusion.
+        effects: Sprites and projectors; None in a world without any.
     """
 
     world: World
@@ -64,24 +64,24 @@ class FrameScene:
 
     @property
     def by_stencil(self) -> bool:
-        """True when the sun's shadows are volumes."""
+        """Whether the sun's shadows are stencil volumes."""
         settings = self.settings
         return settings.shadows.startswith("stencil") and self.lighting.sun_casts_shadow and settings.shadow_size > 0
 
 
 @dataclass(frozen=True, eq=False)
 class ViewDraws:
-    """A view with what is drawn in it.
+    """A view with its queued draws.
 
     Attributes:
-        view: From where.
-        rectangle: Where in the target [px].
-        opaque: Runs of draws, near to far.
-        mirrors: Those seen in it, with the number of the view and what they show there.
-        transparent: Sprites that are cut out, then sprites and blended surfaces, far to near.
-        projected: What projectors put onto the opaque ones.
-        passes: How this eye and the other one of its pair are drawn.
-        part: Of the target, outside of which nothing is drawn [px]; None: all of it.
+        view: The view.
+        rectangle: Rectangle in the target [px].
+        opaque: Opaque runs, near to far.
+        mirrors: Visible mirrors, with the number of the view and the reflection shown there.
+        transparent: Masked sprites, then blended sprites and surfaces, far to near.
+        projected: Projectors with the opaque surfaces they hit.
+        passes: Passes of this eye and the other one of its pair.
+        part: Scissor rectangle in the target [px]; None: all of it.
     """
 
     view: View
@@ -95,22 +95,22 @@ class ViewDraws:
 
     @property
     def blended(self) -> list[DrawRun]:
-        """What is transparent without the sprites."""
+        """The transparent runs without the sprites."""
         return [run for run in self.transparent if isinstance(run, DrawRun)]
 
     @property
     def materials(self) -> set[str]:
-        """Names of all surfaces that are drawn."""
+        """Names of all drawn materials."""
         return {run.look.material.name for run in (*self.opaque, *self.blended)}
 
     @property
     def triangles(self) -> int:
-        """In all runs."""
+        """Triangles of all runs."""
         return sum(run.triangles for run in (*self.opaque, *self.transparent))
 
 
 class WorldStage:
-    """Per view: opaque with what is projected onto it, sky, stencil shadows, transparent."""
+    """Draws each view: opaque surfaces with projected textures, sky, stencil shadows, transparent surfaces."""
 
     def __init__(
         self,
@@ -136,14 +136,14 @@ class WorldStage:
     def draw_parts(
         self, target: moderngl.Framebuffer, samples: int, scene: FrameScene, parts: Sequence[ViewDraws]
     ) -> int:
-        """Draw the world anew in parts of a view; the target stays in use, and is else as it was.
+        """Redraw parts of a view; the target stays in use, and unchanged elsewhere.
 
         Returns:
             Draw calls made.
         """
         draws = 0
         for each in parts:
-            target.scissor = each.part  # type: ignore[assignment]  # None takes it away
+            target.scissor = each.part  # type: ignore[assignment]  # None disables it
             draws += self.draw(target, samples, scene, [each])
         target.scissor = None  # type: ignore[assignment]
         target.use()
@@ -153,10 +153,10 @@ class WorldStage:
         """Clear a target and draw the world in each view; the target stays in use.
 
         Args:
-            target: Where to.
-            samples: Of the target's pixels.
-            scene: What.
-            views: From where; their rectangles do not overlap.
+            target: Framebuffer to draw into.
+            samples: Samples per pixel of the target.
+            scene: Input of the frame.
+            views: The views; their rectangles do not overlap.
 
         Returns:
             Draw calls made.
@@ -178,7 +178,7 @@ class WorldStage:
     def _draw_eyes(
         self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws], *, sky: bool
     ) -> int:
-        """Draw a view, or two over one queue: bodies together, what each eye has of its own on its own."""
+        """Draw a view, or two with a shared queue: meshes in common passes, sky and sprites per eye."""
         for seen in zip(*(each.mirrors for each in eyes), strict=True):
             corners = [each.rectangle[:2] for each in eyes]
             seen[0][0].show([(number, shown, at) for (_, number, shown), at in zip(seen, corners, strict=True)])
@@ -187,7 +187,7 @@ class WorldStage:
         draws = self._find_ambient(target, scene, eyes)
         draws += sum(self._draw_opaque(target, scene, eyes[0], each) for each in self._together(target, scene, eyes))
         if sky:
-            draws += sum(self.sky.draw() for _ in self._by_turns(target, scene, eyes))
+            draws += sum(self.sky.draw() for _ in self._each_eye(target, scene, eyes))
         if scene.by_stencil:
             draws += self._draw_stencil_shadows(target, scene, eyes, additive=additive)
         return draws + self._draw_transparent(target, scene, eyes)
@@ -195,7 +195,7 @@ class WorldStage:
     def _together(
         self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]
     ) -> Iterator[EyePass]:
-        """Passes of all eyes over one queue: what is drawn meanwhile by shaders that know of it finds its place."""
+        """Yield the passes over a shared queue, with viewports, clipping and view block set for stereo shaders."""
         self._use_ambient(scene, range(len(eyes)))
         first = eyes[0]
         target.viewport = first.rectangle
@@ -215,10 +215,10 @@ class WorldStage:
     def _block_of(self, eye_pass: EyePass) -> ViewBlock:
         return self._second if eye_pass.eye == 1 else self._blocks[0]
 
-    def _by_turns(
+    def _each_eye(
         self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]
     ) -> Iterator[ViewDraws]:
-        """Each eye, with its place in use and its numbers set."""
+        """Yield each eye in turn, with its viewport and view block bound."""
         for number, (each, block) in enumerate(zip(eyes, self._blocks, strict=False)):
             if len(eyes) > 1:
                 target.viewport = each.rectangle
@@ -227,7 +227,7 @@ class WorldStage:
             yield each
 
     def _draw_opaque(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws, eyes: EyePass) -> int:
-        """Meshes and cords, and what is projected onto them, of one eye or both."""
+        """Draw meshes and cords, and the textures projected onto them, for one eye or both."""
         variant = partial(self._shaders.also_with, defines=eyes.defines)
         draws = draw_runs(target, self._arena, self._frame, drawn.opaque, variant)
         if scene.world.cords:
@@ -239,10 +239,10 @@ class WorldStage:
         return draws + scene.effects.project(target, self._arena, self._frame, drawn.view, beams, eyes.defines)
 
     def _draw_transparent(self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]) -> int:
-        """Blended surfaces of both eyes at once; where there are sprites, each eye has its own order of both."""
+        """Draw blended surfaces of both eyes in common passes; with sprites, each eye has its own order."""
         effects = scene.effects
         if effects is not None:
-            turns = self._by_turns(target, scene, eyes)
+            turns = self._each_eye(target, scene, eyes)
             return sum(effects.draw_mixed(target, self._arena, self._frame, each.transparent) for each in turns)
         if not eyes[0].blended:
             return 0
@@ -253,7 +253,7 @@ class WorldStage:
         return draws
 
     def _find_ambient(self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]) -> int:
-        """Where lit shaders ask how open the surroundings are, find an answer."""
+        """Compute ambient occlusion where it is enabled; return the draw calls."""
         if not scene.ambient or scene.settings.ambient_occlusion == 0.0:
             return 0
         views = [each.view for each in eyes]
@@ -277,12 +277,12 @@ class WorldStage:
             self._ambient.use(eyes)
 
     def enter(self, scene: FrameScene, drawn: ViewDraws) -> None:
-        """Pass where the view is from and what shines to the shaders."""
+        """Fill and bind the view block of a view."""
         self._fill(scene, [drawn], sun=True)
         self._blocks[0].bind()
 
     def _fill(self, scene: FrameScene, eyes: Sequence[ViewDraws], *, sun: bool) -> None:
-        """Blocks of numbers for each eye; the first one has the places of all. Parts of a view share them."""
+        """Fill the view blocks of the eyes; the first one has both eyes. Parts of a view share the blocks."""
         views = [each.view for each in eyes]
         if self._filled == (scene, views, sun):
             return
@@ -300,24 +300,24 @@ class WorldStage:
     def _draw_stencil_shadows(
         self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws], *, additive: bool
     ) -> int:
-        """Count the volumes; then add the sun where none covers what is seen, or darken where one does."""
+        """Count the volumes; then add the sun outside of them, or darken the picture inside."""
         volumes, views = self._volumes, [each.view for each in eyes]
         volumes.gl.clear_stencil()
         draws = 0
         for each in self._together(target, scene, eyes):
             draws += volumes.count(target, scene.world, scene.items, views, scene.lighting, each)
         if not additive:
-            return draws + sum(volumes.darken(scene.settings.shadow_tone) for _ in self._by_turns(target, scene, eyes))
+            return draws + sum(volumes.darken(scene.settings.shadow_tone) for _ in self._each_eye(target, scene, eyes))
         self._fill(scene, eyes, sun=True)
         volumes.gl.draw_where(EQUAL)
         for each in self._together(target, scene, eyes):
-            self._ctx.depth_func = "=="  # projecting puts it back
+            self._ctx.depth_func = "=="  # projectors reset it
             draws += self._draw_opaque(target, scene, eyes[0], each)
         self._ctx.depth_func = "<"
         volumes.gl.draw_everywhere()
         return draws
 
     def release(self) -> None:
-        """Free what belongs to the passes."""
+        """Free the passes and view blocks."""
         for part in (self.sky, self._cords, *self._blocks, self._second, self._volumes, self._ambient):
             part.release()

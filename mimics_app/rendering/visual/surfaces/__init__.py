@@ -1,3 +1,3 @@
-"""Where pictures appear: windows and offscreen contexts, what their drivers can do, and pictures read back."""
+"""Surfaces: windows and offscreen contexts, driver capabilities, and read-back."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""What a graphics driver can do, read once: the table by which techniques are chosen."""
+"""Capabilities of a graphics driver, by which techniques are chosen."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ if TYPE_CHECKING:
 __all__ = ["Capabilities", "read_capabilities"]
 
 _SOFTWARE = ("llvmpipe", "softpipe", "SwiftShader")
-"""Renderers that draw on the processor, which the haptic loop needs too."""
+"""Names of renderers that draw on the processor."""
 
 
 @dataclass(frozen=True)
 class Capabilities:
-    """One row per thing a technique can request.
+    """Capabilities that a technique can require.
 
     Attributes:
         gl: Version of OpenGL, 430 for 4.3.
-        texture_units: Pictures a fragment shader can read.
-        texture_size: Longest side of a picture [texels].
-        extensions: Names.
-        renderer: As the driver calls itself.
+        texture_units: Texture units of a fragment shader.
+        texture_size: Maximum width and height of a texture [texels].
+        extensions: Names of the extensions.
+        renderer: The driver's name of the renderer.
     """
 
     gl: int
@@ -40,7 +40,7 @@ class Capabilities:
         return any(name in self.renderer for name in _SOFTWARE)
 
     def missing(self, needs: Needs) -> list[str]:
-        """What of these needs is not there, in words; [] when all is."""
+        """Return the needs that are not met, in words; [] when all are."""
         figures = (
             (needs.gl, self.gl, "OpenGL {:.1f}", 0.01),
             (needs.texture_units, self.texture_units, "{:.0f} texture units", 1.0),
@@ -51,7 +51,7 @@ class Capabilities:
 
 
 def read_capabilities(ctx: moderngl.Context) -> Capabilities:
-    """The table of a context."""
+    """Read the capabilities of a context."""
     info = ctx.info
     return Capabilities(
         gl=ctx.version_code,

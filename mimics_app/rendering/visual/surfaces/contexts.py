@@ -20,9 +20,9 @@ GL_REQUIRED = 430
 BACKENDS = ("window", "egl", "osmesa")
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
-"""What glibc's mallopt calls them."""
-_KEPT, _LARGEST = 256 << 20, 32 << 20
-"""How much freed memory is kept, and what is not taken from it any more [bytes]; the latter is glibc's own limit."""
+"""Parameters of glibc's mallopt."""
+_KEPT, _MMAP_FROM = 256 << 20, 32 << 20
+"""Freed memory that is kept, and size from which memory is mapped instead, glibc's maximum [bytes]."""
 
 _APT_EGL = "install it with: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri"
 _APT_OSMESA = "install it with: apt-get install libosmesa6 (Mesa before 25.1), or use --backend egl"
@@ -32,23 +32,23 @@ _OSMESA_NAMES = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
 def create_surface(
     backend: str, size: Size, title: str = "mimics", *, vsync: bool = True, stereo: bool = False
 ) -> Surface:
-    """Make a context and the surface it draws on.
+    """Create a context and its surface.
 
     Args:
         backend: "window", "egl" or "osmesa".
         size: Width and height [px], each >= 1.
-        title: Title of the window; unused by the others.
+        title: Title of the window; unused by other backends.
         vsync: Whether a window's `swap` waits for the display.
-        stereo: Whether a window is to have buffers for both eyes; others draw them side by side.
+        stereo: Whether a window has quad buffers, one back buffer per eye.
 
     Raises:
-        UsageError: no such backend, or an impossible size.
-        DeviceError: the library, the driver or the display is missing; says what to install.
+        UsageError: unknown backend, or a size below 1 px.
+        DeviceError: the library, the driver or the display is missing; names the package to install.
     """
     if backend not in BACKENDS:
         raise UsageError(f'no graphics backend "{backend}"', nearest(backend, BACKENDS))
     if min(size) < 1:
-        raise UsageError(f"a picture of {size[0]} x {size[1]} pixels cannot be", "give a size like 1280x720")
+        raise UsageError(f"a picture of {size[0]} x {size[1]} pixels is not possible", "give a size like 1280x720")
     _keep_freed_memory()
     if backend == "egl":
         return _EglSurface(size)
@@ -60,14 +60,14 @@ def create_surface(
 
 
 def _keep_freed_memory() -> None:
-    """Have the C library keep what is freed: a software renderer takes and frees megabytes with every draw.
+    """Let glibc keep freed memory: a software renderer allocates and frees megabytes with every draw.
 
-    Fetched from the system each time they cost a page fault every 4 KiB. Of glibc; other libraries have no such call.
+    Memory that the system maps again each time costs a page fault every 4 KiB. Other C libraries have no such call.
     """
     mallopt = getattr(ctypes.CDLL(None), "mallopt", None) if sys.platform == "linux" else None
     if mallopt is not None:
         mallopt(_TRIM_THRESHOLD, _KEPT)
-        mallopt(_MMAP_THRESHOLD, _LARGEST)
+        mallopt(_MMAP_THRESHOLD, _MMAP_FROM)
 
 
 class _EglSurface(Surface):
@@ -93,7 +93,7 @@ class _EglSurface(Surface):
 def _create_egl_context() -> moderngl.Context:
     import moderngl
 
-    create: Any = moderngl.create_context  # its signature leaves out the settings it hands on to the backend
+    create: Any = moderngl.create_context  # its signature omits the backend's settings
     try:
         context: moderngl.Context = create(standalone=True, backend="egl", require=GL_REQUIRED)
     except Exception as error:  # glcontext raises plain Exception
@@ -102,9 +102,9 @@ def _create_egl_context() -> moderngl.Context:
 
 
 class _OSMesaLoader:
-    """An OSMesa context in the form moderngl takes a foreign one: an object that loads functions.
+    """An OSMesa context as moderngl's function loader.
 
-    The glcontext package has no OSMesa backend, and its EGL backend given libOSMesa is still EGL.
+    The glcontext package has no OSMesa backend, and its EGL backend with libOSMesa is still EGL.
     """
 
     _FORMAT, _RGBA, _DEPTH_BITS, _STENCIL_BITS = 0x22, 0x1908, 0x30, 0x31
@@ -121,7 +121,7 @@ class _OSMesaLoader:
         self._context = self._library.OSMesaCreateContextAttribs(attributes, None)
         if not self._context:
             raise DeviceError("OSMesa refuses an OpenGL 4.3 core context", _APT_OSMESA)
-        # The screen it insists on; pictures are drawn into framebuffer objects, so one pixel is enough.
+        # The default framebuffer, which is required; one pixel is enough, since framebuffer objects are drawn into.
         self._screen = (ctypes.c_ubyte * 4)()
         if not self._library.OSMesaMakeCurrent(self._context, self._screen, self._UNSIGNED_BYTE, 1, 1):
             raise DeviceError("OSMesa does not make its context current", _APT_OSMESA)
@@ -133,7 +133,7 @@ class _OSMesaLoader:
                 return ctypes.CDLL(name)
             except OSError:
                 continue
-        raise DeviceError("the OSMesa library is not there", _APT_OSMESA)
+        raise DeviceError("the OSMesa library is missing", _APT_OSMESA)
 
     def _declare(self) -> None:
         pointer, integer = ctypes.c_void_p, ctypes.c_int
@@ -146,26 +146,26 @@ class _OSMesaLoader:
         library.OSMesaDestroyContext.argtypes = [pointer]
 
     def load_opengl_function(self, name: str) -> int:
-        """Address of a GL function, 0 when there is none."""
+        """Return the address of a GL function, 0 when there is none."""
         return self._library.OSMesaGetProcAddress(name.encode()) or 0
 
     load = load_opengl_function
 
     def __enter__(self) -> None:
-        """Moderngl enters the context before each use of it from another thread; this one stays current."""
+        """Do nothing: moderngl enters the context before use from another thread, and this one stays current."""
 
     def __exit__(self, *exception: object) -> None:
-        """See `__enter__`."""
+        """Do nothing; see `__enter__`."""
 
     def release(self) -> None:
-        """Destroy the context once."""
+        """Destroy the context; further calls do nothing."""
         if self._context:
             self._library.OSMesaDestroyContext(self._context)
             self._context = None
 
 
 class _OSMesaSurface(Surface):
-    """Offscreen surface that keeps its loader, and with it the context, alive."""
+    """Offscreen surface that owns its loader, and with it the context."""
 
     def __init__(self, loader: _OSMesaLoader, size: Size) -> None:
         self._loader = loader
@@ -180,6 +180,6 @@ class _OSMesaSurface(Surface):
 def _adopt(loader: _OSMesaLoader) -> moderngl.Context:
     import moderngl
 
-    create: Any = moderngl.create_context  # its signature leaves out what a loader may be
+    create: Any = moderngl.create_context  # its signature omits the loader
     context: moderngl.Context = create(require=GL_REQUIRED, context=loader)
     return context

@@ -1,4 +1,4 @@
-"""A picture of another size and shape than the surface it belongs to: all eyes of a display, before they are shown."""
+"""Offscreen target for the pictures of all eyes of a display, before composition."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ __all__ = ["EyeBuffer"]
 
 
 class EyeBuffer(Surface):
-    """Drawn into like any surface, in the context of another, and read as a texture.
+    """A surface in the context of another one, read as a texture.
 
     Args:
-        owner: Whose context it lives in; closed and renewed by whoever has it.
-        size: [px].
+        owner: Surface that owns the context; closed and renewed by the caller.
+        size: Width and height [px].
     """
 
     def __init__(self, owner: Surface, size: Size) -> None:
@@ -35,7 +35,7 @@ class EyeBuffer(Surface):
         self.reset_status = self._owner.reset_status
 
     def close(self) -> None:
-        """Nothing of its own is left when its owner's context goes."""
+        """Do nothing: its objects are freed with the owner's context."""
 
     def _make_framebuffer(self, size: Size) -> moderngl.Framebuffer:
         texture = self.ctx.texture(size, 4)

@@ -1,4 +1,4 @@
-"""Pictures brought from the driver a frame or two later, so that no frame waits for its own to be read."""
+"""Asynchronous read-back of pictures, a frame or two later, without stalling the frame."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["FrameReader", "ReadFrame"]
 
 @dataclass(frozen=True, slots=True)
 class ReadFrame:
-    """One picture: when it was shown [ns], its size [px], and its display values, RGB rows from the bottom up."""
+    """One picture: display time [ns], size [px], and display values, RGB rows from the bottom up."""
 
     t_ns: int
     size: Size
@@ -24,14 +24,14 @@ class ReadFrame:
 
 
 class FrameReader:
-    """Has the driver copy each picture into a buffer, and reads the buffer when newer pictures have been drawn.
+    """Copies each picture into a pixel buffer, and reads the buffer some frames later.
 
     Args:
-        surface: Whose pictures.
-        behind: Frames between a picture and its reading; 0 reads at once.
+        surface: Surface to read.
+        behind: Frames between drawing and reading; 0 reads at once.
 
     Attributes:
-        behind: The same.
+        behind: Frames between drawing and reading.
     """
 
     def __init__(self, surface: Surface, behind: int = 2) -> None:
@@ -41,17 +41,17 @@ class FrameReader:
         self._waiting: deque[tuple[int, Size, moderngl.Buffer]] = deque()
 
     def take(self, t_ns: int) -> list[ReadFrame]:
-        """Take the picture drawn last, shown at a time [ns]; returns what is ready, mostly an older one."""
+        """Copy the picture drawn last, with its display time [ns]; return those that are due, usually an older one."""
         size = self._surface.size
         self._waiting.append((t_ns, size, self._copy(size)))
         return self._read(self.behind)
 
     def flush(self) -> list[ReadFrame]:
-        """What was taken and not read yet."""
+        """Read and return all pictures not read yet."""
         return self._read(0)
 
     def release(self) -> None:
-        """Free the buffers; what was not read is lost."""
+        """Free the buffers; pictures not read yet are lost."""
         for buffer in (*self._free, *(each[2] for each in self._waiting)):
             buffer.release()
         self._free.clear()
@@ -59,13 +59,11 @@ class FrameReader:
 
     def _copy(self, size: Size) -> moderngl.Buffer:
         wanted = 3 * size[0] * size[1]
-        fitting = next((buffer for buffer in self._free if buffer.size == wanted), None)
-        if fitting is None:
-            fitting = self._surface.ctx.buffer(reserve=wanted)
-        else:
-            self._free.remove(fitting)
-        self._surface.framebuffer.read_into(fitting, components=3, alignment=1)
-        return fitting
+        while self._free and self._free[-1].size != wanted:
+            self._free.pop().release()  # of a size that the surface no longer has
+        buffer = self._free.pop() if self._free else self._surface.ctx.buffer(reserve=wanted)
+        self._surface.framebuffer.read_into(buffer, components=3, alignment=1)
+        return buffer
 
     def _read(self, left: int) -> list[ReadFrame]:
         ready = []

@@ -1,4 +1,4 @@
-"""Pictures without a display: choice of the surface, pixels, PNG files."""
+"""Offscreen rendering: choice of the backend, pixels, PNG files."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 __all__ = ["OFFSCREEN", "WritePng", "open_offscreen", "read_pixels", "save_png", "write_png"]
 
 OFFSCREEN = ("egl", "osmesa")
-"""Offscreen backends in the order "auto" tries them."""
+"""Offscreen backends in the order in which "auto" tries them."""
 
 WritePng = Callable[[NDArray[np.uint8], Path], None]
-"""Writes pixels, uint8 [height, width, 4], to a file: now, or later."""
+"""Writes pixels, uint8 [height, width, 4], to a file, at once or later."""
 
 _PNG_LEVEL = 2
-"""Of 9; of a picture of the tunnel 23 ms and 314 kB, at zlib's usual 6 45 ms and 271 kB."""
+"""Compression level, 0 to 9: a picture of the tunnel takes 23 ms and 314 kB, at zlib's default 6 45 ms and 271 kB."""
 
 
 def open_offscreen(backend: str, size: Size) -> Surface:
-    """An offscreen surface of the wanted backend, or with "auto" of the first that answers.
+    """Open an offscreen surface of a backend, or with "auto" of the first that works.
 
     Raises:
-        DeviceError: none answers; carries what each one said.
-        UsageError: no such backend.
+        DeviceError: no backend works; has the message of each one.
+        UsageError: unknown backend.
     """
     if backend != "auto":
         return create_surface(backend, size)
@@ -39,23 +39,23 @@ def open_offscreen(backend: str, size: Size) -> Surface:
             return create_surface(name, size)
         except DeviceError as error:
             refused.append(f"{name}: {error}")
-    raise DeviceError("no way to draw without a display; " + "; ".join(refused))
+    raise DeviceError("no offscreen backend works; " + "; ".join(refused))
 
 
 def read_pixels(surface: Surface) -> NDArray[np.uint8]:
-    """The picture drawn last: RGBA display values, uint8 [height, width, 4], row 0 at the top."""
+    """Return the picture drawn last: RGBA display values, uint8 [height, width, 4], row 0 at the top."""
     width, height = surface.size
     pixels = np.frombuffer(surface.framebuffer.read(components=4), np.uint8).reshape(height, width, 4)
     return pixels[::-1].copy()
 
 
 def save_png(surface: Surface, file: Path) -> None:
-    """Write the picture drawn last as an opaque PNG."""
+    """Save the picture drawn last as an opaque PNG."""
     write_png(read_pixels(surface), file)
 
 
 def write_png(pixels: NDArray[np.uint8], file: Path) -> None:
-    """Write pixels, uint8 [height, width, 4], as an opaque PNG; most of the time without Python's lock."""
+    """Save pixels, uint8 [height, width, 4], as an opaque PNG; compression runs without the GIL."""
     from PIL import Image
 
     Image.fromarray(pixels[:, :, :3]).save(file, compress_level=_PNG_LEVEL)

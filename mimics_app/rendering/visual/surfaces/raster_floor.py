@@ -1,4 +1,4 @@
-"""What the driver needs for the pixels of a frame alone: below that no frame of as many can be."""
+"""Lower bound of the frame time: the driver's time for filling the pixels alone."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["measure_floor"]
 
 _FRAMES, _WARM_UP = 15, 3
 
-_CORNERS = """
+_TRIANGLE = """
 #version 430
 void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.5, 1.0); }
 """
@@ -28,7 +28,7 @@ _LIT = """
 #version 430
 out vec4 colour;
 void main() {
-    // A light and a display's curve: the least that a lit pixel under a tone map is computed with.
+    // A light and the sRGB curve: the minimum of a lit pixel.
     vec3 n = normalize(vec3(gl_FragCoord.xy - 300.0, 400.0));
     vec3 light = vec3(0.3, 0.5, 0.2) * (0.4 + 0.8 * max(dot(n, vec3(0.36, 0.91, 0.27)), 0.0));
     colour = vec4(1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055, 1.0);
@@ -37,14 +37,14 @@ void main() {
 
 
 def measure_floor(size: tuple[int, int]) -> dict[str, float]:
-    """Median times of one surface over every pixel [ms], by what is done for them.
+    """Measure median times of one triangle over all pixels [ms], by shading and samples.
 
     Args:
-        size: Of the picture [px].
+        size: Size of the picture [px].
     """
     with open_offscreen("egl", size) as surface:
         ctx = surface.ctx
-        one, lit = (ctx.program(_CORNERS, shader) for shader in (_ONE_COLOUR, _LIT))
+        one, lit = (ctx.program(_TRIANGLE, shader) for shader in (_ONE_COLOUR, _LIT))
         plain = ctx.framebuffer(ctx.renderbuffer(size), ctx.depth_renderbuffer(size))
         smooth = ctx.framebuffer(ctx.renderbuffer(size, samples=4), ctx.depth_renderbuffer(size, samples=4))
         floor = {
@@ -64,12 +64,12 @@ def _time(
     target: moderngl.Framebuffer,
     shown: moderngl.Framebuffer | None = None,
 ) -> float:
-    """Clear a target, draw over all of it and bring it to where it is shown, if that is elsewhere [ms]."""
+    """Return the median time of clearing a target, filling it and resolving it to `shown` if given [ms]."""
     import moderngl
 
     clock, array, times = MonotonicClock(), ctx.vertex_array(program, []), []
     for _ in range(_WARM_UP + _FRAMES):
-        begun = clock.now_ns()
+        started = clock.now_ns()
         target.use()
         target.clear(depth=1.0)
         ctx.enable_only(moderngl.DEPTH_TEST)
@@ -77,6 +77,6 @@ def _time(
         if shown is not None:
             ctx.copy_framebuffer(shown, target)
         ctx.finish()
-        times.append((clock.now_ns() - begun) * 1e-6)
+        times.append((clock.now_ns() - started) * 1e-6)
     array.release()
     return median(times[_WARM_UP:])

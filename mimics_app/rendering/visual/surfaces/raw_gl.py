@@ -1,4 +1,4 @@
-"""The few OpenGL functions that moderngl leaves out, called in its context: stencil, viewports, copies, flushes."""
+"""OpenGL functions that moderngl lacks, called in its context: stencil, viewports, copies, flushes."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ __all__ = ["ALWAYS", "CLIP_DISTANCE_0", "DECREMENT", "EQUAL", "INCREMENT", "KEEP
 
 ALWAYS, EQUAL, NOT_EQUAL = 0x0207, 0x0202, 0x0205
 KEEP, INCREMENT, DECREMENT = 0x1E00, 0x8507, 0x8508
-"""Stencil operations; the counting ones wrap round."""
+"""Stencil operations; increment and decrement wrap around."""
 
 CLIP_DISTANCE_0 = 0x3000
-"""Cuts off what a vertex shader says is beyond."""
+"""Capability: clipping by gl_ClipDistance[0]."""
 
 SRGB8_ALPHA8 = 0x8C43
-"""Internal format of pictures whose colours the sampler decodes."""
+"""Internal format of textures that the sampler decodes to linear light."""
 
 _STENCIL_TEST, _DEPTH_CLAMP, _STENCIL_BUFFER_BIT = 0x0B90, 0x864F, 0x0400
 _FRONT, _BACK = 0x0404, 0x0405
@@ -51,11 +51,11 @@ _ARGUMENTS: dict[str, tuple[Any, ...]] = {
 
 
 class RawGL:
-    """Functions by their addresses, which the context's own loader gives: the same for EGL, OSMesa and windows."""
+    """Functions by their addresses from the context's own loader, for EGL, OSMesa and windows alike."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        loader: Any = ctx.mglo._context  # what moderngl loads its own functions with
+        loader: Any = ctx.mglo._context  # moderngl's own function loader
         self._calls = {
             name: ctypes.CFUNCTYPE(None, *arguments)(loader.load_opengl_function(name))
             for name, arguments in _ARGUMENTS.items()
@@ -63,12 +63,12 @@ class RawGL:
         self._buffers: dict[int, tuple[moderngl.Framebuffer, int]] = {}
 
     def attach_stencil(self, framebuffer: moderngl.Framebuffer, samples: int) -> None:
-        """Put a buffer of depth and stencil in the place of a framebuffer's depth; stays until `release`."""
+        """Replace a framebuffer's depth buffer by one with stencil, until `release`."""
         width, height = framebuffer.size
         had = self._buffers.get(framebuffer.glo)
         if had is not None and had[0] is framebuffer:
             return
-        if had is not None:  # the driver gave the name of a freed framebuffer to a new one
+        if had is not None:  # the driver reused the name of a freed framebuffer
             self._delete(had[1])
         name = _UINT()
         self._calls["glGenRenderbuffers"](1, ctypes.byref(name))
@@ -80,22 +80,22 @@ class RawGL:
         self._buffers[framebuffer.glo] = framebuffer, name.value
 
     def flush(self) -> None:
-        """Have the driver begin with what it was given so far."""
+        """Let the driver start the commands submitted so far."""
         self._calls["glFlush"]()
 
     def use_viewports(self, places: Sequence[tuple[int, int, int, int]]) -> None:
-        """Have the rectangles [px] a vertex shader chooses among; the next change of the viewport ends it."""
+        """Set the viewports [px] that a vertex shader selects from; valid until the viewport is set again."""
         for number, place in enumerate(places):
             self._calls["glViewportIndexedf"](number, *place)
 
     def set_divisor(self, array: int, locations: Sequence[int], instances: int) -> None:
-        """Have attributes of a vertex array step on only after so many instances."""
+        """Advance attributes of a vertex array only once per some instances."""
         self._calls["glBindVertexArray"](array)
         for location in locations:
             self._calls["glVertexAttribDivisor"](location, instances)
 
     def copy_texels(self, source: moderngl.Texture, target: moderngl.Texture, place: tuple[int, int, int, int]) -> None:
-        """Copy a rectangle [texel] of one texture to the same place in another of the same format."""
+        """Copy a rectangle [texel] of one texture to the same place in another one of the same format."""
         x, y, width, height = place
         each = [(texture.glo, _TEXTURE_2D, 0, x, y, 0) for texture in (source, target)]
         self._calls["glCopyImageSubData"](*each[0], *each[1], width, height, 1)
@@ -106,11 +106,11 @@ class RawGL:
         target: moderngl.Framebuffer,
         places: Sequence[tuple[int, int, int, int]],
     ) -> None:
-        """Copy rectangles [px] of a framebuffer's colours to the same places of another; each the mean of its samples.
+        """Copy and resolve rectangles [px] of a framebuffer's colours to the same places in another one.
 
-        The framebuffer in use is another one afterwards.
+        Changes the framebuffer in use.
         """
-        target.scissor = None  # type: ignore[assignment]  # takes it away
+        target.scissor = None  # type: ignore[assignment]  # disables it
         target.use()
         self._calls["glBindFramebuffer"](_READ_FRAMEBUFFER, source.glo)
         self._calls["glBindFramebuffer"](_DRAW_FRAMEBUFFER, target.glo)
@@ -125,9 +125,9 @@ class RawGL:
         self._calls["glClear"](_STENCIL_BUFFER_BIT)
 
     def count_faces(self) -> None:
-        """From here on faces hidden behind what is drawn count: +1 for back faces, -1 for front ones (Carmack 2000).
+        """Count faces that fail the depth test in the stencil: +1 for back faces, -1 for front faces (Carmack 2000).
 
-        No colours are written, and depth is clamped, so that volumes may reach through the near and the far plane.
+        Colours are not written, and depth is clamped, so that volumes may cross the near and the far plane.
         """
         self._calls["glColorMask"](0, 0, 0, 0)
         self._ctx.enable_direct(_STENCIL_TEST)
@@ -137,7 +137,7 @@ class RawGL:
         self._calls["glStencilOpSeparate"](_FRONT, KEEP, DECREMENT, KEEP)
 
     def draw_where(self, test: int) -> None:
-        """From here on only pixels are drawn whose count passes: EQUAL to 0, or NOT_EQUAL."""
+        """Restrict drawing to pixels whose stencil is EQUAL or NOT_EQUAL to 0."""
         self._ctx.enable_direct(_STENCIL_TEST)
         self._ctx.disable_direct(_DEPTH_CLAMP)
         self._calls["glStencilFunc"](test, 0, 0xFF)
@@ -145,13 +145,13 @@ class RawGL:
             self._calls["glStencilOpSeparate"](face, KEEP, KEEP, KEEP)
 
     def draw_everywhere(self) -> None:
-        """Back to drawing colours without a stencil."""
+        """Draw colours without a stencil test again."""
         self._calls["glColorMask"](1, 1, 1, 1)
         self._ctx.disable_direct(_STENCIL_TEST)
         self._ctx.disable_direct(_DEPTH_CLAMP)
 
     def release(self) -> None:
-        """Free the buffers; framebuffers that had them have no depth afterwards."""
+        """Free the stencil buffers; their framebuffers have no depth afterwards."""
         for _, name in self._buffers.values():
             self._delete(name)
         self._buffers.clear()

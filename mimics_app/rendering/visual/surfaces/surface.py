@@ -1,4 +1,4 @@
-"""Something to draw on: a GL context, a framebuffer with depth, and what the person did since the last frame."""
+"""Surfaces to draw on: a GL context, a framebuffer with depth, and the input events of its window."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Size = tuple[int, int]
 
 
 _NAMES = ("glGetGraphicsResetStatus", "glGetGraphicsResetStatusKHR", "glGetGraphicsResetStatusARB")
-"""Of one function: OpenGL 4.5, KHR_robustness, ARB_robustness."""
+"""Names of one function: OpenGL 4.5, KHR_robustness, ARB_robustness."""
 
 _WORDS = {
     0x8253: "this program made the driver hang",
@@ -31,15 +31,15 @@ _WORDS = {
 
 
 class ResetStatus:
-    """Asks a context; a driver that cannot be asked is taken to be well."""
+    """Reset status of a context; always "" for a driver that cannot report it."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        loader: Any = ctx.mglo._context  # what moderngl loads its own functions with
+        loader: Any = ctx.mglo._context  # moderngl's own function loader
         address = next((found for name in _NAMES if (found := loader.load_opengl_function(name))), 0)
         self._ask = ctypes.CFUNCTYPE(ctypes.c_uint)(address) if address else None
 
     def __call__(self) -> str:
-        """What happened to the context, in words; "" while it is well."""
+        """Return what happened to the context, in words; "" while it works."""
         if self._ask is None:
             return ""
         status = self._ask()
@@ -47,21 +47,21 @@ class ResetStatus:
 
 
 class Surface:
-    """A drawable of one backend; this class itself is the offscreen one, whose person never does anything.
+    """A drawable of one backend; this class itself is the offscreen one, without input.
 
-    Pictures are always drawn into `framebuffer` (8-bit RGBA in display code values, 24-bit depth), on every backend,
-    so that a window shows exactly what an offscreen picture holds; `swap` brings it to the glass where there is one.
+    On every backend pictures are drawn into `framebuffer` (8-bit RGBA display values, 24-bit depth), so that a window
+    shows exactly the pixels of an offscreen picture; `swap` shows it in a window.
 
     Attributes:
         backend: "window", "egl" or "osmesa".
-        ctx: The GL 4.3 core context; current on the thread that made it.
-        framebuffer: Where the picture is drawn; replaced when the size changes.
+        ctx: The GL 4.3 core context; current on the thread that created it.
+        framebuffer: Framebuffer of the picture; replaced when the size changes.
         size: Width and height [px].
         keys: Names of the keys held.
         buttons: Names of the mouse buttons held.
         gamepad: The first gamepad as of the last `poll`.
-        both_eyes: Both eyes' pictures side by side, for a window that has a buffer for each; None elsewhere.
-        reset_status: Says in words what made the driver lose the context; "" while it is well.
+        both_eyes: Both eyes' pictures side by side, for a quad-buffered window; None elsewhere.
+        reset_status: Returns why the context was lost, in words; "" while it works.
     """
 
     def __init__(self, backend: str, ctx: moderngl.Context, size: Size) -> None:
@@ -76,27 +76,27 @@ class Surface:
 
     @property
     def driver(self) -> str:
-        """Version of OpenGL and the driver's name for itself, for people."""
+        """Version of OpenGL and name of the renderer, for people."""
         info = self.ctx.info
         return f"{info['GL_VERSION']}, {info['GL_RENDERER']}"
 
     def poll(self) -> list[InputEvent]:
-        """Return what happened since the last call, oldest first, and refresh keys, buttons and gamepad."""
+        """Return the events since the last call, oldest first, and update keys, buttons and gamepad."""
         return []
 
     def pointer(self) -> tuple[float, float] | None:
-        """Where the pointer is, right and up in [-1, 1]; None before it first moved over the window."""
+        """Return the pointer's position, right and up in [-1, 1]; None before it first moved over the window."""
         return None
 
     def open_beside(self, places: Sequence[WindowPlace], size: Size) -> WallWindows | None:
-        """Open further windows; None where there is no desktop.
+        """Open further windows; return None without a desktop.
 
         Args:
-            places: Of the windows.
-            size: Of one whose place says none [px].
+            places: Titles, positions and sizes of the windows.
+            size: Size of a window whose place has none [px].
 
         Raises:
-            DeviceError: the display gives no further window.
+            DeviceError: a window cannot be opened.
         """
         return None
 
@@ -105,29 +105,29 @@ class Surface:
 
     @property
     def should_close(self) -> bool:
-        """True once the person requested the window to close."""
+        """True once the window was asked to close."""
         return False
 
     def resize(self, size: Size) -> None:
-        """Give the framebuffer a new size [px]; its picture is undefined until the next draw."""
+        """Change the size of the framebuffer [px]; its picture is undefined until the next draw."""
         if size == self.size:
             return
         old = self.framebuffer
         self.framebuffer = self._make_framebuffer(size)
-        self.framebuffer.use()  # moderngl goes back to the one in use after making another, and that is to be freed
+        self.framebuffer.use()  # moderngl rebinds the one in use, which is freed below
         self.size = size
         release_framebuffer(old)
 
     def renew(self) -> None:
-        """Put a new context in the place of one that was lost, and with it a new framebuffer; nothing else is kept.
+        """Replace a lost context by a new one with a new framebuffer; all GPU objects are lost.
 
         Raises:
-            DeviceError: the driver gives none any more.
+            DeviceError: no context can be created any more.
         """
-        raise DeviceError(f"a surface of {self.backend} cannot be made anew", "start again")
+        raise DeviceError(f"a surface of {self.backend} cannot be created again", "restart the application")
 
     def close(self) -> None:
-        """Free the context. Nothing of the surface may be used afterwards."""
+        """Free the context; the surface must not be used afterwards."""
         self.ctx.release()
 
     def __enter__(self) -> Surface:
@@ -137,7 +137,7 @@ class Surface:
         self.close()
 
     def _take(self, ctx: moderngl.Context) -> None:
-        """Draw in a context from here on."""
+        """Use a context, and create the framebuffer in it."""
         self.ctx = ctx
         self.framebuffer = self._make_framebuffer(self.size)
         self.reset_status: Callable[[], str] = ResetStatus(ctx)
@@ -147,7 +147,7 @@ class Surface:
 
 
 def release_framebuffer(framebuffer: moderngl.Framebuffer) -> None:
-    """Free a framebuffer with what is attached to it."""
+    """Free a framebuffer with its attachments."""
     attachments = [*framebuffer.color_attachments, framebuffer.depth_attachment]
     framebuffer.release()
     for attachment in attachments:

@@ -1,4 +1,4 @@
-"""Windows beside the first one: each shows a rectangle of a picture that was drawn in its context."""
+"""Additional windows: each shows a rectangle of a texture of the first window's context."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _ARGUMENTS: dict[str, tuple[Any, ...]] = {
 
 @dataclass(slots=True, eq=False)
 class _Window:
-    """One window with a framebuffer that reads the shared picture: framebuffers belong to one context each."""
+    """One window with a framebuffer for the shared texture: contexts do not share framebuffers."""
 
     handle: Any
     framebuffer: ctypes.c_uint
@@ -36,21 +36,21 @@ class _Window:
 
 
 class WallWindows:
-    """Windows that share the objects of the first one's context.
+    """Windows that share the objects of the first window's context.
 
-    A window stands where its place says; one without a place takes the whole of a monitor beside the first window's.
+    A window without a position fills a monitor other than the first.
 
     Args:
-        glfw: The library, begun.
-        main: The first window; its context is current, and is again after every call.
-        places: Of the windows.
-        size: Of a window whose place says no size [px].
+        glfw: The initialised library.
+        main: The first window, whose context is current before and after every call.
+        places: Titles, positions and sizes of the windows.
+        size: Size of a window whose place has none [px].
 
     Attributes:
-        missing: Titles of those for which no monitor is left.
+        missing: Titles of the windows for which no monitor is left.
 
     Raises:
-        DeviceError: the display gives no further window.
+        DeviceError: a window cannot be opened.
     """
 
     def __init__(self, glfw: ModuleType, main: Any, places: Sequence[WindowPlace], size: Size) -> None:
@@ -76,7 +76,7 @@ class WallWindows:
             glfw.make_context_current(main)
 
     def show(self, texture: int, rectangles: Sequence[tuple[str, Rect]]) -> None:
-        """Bring rectangles of a texture [px, from the lower left] to the windows of these titles."""
+        """Show rectangles of a texture [px, from the lower left] in the windows of these titles."""
         glfw = self._glfw
         for title, (x, y, width, height) in rectangles:
             window = self._windows.get(title)
@@ -92,11 +92,11 @@ class WallWindows:
 
     @property
     def should_close(self) -> bool:
-        """Whether the person closed one of them."""
+        """Whether one of the windows was closed."""
         return any(self._glfw.window_should_close(window.handle) for window in self._windows.values())
 
     def close(self) -> None:
-        """Close all of them."""
+        """Close all windows."""
         for window in self._windows.values():
             self._glfw.make_context_current(window.handle)
             self._calls["glDeleteFramebuffers"](1, ctypes.byref(window.framebuffer))
@@ -105,7 +105,7 @@ class WallWindows:
         self._glfw.make_context_current(self._main)
 
     def _open(self, place: WindowPlace, monitor: Any, size: Size) -> _Window:
-        """Open a window; what the first one requested of its context still holds, so that they may share."""
+        """Open a window; the first one's hints for the context still hold, as sharing requires."""
         glfw = self._glfw
         for hint in (glfw.DECORATED, glfw.AUTO_ICONIFY, glfw.FOCUSED, glfw.FOCUS_ON_SHOW):
             glfw.window_hint(hint, False)
@@ -114,17 +114,17 @@ class WallWindows:
             size = (mode.size.width, mode.size.height)
         handle = glfw.create_window(*size, place.title, monitor, self._main)
         if not handle:
-            raise DeviceError(f'the display gives no window for "{place.title}"', "take its place out of the file")
+            raise DeviceError(f'the display provides no window for "{place.title}"', "take its place out of the file")
         if place.at is not None:
             glfw.set_window_pos(handle, *place.at)
         glfw.make_context_current(handle)
-        glfw.swap_interval(0)  # the first window's swap keeps the pace for all
+        glfw.swap_interval(0)  # the first window's swap waits for the display
         framebuffer = _UINT()
         self._calls["glGenFramebuffers"](1, ctypes.byref(framebuffer))
         return _Window(handle, framebuffer)
 
     def _attach(self, window: _Window, texture: int) -> None:
-        """Have a window's framebuffer read a texture, and the window itself be drawn to."""
+        """Bind a texture for reading and the window itself for drawing."""
         bind = self._calls["glBindFramebuffer"]
         bind(_READ, window.framebuffer)
         if window.texture != texture:

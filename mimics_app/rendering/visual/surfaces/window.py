@@ -1,4 +1,4 @@
-"""A window on the desktop with keyboard, mouse and gamepad, through GLFW."""
+"""A desktop window with keyboard, mouse and gamepad, by GLFW."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ _READ_FRAMEBUFFER, _DRAW_FRAMEBUFFER, _COLOUR_BUFFER_BIT, _NEAREST = 0x8CA8, 0x8
 
 
 class WindowSurface(Surface):
-    """The glass: the picture is drawn offscreen and copied to the window by `swap`.
+    """A window, of which there is one at a time: the picture is drawn offscreen and copied to it by `swap`.
 
-    F11 switches between window and full screen. Only one window at a time. With `stereo` it has a buffer for each eye,
-    which `swap` fills from the halves of `both_eyes`.
+    F11 toggles full screen. With `stereo` it is quad-buffered, and `swap` fills both back buffers from the halves of
+    `both_eyes`.
 
     Raises:
-        DeviceError: no display, or no OpenGL 4.3 on it, or no buffers for both eyes.
+        DeviceError: no display, no OpenGL 4.3, or no quad buffers.
     """
 
     _events: list[InputEvent]
@@ -50,7 +50,7 @@ class WindowSurface(Surface):
         super().__init__("window", context, glfw.get_framebuffer_size(self._window))
 
     def _open(self, size: Size) -> moderngl.Context:
-        """Open the window and make its context."""
+        """Open the window and create its context."""
         import moderngl
 
         glfw = self._glfw
@@ -63,7 +63,7 @@ class WindowSurface(Surface):
         return moderngl.create_context(require=430)
 
     def renew(self) -> None:
-        # A window of GLFW has one context for life: another one is opened in its place, whole screen or not.
+        # A GLFW window keeps its context for life: another window is opened in its place, full screen or not.
         glfw = self._glfw
         whole, self._windowed = self._windowed is not None, None
         place, size = glfw.get_window_pos(self._window), glfw.get_window_size(self._window)
@@ -97,18 +97,18 @@ class WindowSurface(Surface):
         self._glfw.swap_buffers(self._window)
 
     def present(self) -> None:
-        """Copy the picture to the window's back buffer without showing it yet."""
+        """Copy the picture to the window's back buffer without swapping."""
         if self._stereo and self.both_eyes is not None:
             self._present_eyes(self.both_eyes)
             return
-        # moderngl keeps the size the default framebuffer had at first, so that a resized window needs the raw call.
+        # moderngl keeps the initial size of the default framebuffer; a resized window needs the raw call.
         self._bind_framebuffer(_READ_FRAMEBUFFER, self.framebuffer.glo)
         self._bind_framebuffer(_DRAW_FRAMEBUFFER, 0)
         self._blit_framebuffer(0, 0, *self.size, 0, 0, *self.size, _COLOUR_BUFFER_BIT, _NEAREST)
         self.framebuffer.use()
 
     def _present_eyes(self, source: moderngl.Framebuffer) -> None:
-        """Copy the halves of a picture of both eyes to the back buffers of the left and the right one."""
+        """Copy the halves of a picture of both eyes to the left and the right back buffer."""
         self._bind_framebuffer(_READ_FRAMEBUFFER, source.glo)
         self._bind_framebuffer(_DRAW_FRAMEBUFFER, 0)
         half, height = source.size[0] // 2, source.size[1]
@@ -119,9 +119,9 @@ class WindowSurface(Surface):
         self.framebuffer.use()
 
     def read_screen(self) -> bytes:
-        """What the window's back buffer holds: RGBA rows from the bottom up, 4 * width * height bytes."""
+        """Return the window's back buffer: RGBA rows from the bottom up, 4 * width * height bytes."""
         picture = self.ctx.screen.read(viewport=(0, 0, *self.size), components=4)
-        _ = self.ctx.error  # moderngl names a colour attachment the window does not have; reading clears the complaint
+        _ = self.ctx.error  # moderngl reads a colour attachment that windows lack; this clears the error
         return picture
 
     @property
@@ -129,7 +129,7 @@ class WindowSurface(Surface):
         return bool(self._glfw.window_should_close(self._window))
 
     def toggle_fullscreen(self) -> None:
-        """Switch between the window and the whole of the primary monitor."""
+        """Switch between the window and full screen on the primary monitor."""
         glfw = self._glfw
         if self._windowed:
             x, y, width, height = self._windowed
@@ -193,12 +193,12 @@ class WindowSurface(Surface):
 
     def _on_resize(self, _window: object, width: int, height: int) -> None:
         if min(width, height) < 1:
-            return  # minimised: the picture keeps its size until there is something to see again
+            return  # minimised: the picture keeps its size until the window is restored
         self.resize((width, height))
         self._events.append(InputEvent("resize", x=width, y=height))
 
     def _on_focus(self, _window: object, focused: int) -> None:
-        # A window that lost the focus gets no release any more: what was held is let go.
+        # Without focus a window receives no release events: all held keys and buttons are released.
         if focused:
             return
         self._events += [InputEvent("key", name) for name in sorted(self.keys)]
@@ -226,7 +226,7 @@ class WindowSurface(Surface):
 
 
 def _open_window(glfw: ModuleType, size: Size, title: str, *, stereo: bool = False) -> Any:
-    # Errors come back as return values, turned into one DeviceError here, instead of as warnings on stderr.
+    # Errors are return values, raised as one DeviceError here, instead of warnings on stderr.
     glfw.ERROR_REPORTING = False  # type: ignore[attr-defined]  # the module's documented switch
     if not glfw.init():
         raise DeviceError("no display for a window", _NO_DISPLAY)
@@ -248,13 +248,13 @@ def _open_window(glfw: ModuleType, size: Size, title: str, *, stereo: bool = Fal
     if not window:
         glfw.terminate()
         if stereo:
-            raise DeviceError("the display gives no window with a buffer for each eye", _FIX_QUAD)
-        raise DeviceError("the display gives no window with OpenGL 4.3", _FIX_GL)
+            raise DeviceError("the display provides no window with a buffer for each eye", _FIX_QUAD)
+        raise DeviceError("the display provides no window with OpenGL 4.3", _FIX_GL)
     return window
 
 
 def _on_the_desktop(glfw: ModuleType, size: Size) -> Size:
-    """The size [px], smaller where all monitors together have less room: what lies beside them nobody can reach."""
+    """Limit a size to that of all monitors' work areas together [px]."""
     areas = [glfw.get_monitor_workarea(monitor) for monitor in glfw.get_monitors()]
     areas = [area for area in areas if area[2] > 0 and area[3] > 0]
     if not areas:
@@ -271,7 +271,7 @@ def _load_blit(glfw: ModuleType) -> tuple[Callable[..., None], Callable[..., Non
 
 
 def _constant_names(glfw: ModuleType, prefix: str) -> Mapping[int, str]:
-    # Sorted so that of two names of one value (GAMEPAD_BUTTON_A, _CROSS, _LAST) the shortest, plainest wins.
+    # Sorted so that of several names of a value (GAMEPAD_BUTTON_A, _CROSS, _LAST) the shortest wins.
     names = sorted((n for n in dir(glfw) if n.startswith(prefix)), key=lambda n: (-len(n), n))
     return {getattr(glfw, name): name.removeprefix(prefix).lower() for name in names if not name.endswith("_LAST")}
 
