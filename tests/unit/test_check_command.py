@@ -233,6 +233,6 @@ def test_shipped_part_is_right_by_itself_and_says_what_it_is_for(capsys, part):
 def test_hand_without_robot_and_task_is_a_part(tmp_path, capsys):
     fingers = [thing("left"), thing("right"), thing("hand", grasping_hand={"fingers": ["left", "right"]})]
     assert main(["check", str(write(tmp_path, scene(*fingers)))]) == 0
-    assert "a part without robot and task: include it in a scene" in capsys.readouterr().out
+    assert "a part, without robot and task: include it in a scene" in capsys.readouterr().out
     assert main(["check", str(write(tmp_path, scene(*fingers, thing("r", robot={}))))]) == 3
     assert "nothing is carried in this task" in capsys.readouterr().err

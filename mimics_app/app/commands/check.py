@@ -85,7 +85,7 @@ def _notes_on_play(scene: Scene) -> list[str]:
     if scene.scenario == ONLY_LOOKED_AT:
         return ["a scene to look at only: mimics view opens it"]
     if is_part(scene):
-        return ["a part without robot and task: include it in a scene"]
+        return ["a part, without robot and task: include it in a scene"]
     try:
         open_scenario(scene, build_world(scene))
     except SceneError as error:
