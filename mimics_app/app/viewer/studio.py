@@ -38,7 +38,7 @@ def studio_settings(extent: Extent) -> RenderSettings:
 
 
 class Studio:
-    """What is put about a model; everything it adds hangs on one node.
+    """Floor and lights around a model, all below one node.
 
     Args:
         world: Of the model; its sky is replaced.
