@@ -114,7 +114,9 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         default=0,
         help="with render: number of nodes, people or particles; 0: the default of the workload",
     )
-    parser.add_argument("--opt", default="", help="of render: words that change the settings")
+    parser.add_argument(
+        "--opt", default="", help="with render: options of the renderer, separated by commas, e.g. noocc,noshadow"
+    )
     parser.add_argument(
         "--fps",
         type=_frame_rate,
@@ -160,15 +162,15 @@ def _run_render(args: argparse.Namespace) -> int:
         RenderBench(
             workload,
             folder,
-            args.size,
-            args.msaa,
-            args.frames,
-            args.warmup,
-            args.budget,
-            args.n,
-            options,
-            args.shot,
-            args.fps,
+            size=args.size,
+            msaa=args.msaa,
+            frames=args.frames,
+            warmup=args.warmup,
+            budget=args.budget,
+            count=args.n,
+            options=options,
+            shot=args.shot,
+            fps=args.fps,
         )
     )
     answer |= _beside(args, workload, folder, answer)

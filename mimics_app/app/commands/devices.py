@@ -15,6 +15,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from mimics_app.app.settings import PATIENTS
 from mimics_app.app.terminal.arguments import positive_time, random_seed, whole_number
 from mimics_app.contracts.errors import DeviceError, UsageError
 
@@ -47,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scene", type=Path, help="with emulate: scene whose path and robot the simulated person uses")
     parser.add_argument(
         "--patient",
-        choices=("healthy", "moderate", "severe"),
+        choices=PATIENTS,
         default="",
         help="with emulate: impairment of the simulated person",
     )

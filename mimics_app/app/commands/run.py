@@ -6,7 +6,7 @@ import argparse
 from dataclasses import fields
 from pathlib import Path
 
-from mimics_app.app.settings import DIFFICULTIES, PROFILES, QUALITIES, RECIPES, SOUNDS, RunSettings
+from mimics_app.app.settings import DIFFICULTIES, PATIENTS, PROFILES, QUALITIES, RECIPES, SOUNDS, RunSettings
 from mimics_app.app.terminal.arguments import (
     add_display_argument,
     participant_code,
@@ -60,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--recording", type=Path, metavar="RUN", help="with --device replay: run folder to play back")
     parser.add_argument(
         "--patient",
-        choices=("healthy", "moderate", "severe"),
+        choices=PATIENTS,
         default="",
         help="impairment of the simulated patient (default: as in the scene)",
     )

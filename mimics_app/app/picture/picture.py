@@ -246,7 +246,7 @@ class Picture:
             sys.stderr.write(f"mimics: {fault}\n")
 
     def _board_laid_out(self, board: Board) -> list[View]:
-        """Draw the view of each eye, with the board over it."""
+        """Lay the board out over the views of the display, and return them."""
         with self.timer.stage("board"):
             views = self.views
             self.lay_out(board, views)
