@@ -1,4 +1,4 @@
-"""What a person asks of one run: the command line and the launcher both end here."""
+"""Settings of one run, from the command line or the launcher."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Literal
 
 __all__ = [
     "DIFFICULTIES",
+    "PATIENTS",
     "PROFILES",
     "QUALITIES",
     "RECIPES",
@@ -28,8 +29,10 @@ PROFILES: tuple[Profile, ...] = ("draft", "training", "study")
 QUALITIES: tuple[Quality, ...] = ("auto", "full")
 DIFFICULTIES: tuple[Difficulty, ...] = ("easier", "usual", "harder")
 SOUNDS: tuple[SoundChoice, ...] = ("auto", "device", "file", "off")
+PATIENTS = ("healthy", "moderate", "severe")
+"""Presets of the simulated patient, by impairment."""
 RECIPES = ("auto", "fifo", "ordinary", "plain")
-"""What `rendering.haptic.scheduler` knows; named here too so that --help imports no haptics (a test compares them)."""
+"""Recipes of `rendering.haptic.scheduler`, repeated here so that --help imports no haptics (a test compares them)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,9 +44,9 @@ class RunSettings:
         headless: No window: virtual clock, simulated patient, as fast as the machine allows.
         seconds: Simulated time after which the run ends [s]; None: when the task is done.
         seed: Of everything random: trial order, patient, sensor noise.
-        profile: How much the picture and the tolerances may give up.
-        quality: "auto": a live picture is drawn as well as its frame time allows; "full": as the scene asks, whatever
-            time that takes.
+        profile: Accuracy of physics and picture, by the tolerances of the planner.
+        quality: "auto": a live picture is drawn as well as its frame time allows; "full": as the scene requests,
+            whatever time that takes.
         device: Instead of the scene's robot device; "" keeps it (a window takes "pointer").
         recording: Run folder whose sensors the device "replay" plays, or None.
         patient: Preset instead of the scene's; "" keeps it.
@@ -53,16 +56,16 @@ class RunSettings:
         pictures: Frames a headless run draws and keeps.
         video: File of a film, or folder for every frame as PNG, or None.
         action: File of task actions to replay, or None.
-        physio: Where body signals come from, e.g. "sim" or "lsl:NAME"; "": nowhere.
+        physio: Source of body signals, e.g. "sim" or "lsl:NAME"; "": none.
         learn: Policy that adapts the task; "": the task's own, if any.
-        goal: What the policy is rewarded for, see `learning.goals.build_goal`; "": what the task says.
-        estimator: Of the person's state, one of `estimation.registry.ESTIMATORS`; "": what the task says.
-        baseline_s: How long the person's rest is measured at the beginning [s].
+        goal: Goal of the policy, see `learning.goals.build_goal`; "": the task's.
+        estimator: Of the person's state, one of `estimation.registry.ESTIMATORS`; "": the task's.
+        baseline_s: Length of the baseline measured at rest at the beginning [s].
         runs: Folder the run folder is made in.
         difficulty: "easier" and "harder" move what the task can adapt half-way to its easiest or hardest value.
         trials: How many trials count, in the scene's order and again from its beginning; 0: as the scene says.
         participant: Code of the person, for results over time; "": none.
-        journey: File that hears how far the start has come and what the person chose on the page of results, or None.
+        journey: File for reports of the progress and of the choice on the page of results, or None.
         recipe: Scheduler of the live haptic loop, one of RECIPES.
         from_trial: Trial to begin with, 1 first: after a session that was broken off, the one it stopped in.
     """

@@ -39,7 +39,7 @@ def test_sounds_are_built(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["build"], "build what?"),
+        (["build"], "the name of a builder is missing"),
         (["build", "citty"], "city"),
         (["build", "city", "--seed", "-1"], "-1 is no whole number"),
     ],
@@ -99,7 +99,7 @@ def test_what_was_built_is_drawn_from_six_sides(tmp_path: Path, capsys: pytest.C
     stone = [pixels[312:612, 6 + 406 * side : 406 + 406 * side] for side in range(6)]
     assert all((one != two).any() for one, two in itertools.pairwise(stone))
     assert cli.main(["assets", "build", "sprites", "--out", str(tmp_path), "--picture", str(picture)]) == 2
-    assert "nothing of sprites is a model" in capsys.readouterr().err
+    assert "sprites builds neither a model" in capsys.readouterr().err
 
 
 def test_sounds_are_drawn_as_spectra(tmp_path: Path) -> None:

@@ -279,7 +279,11 @@ def test_recovered_run_is_not_damaged_until_it_is_again(
     assert (folder / "haptic.arrows").stat().st_mtime_ns == haptic.st_mtime_ns
     losses = len(recovered) - 2
     verified = _lines(capsys, "verify", str(folder))
-    assert verified[0] == recovered[0] == ["recovered", f"{folder}: {losses} losses; what is left is as it was sealed"]
+    assert (
+        verified[0]
+        == recovered[0]
+        == ["recovered", f"{folder}: {losses} losses; the rest is unchanged since the run was closed"]
+    )
     assert verified[1:] == recovered[2:] and all(name == "problem" for name, _ in verified[1:])
     with (folder / "trials.csv").open("a") as file:
         file.write("x")

@@ -190,7 +190,7 @@ def test_ball_may_have_any_name(tmp_path, capsys):
 
 def test_scene_that_no_scenario_plays_is_right_and_noted(tmp_path, capsys):
     assert main(["check", str(write(tmp_path, scene(thing("a"))))]) == 0
-    assert "without a robot mimics run refuses it" in capsys.readouterr().out
+    assert "mimics run needs a robot" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("device", ["pointr", "pointer:somewhere"])

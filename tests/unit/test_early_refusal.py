@@ -32,7 +32,7 @@ REFUSED = (
     ("explain nowhere", 3, "there is no such scene"),
     ("check nowhere.json", 3, "there is no such scene"),
     ("view nowhere.json --headless", 3, "there is no such scene"),
-    ("view scenes/pick_and_place.json", 4, "no display for a window"),
+    ("view scenes/pick_and_place.json", 4, "the viewer needs a display"),
     ("devices check nowhere", 4, 'there is no device "nowhere"'),
     ("replay nowhere", 3, "is no run folder"),
     ("report nowhere", 3, "is no run folder"),

@@ -349,7 +349,7 @@ def test_verify_gives_a_verdict_and_does_not_describe(tmp_path: Path, capsys: py
     write_synthetic_run(tmp_path / "whole", 2.0)
     assert main(["record", "verify", str(tmp_path / "whole")]) == 0
     (line,) = capsys.readouterr().out.splitlines()
-    assert line.split()[0] == "verified" and "files and the state hash are as they were sealed" in line
+    assert line.split()[0] == "verified" and "files and the state hash match their checksums" in line
     assert main(["record", "verify", "--json", str(tmp_path / "whole")]) == 0
     assert json.loads(capsys.readouterr().out)["verified"] is True
     with (tmp_path / "whole" / "trials.csv").open("a") as file:

@@ -96,7 +96,7 @@ def test_a_recorder_that_died_and_is_back_is_reported_on_the_terminal(capsys):
     watch.look()
     watch.look()
     assert capsys.readouterr().err == (
-        "mimics: the recorder died and is replaced (number 1); what happens meanwhile is kept for 16 s\n"
+        "mimics: the recorder died and is replaced (number 1); meanwhile data are buffered for 16 s\n"
     )
     recorder.ready = True
     watch.look()

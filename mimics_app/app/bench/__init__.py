@@ -1,3 +1,3 @@
-"""What mimics bench measures in processes of its own."""
+"""Measurements of `mimics bench`."""
 
 __all__: list[str] = []

@@ -21,7 +21,7 @@ _PIXELS = 4.0
 _VISIBLE = 8
 """By how much of 255 a pixel differs that counts."""
 _LOOK = 10
-"""Pictures are compared in one of so many frames."""
+"""Number of frames between two comparisons of pictures."""
 
 
 def compare_levels(

@@ -1,4 +1,4 @@
-"""What a frame asks of the interpreter, counted and not timed: the same on every machine and under any load."""
+"""Work of the interpreter in a frame, counted, not timed: the same on every machine and under any load."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class FrameCounts:
 
 
 def count_frame(draw: Callable[[int], object]) -> FrameCounts:
-    """What drawing a frame by its number comes to; some frames are drawn before."""
+    """Count the work of drawing a frame by its number, after some warm-up frames."""
     for frame in range(_WARM_UP):
         draw(frame)
     gc.collect()
@@ -66,7 +66,7 @@ def count_frame(draw: Callable[[int], object]) -> FrameCounts:
 
 
 def count_nodes(count: int) -> FrameCounts:
-    """A frame of so many cubes of one material that all turn."""
+    """Frame of rotating cubes of one material."""
     world, move = node_world(count)
     with open_offscreen("egl", _SIZE) as surface:
         renderer = Renderer(surface, world, _SETTINGS)
@@ -76,7 +76,7 @@ def count_nodes(count: int) -> FrameCounts:
 
 
 def count_materials(count: int) -> FrameCounts:
-    """A frame of 256 cubes that turn, in so many materials."""
+    """Frame of 256 rotating cubes of several materials."""
     world, move = node_world(max(_COUNTS["materials, one draw each"]), count)
     with open_offscreen("egl", _SIZE) as surface:
         renderer = Renderer(surface, world, _SETTINGS)

@@ -31,7 +31,7 @@ __all__ = ["main"]
 
 
 def main(file: Path, size: tuple[int, int], surface: str, seconds: float, quality: Quality) -> Row:
-    """Measure a scene, or `PEOPLE`, for so many seconds [s] on a surface ("window" or "egl")."""
+    """Measure a scene, or `PEOPLE`, for a time [s] on a surface ("window" or "egl")."""
     scene = None if file == PEOPLE else load_checked_scene(file)
     if scene is None or not is_playable(scene):
         return measure_looked_at(file, size, surface, seconds, quality)

@@ -33,7 +33,7 @@ Row = dict[str, Any]
 
 
 class _Watched(Protocol):
-    """Whose frames: a session, or a scene that is looked at."""
+    """Source of the frames: a session, or a scene without a task."""
 
     clock: Clock
     picture: Picture | None
@@ -94,7 +94,7 @@ class FrameWatch:
                 self.stages.setdefault(name, []).append(ms)
 
     def row(self) -> Row:
-        """What was seen, as CONTRACTS has it."""
+        """Return the figures, under the keys of CONTRACTS."""
         picture, governor = self.watched.picture, self.watched.governor
         assert picture is not None and governor is not None
         stats, settings = picture.stats, picture.renderer.settings

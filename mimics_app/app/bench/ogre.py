@@ -80,7 +80,7 @@ def measure_ogre_particles(
 
 
 def _row_of(program: list[str], size: tuple[int, int], report: Callable[[str], None]) -> dict[str, float] | None:
-    """What a program says that is run by the system's interpreter under a display of its own."""
+    """Return the output of a program run by the system's interpreter on a display of its own."""
     width, height = size
     screen = ("xvfb-run", "-a", "-s", f"-screen 0 {max(width, 640)}x{max(height, 480)}x24")
     try:

@@ -20,7 +20,7 @@ __all__ = ["Fountain", "FountainNumbers"]
 
 @dataclass(frozen=True)
 class FountainNumbers:
-    """What both renderers are given.
+    """Parameters of both renderers.
 
     Attributes:
         count: Particles alive.

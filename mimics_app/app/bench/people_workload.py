@@ -20,7 +20,7 @@ __all__ = ["ON_SIDEWALKS", "People"]
 
 
 ON_SIDEWALKS = 100
-"""People, where nobody says how many."""
+"""Default number of people."""
 
 _FIRST, _APART = 324.0, 2.6
 """Where along the street the nearest stand, and how far apart pairs are [m]."""
@@ -67,7 +67,7 @@ class People(Walk):
         self.walk(frame / 30.0, self.eye(frame)[0])
 
     def walk(self, time_s: float, eye: F8) -> None:
-        """Walk everybody on to a time [s], seen from a place [m]; who reaches an end goes on at the other."""
+        """Move all people to a time [s], seen from a point [m]; one that reaches an end continues at the other."""
         motion = self.world.motion
         motion.time = time_s
         motion.eye_world = None if self._full else eye

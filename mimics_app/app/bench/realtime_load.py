@@ -38,7 +38,7 @@ Percentiles = tuple[float, ...]
 
 
 def main(kind: str, scene: Path, seconds: float) -> Row:
-    """Measure one loop, "product", "unprivileged" or "rival_python_thread", for so many seconds [s]."""
+    """Measure one loop, "product", "unprivileged" or "rival_python_thread", for a time [s]."""
     with tempfile.TemporaryDirectory(prefix="mimics-bench-") as runs:
         recipe = "ordinary" if kind == "unprivileged" else "auto"
         settings = RunSettings(scene, device=SIMULATED, recipe=recipe, runs=Path(runs), size=_SIZE)

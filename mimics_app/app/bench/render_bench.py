@@ -47,20 +47,20 @@ OPTIONS: dict[str, dict[str, Any]] = {
 
 @dataclass(frozen=True, slots=True)
 class RenderBench:
-    """What to measure.
+    """Settings of one measurement.
 
     Attributes:
         workload: One of `render_workloads.WORKLOADS`.
-        data: Folder of the workloads' files, None: not known.
+        data: Folder of the workloads' files, or None.
         size: Of the picture [px].
         msaa: Samples per pixel; None: as the workload asks.
         frames: Frames timed.
         warmup: Frames drawn before.
         budget: Stop after this many seconds timed [s].
-        count: Nodes, 0: as the peers have.
-        options: Words of `OPTIONS`.
+        count: Number of nodes, people or particles; 0: as the rivals' workloads.
+        options: Keys of `OPTIONS`.
         shot: Where the last frame goes as PNG, or None.
-        fps: Quality is given up, as a run does, until so many frames a second are held; None: it is all kept.
+        fps: Frame rate to hold by lowering the quality, as in a run [Hz]; None: full quality.
     """
 
     workload: str
@@ -108,7 +108,7 @@ def measure_render(wanted: RenderBench) -> dict[str, Any]:
 
 
 def _settle(fps: float, wanted: RenderBench, workload: Workload, renderer: Renderer) -> dict[str, Any]:
-    """Let the governor find the quality that holds a frame rate; it has, once it lets things be for a while."""
+    """Let the governor settle at the quality that holds a frame rate."""
     clock = MonotonicClock()
     governor = FrameGovernor(quality_steps(renderer), 1e3 / fps)
     begun = calm = clock.now_ns()

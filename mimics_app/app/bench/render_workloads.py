@@ -85,7 +85,7 @@ class Workload(ABC):
 
 
 class City(Workload):
-    """An eye 1.7 m high that goes down a street and looks around by 20 degrees."""
+    """Camera 1.7 m high that moves down a street and pans by 20 degrees."""
 
     start = (-40.0, 1.7, 360.0)
 
@@ -108,7 +108,7 @@ class Walk(City):
 
     start = (-1.75, 1.7, 330.0)
     _STRIDE, _STEPS = 1.4 / 30.0, 8
-    """What a person walks between two of 30 frames a second [m]; frames in one place."""
+    """Step of a walker at 30 frames per second [m]; number of frames in one place."""
     _PLACES, _APART = 16, 20.0
     """Along the street to the square in its middle, and back to its beginning; how far apart [m]."""
 
@@ -134,7 +134,7 @@ class _Poses:
 
 
 class Nodes(Workload):
-    """Cubes of one mesh under groups; groups and cubes shift and turn every frame."""
+    """Cubes of one mesh in groups; groups and cubes move and rotate every frame."""
 
     def __init__(self, file: Path, count: int) -> None:
         world = World()
@@ -226,7 +226,7 @@ class Crowd(Workload):
 
 
 def _grid(k: NDArray[np.integer], across: int, step: float, heights: F8) -> F8:
-    """Places of things on squares of `across` each, `step` [m] apart, about the origin, [n, 3]."""
+    """Return positions on a square grid, `across` per side, `step` [m] apart, around the origin, [n, 3]."""
     side, j = math.isqrt(across), k % across
     middle = 0.5 * (side - 1)
     return np.stack([(j % side - middle) * step, heights, (j // side - middle) * step], -1)

@@ -98,7 +98,7 @@ class WholePlay:
         return min(means)
 
     def draw(self, plan: Plan) -> tuple[float, NDArray[np.uint8]]:
-        """What a frame costs under a plan [us], and what it shows.
+        """Cost of a frame under a plan [us], and the picture.
 
         The cost is of every stage of the main thread, to the last pixel.
 

@@ -30,7 +30,7 @@ from mimics_app.lab.visual.probe import differing_pixels
 __all__ = ["GROUPS", "register_whole", "variants"]
 
 SCENES = ("wavy_tunnel", "pick_and_place", "examples/tower")
-"""One of each scenario that ships: a tunnel, a thing that is carried, and what components alone say."""
+"""One scene of each shipped scenario: a tunnel, a carried object, and a scene made of components alone."""
 
 TICK, FRAME = "tick of ", "frame of "
 

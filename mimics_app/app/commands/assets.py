@@ -1,4 +1,4 @@
-"""`mimics assets ACTION [NAME]`: what builds the shipped models, sounds and pictures, and coarser forms of models."""
+"""`mimics assets ACTION [NAME]`: build the shipped models, sounds and pictures, and levels of detail of models."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mimics_app.contracts.plural import counted
 __all__ = ["add_arguments", "run"]
 
 _SIDES = 6
-"""From how many sides a model that was built is drawn."""
+"""Number of directions from which a built model is drawn."""
 
 _seed = whole_number("whole number", range(2**63))
 _share = real_number("share between 0 and 1", lambda share: 0.0 < share < 1.0)
@@ -23,27 +23,33 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "action",
         choices=("build", "list", "levels", "thumbnails"),
-        help="build: write the files of NAME; list: the names; levels: write a model with levels of detail, "
-        "of what bends with vertices of their own; "
-        "thumbnails: draw the launcher's pictures of the shipped scenes, or of the one called NAME",
+        help="build: write the files of NAME; list: list the names; levels: write a copy of a model with levels of "
+        "detail; thumbnails: draw the launcher's pictures of the shipped scenes, or of the scene NAME alone",
     )
-    parser.add_argument("name", nargs="?", default="", help="what to build; of levels: a .glb or .gltf file")
-    parser.add_argument("--seed", type=_seed, default=1, help="the same seed makes the same bytes on any machine")
-    parser.add_argument("--out", type=Path, default=Path("."), metavar="DIR", help="folder of the files")
+    parser.add_argument("name", nargs="?", default="", help="builder or scene; with levels: a .glb or .gltf file")
+    parser.add_argument(
+        "--seed", type=_seed, default=1, help="seed of build: the same seed gives the same bytes on any machine"
+    )
+    parser.add_argument("--out", type=Path, default=Path("."), metavar="DIR", help="folder to write into")
     parser.add_argument(
         "--picture",
         type=Path,
         metavar="PNG",
-        help="of build: draw the models built from six sides each, of sounds their spectra; of thumbnails: all on one",
+        help="with build: draw each model from six directions, or the spectrograms of sounds; with thumbnails: draw "
+        "all of them on one sheet",
     )
     parser.add_argument(
-        "--shares", type=_share, nargs="+", metavar="SHARE", help="of levels: of the triangles, falling (0.5 0.2 0.06)"
+        "--shares",
+        type=_share,
+        nargs="+",
+        metavar="SHARE",
+        help="with levels: share of the triangles kept at each level, largest first (0.5 0.2 0.06)",
     )
-    parser.add_argument("--pixels", type=_pixels, default=1.0, help="of levels: largest error seen [px]")
+    parser.add_argument("--pixels", type=_pixels, default=1.0, help="with levels: largest visible error [px]")
 
 
 def run(args: argparse.Namespace) -> int:
-    """List the builders, run one, coarsen a model, or draw the launcher's pictures."""
+    """List the builders, run one, simplify a model, or draw the launcher's pictures."""
     return {"list": _list, "build": _build, "levels": _levels, "thumbnails": _thumbnails}[args.action](args)
 
 
@@ -70,12 +76,12 @@ def _levels(args: argparse.Namespace) -> int:
 
     file = Path(args.name)
     if not args.name:
-        raise UsageError("levels of which model?", "name a .glb or .gltf file")
+        raise UsageError("the model is missing", "mimics assets levels MODEL.glb")
     out = args.out / f"{file.stem}_levels.glb"
     try:
         levels = write_levels(file, out, args.shares or SHARES, args.pixels)
     except ValueError as error:
-        raise UsageError(str(error), "give --shares 0.5 0.2 0.06, say") from error
+        raise UsageError(str(error), "for example --shares 0.5 0.2 0.06") from error
     if args.json:
         output.write_object("assets", {"file": out, "meshes": [asdict(each) for each in levels]})
         return 0
@@ -83,7 +89,7 @@ def _levels(args: argparse.Namespace) -> int:
         steps = zip(each.triangles, each.errors, each.coverages, strict=True)
         steps_text = ", ".join(f"{n} triangles ({error:.2g} m, from {100.0 * c:.2g} %)" for n, error, c in steps)
         print(f"{each.name}: {steps_text}")
-    none = "" if levels else ": each has levels already, or gets no smaller without a visible error"
+    none = "" if levels else ": every mesh has levels already, or cannot be simplified without a visible error"
     print(f"{out}: levels made for {counted(len(levels), 'meshes')}{none}")
     return 0
 
@@ -110,7 +116,7 @@ def _build(args: argparse.Namespace) -> int:
     from mimics_app.contracts.errors import UsageError
 
     if not args.name:
-        raise UsageError("build what?", "mimics assets list names what can be built")
+        raise UsageError("the name of a builder is missing", "mimics assets list shows the names")
     files = find_builder(args.name).write(args.out, args.seed)
     if args.picture is not None:
         _draw(args.name, files, args.picture)
@@ -135,7 +141,7 @@ def _draw(name: str, files: list[Path], picture: Path) -> None:
         return draw_spectrograms(sounds, picture)
     models = [file for file in files if file.suffix in MODEL_SUFFIXES]
     if not models:
-        raise UsageError(f"nothing of {name} is a model or a sound", "its files themselves are to be looked at")
+        raise UsageError(f"{name} builds neither a model nor a sound", "leave out --picture and open its files")
     draw_models(models, picture, sides=_SIDES)
 
 

@@ -1,4 +1,4 @@
-"""`mimics avatar import FILE`: which joints of a person's model are which, and what of it was guessed."""
+"""`mimics avatar import FILE`: print which joint of a person's model is which bone, and which were guessed."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics avatar`."""
-    parser.epilog = "Names as VRM, Mixamo, Blender and Unreal have them are known; others are guessed from their place."
-    parser.add_argument("action", choices=("import",), help="import: print which joint of the model is which")
+    parser.epilog = "Joint names of VRM, Mixamo, Blender and Unreal are known; others are guessed from their positions."
+    parser.add_argument("action", choices=("import",), help="import: print which joint of the model is which bone")
     parser.add_argument("file", type=Path, help=".glb or .gltf model of a person")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Say which joints are which; 3 when a joint that is needed is missing.
+    """Print the bones found; exit code 3 when a required one is missing.
 
     Raises:
-        SceneError: the file is wrong, or nothing in it has a skeleton.
+        SceneError: The file is faulty, or has neither a skeleton nor an animation.
     """
     from mimics_app.world.gltf.model_world import load_model_world
     from mimics_app.world.motion.humanoid import find_humanoid, report_lines
@@ -29,7 +29,9 @@ def run(args: argparse.Namespace) -> int:
     world = load_model_world(args.file)
     animators = list(world.motion.animators.values())
     if not animators:
-        raise SceneError(Issue(str(args.file), "/skins", "nothing in it moves: it has neither a skin nor a clip"))
+        raise SceneError(
+            Issue(str(args.file), "/skins", "nothing in the model moves: it has neither a skin nor a clip")
+        )
     found = find_humanoid(animators[0].rig)
     clips = list(animators[0].clips)
     if args.json:

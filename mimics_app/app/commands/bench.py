@@ -1,4 +1,4 @@
-"""`mimics bench WHAT`: the product against rivals, measured in the same run on this machine."""
+"""`mimics bench WHAT`: measure the product beside rivals, in the same run on this machine."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ __all__ = ["add_arguments", "run"]
 _KINDS = ("product", "rival_python_thread", "unprivileged")
 _SECONDS, _ALL_SECONDS, _AUDIO_SECONDS = 60.0, 10.0, 10.0
 _FRAME_SECONDS, _ALL_FRAME_SECONDS = 12.0, 6.0
-"""Lengths of measurements [s]: alone, and at most where all are made. Of frames, stages are timed last: a measurement
-ends before the simulated patient has played its scene to the end."""
+"""Default lengths of measurements [s]; `_ALL...`: limits where everything is measured. Stages of frames are timed last:
+a measurement ends before the simulated patient has played its scene to the end."""
 
 WORKLOADS = ("city", "nodes", "crowd", "walk", "people", "people_full", "particles")
 
@@ -34,65 +34,95 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "what",
         choices=("all", "realtime", "methods", "audio", "haptic", "physio", "frame", "displays", "render"),
-        help="what to measure",
+        help="realtime: deadlines of the haptic loop under load; methods: cost and error of every method; audio: "
+        "mixers and latency; haptic: cost of a tick; physio: R peaks and features; frame: frames of live sessions; "
+        "displays: stereo and headsets; render: the renderer beside OGRE; all: all but displays, physio and render",
     )
     _add_render_arguments(parser)
     parser.add_argument(
-        "--surface", choices=("egl", "window"), default="egl", help="of frame: where the picture is drawn"
+        "--surface", choices=("egl", "window"), default="egl", help="with frame: draw off screen (egl) or in a window"
     )
     parser.add_argument(
-        "--charts", type=Path, metavar="DIR", help="of physio, audio and frame: write their figures here"
+        "--charts", type=Path, metavar="DIR", help="with physio, audio and frame: folder to write their figures to"
     )
     parser.add_argument(
-        "--people", type=Path, metavar="FILE", help="of physio: only write the people that the load is learnt from"
+        "--people",
+        type=Path,
+        metavar="FILE",
+        help="with physio: only write the simulated people on whom the load estimator is trained",
     )
     parser.add_argument(
-        "--soak", action="store_true", help="of audio: 64 moving voices beside the load of realtime, for --seconds"
+        "--soak",
+        action="store_true",
+        help="with audio: play 64 moving voices beside the load of realtime, for --seconds",
     )
-    parser.add_argument("--scene", type=Path, default=Path("scenes/wavy_tunnel.json"), help="scene of the load")
+    parser.add_argument(
+        "--scene",
+        type=Path,
+        default=Path("scenes/wavy_tunnel.json"),
+        help="scene that makes the load of realtime, displays and --soak",
+    )
     parser.add_argument(
         "--seconds",
         type=positive_time,
-        help="length of each real-time measurement [s] (default: 60; of frame 12, of audio 10)",
+        help="length of each measurement of realtime (default: 60), frame (12) and audio (10) [s]",
     )
     parser.add_argument(
-        "--rounds", type=_rounds, default=1, help="real-time measurements of each loop; medians are shown"
+        "--rounds",
+        type=_rounds,
+        default=1,
+        help="with realtime: number of measurements of each loop; the median is shown",
     )
 
 
 def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `mimics bench render`; the same as other renderers' measurements take."""
+    """Arguments of `mimics bench render`: those of the rival renderers' harnesses."""
     parser.add_argument(
         "names",
         nargs="*",
         metavar="NAME",
-        help="of render: city, nodes, crowd, walk, people, people_full or particles; of frame: scenes or people "
-        "(default: all); of physio: figures, or noise for a table of R peaks by kind of noise (default: everything)",
+        help="with render: city, nodes, crowd, walk, people, people_full or particles; with frame: scenes, or people "
+        "(default: all); with physio: figures, or noise for a table of R peaks by kind of noise (default: all)",
     )
     parser.add_argument(
         "--data",
         type=Path,
-        help="of render: folder with city.glb and cube.glb, which city and nodes draw; else RENDER_DATA names it; of "
-        "physio: folder of annotated .npz records, else PHYSIO_DATA names it",
+        help="with render: folder of city.glb and cube.glb for city and nodes (default: $RENDER_DATA); with physio: "
+        "folder of annotated .npz records (default: $PHYSIO_DATA)",
     )
     parser.add_argument(
-        "--size", type=picture_size, default="1280x720", metavar="WxH", help="of render and frame: of the picture [px]"
+        "--size",
+        type=picture_size,
+        default="1280x720",
+        metavar="WxH",
+        help="with render, frame and displays: size of the picture [px]",
     )
     parser.add_argument(
         "--msaa",
         type=int,
         choices=(0, 2, 4, 8),
-        help="of render: samples per pixel (default: 0; of walk, as in a window)",
+        help="with render: samples per pixel (default: 0; for walk, as in a window)",
     )
-    parser.add_argument("--frames", type=_frames, default=40, help="of render: frames timed")
-    parser.add_argument("--warmup", type=_frames, default=6, help="of render: frames drawn before")
-    parser.add_argument("--budget", type=positive_time, default=25.0, help="of render: stop after this time [s]")
-    parser.add_argument("--n", type=_nodes, default=0, help="of render: nodes, 0: 10000")
-    parser.add_argument("--opt", default="", help="of render: words that change the settings")
+    parser.add_argument("--frames", type=_frames, default=40, help="with render and displays: number of frames timed")
     parser.add_argument(
-        "--fps", type=_frame_rate, help="of render: give up quality, as a run does, until this is held (default: none)"
+        "--warmup", type=_frames, default=6, help="with render: number of frames drawn before the timed ones"
     )
-    parser.add_argument("--shot", type=Path, help="of render: write the last frame here as PNG")
+    parser.add_argument("--budget", type=positive_time, default=25.0, help="with render: stop after this time [s]")
+    parser.add_argument(
+        "--n",
+        type=_nodes,
+        default=0,
+        help="with render: number of nodes, people or particles; 0: the default of the workload",
+    )
+    parser.add_argument(
+        "--opt", default="", help="with render: options of the renderer, separated by commas, e.g. noocc,noshadow"
+    )
+    parser.add_argument(
+        "--fps",
+        type=_frame_rate,
+        help="with render: lower the quality, as a run does, until this frame rate is held (default: never)",
+    )
+    parser.add_argument("--shot", type=Path, help="with render: PNG file for the last frame")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -103,7 +133,9 @@ def run(args: argparse.Namespace) -> int:
         return _run_render(args)
 
     if args.names and args.what not in ("frame", "physio"):
-        raise UsageError(f"bench {args.what} takes no name, not {' '.join(args.names)}", f"mimics bench {args.what}")
+        raise UsageError(
+            f"bench {args.what} takes no further name: {' '.join(args.names)}", f"mimics bench {args.what}"
+        )
     parts = ("methods", "audio", "haptic", "frame", "realtime") if args.what == "all" else (args.what,)
     answer: dict[str, Any] = {}
     for part in parts:
@@ -122,7 +154,7 @@ def _run_render(args: argparse.Namespace) -> int:
 
     workload = args.names[0] if len(args.names) == 1 else ""
     if workload not in WORKLOADS:
-        what = f"{' '.join(args.names) or 'nothing'} is no workload" if args.names else "a workload to draw is missing"
+        what = f'there is no workload "{" ".join(args.names)}"' if args.names else "the workload is missing"
         raise UsageError(what, f"mimics bench render {', '.join(WORKLOADS[:-1])} or {WORKLOADS[-1]}")
     folder = args.data or (Path(os.environ["RENDER_DATA"]) if "RENDER_DATA" in os.environ else None)
     options = tuple(args.opt.replace(",", " ").split())
@@ -130,15 +162,15 @@ def _run_render(args: argparse.Namespace) -> int:
         RenderBench(
             workload,
             folder,
-            args.size,
-            args.msaa,
-            args.frames,
-            args.warmup,
-            args.budget,
-            args.n,
-            options,
-            args.shot,
-            args.fps,
+            size=args.size,
+            msaa=args.msaa,
+            frames=args.frames,
+            warmup=args.warmup,
+            budget=args.budget,
+            count=args.n,
+            options=options,
+            shot=args.shot,
+            fps=args.fps,
         )
     )
     answer |= _beside(args, workload, folder, answer)
@@ -150,7 +182,7 @@ def _run_render(args: argparse.Namespace) -> int:
 
 
 def _beside(args: argparse.Namespace, workload: str, folder: Path | None, ours: dict[str, Any]) -> dict[str, Any]:
-    """OGRE's median frame of the same workload, as large and with as many samples [ms]; {} where it has none."""
+    """Return OGRE's median frame time for the same workload, size and samples [ms]; {} without a rival."""
     from mimics_app.app.bench.ogre import OGRE_WORKLOADS, measure_ogre, measure_ogre_particles
 
     if workload == "particles":
@@ -171,7 +203,7 @@ def _beside(args: argparse.Namespace, workload: str, folder: Path | None, ours: 
 
 
 def _measure_realtime(args: argparse.Namespace) -> dict[str, Any]:
-    """Lateness of the three loops under the same load, in turn, each in its own process."""
+    """Measure the lateness of the three loops under the same load, one after the other, each in its own process."""
     seconds = _seconds(args, _SECONDS, _ALL_SECONDS)
     rounds: dict[str, list[dict[str, Any]]] = {kind: [] for kind in _KINDS}
     for number in range(args.rounds):
@@ -185,19 +217,21 @@ def _measure_apart(kind: str, scene: Path, seconds: float) -> dict[str, Any]:
     command = [sys.executable, "-m", "mimics_app.app.bench.realtime_load", kind, str(scene), str(seconds)]
     child = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
     if child.returncode != 0:
-        raise DeviceError(f"the measurement of {kind} ended with exit code {child.returncode}", "see the lines above")
+        raise DeviceError(
+            f"the measurement of {kind} failed with exit code {child.returncode}", "see the messages above"
+        )
     row: dict[str, Any] = json.loads(child.stdout)
     return row
 
 
 def _median_round(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """The round of median missed share: figures of one real run, not a mixture."""
+    """Return the round of median missed share: the figures of one real run, not a mixture."""
     counted = [row for row in rows if "missed_share" in row] or rows
     return sorted(counted, key=lambda row: float(row.get("missed_share", 0.0)))[len(counted) // 2]
 
 
 def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
-    """Cost and error of every registered method."""
+    """Measure cost and error of every registered method."""
     from mimics_app.lab.catalogue import all_groups, load_methods
     from mimics_app.lab.measure import as_dict, measure
 
@@ -206,7 +240,7 @@ def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_audio(args: argparse.Namespace) -> dict[str, Any]:
-    """Cost and accuracy of the mixers beside the peers, contact to sample through a private PulseAudio null sink."""
+    """Measure the mixers beside rivals, and the latency from contact to sample through a private PulseAudio sink."""
     if args.soak:
         from mimics_app.app.bench.audio_soak import measure_soak
 
@@ -222,28 +256,28 @@ def _measure_audio(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _seconds(args: argparse.Namespace, usual: float, among_all: float) -> float:
-    """What `--seconds` says, at most `among_all` where everything is measured; without it the usual length."""
+    """Return `--seconds`, or else the usual length; limited to `among_all` where everything is measured."""
     return min(args.seconds or usual, among_all) if args.what == "all" else args.seconds or usual
 
 
-def _say(what: str) -> None:
-    sys.stderr.write(f"{what}\n")
+def _say(text: str) -> None:
+    sys.stderr.write(f"{text}\n")
 
 
 def _peers() -> Path | None:
-    """Folder of the peers' harnesses, None where PEERS names none."""
+    """Folder of the rivals' harnesses: the environment variable PEERS; None where it is not set."""
     return Path(os.environ["PEERS"]) if os.environ.get("PEERS") else None
 
 
 def _measure_haptic(_: argparse.Namespace) -> dict[str, Any]:
-    """Shapes, meshes and bodies against a reference loop and the peers; PEERS names a folder with further ones."""
+    """Measure shapes, meshes and bodies beside a reference loop and the rivals; PEERS is a folder of further ones."""
     from mimics_app.lab.haptic_bench import measure_haptic
 
     return measure_haptic(_say, _peers())
 
 
 def _measure_frame(args: argparse.Namespace) -> dict[str, Any]:
-    """Whole frames of live sessions, with everything on."""
+    """Measure whole frames of live sessions, with everything on."""
     from mimics_app.app.bench.frame_bench import measure_frames
 
     seconds = _seconds(args, _FRAME_SECONDS, _ALL_FRAME_SECONDS)
@@ -257,16 +291,16 @@ def _measure_frame(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_displays(args: argparse.Namespace) -> dict[str, Any]:
-    """Both eyes in one pass against two, and from a head's pose to the frame that a headset is given."""
+    """Measure stereo in one pass against two, and the latency from head pose to submitted frame."""
     from mimics_app.app.bench.display_bench import measure_displays
 
     return measure_displays(args.scene, args.size, args.frames, _say)
 
 
 def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
-    """R peaks on annotated records and under noise, cost and latency; PEERS names a folder with rivals' harness.
+    """Measure R peaks on annotated records and under noise, cost and latency; PEERS is the folder of rivals' harnesses.
 
-    With names only those: figures (`--charts` says where to), or the table of R peaks by kind of noise.
+    With names only these: figures, written to `--charts`, or the table of R peaks by kind of noise.
     """
     if args.people is not None:
         from mimics_app.lab.physio.load_sessions import write_shipped_people
@@ -278,7 +312,9 @@ def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
     folder = args.data or (Path(os.environ["PHYSIO_DATA"]) if os.environ.get("PHYSIO_DATA") else None)
     names = _physio_figures(args)
     if _NOISE in args.names and folder is None:
-        raise UsageError("noise is laid upon annotated records", "mimics bench physio noise --data DIR")
+        raise UsageError(
+            "noise is added to annotated records: their folder is missing", "mimics bench physio noise --data DIR"
+        )
     answer: dict[str, Any] = {"noise": measure_noise(folder)} if _NOISE in args.names else {}
     if not args.names:
         answer = measure_physio(folder, _peers())
@@ -290,24 +326,24 @@ def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _physio_figures(args: argparse.Namespace) -> list[str]:
-    """Figures that are asked for; all where no name is.
+    """Return the names of the requested figures; all of them where none is requested.
 
     Raises:
-        UsageError: There is none of a name, or no folder for those that are named.
+        UsageError: There is no figure of a name, or no folder to write the figures to.
     """
     from mimics_app.lab.physio_figures import FIGURES
 
     wanted = [name for name in args.names if name != _NOISE]
     unknown = [name for name in wanted if name not in FIGURES]
     if unknown:
-        raise UsageError(f"bench physio has no {unknown[0]}", f"it has {_NOISE}, {', '.join(FIGURES)}")
+        raise UsageError(f"bench physio has no figure {unknown[0]}", f"it has {_NOISE}, {', '.join(FIGURES)}")
     if wanted and args.charts is None:
         raise UsageError(f"no folder for the figure {wanted[0]}", f"mimics bench physio {wanted[0]} --charts DIR")
     return wanted if args.names else list(FIGURES)
 
 
 _NOISE = "noise"
-"""Of physio: the table of R peaks by kind of noise."""
+"""Name of the table of R peaks by kind of noise (`mimics bench physio noise`)."""
 
 _MEASURES = {
     "frame": _measure_frame,

@@ -46,10 +46,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def examine(file: Path) -> dict[str, Any]:
-    """What a file holds, if `mimics run` or `mimics view` would take it.
+    """Return the contents of a file in numbers, if `mimics run` or `mimics view` accept it.
 
     Raises:
-        MimicsError: it is wrong; the error carries every issue.
+        MimicsError: The file is faulty; the error carries every issue.
     """
     if file.suffix.lower() in _MODELS:
         from mimics_app.world.gltf.file import load_gltf
@@ -72,10 +72,10 @@ def examine(file: Path) -> dict[str, Any]:
 
 
 def _notes_on_play(scene: Scene) -> list[str]:
-    """What `mimics run` would do with a scene, where it would not play it.
+    """Return notes on a scene that `mimics run` would not play.
 
     Raises:
-        SceneError: the scenario that would play it is nowhere, or misses a part of the scene.
+        SceneError: The scenario it names does not exist, or misses a part of the scene.
     """
     from mimics_app.app.scenes.catalogue import is_part, open_scenario
     from mimics_app.app.scenes.shipped import ONLY_LOOKED_AT
@@ -83,7 +83,7 @@ def _notes_on_play(scene: Scene) -> list[str]:
     from mimics_app.world.scene.file import build_world
 
     if scene.scenario == ONLY_LOOKED_AT:
-        return ["a place to look at: mimics view opens it"]
+        return ["a scene to look at only: mimics view opens it"]
     if is_part(scene):
         return ["a part, without robot and task: include it in a scene"]
     try:
@@ -93,13 +93,13 @@ def _notes_on_play(scene: Scene) -> list[str]:
             raise
         first = error.issues[0]
         if not scene.task:
-            return ["a part, or a place to look at with mimics view: without a robot mimics run refuses it"]
+            return ["a part, or a scene to look at with mimics view: mimics run needs a robot"]
         return [f"mimics run refuses it: {first.what}; {first.fix}"]
     return []
 
 
 def _check_devices(scene: Scene) -> None:
-    """Raise the DeviceError of a robot whose device nobody has."""
+    """Raise a DeviceError where the device of a robot does not exist."""
     from mimics_app.rendering.haptic.devices.device_names import check_device_name
     from mimics_app.world.components.robot import Robot
 

@@ -1,6 +1,6 @@
-"""`mimics completion SHELL`: what makes a shell complete commands, options, their values and the names of scenes.
+"""`mimics completion SHELL`: print the script by which a shell completes commands, options, values and scene names.
 
-The shell asks `mimics completion words` with a word on each line of stdin; the last one is under the cursor.
+The script calls `mimics completion words` with one word on each line of stdin; the last one is under the cursor.
 """
 
 from __future__ import annotations
@@ -42,12 +42,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "fish: mimics completion fish > ~/.config/fish/completions/mimics.fish"
     )
     parser.add_argument(
-        "shell", choices=(*_SCRIPTS, "words"), help="whose script is printed; words: what may follow stdin's"
+        "shell",
+        choices=(*_SCRIPTS, "words"),
+        help="shell to print the script for; words: print the completions of the words on stdin",
     )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print the script, or what may follow."""
+    """Print the script, or the completions."""
     if args.shell == "words":
         words = sys.stdin.read().removesuffix("\n").split("\n")
         found = suggest(words, args.commands, args.parser_of)
@@ -63,12 +65,12 @@ def run(args: argparse.Namespace) -> int:
 
 
 def suggest(words: Sequence[str], commands: Iterable[str], parser_of: object) -> list[str]:
-    """What the last word may become.
+    """Return the completions of the last word.
 
     Args:
-        words: After the program's name; the last one may be "".
+        words: Words after the program's name; the last one may be "".
         commands: Names of the commands.
-        parser_of: Gives the parser of a command by its name.
+        parser_of: Function that returns the parser of a command by its name.
     """
     last = words[-1]
     if len(words) == 1:
@@ -81,9 +83,9 @@ def suggest(words: Sequence[str], commands: Iterable[str], parser_of: object) ->
 
 def _possible(parser: argparse.ArgumentParser, before: Sequence[str], last: str) -> list[str]:
     options = {name: action for action in parser._actions for name in action.option_strings}
-    asked = options.get(before[-1]) if before else None
-    if asked is not None and asked.nargs != 0:
-        return [str(value) for value in asked.choices or ()]
+    option = options.get(before[-1]) if before else None
+    if option is not None and option.nargs != 0:
+        return [str(value) for value in option.choices or ()]
     if last.startswith("-"):
         return [name for name in options if name.startswith("--") and options[name].help != argparse.SUPPRESS]
     places = [action for action in parser._actions if not action.option_strings]
@@ -94,7 +96,7 @@ def _possible(parser: argparse.ArgumentParser, before: Sequence[str], last: str)
 
 
 def _given(options: dict[str, argparse.Action], before: Sequence[str]) -> int:
-    """How many words stand before that are neither options nor their values."""
+    """Return the number of words that are neither options nor their values."""
     count, skip = 0, False
     for word in before:
         action = options.get(word)

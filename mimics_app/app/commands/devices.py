@@ -1,9 +1,9 @@
-"""`mimics devices`: what is on this machine; `check` tries a device, `emulate` stands in for one.
+"""`mimics devices`: list the devices of this machine, check one, or emulate one.
 
 mimics devices                                  robots, displays, gamepads, serial ports, sound
 mimics devices check NAME[:ADDRESS]             the conformance kit; exit 4 when a check fails
-mimics devices emulate serial|hapticmaster      a robot that is not there; its address is the first line
-mimics devices emulate fastrak|flock|vrpn|osc   a tracker on a person who is not there; likewise
+mimics devices emulate serial|hapticmaster      an emulated robot; the first line printed is its address
+mimics devices emulate fastrak|flock|vrpn|osc   an emulated tracker on a simulated person; likewise
 """
 
 from __future__ import annotations
@@ -15,37 +15,62 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from mimics_app.app.settings import PATIENTS
 from mimics_app.app.terminal.arguments import positive_time, random_seed, whole_number
 from mimics_app.contracts.errors import DeviceError, UsageError
 
 __all__ = ["add_arguments", "find_all", "run"]
 
+_NAMES_FROM = {
+    "check": "mimics devices lists them",
+    "emulate": "serial, hapticmaster, fastrak, flock, vrpn or osc",
+}
+"""Where the names of devices are found, by action."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """What to do with which device."""
+    """Arguments of `mimics devices`."""
     actions = ("list", "check", "emulate")
-    parser.add_argument("action", nargs="?", choices=actions, default="list", help="what to do")
-    parser.add_argument("device", nargs="?", default="", help="NAME[:ADDRESS] to check, or what to emulate")
-    parser.add_argument("--recording", type=Path, metavar="RUN", help="run folder for checking the replay device")
-    parser.add_argument("--scene", type=Path, help="scene whose path and robot the emulated person has")
     parser.add_argument(
-        "--patient", choices=("healthy", "moderate", "severe"), default="", help="how impaired the emulated person is"
+        "action",
+        nargs="?",
+        choices=actions,
+        default="list",
+        help="list: what is found here; check: run the conformance kit on a device; emulate: start an emulated device",
     )
-    parser.add_argument("--seed", type=random_seed, default=1, help="seed of the emulated person and sensors")
+    parser.add_argument(
+        "device",
+        nargs="?",
+        default="",
+        help="check: NAME[:ADDRESS]; emulate: serial, hapticmaster, fastrak, flock, vrpn or osc",
+    )
+    parser.add_argument("--recording", type=Path, metavar="RUN", help="with check replay: run folder to play back")
+    parser.add_argument("--scene", type=Path, help="with emulate: scene whose path and robot the simulated person uses")
+    parser.add_argument(
+        "--patient",
+        choices=PATIENTS,
+        default="",
+        help="with emulate: impairment of the simulated person",
+    )
+    parser.add_argument(
+        "--seed", type=random_seed, default=1, help="with emulate: seed of the simulated person and sensors"
+    )
     parser.add_argument(
         "--port",
         type=whole_number("port", range(65536)),
         default=0,
-        help="port on which an emulated hapticmaster or vrpn listens (0: any), or to which osc sends (0: 9000)",
+        help="with emulate: port on which hapticmaster or vrpn listens (0: any), or to which osc sends (0: 9000)",
     )
     parser.add_argument(
         "--delay",
         type=whole_number("number of milliseconds", range(201)),
         default=0,
         metavar="MS",
-        help="delay of an emulated hapticmaster's answers [ms]",
+        help="with emulate hapticmaster: delay of its answers [ms]",
     )
-    parser.add_argument("--seconds", type=positive_time, help="time after which the emulation ends [s]")
+    parser.add_argument(
+        "--seconds", type=positive_time, help="end the emulation after this time [s] (default: at Ctrl-C)"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -53,12 +78,12 @@ def run(args: argparse.Namespace) -> int:
     if args.action == "list":
         return _list(args)
     if not args.device:
-        raise UsageError(f"mimics devices {args.action} needs the name of a device", "mimics devices lists them")
+        raise UsageError(f"mimics devices {args.action} needs the name of a device", _NAMES_FROM[args.action])
     return _check(args) if args.action == "check" else _emulate(args)
 
 
 def _check(args: argparse.Namespace) -> int:
-    """The conformance kit against one device."""
+    """Run the conformance kit on one device."""
     from mimics_app.rendering.haptic.devices.device_names import check_device_name
 
     check_device_name(args.device)
@@ -78,7 +103,7 @@ def _check(args: argparse.Namespace) -> int:
 
 
 def _emulate(args: argparse.Namespace) -> int:
-    """A robot or a tracker that is not there, until it is stopped."""
+    """Emulate a robot or a tracker until it is stopped."""
     from mimics_app.app.devices.emulated_trackers import TRACKERS, open_tracker, report_on
 
     if args.device in TRACKERS:
@@ -95,9 +120,9 @@ def _emulate(args: argparse.Namespace) -> int:
     return 0
 
 
-def _say_address(args: argparse.Namespace, behind: str) -> None:
-    """The first line: the name of what is emulated, and where it is."""
-    address = f"{args.device}:{behind}"
+def _say_address(args: argparse.Namespace, at: str) -> None:
+    """Print the first line: name and address of the emulated device."""
+    address = f"{args.device}:{at}"
     if args.json:
         from mimics_app.app.terminal.output import write_object
 
@@ -108,7 +133,7 @@ def _say_address(args: argparse.Namespace, behind: str) -> None:
 
 
 def _list(args: argparse.Namespace) -> int:
-    """What a scene can be run on; what cannot be asked here is said, not failed on."""
+    """Print the devices a scene can run on; a failed query becomes a note."""
     found = find_all()
     if args.json:
         from mimics_app.app.terminal.output import write_object
@@ -120,9 +145,9 @@ def _list(args: argparse.Namespace) -> int:
 
 
 def find_all() -> dict[str, Any]:
-    """Everything found, as the object of `--json`.
+    """Return everything found, as the object of `--json`.
 
-    Displays, gamepads and the sound output are looked for in processes of their own: their drivers may crash.
+    Displays, gamepads and the sound output are queried in processes of their own: their drivers may crash.
     """
     from mimics_app.app.installation.display_files import find_display_files
     from mimics_app.app.installation.probes import probe
@@ -145,7 +170,7 @@ def find_all() -> dict[str, Any]:
 
 
 def _display_kinds(headset: dict[str, Any]) -> list[dict[str, str]]:
-    """Every kind of --display; of those that need something, what is missing."""
+    """Return every kind of --display, with what it lacks here."""
     from mimics_app.contracts.display_choice import DISPLAY_KINDS
 
     files = {"never": "", "may": "[:FILE]", "must": ":FILE"}
@@ -184,7 +209,7 @@ def _serial_ports() -> list[dict[str, str]]:
     return [
         {"port": port.device, "about": port.description or "", "id": port.hwid or ""}
         for port in ports
-        if port.hwid not in (None, "n/a")  # a board's bare sockets have nothing plugged in
+        if port.hwid not in (None, "n/a")  # a serial port of the board with nothing plugged in
     ]
 
 
@@ -193,7 +218,7 @@ def _file_line(one: dict[str, str]) -> str:
 
 
 def _lines(found: dict[str, Any]) -> list[str]:
-    """The same for a person."""
+    """Return the findings as lines of text."""
     displays = [
         f"{one['name']}: {one['size_px'][0]} x {one['size_px'][1]} at {one['refresh_hz']} Hz"
         + (" (primary)" if one["primary"] else "")

@@ -1,4 +1,4 @@
-"""`mimics doctor`: what this machine has, what it lacks, and the line to type that brings it."""
+"""`mimics doctor`: report what this machine has and lacks, and the command that installs it."""
 
 from __future__ import annotations
 
@@ -35,13 +35,19 @@ _GIGABYTE = 1e9
 _MEGABYTE = 1e6
 _HOUR_S = 3600.0
 _FIFO_ADVICE = (
-    'for SCHED_FIFO type: echo "$USER - rtprio 60" | sudo tee /etc/security/limits.d/mimics.conf, and log in again'
+    'for real-time priority: echo "$USER - rtprio 60" | sudo tee /etc/security/limits.d/mimics.conf; log in again'
 )
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="folder of the run folders")
+    parser.add_argument(
+        "--runs",
+        type=Path,
+        default=Path("runs"),
+        metavar="DIR",
+        help="folder for run folders: its free space is checked",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -57,10 +63,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def examine(runs: Path) -> dict[str, Any]:
-    """Everything found, as the object of `--json`.
+    """Return everything found, as the object of `--json`.
 
     Args:
-        runs: Folder that run folders would be made in.
+        runs: Parent of the run folders.
     """
     from mimics_app.app.installation.plugins import list_plugins
     from mimics_app.app.installation.probes import probe
@@ -97,7 +103,7 @@ def _is_linux() -> bool:
 
 
 def _apt_line(lacking: list[system_packages.SystemNeed]) -> str | None:
-    """The one line to type, without the tests' sound server: apt might remove a desktop's own for it."""
+    """Return the apt command, without the tests' sound server: apt might remove a desktop's own for it."""
     needs = [need for need in lacking if need.kind != "test-optional"]
     return system_packages.apt_line(needs) if needs else None
 
@@ -154,7 +160,7 @@ def _runs_folder(runs: Path) -> dict[str, Any]:
 
 
 def _displays() -> dict[str, Any]:
-    """Monitors, and files of walls and headsets in the present folder."""
+    """Return the monitors, and the files of walls and headsets in the current folder."""
     from mimics_app.app.installation.display_files import find_display_files
     from mimics_app.app.installation.probes import probe
 
@@ -180,14 +186,14 @@ def _data_folder() -> dict[str, Any]:
 
 
 def _lines(findings: dict[str, Any]) -> list[str]:
-    """The findings for a person, one line each: "ok", "-" where it can be done without, "x" where it cannot."""
+    """Return the findings as lines: "ok" present, "-" missing and optional, "x" missing and required."""
     lines = [f"mimics {__version__} on {findings['machine']['system']}, {findings['machine']['cores']} cores"]
     lines += ["", "Python packages"]
     lines += [_line(version is not None, name, version or "missing") for name, version in findings["versions"].items()]
     lines += ["", "System packages"]
     lines += [_system_line(row) for row in findings["system"]]
     if findings["apt"]:
-        lines += ["", "  What is missing comes with:", f"  {findings['apt']}"]
+        lines += ["", "  To install what is missing:", f"  {findings['apt']}"]
     lines += ["", "Picture, sound, real time"]
     for backend, answer in findings["gl"].items():
         lines.append(_line(answer["ok"], backend, _graphics_said(answer), optional=backend != "egl"))
@@ -202,7 +208,10 @@ def _lines(findings: dict[str, Any]) -> list[str]:
     lines.append(_line(scheduler.get("fifo", False), "scheduler", _scheduler_said(scheduler), optional=True))
     lines += ["", "Folders", *_folder_lines(findings)]
     lines += ["", "Plug-ins", *([_plugin_line(plugin) for plugin in findings["plugins"]] or ["      none installed"])]
-    lines += ["", "Scenes can run here." if findings["ready"] else "Scenes cannot run here yet: see the lines with x."]
+    lines += [
+        "",
+        "Scenes can run here." if findings["ready"] else "Scenes cannot run here yet: see the lines marked x.",
+    ]
     return [line.rstrip() for line in lines]
 
 
@@ -243,7 +252,7 @@ def _graphics_said(answer: dict[str, Any]) -> str:
 def _sound_said(answer: dict[str, Any]) -> str:
     if not answer["ok"]:
         return str(answer["error"])
-    output = answer["device"] or "no sound output: --sound file keeps it"
+    output = answer["device"] or "no sound output: --sound file writes the sound to a file"
     return f"{answer['library']}, HRTF {'on' if answer['hrtf'] else 'off'}, {output}"
 
 

@@ -1,4 +1,4 @@
-"""`mimics explain SCENE`: what it runs, by which methods at which cost and error, and what it leaves out."""
+"""`mimics explain SCENE`: print the parts a scene runs, their methods, costs and errors, and the parts left out."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=picture_size,
         default="1280x720",
         metavar="WxH",
-        help="size of the live picture, drawn on the processor [px]",
+        help="size of the live picture, for its cost without a graphics card [px]",
     )
     parser.add_argument(
-        "--still", action="store_true", help="plan pictures without a time limit, as `mimics render` does"
+        "--still", action="store_true", help="plan still pictures, without a frame time to hold, as mimics render does"
     )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Plan the scene as a run of it would, and say what was taken and why."""
+    """Plan the scene as a run would, and print what was chosen and why."""
     from mimics_app.app.scenes.finding import find_scene
 
     find_scene(args.scene)
     from mimics_app.app.scenes.loading import load_checked_scene
 
-    scene = load_checked_scene(args.scene)  # before graphics and the laboratory's table are imported
+    scene = load_checked_scene(args.scene)  # before graphics and the method table are imported
     from mimics_app.app.picture.shadow_cost import measure_shadow_us
     from mimics_app.app.planner.explain import explain_plan
     from mimics_app.app.planner.plan import plan_scene
@@ -54,12 +54,12 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _say(answer: dict[str, Any], plan: Plan) -> None:
-    where = "measured on this machine" if plan.origin == "saved" else f"the {plan.origin} table"
+    where = "measured on this machine" if plan.origin == "saved" else f"the {plan.origin} method table"
     print(f"profile {plan.profile}; costs by {where} ({answer['table']['machine'].get('processor', '')})")
     limits = ", ".join(f"{name} {value:g}" for name, value in plan.tolerances.items())
     print(f"accepts {limits}")
     if plan.pixels:
-        print(f"live picture of {plan.pixels / 1e6:.3g} million pixels, drawn on the processor")
+        print(f"live picture of {plan.pixels / 1e6:.3g} million pixels, drawn without a graphics card")
     print()
     overruled = {choice.group: choice.planner.method for choice in plan.choices if choice.planner is not None}
     for part in answer["parts"]:
@@ -83,7 +83,7 @@ def _say(answer: dict[str, Any], plan: Plan) -> None:
 
 
 def _cost_of(part: dict[str, Any]) -> str:
-    """What a part costs: of a picture's refinements what a frame takes longer."""
+    """Return the cost of a part; of a refinement of the picture, the added time per frame."""
     if part["cost_us"] is None:
         return "not in the table"
     more = part["more_ms"]
@@ -91,7 +91,7 @@ def _cost_of(part: dict[str, Any]) -> str:
 
 
 def _whole_of(part: dict[str, Any]) -> str:
-    """Which other part's cost holds it, or what a tick pays for all of them."""
+    """Return the part whose cost includes this one, or the cost per tick of all its instances."""
     if part["within"]:
         return f" (part of: {part['within']})"
     paid = part["tick_us"]

@@ -1,4 +1,4 @@
-"""`mimics lab ACTION [NAME]`: charts of speed against accuracy, and experiments that show where methods fail."""
+"""`mimics lab ACTION [NAME]`: chart speed against accuracy, and run experiments that show where methods fail."""
 
 from __future__ import annotations
 
@@ -25,43 +25,45 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "action",
         choices=("measure", "chart", "stability"),
-        help="measure: cost and error as a table; chart: as figures; stability: experiments as figures",
+        help="measure: table of cost and error; chart: the same as figures; stability: figures of stability limits",
     )
     parser.add_argument(
         "name",
         nargs="*",
-        help='groups of methods, "whole scenes", or experiments such as S3; none: all groups or experiments',
+        help='groups of methods, "whole scenes", or stability experiments such as S3 (default: all)',
     )
-    parser.add_argument("--all", action="store_true", help="all groups or experiments, as without a name")
-    parser.add_argument("--save", action="store_true", help="measure: keep the figures for the planner of this machine")
+    parser.add_argument("--all", action="store_true", help="all groups or experiments, the same as no name")
+    parser.add_argument(
+        "--save", action="store_true", help="with measure: save the costs for the planner on this machine"
+    )
     parser.add_argument(
         "--shipped",
         action="store_true",
-        help="renew what the product ships with, in a checkout: of measure its table, of chart the table and "
-        "docs/charts from one measurement, of stability docs/charts",
+        help="for developers, in a source checkout: replace the shipped table (measure, chart) and the figures of "
+        "docs/charts (chart, stability)",
     )
     parser.add_argument(
         "--rounds",
         type=whole_number("number of rounds", range(1, 101)),
         default=1,
         metavar="N",
-        help="measure, chart: so many times; the least costs stand",
+        help="with measure and chart: number of measurements; the lowest costs are kept",
     )
     parser.add_argument(
         "--points",
         type=whole_number("number of points", range(2, 2001)),
         default=_POINTS,
-        help="stability: how fine the grid is",
+        help="with stability: number of grid points along each axis",
     )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder of the figures; without it ./charts")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder of the figures (default: charts)")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Measure, chart or experiment; exit code 6 where an experiment is outside its tolerance."""
+    """Measure, chart or run experiments; exit code 6 where an experiment is outside its tolerance."""
     from mimics_app.contracts.errors import UsageError
 
     if args.all and args.name:
-        raise UsageError("both a name and --all", "leave one of them away")
+        raise UsageError("both a name and --all are given", "leave out one of them")
     if args.action != "measure":
         args.out = _folder(args)
     if args.action == "stability":
@@ -72,7 +74,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _folder(args: argparse.Namespace) -> Path:
-    """Where figures go: a measurement made in passing renews none of those that the product ships with.
+    """Return the folder of the figures: only --shipped replaces those that the product ships with.
 
     Raises:
         UsageError: --shipped with --out, or without a checkout.
@@ -83,15 +85,15 @@ def _folder(args: argparse.Namespace) -> Path:
     if not args.shipped:
         return args.out or _FOLDER
     if args.out is not None:
-        raise UsageError("both --out and --shipped", "leave one of them away")
+        raise UsageError("both --out and --shipped are given", "leave out one of them")
     shipped = root() / "docs" / "charts"
     if not shipped.is_dir():
-        raise UsageError("the shipped figures stand in a checkout only", "give a folder with --out DIR")
+        raise UsageError("the shipped figures exist in a source checkout only", "give a folder with --out DIR")
     return shipped
 
 
 def _groups(words: list[str]) -> list[str]:
-    """Names of groups as given: with blanks, hyphens or underscores; several words may be one name."""
+    """Return the names of the groups; blanks, hyphens and underscores are equal, and several words may be one name."""
     from mimics_app.app.bench.whole_scenes import GROUPS
     from mimics_app.lab.catalogue import all_groups
 
@@ -133,13 +135,13 @@ def _show_table(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
     for one in measured:
         _say_group(one)
     if args.save or args.shipped:
-        print(f"saved in {saved}" if saved else "not saved: no folder of this user can be written")
+        print(f"saved in {saved}" if saved else "not saved: no folder of this user is writable")
     return 0
 
 
 def _save_table(measured: list[MeasuredGroup], *, shipped: bool) -> Path | None:
-    """Put the figures of these groups into the shipped table, or into this machine's own; where it is."""
-    from mimics_app.app.bench.whole_scenes import GROUPS  # charted, and nothing to choose from
+    """Save the costs of these groups in the shipped table or in this machine's; return its file."""
+    from mimics_app.app.bench.whole_scenes import GROUPS  # charted only: they offer the planner no choice
     from mimics_app.contracts.method_table import Table, shipped_file
     from mimics_app.lab.measure import to_table
 
@@ -165,7 +167,7 @@ def _say_group(one: MeasuredGroup) -> None:
 def _chart(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
     from mimics_app.lab.chart import draw_chart
 
-    if args.shipped:  # charts and the planner's table are of one measurement
+    if args.shipped:  # charts and table come from the same measurement
         _save_table(measured, shipped=True)
     return _write(args, [draw_chart(one) for one in measured])
 
@@ -186,7 +188,7 @@ def _stability(args: argparse.Namespace) -> int:
 
 
 def _write(args: argparse.Namespace, figures: list[Figure]) -> int:
-    """Write the figures and the gallery, and say where."""
+    """Write the figures and the gallery, and print their files."""
     from mimics_app.app.terminal import output
     from mimics_app.lab.figure import write_figure
     from mimics_app.lab.gallery import write_gallery
@@ -204,7 +206,7 @@ def _write(args: argparse.Namespace, figures: list[Figure]) -> int:
 
 
 def _limits() -> dict[str, dict[str, float]]:
-    """The largest error each profile accepts, by unit."""
+    """Return the largest error that each profile accepts, by unit."""
     from mimics_app.app.planner.tolerances import BY_PROFILE, FIELD_OF_UNIT
 
     return {

@@ -1,4 +1,4 @@
-"""`mimics` alone: a window that lists the scenes with picture and settings, and runs the one chosen."""
+"""`mimics` without a command: the launcher, a window that lists the scenes and runs the one chosen."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 __all__ = ["run"]
 
 _SIZE = (1280, 720)
-_LOOKS_A_PICTURE = 6
-"""Of the page that waits: ten pictures a second leave the processor to the session that is being opened."""
+_POLLS_PER_PICTURE = 6
+"""Polls of the waiting page per picture drawn: ten pictures a second leave the processor to the session that starts."""
 
 
 def run(args: argparse.Namespace) -> int:
-    """Show the launcher, play what is chosen, and come back to it until the person leaves.
+    """Show the launcher and play the scenes chosen until the person leaves.
 
-    A session that could not begin brings the launcher back, too, with what went wrong.
+    After a session that could not start, the launcher shows its error.
 
     Raises:
         DeviceError: there is no display.
@@ -34,7 +34,9 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.terminal.display import has_display
 
     if not has_display():
-        raise DeviceError("the launcher needs a display", "try: mimics run wavy_tunnel; mimics scenes lists others")
+        raise DeviceError(
+            "the launcher needs a display", "without one: mimics run wavy_tunnel --headless; mimics scenes lists others"
+        )
     notice = ""
     while True:
         with ExitStack() as window:
@@ -56,7 +58,7 @@ def _opened_window() -> Surface:
 
 
 def _waiting(surface: Surface, scene: Path, window: ExitStack) -> Opening:
-    """Shows on the launcher's window what the start of a session is doing, and closes it for the session's own."""
+    """Return the progress page in the launcher's window, which closes when the session's own window is open."""
     from mimics_app.app.play.journey import Opening
     from mimics_app.app.scenes.shipped import find_shipped
     from mimics_app.rendering.visual.launcher.waiting_page import WaitingPage
@@ -68,12 +70,12 @@ def _waiting(surface: Surface, scene: Path, window: ExitStack) -> Opening:
         looked = 0
 
         def look(self, doing: str) -> bool:
-            if page is None:  # played again: the session before has had the window closed
+            if page is None:  # played again: the launcher's window is closed already
                 return True
             left = any(event.kind == "key" and event.name == "escape" and event.pressed for event in surface.poll())
             if left or surface.should_close:
                 return False
-            if self.looked % _LOOKS_A_PICTURE == 0:
+            if self.looked % _POLLS_PER_PICTURE == 0:
                 page.draw(doing)
                 surface.swap()
             self.looked += 1

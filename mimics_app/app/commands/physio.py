@@ -1,4 +1,4 @@
-"""`mimics physio SOURCE`: body signals without a scene: plots, features, events, and the quality of a set-up."""
+"""`mimics physio SOURCE`: read body signals without a scene: plots, features, events, and signal quality."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ __all__ = ["add_arguments", "run"]
 
 _CHECK_S = 60.0
 _PAGE_EVERY = 100
-"""Polls of a live source between two pages: two seconds."""
+"""Number of polls of a live source between two pages: two seconds."""
 _BAD_SHARE = 0.1
-"""Share of bad seconds above which a set-up is to be corrected."""
+"""Largest acceptable share of bad seconds of a signal."""
 _LIVE = ("lsl", "serial", "board")
 
 
@@ -27,22 +27,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "source", metavar="SOURCE", help="file (.csv, .edf, .hea), sim:PRESET, lsl:NAME, serial:PORT or board:NAME"
     )
-    parser.add_argument("--seconds", type=positive_time, help="length to read [s]; else the length of a file, or 60")
     parser.add_argument(
-        "--events", type=Path, metavar="CSV", help="write all events found: t_s,known_s,kind,value,quality"
-    )
-    parser.add_argument("--features", type=Path, metavar="CSV", help="write the features, one row a second")
-    parser.add_argument(
-        "--page", type=Path, metavar="HTML", help="write a page of plots; it is renewed while a live source runs"
+        "--seconds", type=positive_time, help="time to read [s] (default: the whole file; 60 of other sources)"
     )
     parser.add_argument(
-        "--check", action="store_true", help="check the set-up: exit code 6 where a signal is bad or missing"
+        "--events",
+        type=Path,
+        metavar="CSV",
+        help="write the events found, with the columns t_s,known_s,kind,value,quality",
+    )
+    parser.add_argument("--features", type=Path, metavar="CSV", help="write the features, one row per second")
+    parser.add_argument(
+        "--page", type=Path, metavar="HTML", help="write a page of plots; refreshed while a live source runs"
+    )
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="check electrodes and connection: exit code 6 where a signal is bad or missing",
     )
     parser.add_argument("--seed", type=random_seed, default=1, help="seed of a simulated person")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Read the source to its end; what came, how good it was, and what was found in it."""
+    """Read the source to its end, and print its signals, their quality and the events found."""
     from mimics_app.app.physio.watch import Watch
     from mimics_app.contracts.errors import PartialDataError
 
@@ -66,7 +73,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _open(args: argparse.Namespace) -> tuple[SignalSource, float, float, bool]:
-    """The source, the time of its first sample [s], how long to read [s], and whether it has a time of its own."""
+    """Return the source, the time of its first sample [s], the time to read [s], and whether it is live."""
     from mimics_app.app.terminal.output import say
     from mimics_app.inputs.physio.sources import KINDS, look_for_source, open_source
 
@@ -100,16 +107,16 @@ def _write_page(watch: Watch, args: argparse.Namespace, *, live: bool) -> None:
 
 
 def _advice(answer: dict[str, Any]) -> list[str]:
-    """What to correct, one sentence each."""
+    """Return what to correct, one sentence each."""
     if not answer["signals"]:
-        return ["no signal came: check that the amplifier sends"]
+        return ["no signal was received: check that the amplifier sends"]
     found = []
     for name, signal in answer["signals"].items():
         if signal["bad_share"] > _BAD_SHARE:
             found.append(f"{name}: {100 * signal['bad_share']:.0f} % of the seconds are bad: check its electrodes")
         faults = signal.get("faults", {})
         if faults.get("wrong_rate"):
-            found.append(f"{name}: it does not come at the {signal['rate']:g} Hz it states: set the amplifier's rate")
+            found.append(f"{name}: its rate is not the {signal['rate']:g} Hz stated: set the amplifier's rate")
         if faults.get("gaps"):
             found.append(f"{name}: {faults['lost']} samples were lost in {faults['gaps']} gaps: check the connection")
     return found

@@ -1,4 +1,4 @@
-"""`mimics record info|recover|verify RUN`: show what a run folder holds, repair a cut one, check a whole one."""
+"""`mimics record info|recover|verify RUN`: show the contents of a run folder, repair an unclosed one, or verify one."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 
 __all__ = ["add_arguments", "run"]
 
-_HELP = "info: show what is in it; recover: repair and close a run that was never closed; verify: check its checksums"
+_HELP = (
+    "info: show the contents; recover: repair and close a run that was cut off; verify: check it against its checksums"
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Do what is asked; 0, or 6 when parts of the recording are missing, damaged or changed."""
+    """Show, repair or verify; exit code 6 when parts of the recording are missing, damaged or changed."""
     from mimics_app.recording.run import Run
     from mimics_app.recording.verdict import judge
 
@@ -75,32 +77,32 @@ def _describe(opened: Run) -> dict[str, Any]:
 
 
 def _verdict_lines(opened: Run, verdict: Verdict, repaired: list[str] | None) -> list[tuple[str, str]]:
-    """The verdict in one line, alike for `verify` and `recover`; what was repaired; each thing that is not whole."""
+    """Return the verdict as one line, the repairs, and each loss or damage."""
     lines = [(verdict.word, f"{opened.folder}: {_verdict(opened, verdict)}")]
     if repaired is not None:
-        lines.append(("repaired", ", ".join(repaired) or _nothing(verdict)))
+        lines.append(("repaired", ", ".join(repaired) or _no_repair(verdict)))
     return lines + [("problem", sentence) for sentence in verdict.losses]
 
 
 def _verdict(opened: Run, verdict: Verdict) -> str:
     if opened.being_recorded:
-        return "its session is under way"
+        return "its session is still running"
     if opened.manifest is None:
-        return f"nothing seals it; mimics record recover {opened.folder} seals what is good"
+        return f"it was never closed; mimics record recover {opened.folder} closes it and keeps what is good"
     if verdict.fresh:
         return counted(len(verdict.losses), "findings")
     if not verdict.whole:
         lost = counted(len(verdict.losses), "losses") if verdict.losses else "no losses"
-        return f"{lost}; what is left is as it was sealed"
+        return f"{lost}; the rest is unchanged since the run was closed"
     files = len(opened.manifest.files)
-    return f"{files} files and the state hash are as they were sealed, {len(opened.haptic)} ticks without a gap"
+    return f"{files} files and the state hash match their checksums, {len(opened.haptic)} ticks without a gap"
 
 
-def _nothing(verdict: Verdict) -> str:
-    """Why nothing was repaired."""
+def _no_repair(verdict: Verdict) -> str:
+    """Return why nothing was repaired."""
     if not verdict.losses:
         return "nothing: there is nothing to recover"
-    return "nothing: what is lost or damaged cannot be recovered, it stays as it is"
+    return "nothing: lost or damaged data cannot be recovered and stays as it is"
 
 
 def _info(answer: dict[str, Any]) -> list[tuple[str, str]]:

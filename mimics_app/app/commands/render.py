@@ -21,42 +21,56 @@ _seconds = real_number("time from 0 to 1e6 s", lambda seconds: 0.0 <= seconds < 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics render`."""
-    parser.add_argument("scene", type=Path, help="scene file; with --sheet: a folder of them")
-    parser.add_argument("--backend", choices=("auto", "egl", "osmesa", "window"), default="auto", help="GL context")
-    parser.add_argument("--camera", default="", metavar="ENTITY", help="entity whose camera is used; else the first")
     parser.add_argument(
-        "--frames", type=frame_count, default=1, help="number of frames, spread over --seconds of simulated play"
+        "scene", type=Path, help="scene file, or the name of a shipped scene; with --sheet: a folder of scene files"
+    )
+    parser.add_argument(
+        "--backend", choices=("auto", "egl", "osmesa", "window"), default="auto", help="OpenGL context to draw with"
+    )
+    parser.add_argument(
+        "--camera", default="", metavar="ENTITY", help="entity whose camera is used (default: the first camera)"
+    )
+    parser.add_argument(
+        "--frames", type=frame_count, default=1, help="number of frames, spread evenly over --seconds of simulated play"
     )
     parser.add_argument(
         "--seconds",
         type=_seconds,
         default=2.0,
-        help="length of the play by the simulated patient, from the first trial on [s]",
+        help="time for which the simulated patient plays, from the first trial on [s]",
     )
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="size of the picture [px]")
     add_display_argument(parser)
     parser.add_argument("--seed", type=random_seed, default=1, help="seed of the simulated patient")
-    parser.add_argument("--profile", choices=PROFILES, default="training", help="quality of the picture")
     parser.add_argument(
-        "--video", type=Path, metavar="FILE", help="write a film of --seconds instead, e.g. out.mp4 (needs ffmpeg)"
+        "--profile",
+        choices=PROFILES,
+        default="training",
+        help="accuracy of physics and picture: draft is cheapest, study most accurate",
+    )
+    parser.add_argument(
+        "--video",
+        type=Path,
+        metavar="FILE",
+        help="write a video of --seconds instead of pictures, e.g. out.mp4 (needs ffmpeg)",
     )
     parser.add_argument(
         "--audio",
         type=Path,
         metavar="FILE",
-        help="write the sound of --seconds of play instead of pictures, e.g. play.wav",
+        help="write the sound of --seconds instead of pictures, e.g. play.wav",
     )
     parser.add_argument(
         "--sheet",
         type=Path,
         metavar="FILE",
-        help="draw every scene of a folder on one picture, e.g. scenes.jpg, and print its light",
+        help="draw every scene of a folder on one picture, e.g. scenes.jpg, and print shares of dark and bright pixels",
     )
     parser.add_argument("--output", type=Path, default=Path("."), metavar="DIR", help="folder of the PNG files")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Draw and say what was drawn with which driver."""
+    """Draw, and print the driver and the files."""
     from mimics_app.app.scenes.finding import find_scene
     from mimics_app.app.terminal import output
     from mimics_app.app.terminal.first_start import say_if_cold
@@ -97,7 +111,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _lay_out(args: argparse.Namespace) -> int:
-    """Draw the sheet of a folder and say how the light of each scene is."""
+    """Draw the sheet of a folder, and print the exposure of each scene."""
     from mimics_app.app.play.scene_sheet import draw_scene_sheet, light_rows, scenes_in
     from mimics_app.app.terminal import output
 

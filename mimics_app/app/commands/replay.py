@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mimics_app.contracts.plural import counted
-
-if TYPE_CHECKING:
-    pass
 
 __all__ = ["add_arguments", "run"]
 
@@ -20,10 +16,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Replay and compare: first the loop, then the task on what the loop made.
+    """Replay and compare: first the haptic loop, then the task on the snapshots of the loop.
 
     Raises:
-        PartialDataError: a tick or the task comes out differently, or the run misses ticks, parameters or frames.
+        PartialDataError: A tick or the task differs, or the run misses ticks, parameters or frames.
     """
     from mimics_app.app.terminal import output
     from mimics_app.app.terminal.first_start import say_if_cold
@@ -68,12 +64,12 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _task_line(task: dict[str, int] | None) -> str:
-    """What was compared of the task."""
+    """Return what was compared of the task."""
     if task is None:
-        return "its task is not compared: the recording does not say what it was given"
+        return "its task is not compared: the recording does not hold the inputs of the task"
     return f"its task: {task['events']} events and {counted(task['rows'], 'rows')} of trials.csv equal"
 
 
 def _left_out(events: int, end: int) -> str:
-    """What is not compared of a run that was cut off."""
+    """Return what is not compared of a run that was cut off."""
     return f"; the run was cut off: its {events} events from tick {end} on are not compared" if events else ""

@@ -1,4 +1,4 @@
-"""`mimics report RUN`: write the report of a run, whole or not, as one HTML file."""
+"""`mimics report RUN`: write the report of a run, complete or not, as one HTML file."""
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@ import argparse
 from dataclasses import fields
 from pathlib import Path
 
-from mimics_app.app.settings import DIFFICULTIES, PROFILES, QUALITIES, RECIPES, SOUNDS, RunSettings
+from mimics_app.app.settings import DIFFICULTIES, PATIENTS, PROFILES, QUALITIES, RECIPES, SOUNDS, RunSettings
 from mimics_app.app.terminal.arguments import (
     add_display_argument,
     participant_code,
@@ -24,9 +24,9 @@ _DEFAULT_SCENE = Path("scenes/wavy_tunnel.json")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics run`."""
     parser.epilog = (
-        "In the window: H all keys, Space stops the force, P pauses, Esc ends; F1 frame graph, F2 wireframe, "
-        "F3 bounds, F4 lights, F5 forces and contacts, F6 shadow atlas, F11 full screen, F12 keeps a picture. Scene, "
-        "models and shaders are loaded again when they are saved."
+        "In the window: H lists all keys, Space stops the force, P pauses, Esc ends; F1 frame times, F2 wireframe, "
+        "F3 bounds, F4 lights, F5 forces and contacts, F6 shadow atlas, F11 full screen, F12 saves a picture. Scene, "
+        "models and shaders are reloaded when their files change."
     )
     parser.add_argument(
         "scene",
@@ -35,39 +35,54 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=_DEFAULT_SCENE,
         help="scene file, or the name of a shipped scene (see mimics scenes)",
     )
-    parser.add_argument("--headless", action="store_true", help="no window: virtual clock and simulated patient")
+    parser.add_argument(
+        "--headless", action="store_true", help="no window: a simulated patient plays, as fast as the machine allows"
+    )
     parser.add_argument("--seconds", type=positive_time, help="end after this much simulated time [s]")
     parser.add_argument("--seed", type=random_seed, default=1, help="seed of trial order, patient and sensor noise")
-    parser.add_argument("--profile", choices=PROFILES, default="training", help="quality profile")
+    parser.add_argument(
+        "--profile",
+        choices=PROFILES,
+        default="training",
+        help="accuracy of physics and picture: draft is cheapest, study most accurate",
+    )
     parser.add_argument(
         "--quality",
         choices=QUALITIES,
         default="auto",
-        help="auto holds the frame time; full draws all the scene requests",
+        help="auto: lower the picture's quality where a frame would take too long; full: never",
     )
     parser.add_argument(
-        "--device", default="", help="device to play with, instead of the scene's robot (see mimics devices)"
+        "--device",
+        default="",
+        help="device to play with (default: the scene's robot; in a window the mouse); see mimics devices",
     )
-    parser.add_argument("--recording", type=Path, metavar="RUN", help="run folder that --device replay plays")
+    parser.add_argument("--recording", type=Path, metavar="RUN", help="with --device replay: run folder to play back")
     parser.add_argument(
         "--patient",
-        choices=("healthy", "moderate", "severe"),
+        choices=PATIENTS,
         default="",
-        help="how impaired the simulated patient is, instead of the scene's",
+        help="impairment of the simulated patient (default: as in the scene)",
     )
     _add_outputs(parser)
     _add_adaptation(parser)
     _add_session(parser)
-    parser.add_argument("--recipe", choices=RECIPES, default="auto", help="scheduler of the live haptic loop")
+    parser.add_argument(
+        "--recipe",
+        choices=RECIPES,
+        default="auto",
+        help="scheduling of the live haptic loop: fifo is real-time priority; auto takes the best one permitted",
+    )
 
 
 def _add_outputs(parser: argparse.ArgumentParser) -> None:
-    """What is heard and seen of the run, and what is kept of that."""
+    """Arguments of sound, picture, and the files written of them."""
     parser.add_argument(
         "--sound",
         choices=SOUNDS,
         default="auto",
-        help="auto: played on this computer; file: kept in the run folder; off: none",
+        help="device: sound output of this computer; file: sound.wav in the run folder; off: none; auto: device in a "
+        "window, off with --headless",
     )
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="size of the picture [px]")
     add_display_argument(parser)
@@ -76,18 +91,18 @@ def _add_outputs(parser: argparse.ArgumentParser) -> None:
         type=whole_number("number of pictures", range(100_001)),
         default=4,
         metavar="N",
-        help="number of pictures that a headless run draws and keeps",
+        help="with --headless: number of pictures to draw and save",
     )
     parser.add_argument(
         "--video",
         type=Path,
         metavar="FILE",
-        help="write a film of the run, e.g. out.mp4 (needs ffmpeg); a folder: PNG frames",
+        help="write a video of the run, e.g. out.mp4 (needs ffmpeg); a folder: every frame as PNG",
     )
 
 
 def _add_adaptation(parser: argparse.ArgumentParser) -> None:
-    """What adapts the task while it runs, and the signals and estimator it reads."""
+    """Arguments of the adaptation: policy, goal, estimator, and the source of body signals."""
     parser.add_argument("--action", type=Path, metavar="FILE", help="replay task actions from a JSON file")
     parser.add_argument(
         "--physio",
@@ -96,69 +111,72 @@ def _add_adaptation(parser: argparse.ArgumentParser) -> None:
         help="source of body signals: sim, sim:PRESET, file:PATH, lsl:NAME, serial:PORT",
     )
     parser.add_argument(
-        "--learn", default="", metavar="POLICY", help="policy that adapts the task, e.g. kalman, staircase"
+        "--learn",
+        default="",
+        metavar="POLICY",
+        help="policy that adapts the task, e.g. kalman, staircase (default: the task's)",
     )
     parser.add_argument(
         "--goal",
         default="",
-        help="goal of the policy, instead of the task's: task, success:SHARE, arousal:LOW:HIGH, effort:LOW:HIGH",
+        help="goal of the policy: task, success:SHARE, arousal:LOW:HIGH or effort:LOW:HIGH (default: the task's)",
     )
     parser.add_argument(
         "--estimator",
         default="",
         metavar="NAME",
-        help="estimator of the person's load, instead of the task's: fusion, lda, adaptive_lda",
+        help="estimator of the person's load: fusion, lda or adaptive_lda (default: the task's)",
     )
     parser.add_argument(
         "--baseline-s",
         type=positive_time,
         default=60.0,
         metavar="S",
-        help="length of the rest that is measured first [s]",
+        help="with --physio: length of the baseline measured at rest before the first trial [s]",
     )
 
 
 def _add_session(parser: argparse.ArgumentParser) -> None:
-    """Whose session it is, how many trials it has and how hard they are, and where it is recorded."""
+    """Arguments of the session: person, trials, difficulty, and folder of the recording."""
     parser.add_argument(
-        "--runs", type=Path, default=Path("runs"), metavar="DIR", help="folder in which the run folder is made"
+        "--runs", type=Path, default=Path("runs"), metavar="DIR", help="folder in which the run folder is created"
     )
     parser.add_argument(
         "--from-trial",
         type=whole_number("number of a trial", range(1, 1_000_001)),
         default=1,
         metavar="N",
-        help="first trial of the session, to go on after one that was broken off; same --seed, same order",
+        help="trial to start with, to continue a session that was broken off; the same --seed gives the same order",
     )
     parser.add_argument(
         "--difficulty",
         choices=DIFFICULTIES,
         default="usual",
-        help="easier, harder: adaptable parameters half-way to their easiest or hardest value",
+        help="easier, harder: start the adaptable parameters half-way to their easiest or hardest value",
     )
     parser.add_argument(
         "--trials",
         type=whole_number("number of trials", range(1, 10_001)),
         default=0,
         metavar="N",
-        help="number of trials that count, instead of the scene's; practice is not among them",
+        help="number of trials, practice not counted (default: as in the scene)",
     )
     parser.add_argument(
         "--participant",
         type=participant_code,
         default="",
         metavar="CODE",
-        help="code of the person, never a name; results are compared under it",
+        help="code of the person, never a name; results of the same code are compared",
     )
     parser.add_argument("--journey", type=Path, metavar="FILE", help=argparse.SUPPRESS)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run the scene and say what it came to."""
+    """Run the scene and print its result."""
     from mimics_app.app.play.journey_log import JourneyLog
 
     with JourneyLog(args.journey).reporting():
-        _find_what_is_named(args)
+        _check_names(args)
     from mimics_app.app.scenes.shipped import is_only_looked_at
 
     if is_only_looked_at(args.scene) and not args.headless:
@@ -168,7 +186,7 @@ def run(args: argparse.Namespace) -> int:
         from mimics_app.app.play.journey import play_through
 
         ended = play_through(settings)
-        if ended.code < 0:  # killed: it could not say so itself
+        if ended.code < 0:  # killed: its own process could not report it
             from mimics_app.app.terminal.output import say
 
             say(ended.error)
@@ -182,7 +200,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _play(settings: RunSettings, *, as_json: bool) -> int:
-    """Play the scene in this process, once what is asked of it is found to be right."""
+    """Play the scene in this process, after the settings are checked."""
     from mimics_app.app.play.journey_log import JourneyLog
     from mimics_app.app.session.asked import read_asked
     from mimics_app.app.terminal.first_start import say_if_cold
@@ -198,15 +216,18 @@ def _play(settings: RunSettings, *, as_json: bool) -> int:
 
 
 def _look(args: argparse.Namespace) -> int:
-    """Open the viewer: nothing is to be done in the scene."""
+    """Open the viewer on a scene without a task."""
     from mimics_app.app.play.journey_log import JourneyLog
     from mimics_app.app.terminal.display import has_display
     from mimics_app.app.terminal.output import say, write_object
     from mimics_app.contracts.errors import DeviceError
 
     if not has_display():
-        raise DeviceError("no display: this scene is only looked at", f"mimics view {args.scene} --output view.png")
-    say("nothing is to be done in this scene; it opens in the viewer")
+        raise DeviceError(
+            "this scene is only looked at, which needs a display",
+            f"without one: mimics view {args.scene} --output view.png",
+        )
+    say("this scene has no task; it opens in the viewer")
     log = JourneyLog(args.journey)
     log.doing("Reading the scene")
     from mimics_app.app.viewer.session import ViewerSession
@@ -221,14 +242,14 @@ def _look(args: argparse.Namespace) -> int:
 
 
 def _is_for_a_person(settings: RunSettings) -> bool:
-    """Whether somebody sits at a window and will want to know what it came to; a script says when it ends."""
+    """Whether a person plays at a window and sees the results there; a script sets --seconds or --journey."""
     from mimics_app.app.terminal.display import has_display
 
     return not settings.headless and has_display() and settings.seconds is None and settings.journey is None
 
 
-def _find_what_is_named(args: argparse.Namespace) -> None:
-    """Refuse what is named and not there, before compiled code and graphics are imported."""
+def _check_names(args: argparse.Namespace) -> None:
+    """Check that everything named exists, before compiled code and graphics are imported."""
     from mimics_app.app.scenes.finding import find_scene
     from mimics_app.app.terminal.named import check_adaptation, check_files
     from mimics_app.app.terminal.output import say

@@ -1,4 +1,4 @@
-"""`mimics scenes`: the scenes that come with the product, by the names that every command takes."""
+"""`mimics scenes`: list the shipped scenes by the names that every command accepts."""
 
 from __future__ import annotations
 

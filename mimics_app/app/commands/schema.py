@@ -18,8 +18,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write the schema; the plain one, or inside the object of `--json`."""
-    import mimics_app.app.scenes.loading  # noqa: F401  makes every stage's types known
+    """Write the schema, plain or inside the object of `--json`."""
+    import mimics_app.app.scenes.loading  # noqa: F401  registers the types of every stage
     from mimics_app.world.scene.schema import scene_schema
 
     schema = scene_schema()

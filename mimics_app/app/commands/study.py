@@ -1,4 +1,4 @@
-"""`mimics study SCENE`: a scene for several simulated subjects as tidy tables and one page; `--of` joins runs."""
+"""`mimics study SCENE`: run a scene for several simulated subjects, or join runs, into tidy tables and one page."""
 
 from __future__ import annotations
 
@@ -14,24 +14,29 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics study`."""
-    parser.add_argument("scene", type=Path, help="scene file")
+    parser.add_argument("scene", type=Path, help="scene file, or the name of a shipped scene")
     parser.add_argument(
         "--subjects",
         type=whole_number("number of subjects", range(1, 1001)),
         default=2,
         metavar="N",
-        help="number of subjects",
+        help="number of simulated subjects",
     )
-    parser.add_argument("--seed", type=random_seed, default=1, help="seed of the first subject; the next ones count on")
-    parser.add_argument("--seconds", type=positive_time, help="end each run after this much simulated time [s]")
     parser.add_argument(
-        "--of", type=Path, nargs="+", default=[], metavar="RUN", help="join these run folders instead of running"
+        "--seed",
+        type=random_seed,
+        default=1,
+        help="seed of the first subject; each further subject has the next number",
     )
-    parser.add_argument("--out", type=Path, default=Path("study"), metavar="DIR", help="folder of tables and page")
+    parser.add_argument("--seconds", type=positive_time, help="end each run after this much simulated time [s]")
+    parser.add_argument("--of", type=Path, nargs="+", metavar="RUN", help="join these run folders instead of running")
+    parser.add_argument(
+        "--out", type=Path, default=Path("study"), metavar="DIR", help="folder to write the tables and the page to"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run or join, and write; 6 where a subject's run is not whole."""
+    """Run or join, and write; exit code 6 where a subject's run is incomplete."""
     from mimics_app.app.scenes.finding import find_scene
     from mimics_app.app.study.page import write_page
     from mimics_app.app.study.subjects import find_run, run_subject

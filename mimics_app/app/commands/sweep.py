@@ -1,4 +1,4 @@
-"""`mimics sweep SPEC.json`: an experiment over many points, in pieces that survive a crash, into one Parquet file."""
+"""`mimics sweep SPEC.json`: compute an experiment at many points, in chunks that survive a crash, as Parquet."""
 
 from __future__ import annotations
 
@@ -21,29 +21,37 @@ __all__ = ["add_arguments", "run"]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics sweep`."""
     parser.add_argument(
-        "spec", type=Path, nargs="?", help="sweep file, such as docs/sweeps/wall_stability.json (not with --list)"
+        "spec", type=Path, nargs="?", help="sweep file (.json), such as docs/sweeps/wall_stability.json"
     )
     parser.add_argument("--list", action="store_true", help="list the experiments, their parameters and results")
-    parser.add_argument("--out", type=Path, help="Parquet file to write; without it runs/sweeps/NAME.parquet")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="Parquet file to write (default: runs/sweeps/NAME.parquet)"
+    )
     parser.add_argument(
         "--workers",
         type=whole_number("number of processes", range(1, 1025)),
-        help="processes of this machine; without it one for each core",
+        metavar="N",
+        help="number of processes (default: one for each core)",
     )
-    parser.add_argument("--scheduler", metavar="ADDRESS", default="", help="of a Dask scheduler, instead of processes")
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        default="",
+        help="compute on the Dask scheduler at this address, instead of in processes",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Compute what is missing, and join all of it; or list what can be swept."""
+    """Compute the missing chunks and join all of them; or list the experiments."""
     from mimics_app.contracts.errors import UsageError
 
     if (args.spec is None) != args.list:
-        raise UsageError("give one sweep file, or --list", "see mimics sweep --help")
+        raise UsageError("give either a sweep file or --list", "see mimics sweep --help")
     return _list(args) if args.list else _sweep(args)
 
 
 def _list(args: argparse.Namespace) -> int:
-    """The experiments with their parameters and results."""
+    """Print the experiments with their parameters and results."""
     from mimics_app.app.sweep.experiments import NAMES, find_experiment
     from mimics_app.app.terminal import output
 
@@ -62,7 +70,7 @@ def _list(args: argparse.Namespace) -> int:
 
 
 def _sweep(args: argparse.Namespace) -> int:
-    """Compute what is missing, and join all of it."""
+    """Compute the missing chunks and join all of them."""
     from mimics_app.app.sweep.experiments import NAMES, find_experiment
     from mimics_app.app.sweep.worker import SweepJob
     from mimics_app.app.terminal import output
@@ -84,10 +92,10 @@ def _sweep(args: argparse.Namespace) -> int:
     store = PieceStore(out, f"{sweep.digest}/{sources}/{files}")
     missing = [piece for piece in pieces if not store.has(piece)]
     with ProgressBar(sys.stderr, len(pieces), len(pieces) - len(missing)) as bar:
-        bar.step(f"{len(missing)} of {len(pieces)} pieces to compute")
+        bar.step(f"{len(missing)} of {len(pieces)} chunks to compute")
         for piece, data in _compute(missing, job, args):
             store.put(piece, data)
-            bar.step(f"of {len(pieces)} pieces")
+            bar.step(f"of {len(pieces)} chunks")
     store.finish(pieces, sweep)
     if args.json:
         answer = {"experiment": sweep.experiment, "points": points, "pieces": len(pieces), "computed": len(missing)}

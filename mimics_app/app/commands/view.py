@@ -1,4 +1,4 @@
-"""`mimics view FILE`: look at a model or a scene from all sides, move things, see what the renderer does."""
+"""`mimics view FILE`: look at a model or a scene from all sides, move objects, see the work of the renderer."""
 
 from __future__ import annotations
 
@@ -21,57 +21,76 @@ __all__ = ["add_arguments", "run"]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics view`."""
     parser.epilog = (
-        "In the window: drag to go round, wheel, WASD to fly, click to choose, drag what is chosen to move it, Ctrl+S "
-        "to save it to the scene file; H lists all keys. Files and shaders are loaded again when they are saved."
+        "In the window: drag to orbit, wheel to zoom, WASD to fly, click to select an object, drag it to move it, "
+        "Ctrl+S to save the change to the scene file; H lists all keys. Files and shaders reload when they change."
     )
-    parser.add_argument("file", type=Path, nargs="?", help="scene, .glb .gltf model, or .stl .obj .ply .off mesh")
+    parser.add_argument(
+        "file", type=Path, nargs="?", help="scene, model (.glb, .gltf) or mesh (.stl, .obj, .ply, .off)"
+    )
     parser.add_argument("--sheet", type=Path, metavar="FOLDER", help="draw every model of a folder onto one PNG")
-    parser.add_argument("--headless", action="store_true", help="no window: draw PNG files, as with --output")
+    parser.add_argument("--headless", action="store_true", help="no window: draw PNG files, to view.png or --output")
     parser.add_argument(
-        "--output", type=Path, metavar="PNG", help="draw into this file, without a window (default: view.png)"
+        "--output", type=Path, metavar="PNG", help="file to draw to, without a window (default: view.png)"
     )
     parser.add_argument(
-        "--frames", type=frame_count, default=1, help="with --headless: number of pictures of one turn round it"
+        "--frames",
+        type=frame_count,
+        default=1,
+        help="with --headless: number of pictures, spread over one turn of the camera",
     )
     parser.add_argument(
-        "--video", type=Path, metavar="FILE", help="with --headless: a film of the turn, e.g. out.mp4 (needs ffmpeg)"
+        "--video",
+        type=Path,
+        metavar="FILE",
+        help="with --headless: write a video of the turn, e.g. out.mp4 (needs ffmpeg)",
     )
-    parser.add_argument("--caption", action="store_true", help="with --headless: name and notes over the picture")
+    parser.add_argument("--caption", action="store_true", help="with --headless: write name and notes into the picture")
     parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="size of the picture [px]")
-    parser.add_argument("--clip", default="", metavar="NAME", help="name of the clip that a model plays")
+    parser.add_argument("--clip", default="", metavar="NAME", help="animation clip that the model plays")
     parser.add_argument(
-        "--motion", type=Path, metavar="FILE", help="recorded motion (.bvh, .c3d) that a person's model plays as a clip"
+        "--motion",
+        type=Path,
+        metavar="FILE",
+        help="recorded motion (.bvh, .c3d) that the model of a person plays as a clip",
     )
-    parser.add_argument("--at", type=float, metavar="S", help="hold the clip at this time [s]")
+    parser.add_argument("--at", type=float, metavar="S", help="show the clip held at this time [s]")
     parser.add_argument(
-        "--vertices", type=Path, metavar="NPZ", help="write every drawn vertex in the world, after morphs and skins"
+        "--vertices", type=Path, metavar="NPZ", help="write the world positions of all vertices, after morphs and skins"
     )
-    parser.add_argument("--up", choices=("y", "z"), default="y", help="which axis of a mesh file is up")
+    parser.add_argument("--up", choices=("y", "z"), default="y", help="upward axis of a mesh file")
     parser.add_argument(
         "--camera",
         default="",
         metavar="ENTITY",
-        help="entity whose camera is used first; else the scene's first, or one that shows all",
+        help="entity whose camera is used first (default: the scene's first camera, or a view of everything)",
     )
-    parser.add_argument("--profile", choices=PROFILES, default="training", help="quality of a scene's picture")
     parser.add_argument(
-        "--backend", choices=("auto", "egl", "osmesa"), default="auto", help="GL context for --headless"
+        "--profile",
+        choices=PROFILES,
+        default="training",
+        help="quality of the picture of a scene: draft is cheapest, study best",
+    )
+    parser.add_argument(
+        "--backend",
+        choices=("auto", "egl", "osmesa"),
+        default="auto",
+        help="with --headless: OpenGL context to draw with",
     )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Show it, or draw it; 3 when models of a folder are not on its sheet, each reported with its reason.
+    """Show or draw; exit code 3 when models of a folder are missing on its sheet, each reported with its reason.
 
     Raises:
-        UsageError: neither a file nor a folder is given, or both.
-        DeviceError: there is no display for a window.
+        UsageError: Neither a file nor a folder is given, or both.
+        DeviceError: There is no display for a window.
     """
     if (args.file is None) == (args.sheet is None):
-        raise UsageError("give one file to look at, or --sheet FOLDER", "see mimics view --help")
+        raise UsageError("give either a file to look at or --sheet FOLDER", "see mimics view --help")
     _check_clip(args)
     headless = args.headless or args.output is not None
     if (args.frames > 1 or args.video is not None) and not headless:
-        raise UsageError("--frames and --video are of --headless", "add --output turn.png")
+        raise UsageError("--frames and --video need --headless", "add --output turn.png")
     if args.sheet is not None:
         args.output = args.output or Path("view.png")
         return _draw_sheet(args)
@@ -82,7 +101,7 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.terminal.display import has_display
 
     if not (headless or args.vertices is not None or has_display()):
-        raise DeviceError("no display for a window", "add --output picture.png")
+        raise DeviceError("the viewer needs a display", "without one: add --output picture.png")
     from mimics_app.app.viewer.shown import open_shown
 
     shown = open_shown(args.file, args.up)
@@ -101,13 +120,13 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _check_clip(args: argparse.Namespace) -> None:
-    """Refuse a time without a clip, and one that is none."""
+    """Refuse a time without a clip, a negative or infinite one, and clips of a sheet."""
     if args.at is not None and not (args.clip or args.motion):
-        raise UsageError("--at is a time of a clip", "name it with --clip NAME")
+        raise UsageError("--at is the time within a clip", "name the clip with --clip NAME")
     if args.at is not None and not 0.0 <= args.at < float("inf"):
-        raise UsageError(f"--at {args.at:g} is no time of a clip", "give seconds from 0")
+        raise UsageError(f"--at {args.at:g} is no time within a clip", "give seconds, 0 or more")
     if args.sheet is not None and (args.clip or args.motion or args.vertices is not None):
-        raise UsageError("--clip, --motion and --vertices are of one file", "name it instead of --sheet")
+        raise UsageError("--clip, --motion and --vertices need one file", "name it instead of --sheet")
 
 
 def _write(args: argparse.Namespace, shown: Shown) -> int:

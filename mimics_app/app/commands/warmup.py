@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 __all__ = ["PARTS", "add_arguments", "compile_beside", "run", "shipped_tasks"]
 
 _COLLECTOR = (50_000, 20, 20)
-"""Thresholds of the garbage collector while compiling: a compiler makes millions of objects that are no rubbish yet.
-At Python's own thresholds 8 % of the time goes into looking through them."""
+"""Thresholds of the garbage collector while compiling: a compiler makes millions of live objects.
+At Python's own thresholds, scanning them takes 8 % of the time."""
 _MEGABYTE = 1e6
 _SIZE = (64, 36)
 _SECONDS = 0.1
@@ -54,7 +54,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _compile_everything() -> None:
-    """Compile the large parts beside each other, then what the shipped scenes find left."""
+    """Compile the large parts in parallel, then what the shipped scenes still need."""
     from mimics_app.app.terminal.progress import ProgressBar
 
     tasks = shipped_tasks()
@@ -64,9 +64,9 @@ def _compile_everything() -> None:
 
 
 def shipped_tasks() -> dict[str, Callable[[], None]]:
-    """What compiles everything that shipped scenes need: `PARTS`, then each scene, first those without a loop.
+    """Return tasks that compile all that shipped scenes need: `PARTS`, then each scene, those without a loop first.
 
-    Their files are looked into, no more: what reads and checks scenes would compile a part in this process.
+    The scenes are not loaded: the code that checks them would compile a part in this process.
     """
     from mimics_app.app.scenes.shipped import is_only_looked_at
     from mimics_app.contracts.resources import root
@@ -76,7 +76,7 @@ def shipped_tasks() -> dict[str, Callable[[], None]]:
 
 
 def compile_beside(tasks: Mapping[str, Callable[[], None]]) -> Iterator[str]:
-    """Work tasks off on as many processors as there are, in their order; yields each one's name when it is done."""
+    """Run tasks in order on all processors; yield the name of each when it is done."""
     from concurrent.futures import ProcessPoolExecutor, as_completed
     from multiprocessing import get_context
 
@@ -90,7 +90,7 @@ def compile_beside(tasks: Mapping[str, Callable[[], None]]) -> Iterator[str]:
 
 
 def _draw_start(file: Path) -> None:
-    """Play a scene for a moment and draw it small; where nothing can be drawn, its loop alone."""
+    """Play a scene for a moment and draw it small; without graphics run its loop alone."""
     from mimics_app.app.play.stills import draw_stills
     from mimics_app.app.scenes.catalogue import is_playable
     from mimics_app.app.scenes.loading import load_checked_scene
@@ -107,23 +107,23 @@ def _draw_start(file: Path) -> None:
 
 
 def _objects() -> None:
-    """Everything that can be touched, but for tunnels."""
+    """Compile all haptic objects but tunnels."""
     from mimics_app.rendering.haptic import simulate  # noqa: F401
 
 
 def _loops() -> None:
-    """The tick, live, un-timed and replayed."""
+    """Compile the tick: live, untimed and replayed."""
     from mimics_app.rendering.haptic import live_loop, loop, replay_loop  # noqa: F401
 
 
 def _devices() -> None:
-    """Devices that come with the product, and force fields."""
+    """Compile the shipped devices and force fields."""
     from mimics_app.rendering.haptic import cord_field, standard_fields  # noqa: F401
     from mimics_app.rendering.haptic.devices import pointer, replay, simulated_impedance, simulated_leg  # noqa: F401
 
 
 PARTS: Mapping[str, Callable[[], None]] = {"objects": _objects, "loop": _loops, "devices": _devices}
-"""What compiles a part by being imported, in a process of its own; those that take longest first."""
+"""Functions that compile a part by importing it, in a process of its own; longest first."""
 
 
 def _play_start(scene: Scene) -> None:

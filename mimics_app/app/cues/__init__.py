@@ -1,3 +1,3 @@
-"""What a task and the haptic loop set off: sounds and effects of the scene."""
+"""Sounds and effects of the scene, triggered by the task and the haptic loop."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""What of a task and of the haptic loop sets off a sound or an effect of the scene."""
+"""Events of the task and the haptic loop that trigger a sound or an effect of the scene."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class CueWatch:
         self._state: TrialState | None = None
 
     def look(self, orders: TaskOrders) -> Trigger | None:
-        """What begins in this frame, or None; call once per frame."""
+        """Return the trigger that begins in this frame, or None; call once per frame."""
         state = orders.view.state
         begins, self._state = state is not self._state, state
         return _CUES.get(state) if begins else None

@@ -1,4 +1,4 @@
-"""Steps of somebody who walks, by the clock of the gait: the trigger of a sound at each touch of a heel.
+"""Footsteps of a walker, from the phase of the gait: the trigger of a sound at each heel strike.
 
 A walker is an entity that moves; it steps as often as its speed asks (step length grows with the root of the speed), so
 its sounds come with its movement and from where it is. Avatars emit the same `SoundTrigger` from their own contacts.
@@ -18,7 +18,7 @@ _LENGTH_AT_ONE = 0.66
 """Step length at 1 m/s [m]; it grows with the root of the speed (Grieve 1968)."""
 
 _SLOWEST = 0.05
-"""Below this speed nobody steps [m/s]."""
+"""Lowest speed at which steps are triggered [m/s]."""
 
 
 class GaitClock:

@@ -21,7 +21,7 @@ from mimics_app.world.world import World
 __all__ = ["SoundStage"]
 
 _JUMP = 50.0
-"""Faster than this a thing was put elsewhere and did not move [m/s]."""
+"""Largest speed of a movement; above it the object was repositioned [m/s]."""
 
 
 class SoundStage:

@@ -1,4 +1,4 @@
-"""What of a scene sounds on its own, what lies between it and the listener, and the listener's room, frame by frame."""
+"""Sound emitters of a scene, their occlusion, and the reverberation of the listener's room, frame by frame."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class SoundSurroundings:
         self._fresh = True
 
     def passes(self, world: World, head: F8, sources: F8, span: float) -> F8:
-        """Linear share of each source that comes through, by band, ramped over the time since the last frame [s].
+        """Return each source's linear gain after occlusion, by band, ramped over the time since the last frame [s].
 
         Args:
             world: Where the obstacles are now.
@@ -68,13 +68,13 @@ class SoundSurroundings:
         return triggers
 
     def room(self, world: World, head: F8) -> tuple[float, float]:
-        """Level and time [s] of the answer where the listener is; the loudest room counts."""
+        """Return level and time [s] of the reverberation at the listener, in the loudest room."""
         heard = [(_inside(world, name, room, head) * room.level, room.time) for name, room in self._rooms]
         return max(heard, default=(0.0, 1.0))
 
 
 def _inside(world: World, name: str, room: SoundRoom, head: F8) -> float:
-    """1 well inside a room, falling to 0 at its walls and outside."""
+    """Return 1 well inside a room, falling to 0 at its walls and outside."""
     if name not in world:
         return 0.0
     pose = world.find(name).world_matrix()

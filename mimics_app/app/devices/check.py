@@ -25,7 +25,7 @@ class _WallTime:
         self._due = self._clock.now_ns()
 
     def step(self) -> None:
-        """Wait for the next millisecond; after a pause the count begins anew."""
+        """Wait for the next millisecond; after a pause the schedule restarts."""
         self._due = max(self._due + TICK_NS, self._clock.now_ns() - TICK_NS)
         self._clock.sleep_until_ns(self._due)
 

@@ -40,13 +40,13 @@ _LISTEN_EVERY = 10
 
 
 class Emulator(Protocol):
-    """What every emulated robot can do."""
+    """Interface of an emulated robot."""
 
     faults: Faults
 
     @property
     def address(self) -> str:
-        """What to write behind the name and its colon."""
+        """Address of the emulator, after the name and its colon."""
 
     def step(self) -> None:
         """One millisecond."""
@@ -60,7 +60,7 @@ class Emulator(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class EmulatorSettings:
-    """Who is on the emulated robot.
+    """Simulated person on the emulated robot.
 
     Attributes:
         scene: Scene whose path the person knows and whose robot it is; None: a relaxed arm on the usual robot.
@@ -145,7 +145,7 @@ class _Orders:
         self._open = True
 
     def obey(self, faults: Faults) -> bool:
-        """Do what came; False when the emulator should end."""
+        """Process the input received; return False when the emulator should end."""
         while self._open and select.select([sys.stdin], [], [], 0.0)[0]:
             got = os.read(sys.stdin.fileno(), 4096).decode("utf-8", "replace")
             self._open = bool(got)  # nobody there any more: the emulator goes on

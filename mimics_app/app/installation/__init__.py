@@ -1,3 +1,3 @@
-"""What is installed here and what the machine can do: plug-ins, system packages, drivers."""
+"""State of the installation: plug-ins, system packages, drivers."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""What this machine can do, tried in processes of their own: a driver that crashes takes only its probe with it.
+"""Probes of this machine, in processes of their own: a crashing driver ends only its probe.
 
 python -m mimics_app.app.installation.probes egl        prints one JSON object
 """
@@ -87,7 +87,7 @@ def probe_sound() -> dict[str, Any]:
 
 
 def probe_scheduler() -> dict[str, Any]:
-    """What the kernel grants to the 1 kHz loop when it asks, on this machine and for this user."""
+    """Report the scheduling that the kernel grants to the 1 kHz loop for this user."""
     from mimics_app.rendering.haptic.scheduler import arrange_thread
 
     recipe = arrange_thread("auto").recipe

@@ -1,4 +1,4 @@
-"""What the operating system has to provide, asked of the loader and of PATH rather than of a package manager.
+"""Requirements on the operating system, looked up by the loader and PATH, not by a package manager.
 
 The same table serves `mimics doctor` and, run as a script by `.ci/dev.sh` before anything is installed, the set-up:
 
@@ -23,7 +23,7 @@ _DRIVER_FOLDERS = ("/usr/lib/*/dri", "/usr/lib/dri", "/usr/lib64/dri", "/usr/lib
 
 @dataclass(frozen=True, slots=True)
 class SystemNeed:
-    """One thing that a package of the operating system brings.
+    """One library, file or program from a package of the operating system.
 
     Attributes:
         package: Debian and Ubuntu name of the package.
@@ -43,7 +43,7 @@ class SystemNeed:
     program: str = ""
 
     def found(self) -> str:
-        """What was found (library, file or path of the program), or "" where it is missing."""
+        """Return the library, file or program found, or "" where it is missing."""
         return self._library() or self._file() or (shutil.which(self.program) or "" if self.program else "")
 
     def _library(self) -> str:

@@ -28,7 +28,7 @@ _BAD = 0.5
 
 
 class Watch:
-    """Takes blocks and keeps events, features of every second, and the newest seconds of each signal."""
+    """Events, features of every second, and the newest seconds of each signal, from blocks of signals."""
 
     def __init__(self) -> None:
         self._dsp = PhysioDsp(self._note)
@@ -41,7 +41,7 @@ class Watch:
         self._qualities: dict[str, list[float]] = {}
 
     def take(self, blocks: tuple[SignalBlock, ...], now_ns: int) -> None:
-        """Blocks that came by now."""
+        """Process the blocks received by now."""
         for block in blocks:
             if self.start_ns < 0:
                 self.start_ns = block.t_ns
@@ -119,14 +119,14 @@ class Watch:
 
 
 def blocks_of_file(source: SignalSource, seconds: float) -> Iterator[tuple[tuple[SignalBlock, ...], int]]:
-    """So many seconds of a source that knows no time of its own, a second at once, as fast as they can be taken."""
+    """Yield the blocks of a source that is not live, one second at a time, without waiting."""
     end_ns = math.ceil(seconds * SECOND_NS) + 1  # a time that was rounded down would leave the last sample out
     for now_ns in (*range(0, end_ns, SECOND_NS), end_ns):
         yield source.read(now_ns), now_ns
 
 
 def follow(source: SignalSource, clock: Clock, seconds: float) -> Iterator[tuple[tuple[SignalBlock, ...], int]]:
-    """Blocks of a live source as they come."""
+    """Yield the blocks of a live source as they arrive."""
     begin = clock.now_ns()
     while (now_ns := clock.now_ns()) - begin < seconds * SECOND_NS:
         yield source.read(now_ns), now_ns

@@ -1,4 +1,4 @@
-"""Draws a board over the picture: cards in a row above, one line of words in the middle below."""
+"""Board over the picture: cards in a row at the top, one centred line of text at the bottom."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 __all__ = ["OPERATORS_CARDS", "BoardLayout"]
 
 OPERATORS_CARDS = frozenset({"margin"})
-"""Figures that say nothing to the person at the task: they come with the forces of F5."""
+"""Cards that are not for the person at the task: F5 shows them with the forces."""
 
 Place = tuple[float, float, float]
 """Left, lower edge and width of what is inside a card, in units of the canvas."""
@@ -82,7 +82,7 @@ class BoardLayout:
     def _rows(
         self, name: str, hud: Hud, card: Card, corner: tuple[float, float], force_full: float
     ) -> NDArray[np.void]:
-        """What a card is made of whose lower left corner is at a place, HUD_ROW [n]."""
+        """Return the rectangles of a card by its lower left corner, HUD_ROW [n]."""
         wanted = (card, corner, force_full)
         if self._cards.get(name, (None,))[0] != wanted:
             alone = Hud(hud.atlas)

@@ -1,4 +1,4 @@
-"""What a command that draws files says it drew, and with what."""
+"""Result of a command that draws files: the files and the driver."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Drawn:
 
     @classmethod
     def on(cls, surface: Surface, frames: FrameSet) -> Drawn:
-        """What was drawn on a surface, which is still open."""
+        """Return the result of drawing on a surface, which is still open."""
         return cls(frames.files, surface.backend, surface.driver, frames.ms_median)
 
     def as_dict(self) -> dict[str, Any]:

@@ -21,11 +21,11 @@ from mimics_app.app.picture.held_quality import Held
 __all__ = ["FULL", "FrameGovernor"]
 
 FULL = "full"
-"""Name of the state in which nothing is given up."""
+"""Name of the state of full quality."""
 
 _DOWN_NS = 500_000_000
 _UP_NS, _UP_AT_EASE_NS = 3_000_000_000, 1_000_000_000
-"""How long there has to be room for a level more: shorter where frames would still be at ease with it."""
+"""Time for which frames must have room before a level is restored, shorter with more room [ns]."""
 _WINDOW_NS = 500_000_000
 """Frames of this long back decide: their median, so that one slow frame does nothing."""
 _FEWEST = 3
@@ -44,7 +44,7 @@ Log = Callable[[str, dict[str, object]], object]
 
 
 class QualityStep(Protocol):
-    """One thing a stage can do in several qualities, each cheaper than the last."""
+    """One step of a stage that has several qualities, each cheaper than the last."""
 
     @property
     def name(self) -> str:
@@ -53,12 +53,12 @@ class QualityStep(Protocol):
 
     @property
     def order(self) -> int:
-        """Steps of a lower order are given up first, and restored last."""
+        """Rank: steps of a lower order are lowered first, and restored last."""
         ...
 
     @property
     def levels(self) -> tuple[str, ...]:
-        """Names of its qualities, the full one first; at least two."""
+        """Names of the qualities, full quality first; at least two."""
         ...
 
     def apply(self, level: int) -> None:
@@ -125,12 +125,12 @@ class FrameGovernor:
 
     @property
     def state(self) -> str:
-        """What was given up last, e.g. "resolution scale 0.75"; FULL while nothing is."""
+        """The level lowered last, e.g. "resolution scale 0.75"; FULL at full quality."""
         return self._ladder[self._given_up - 1].label if self._given_up else FULL
 
     @property
     def given_up(self) -> list[str]:
-        """What is given up now, in the order it was."""
+        """The lowered levels, oldest first."""
         return [move.label for move in self._ladder[: self._given_up]]
 
     @property
@@ -140,7 +140,7 @@ class FrameGovernor:
 
     @property
     def steps(self) -> tuple[str, ...]:
-        """Every level that can be given up, in order."""
+        """All levels, in the order in which they are lowered."""
         return tuple(move.label for move in self._ladder)
 
     @property
@@ -162,7 +162,7 @@ class FrameGovernor:
         return True
 
     def settle(self, frame_ms: Callable[[], float]) -> None:
-        """Before the first frame: give up levels until a frame, drawn now by `frame_ms` [ms], has room."""
+        """Before the first frame: lower levels until a frame, drawn now by `frame_ms` [ms], has room."""
         now_ms = frame_ms()
         while now_ms > _ROOM * self._budget_ms and self._given_up < len(self._ladder):
             before_ms = now_ms
@@ -173,7 +173,7 @@ class FrameGovernor:
         self.prove_last(frame_ms)
 
     def prove_last(self, frame_ms: Callable[[], float]) -> None:
-        """Before the first frame: where all is given up, have the last level back if it buys nothing now."""
+        """Before the first frame, at lowest quality: restore the last level if it saves no time."""
         if len(self._ladder) < 2 or self._given_up < len(self._ladder):
             return
         move, with_ms = self._ladder[-1], frame_ms()
@@ -201,7 +201,7 @@ class FrameGovernor:
         return self._times_ms[-1] if self._times_ms else 0.0
 
     def note(self, frame_ms: float, now_ns: int) -> None:
-        """Count a frame that took `frame_ms` [ms] and ended at `now_ns`, and give up or restore one level."""
+        """Count a frame that took `frame_ms` [ms] and ended at `now_ns`, and lower or restore one level."""
         self._counts[self.state] = self._counts.get(self.state, 0) + 1
         self._times_ms.append(frame_ms)
         self._frames.append((now_ns, frame_ms))
@@ -221,7 +221,7 @@ class FrameGovernor:
             self._take_back(now_ms, now_ns)
 
     def summary(self) -> dict[str, Any]:
-        """What the run came to: budget, median frame, moves, and the share of frames spent in each state."""
+        """Return the result of the run: budget, median frame, changes, and the share of frames in each state."""
         frames = max(1, len(self._times_ms))
         times = sorted(self._times_ms) or [0.0]
         return {
@@ -239,15 +239,15 @@ class FrameGovernor:
         return tried or self._one_level_up(now_ms) <= _ROOM * self._budget_ms
 
     def _up_ns(self, now_ms: float) -> int:
-        """How long there has to be room [ns]."""
+        """Return the time for which frames must have room [ns]."""
         return _UP_AT_EASE_NS if self._one_level_up(now_ms) <= _EASE * self._budget_ms else _UP_NS
 
     def _one_level_up(self, now_ms: float) -> float:
-        """What a frame may be expected to take with the level given up last [ms]."""
+        """Return the expected frame time with the last level restored [ms]."""
         return now_ms * self._ladder[self._given_up - 1].growth
 
     def _learn(self, now_ms: float, now_ns: int) -> None:
-        """What the level given up last had cost, once the frames since then fill the window."""
+        """Note the cost of the level lowered last, once the frames since then fill the window."""
         if self._before_ms is None or self._moved_ns is None or now_ns - self._moved_ns < _WINDOW_NS:
             return
         move = self._ladder[self._given_up - 1]
@@ -258,7 +258,7 @@ class FrameGovernor:
             self._take_back(now_ms, now_ns)
 
     def _last_in_vain(self) -> bool:
-        """Whether every level is given up, the last one for nothing."""
+        """Whether every level is lowered, and the last one saved no time."""
         return len(self._ladder) > 1 and self._given_up == len(self._ladder) and self._ladder[-1].growth < _WORTH
 
     def _doubt(self, now_ms: float, now_ns: int) -> None:

@@ -51,7 +51,7 @@ class HeldQuality:
         self._file = file or _machine_file()
 
     def find(self, picture: str) -> Held | None:
-        """What a picture held, by `name_of_picture`; None where that is not known."""
+        """Return the quality a picture held, by `name_of_picture`; None where it is unknown."""
         return self._read().get(picture)
 
     def keep(self, picture: str, held: Held) -> None:
@@ -81,7 +81,7 @@ def _machine_file() -> Path | None:
 
 
 def name_of_picture(picture: Picture, scene: str, profile: str) -> str:
-    """What the cost of a picture depends on, as one line."""
+    """Return everything the cost of a picture depends on, as one line."""
     surface = picture.surface
     width, height = surface.size
     return f"{scene}, {profile}, {width}x{height}, {surface.ctx.info['GL_RENDERER']}"

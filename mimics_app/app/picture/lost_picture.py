@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 def draw_or_recover(surface: Surface, draw: Callable[[], T], recover: Callable[[], None]) -> T:
-    """Draw; where the driver lost the context meanwhile, say so, make it anew, and draw once more.
+    """Draw; where the driver lost the context, report it, create a new one, and draw again.
 
     Args:
         surface: Whose context.

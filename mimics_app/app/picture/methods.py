@@ -1,4 +1,4 @@
-"""What the renderer is set to by the methods that were chosen for a picture."""
+"""Settings of the renderer, by the methods chosen for a picture."""
 
 from __future__ import annotations
 

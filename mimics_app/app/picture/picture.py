@@ -90,7 +90,7 @@ def picture_quality(scene: Scene, profile: Profile, pixels: int = 0) -> RenderSe
 
 
 class Picture:
-    """What the person sees.
+    """The picture the person sees.
 
     Args:
         surface: Where to draw; closed with the picture.
@@ -148,7 +148,7 @@ class Picture:
 
     @property
     def views(self) -> list[View]:
-        """What each eye of the display sees."""
+        """The views of the display, one for each eye or wall."""
         return self.presenter.views(self._camera)
 
     @property
@@ -174,7 +174,7 @@ class Picture:
         return self.stats
 
     def begin_frame(self) -> StageTimer:
-        """Where the times of the stages go that come before the picture; the frame begins with them."""
+        """Timer of the stages before the picture, with which the frame begins."""
         if self.renderer.times is not None:
             self.renderer.times.begin()
         return self.timer
@@ -207,7 +207,7 @@ class Picture:
         return self.film
 
     def recover(self) -> None:
-        """Make context and renderer anew after a loss; world, quality and board stay.
+        """Create a new context and renderer after a loss; world, quality and board stay.
 
         Raises:
             DeviceError: there is no other context.
@@ -239,14 +239,14 @@ class Picture:
             self.film.take(t_ns)
 
     def report_issues(self) -> None:
-        """Say on stderr what was drawn otherwise than the scene asks, a line for each fault, once."""
+        """Report on stderr each deviation of the picture from the scene, once."""
         for issue in self.renderer.take_issues():
             sys.stderr.write(f"mimics: {issue}\n")
         for fault in self.presenter.take_faults():
             sys.stderr.write(f"mimics: {fault}\n")
 
     def _board_laid_out(self, board: Board) -> list[View]:
-        """What each eye sees, with the board laid over it."""
+        """Lay the board out over the views of the display, and return them."""
         with self.timer.stage("board"):
             views = self.views
             self.lay_out(board, views)
@@ -279,7 +279,7 @@ class Picture:
             self.film.finish()
 
     def close(self, *, keep_surface: bool = False) -> None:
-        """Finish the film, and free everything, the surface included unless somebody else draws on it next."""
+        """Finish the video and release everything, the surface included unless it is kept."""
         if self.film is not None:
             self.film.finish()
         self.renderer.release()

@@ -1,4 +1,4 @@
-"""What a shadow pass costs in a scene that has none, measured by drawing it with and without."""
+"""Cost of a shadow pass in a scene without one, measured by drawing with and without it."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ _LONGEST_GAP = 600
 
 
 def film_place(wanted: Path) -> tuple[Path, str]:
-    """Where a film goes, and the ffmpeg that makes it ("" where PNG files are made).
+    """Return the file of a video, and the path of ffmpeg ("" for PNG files).
 
     A name without an ending is a folder for PNG files; so is FILE of FILE.mp4 without ffmpeg, which is reported.
     """
@@ -49,7 +49,7 @@ def film_place(wanted: Path) -> tuple[Path, str]:
 
 
 class _Sink(Protocol):
-    """What makes a film of pictures; everything runs in the thread."""
+    """Encoder of a video; it runs entirely in the thread."""
 
     def add(self, number: int, frame: ReadFrame) -> None:
         """Take the picture that is seen up to frame `number` of the film."""
@@ -185,7 +185,7 @@ class _PngFolder:
 
 
 class _Ffmpeg:
-    """A pipe to ffmpeg, which gets 60 pictures a second: one that is seen longer comes more than once."""
+    """Pipe to ffmpeg at 60 frames per second: a picture shown longer is repeated."""
 
     def __init__(self, program: str, file: Path, size: Size) -> None:
         self._size = size

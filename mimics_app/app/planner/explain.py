@@ -1,4 +1,4 @@
-"""What a scene runs and what it leaves out, as the object of `mimics explain --json`."""
+"""Parts that a scene runs and leaves out, as the object of `mimics explain --json`."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _IN_TICK = "device, kinematics, controller, safety limits, passivity controller,
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """One thing a scene runs.
+    """One part that a scene runs.
 
     Attributes:
         part: What it is for.
@@ -81,7 +81,7 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class LeftOut:
-    """One thing a scene does not run, why, and what that saves [us]; None: there is nothing to measure it by."""
+    """One part that a scene leaves out, the reason, and the time saved [us], None where it is unknown."""
 
     part: str
     why: str
@@ -158,7 +158,7 @@ def _too_dear(costlier: Costlier) -> dict[str, Any]:
 
 
 def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
-    """The whole haptic tick, where the table has it and somebody plays the scene."""
+    """Return the whole haptic tick, where the table has it and the scene is playable."""
     if scene.scenario == _NOBODY:
         return []
     row = _tick_row(plan.table, plan.settings.get("tunnel projection", {}))
@@ -171,7 +171,7 @@ def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
 
 
 def _parts_without_figures(scene: Scene) -> list[Part]:
-    """What runs in the loop without a rival, so that the table has no figures of it."""
+    """Return the parts of the loop without a rival: the table has no figures for them."""
     acting = sum(scene.has(kind) for kind in (HapticEffect, ForceField, HapticPath))
     running = [("effects and force fields", "every tick, each", acting), ("grip", "between fingers", grips(scene))]
     return [Part(what, "", how, None, None, "", None, None, note=_ALONE) for what, how, some in running if some]
@@ -223,7 +223,7 @@ def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -
 
 
 def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
-    """What is done to the picture only where the scene asks."""
+    """Return the parts of the picture that run only where the scene requests them."""
     visual = visual_of(scene)
     left = [
         LeftOut(
@@ -243,7 +243,7 @@ def _filters_left_out(scene: Scene, plan: Plan) -> list[LeftOut]:
 
 
 def _extra_us(plan: Plan, group: str) -> float | None:
-    """What the costliest method costs more than the cheapest in the plan's picture [us]; None where none is timed."""
+    """Return the cost of the costliest method above the cheapest in the plan's picture [us]; None: not timed."""
     costs = [row.cost_us for row in plan.table.groups.get(group, [])]
     return (max(costs) - min(costs)) * plan.pixels / uses()[group].pixels if costs and plan.pixels else None
 
@@ -259,7 +259,7 @@ OF_OBJECTS: Mapping[str, str] = {
     "contact law": "contact with shapes, per contact and tick",
     "friction": "friction, per contact and tick",
 }
-"""Groups whose methods only things to be touched need, with their part."""
+"""Groups of methods that only haptic objects need, with their part."""
 
 
 def _cheapest(table: Table, group: str) -> float | None:
@@ -279,7 +279,7 @@ _SOURCES_OF_TABLE = 16
 
 
 def _tunnel_us(table: Table) -> float | None:
-    """What the whole tick costs more with a tunnel, and the projection at least."""
+    """Return the added cost of a tick with a tunnel, at least that of the projection."""
     bare, least = _tick_row(table, {}), _cheapest(table, "tunnel projection")
     whole = [row.cost_us for row in table.groups.get(TICK_GROUP, []) if row.settings]
     if bare is None or least is None or not whole:

@@ -160,18 +160,18 @@ def plan_scene(scene: Scene, profile: Profile, table: Table | None = None, pixel
 
 @dataclass(frozen=True, slots=True)
 class _Budget:
-    """What a frame has left for a group: [ms], and how much larger than the table's picture is drawn."""
+    """Time left in a frame for a group [ms], and the ratio of the picture's size to the table's."""
 
     room_ms: float
     scale: float
 
     @property
     def most_us(self) -> float:
-        """What a method may cost more than the cheapest by the table [us]."""
+        """Return the largest cost above the cheapest method, in terms of the table [us]."""
         return 1e3 * self.room_ms / self.scale if self.scale else math.inf
 
     def more_ms(self, row: Row, rivals: Sequence[Row]) -> float:
-        """What a frame takes longer with a method than with the cheapest [ms]; 0 for one the table does not know."""
+        """Return the added frame time of a method above the cheapest [ms]; 0 for a method not in the table."""
         more = row.cost_us - min(rival.cost_us for rival in rivals)
         return 0.0 if math.isnan(more) else 1e-3 * self.scale * more
 
@@ -200,7 +200,7 @@ def _choice(
 
 
 def _row_of(named: Settings, rows: Sequence[Row]) -> Row:
-    """The row of what a scene names; without figures where the table knows none: it runs all the same."""
+    """Return the row of a method that the scene names; without figures where the table has none."""
     label = ", ".join(f"{field} {value}" for field, value in named.items())
     unknown = Row(label, math.nan, math.nan, math.nan, rows[0].unit, named)
     return next((row for row in rows if row.settings == named), unknown)

@@ -1,4 +1,4 @@
-"""What a scene uses groups of methods for, and which methods it names itself."""
+"""Use of groups of methods by a scene, and the methods that the scene names itself."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ __all__ = [
 
 
 def visual_of(scene: Scene) -> VisualSettings:
-    """What the scene says of its picture; what it leaves out is as in a scene that says nothing."""
+    """Return the scene's settings of the picture, defaults filled in."""
     return scene.system(VisualSettings) or VisualSettings()
 
 
@@ -73,7 +73,7 @@ def _has(kind: type[msgspec.Struct]) -> Callable[[Scene], bool]:
 
 
 def _unless_auto(name: str, stated: Callable[[Scene], str]) -> Callable[[Scene], Settings | None]:
-    """What a scene states of a method, under the name the product sets it by; None: the planner is to choose."""
+    """Return a scene's setting of a method by its registered name; None where the planner chooses."""
 
     def named(scene: Scene) -> Settings | None:
         return None if stated(scene) == "auto" else {name: stated(scene)}
@@ -95,7 +95,7 @@ S = TypeVar("S", bound=msgspec.Struct)
 
 
 def _all(scene: Scene, kind: type[S]) -> list[S]:
-    """Components of a type, looked at without a note that something makes use of them."""
+    """Return components of a type without marking them as used."""
     return [one for entity in scene.entities for one in entity.components.values() if isinstance(one, kind)]
 
 
@@ -118,7 +118,7 @@ def touched_shape(scene: Scene) -> str:
 
 
 def _surfaces(scene: Scene) -> list[TouchSurface]:
-    """What a scene says of each surface that can be touched, defaults filled in."""
+    """Return the material of each touchable surface, defaults filled in."""
     found = [surface_of(walls) for walls in _all(scene, HapticWalls)]
     for thing in _all(scene, HapticObject):
         found += [surface_of(solid, thing) for solid in thing.shapes] or [surface_of(thing)]
@@ -162,7 +162,7 @@ def _may_integrate(scene: Scene, settings: Settings) -> bool:
 
 
 def audio_of(scene: Scene) -> AudioSettings:
-    """What the scene says of its sound; what it leaves out is as in a scene that says nothing."""
+    """Return the scene's settings of sound, defaults filled in."""
     return scene.system(AudioSettings) or AudioSettings()
 
 

@@ -1,4 +1,4 @@
-"""The few frames a headless run draws and keeps, and its film; the renderer is made when the first frame is due."""
+"""The pictures that a headless run draws and saves, and its video; the renderer is created at the first of them."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Album:
         self._writing: Future[None] | None = None
 
     def look(self, frames: Frames) -> None:
-        """Draw this frame if it is one to keep."""
+        """Draw this frame if it is to be saved."""
         due = self._kept < self._wanted and self._is_due(frames)
         if due or self._session.settings.video is not None:
             self._draw(frames, keep=due)
@@ -60,7 +60,7 @@ class Album:
         return self._share_of_trials(frames.orders.view) >= share
 
     def _share_of_trials(self, view: TaskView) -> float:
-        """Share of the trials that are played; 0 where none is under way."""
+        """Return the share of the trials that are done; 0 where none is under way."""
         if view.state is not TrialState.TRAVEL:
             return 0.0
         if self._first_trial is None:

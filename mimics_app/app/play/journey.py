@@ -49,7 +49,7 @@ class JourneyEnd:
 
 _AGAIN, _OTHER = "again", "other"
 _LONGEST_END_S = 20.0
-"""How long a session that is asked to end may take to close its recording [s]."""
+"""Time-out for a session to close its recording when it is told to end [s]."""
 
 
 def run_words(settings: RunSettings) -> list[str]:
@@ -91,7 +91,7 @@ def _play_once(words: Sequence[str], opening: Opening) -> tuple[int, dict[str, o
 
 
 def _sudden_end(code: int) -> str:
-    """Why a session is gone that said nothing of its end; "" where somebody ended it by its terminal."""
+    """Return why a session ended without a report; "" where it was ended from its terminal."""
     if code >= 0:
         return ""
     how = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"

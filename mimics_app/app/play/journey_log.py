@@ -1,4 +1,4 @@
-"""What a session reports to the process that opened it: how far it has come, what the person chose at its end.
+"""Reports of a session to the process that started it: its progress, and the person's choice at its end.
 
 Lines of JSON in a file, because a window, a terminal and a launcher on any platform can read that.
 """
@@ -27,23 +27,23 @@ class JourneyLog:
 
     @property
     def asked(self) -> bool:
-        """Whether somebody waits for what the person chooses."""
+        """Whether a process waits for the person's choice."""
         return self._path is not None
 
     def doing(self, what: str) -> None:
-        """Say what is being done before the first picture."""
+        """Report the step of the start-up that begins."""
         self._say({"doing": what})
 
     def shown(self) -> None:
-        """Say that the first picture is on the glass."""
+        """Report that the first picture is shown."""
         self._say({"shown": True})
 
     def trial(self, number: int, count: int, label: str) -> None:
-        """Say which trial begins, from 1, of how many, and the name of its condition."""
+        """Report the trial that begins, from 1, the number of trials, and the name of its condition."""
         self._say({"trial": f"trial {number} of {count}: {label}"})
 
     def chose(self, following: str) -> None:
-        """Say what comes next: "again", "other" or "leave"."""
+        """Report the person's choice: "again", "other" or "leave"."""
         self._say({"next": following})
 
     @contextmanager

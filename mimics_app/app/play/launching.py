@@ -1,4 +1,4 @@
-"""What the launcher offers, in a therapist's words: scenes, settings, what was played lately, and the last choice."""
+"""Contents of the launcher, in a therapist's words: scenes, settings, recent runs, and the last choice."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["cut_off_notice", "last_choice", "launcher_cards", "launcher_settings
 _FILE = "launcher"
 _MOST_RECENT = 12
 _AT_HAND = ""
-"""Who plays: whoever sits at the window."""
+"""Setting "who plays": the person at the window."""
 
 _PLAYERS = {
     _AT_HAND: "mouse, keys or gamepad",
@@ -57,7 +57,7 @@ def launcher_settings() -> list[Setting]:
 
 
 def _person_settings() -> list[Setting]:
-    """Who plays, on what, and under which code."""
+    """Return the settings of person, device and participant code."""
     players = {**_PLAYERS, **{name: name for name in device_names() if name not in (POINTER, REPLAY, *_PLAYERS)}}
     return [
         Setting(
@@ -139,7 +139,7 @@ def _found_displays() -> dict[str, str]:
 
 
 def settings_of_choice(choice: LauncherChoice) -> RunSettings:
-    """What the person chose, as the settings of a run."""
+    """Return the person's choice as the settings of a run."""
     chosen = choice.settings
     device = chosen["device"]
     if device in _ADDRESSED:
@@ -166,7 +166,7 @@ def launcher_cards(runs: Path) -> list[ScenarioCard]:
 
 
 def cut_off_notice(runs: Path) -> str:
-    """What to do about sessions that a power failure cut off; "" where there is none."""
+    """Return what to do about sessions that were cut off; "" where there is none."""
     left = cut_off_runs(runs)
     if not left:
         return ""
@@ -180,7 +180,7 @@ def remember(choice: LauncherChoice) -> None:
 
 
 def last_choice() -> LauncherChoice | None:
-    """What was chosen the last time, as far as it can still be chosen."""
+    """Return the last choice, as far as it is still offered."""
     kept = read_config(_FILE)
     scene, settings = find_shipped(str(kept.get("scene", ""))), kept.get("settings")
     if scene is None or not isinstance(settings, dict):

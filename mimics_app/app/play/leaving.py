@@ -9,7 +9,7 @@ from mimics_app.contracts.trial_state import TrialState
 __all__ = ["Leaving"]
 
 _ASK_NS = 4_000_000_000
-"""How long a first Escape counts while a trial is under way [ns]."""
+"""Time within which a second Escape ends a trial [ns]."""
 
 _LINGER_NS = 3_000_000_000
 """How long the last line of a task stays before the session ends [ns]."""
@@ -40,7 +40,7 @@ class Leaving:
         return self._escaped(frames, now_ns) or self._is_over(now_ns)
 
     def _escaped(self, frames: Frames, now_ns: int) -> bool:
-        """Escape ends at once, but asks first while a trial is under way."""
+        """Escape key: ends at once, but must be pressed twice during a trial."""
         events = self._session.inputs.frame.events
         if not any(
             each.kind == "key" and each.name == "escape" and each.pressed and not each.repeat for each in events

@@ -1,4 +1,4 @@
-"""What a session came to, in the words of the page of results."""
+"""Result of a session, in the words of the page of results."""
 
 from __future__ import annotations
 

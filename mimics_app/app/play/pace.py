@@ -144,7 +144,7 @@ def run_unseen(session: Session, frames: Frames, after_frame: Progress) -> None:
 
 
 def _message(session: Session, frames: Frames, reload: SceneReload, trouble: str) -> str:
-    """What the person should read over the picture: device, recorder, a hold, then news of a reload."""
+    """Return the message over the picture: of the device, the recorder, a hold, or else a reload."""
     state = SafetyState.OFF if frames.snapshot is None else frames.snapshot.state
     return trouble or session.recorder.problem or frames.safety.message(state) or reload.message
 

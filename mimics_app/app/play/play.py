@@ -1,4 +1,4 @@
-"""Plays a scene from beginning to end: build, run, seal the recording, write the report, say what it came to."""
+"""One run of a scene: build, play, close the recording, write the report, print the result."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
 
 
 def _show_result(session: Session, answer: dict[str, Any]) -> str:
-    """Let the person read what it came to on the window of the session, and choose what comes next."""
+    """Show the result in the window of the session, and let the person choose what to do next."""
     from mimics_app.app.play.outcome import result_content
     from mimics_app.app.play.result_screen import show_result
     from mimics_app.app.play.session_keys import session_keys

@@ -1,4 +1,4 @@
-"""Says how far a headless run is: a line on a terminal where somebody watches it, trials to whoever opened the run."""
+"""Progress of a headless run: a line on a terminal, and the trial to the process that started the run."""
 
 from __future__ import annotations
 

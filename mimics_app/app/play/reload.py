@@ -55,7 +55,7 @@ class SceneReload:
             self._take(now_ns)
 
     def _take_shaders(self, picture: Picture, now_ns: int) -> None:
-        """Take over changed shaders; one with a fault keeps its old form, and the fault's line is reported."""
+        """Reload changed shaders; a faulty one keeps its old version, and the line of the fault is reported."""
         issues = picture.renderer.reload_shaders()
         if issues:
             self._say(now_ns, str(issues[0]))

@@ -1,4 +1,4 @@
-"""What a run came to, under the keys that scripts rely on."""
+"""Result of a run, under the keys that scripts rely on."""
 
 from __future__ import annotations
 

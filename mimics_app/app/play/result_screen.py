@@ -1,4 +1,4 @@
-"""Shows the page of results on the window of a session that has ended, until the person chooses what comes next."""
+"""Page of results in the window of a session that has ended, until the person chooses what to do next."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["show_result"]
 
 
 def show_result(surface: Surface, content: ResultContent, report: Path, clock: Clock) -> str:
-    """What the person chose: "again", "other" or "leave".
+    """Return the person's choice: "again", "other" or "leave".
 
     Args:
         surface: The window; nothing of the session draws on it any more.

@@ -1,4 +1,4 @@
-"""A contact sheet of scenes, and how their light is: what is lost in black or white, what shadows keep of the sun."""
+"""Contact sheet of scenes, and their exposure: shares of black and white pixels, light left in shadows."""
 
 from __future__ import annotations
 
@@ -38,11 +38,11 @@ _GROUND = (238, 238, 234)
 _NAME = 18
 """Height of a name on a tile [px]."""
 _QUALITY = 84
-"""Of a JPEG file, of 100."""
+"""Quality of the JPEG file, 0 to 100."""
 _SECONDS = 2.0
 """Of play, from where the person acts."""
 _DARK, _BRIGHT = 0.05, 0.98
-"""Of the linear range: what is darker shows no form, what is brighter no colour."""
+"""Usable range of linear luminance: below it shapes are lost, above it colours."""
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Rec. 709."""
 

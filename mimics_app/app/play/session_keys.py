@@ -1,4 +1,4 @@
-"""What the keys of a session's window do, by what the person plays with."""
+"""Functions of the keys in a session's window, by input device."""
 
 from __future__ import annotations
 

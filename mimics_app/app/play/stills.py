@@ -118,7 +118,7 @@ class _Moments(Protocol):
         """Session time of frame `number` [ns]."""
 
     def shown_by(self, presenter: Presenter) -> None:
-        """What brings it to a display."""
+        """Attach the presenter that draws."""
 
     def close(self) -> None:
         """Nothing is drawn any more."""
@@ -142,7 +142,7 @@ class _Standing:
         world.effects.trigger("start")
 
     def to(self, number: int) -> Board:
-        """Let the time of frame `number` come."""
+        """Advance to frame `number`."""
         self.world.effects.time = self.world.motion.time = self._seconds_per_frame * (number + 1)
         self.world.update()
         return Board()

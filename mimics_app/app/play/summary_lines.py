@@ -1,4 +1,4 @@
-"""What a run came to, for a person at the terminal: a figure that the object of `--json` lacks is left out here too."""
+"""Result of a run as lines for the terminal, from the object of `--json`."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ _MOMENTS_S = {"wavy_tunnel": 2.0, "pick_and_place": 3.0, "guided_walk": 4.0, "fa
 """How long the simulated patient has played when the picture is taken [s]."""
 
 _CAMERAS = {"city_walk": "church_square"}
-"""Whose camera is looked through where it is not the scene's first."""
+"""Entity whose camera draws the thumbnail, where it is not the scene's first camera."""
 
 
 def draw_thumbnails(folder: Path, names: Sequence[str] = ()) -> Iterator[Path]:

@@ -1,4 +1,4 @@
-"""What an avatar that learns step by step believes, as a picture in the run's folder that an operator can keep open."""
+"""Value function of a learning avatar, drawn to a picture in the run folder while it learns."""
 
 from __future__ import annotations
 

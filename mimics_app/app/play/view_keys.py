@@ -1,4 +1,4 @@
-"""What a person wants of the picture of a live run: overlay, pictures to keep; and the end where it is lost."""
+"""Keys for the picture of a live run: overlay and saved pictures; and the end of a run whose picture is lost."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["ViewKeys"]
 
 _KEEP, _KEYS = "f12", "h"
 _FIRST = (TrialState.APPROACH, TrialState.READY)
-"""States of the first trial in which somebody who opened the window reads which keys there are."""
+"""States of the first trial in which the overlay lists the keys."""
 
 _BEGIN = ("Enter or click", "begin")
 

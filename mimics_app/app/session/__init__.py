@@ -1,3 +1,3 @@
-"""What one run owns, and how it is built."""
+"""A session: the objects one run owns, and their construction."""
 
 __all__: list[str] = []

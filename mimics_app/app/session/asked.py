@@ -1,4 +1,4 @@
-"""What is asked of a scene is looked at before compiled code and graphics are imported."""
+"""Checks of the settings of a run, before compiled code and graphics are imported."""
 
 from __future__ import annotations
 

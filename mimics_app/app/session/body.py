@@ -44,7 +44,7 @@ class Body:
 
 
 def open_body(settings: RunSettings, task: TaskSpec, preset: str = "") -> Body:
-    """What a run requests, the null stages where it requests nothing.
+    """Return the stages that a run requests, and null stages elsewhere.
 
     Args:
         settings: Of the run.

@@ -1,4 +1,4 @@
-"""Replays the left half of Figure 1: recorded signals and results through the stages anew, every output compared."""
+"""Replay of the left half of Figure 1: recorded signals and results pass the stages again, every output is compared."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class BodyReplay:
 
 
 class _Lines:
-    """Stands in the recorder's place and keeps the lines as they would stand in events.jsonl."""
+    """Substitute for the recorder that keeps the lines of events.jsonl in memory."""
 
     def __init__(self) -> None:
         self.kept: dict[str, list[dict[str, Any]]] = defaultdict(list)

@@ -56,7 +56,7 @@ def build_session(settings: RunSettings, *, live: bool, read: Scene | None = Non
 
 
 def _assemble(parts: Preparation, stack: ExitStack) -> Session:
-    """Start what runs beside the frames; what must be released after a failure goes on the stack."""
+    """Start recorder and sound; the stack releases them after a failure."""
     memory = parts.side.memory(parts.plugin)
     folder = create_run_folder(parts.settings.runs, parts.settings.seconds or 0.0)
     recorder = _start_recorder(parts, memory, folder)

@@ -1,4 +1,4 @@
-"""The parts every session has, whoever looks at it: what is touched, what plays it, and the stages of Figure 1.
+"""Core of every session: the haptic side, the scenario, and the stages of Figure 1.
 
 A run adds a recorder, a sound and a picture; a still, a point of a sweep, a warm-up and a test do without.
 """
@@ -45,15 +45,15 @@ class SessionCore:
     """One played scene: `Frames` steps it. A context: leaving it stops the loop and closes the device.
 
     Args:
-        parts: What it is made of; the device's values are fitted to its parameters already.
-        memory: Shared by the loop and whoever reads it.
-        recorder: Of the session, or what stands in its place.
-        sound: Likewise.
+        parts: Parts of the session; its parameters are fitted to the device already.
+        memory: Memory shared by the loop and its readers.
+        recorder: Recorder of the session, or a null object.
+        sound: Sound of the session, or a null object.
         folder: Of the run, None where nothing is kept.
 
     Attributes:
-        side: What of the scene can be touched, as it was when the loop was built.
-        report: Says a line to the person at it; nobody is, unless it is a run.
+        side: Haptic objects of the scene, as they were when the loop was built.
+        report: Shows a line to the person; discards it unless the session is a run.
         live: True when the haptic loop runs in real time; False on the virtual clock.
         ended: Whether `stop` was called: it plays no further frame.
     """
@@ -99,7 +99,7 @@ class SessionCore:
         self.tactile = _open_tactile(parts.scene, live=parts.live)
 
     def require_open(self) -> None:
-        """Refuse to play on after the end: nobody would record it, and the device is closed.
+        """Refuse to play on after the end: recorder and device are closed.
 
         Raises:
             UsageError: The session has ended.
@@ -108,25 +108,25 @@ class SessionCore:
             raise UsageError("this session has ended: it plays no further frame", "open another one")
 
     def part_of_body(self, role: str, at_ns: int) -> NDArray[np.float64] | None:
-        """room_from_part of the person's body at a time [ns], as far as a tracker knows; float64 [4, 4]."""
+        """Return room_from_part of the person's body at a time [ns], float64 [4, 4]; or None."""
         found = self.trackers.pose(role, at_ns)
         return None if found is None else found.pose
 
     def shown_by(self, presenter: Presenter) -> None:
-        """Have a display follow the person's head, and the scenario know where the person is seen."""
+        """Make a display follow the person's head, and the scenario place the person before walls."""
         presenter.follow(self.trackers.head)
-        if self.live:  # on the virtual clock the simulation does not go by what shows it
+        if self.live:  # on the virtual clock the simulation is independent of the display
             self.trackers.listen_to(presenter.tracked)
         if presenter.surrounds:
             self.scenario.stand_before_walls()
             self.world.update()
 
     def begin(self) -> None:
-        """Hand the first parameters on: to the recorder that keeps them, then to the loop that obeys them."""
+        """Send the first parameters to the recorder, then to the loop."""
         self.parameter_store.hand_to(self.recorder.parameters, self.haptics.publish)
 
     def stop(self) -> None:
-        """End the task and the loop, and close the device; nothing the second time."""
+        """End the task and the loop, and close the device; a second call does nothing."""
         if self.ended:
             return
         self.ended = True
@@ -147,14 +147,14 @@ class SessionCore:
 
 
 def open_core(parts: Preparation, recorder: Callable[[SessionMemory], RecorderPort] = NullRecorder) -> SessionCore:
-    """A session without processes, sound or picture, ready for its first frame.
+    """Return a session without processes, sound or picture, ready for its first frame.
 
     Args:
         parts: What it is made of.
-        recorder: Makes what stands in the recorder's place.
+        recorder: Creates the recorder of the session.
 
     Raises:
-        DeviceError: the robot cannot be had.
+        DeviceError: The robot cannot be opened.
     """
     parts.parameter_store.fit(device_values(parts.plugin, parts.scene))
     memory = parts.side.memory(parts.plugin)
@@ -165,20 +165,20 @@ def open_core(parts: Preparation, recorder: Callable[[SessionMemory], RecorderPo
 
 
 def _say_nothing(text: str) -> None:
-    """Nobody is there."""
+    """Discard a line: no person is present."""
 
 
 def simulated_person(scene: Scene, scenario: Scenario) -> SimulatedPatient:
-    """What a simulated person does with what the scene asks: the run's own, or one on an emulated robot."""
+    """Return the simulated person of a scene, for a run or an emulated robot."""
     patient = scene.first(Patient) or Patient()
     return SimulatedPatient(intent=patient.intent, follows_path=len(scenario.via_points_world) > 1)
 
 
 def _open_tactile(scene: Scene, *, live: bool) -> Vibrators:
-    """What drives the scene's vibrators: its line in a live session, else nothing but the record.
+    """Return the driver of the scene's vibrators: its serial line in a live session, else a null object.
 
     Raises:
-        DeviceError: the line cannot be opened.
+        DeviceError: The serial line cannot be opened.
     """
     settings = scene.system(TactileSettings) or TactileSettings()
     if not live or not settings.port:

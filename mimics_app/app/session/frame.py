@@ -32,7 +32,7 @@ from mimics_app.contracts.stage_timer import UNTIMED
 __all__ = ["Frames", "experience_of"]
 
 _LONGEST_START = 20 * FRAMES_PER_SECOND
-"""Frames that the start of a trial takes at most; a robot that has not got there then will not."""
+"""Largest number of frames for the robot to reach the start of a trial."""
 
 
 class Frames:
@@ -40,12 +40,12 @@ class Frames:
 
     Attributes:
         number: Frames done.
-        orders: What the task wanted in the newest frame.
-        snapshot: The haptic state the newest frame saw.
-        losses: What of the scene's objects is not simulated any more.
-        safety: What stopped or held the loop.
-        events: What had happened in the haptic loop since the frame before, EVENT records.
-        timer: Where the times of the frame's stages go.
+        orders: Orders of the task in the newest frame.
+        snapshot: Haptic state read by the newest frame.
+        losses: Objects of the scene that are no longer simulated.
+        safety: Stops and holds of the loop.
+        events: EVENT records of the haptic loop since the previous frame.
+        timer: Timer of the frame's stages.
     """
 
     def __init__(self, core: SessionCore) -> None:
@@ -66,13 +66,13 @@ class Frames:
 
     @property
     def board(self) -> Board:
-        """What may lie over the picture: the task's board, and the stability of what is touched."""
+        """Overlay of the picture: the task's board, and the stability margin of the touched object."""
         if self.snapshot is None:
             return self.orders.board
         return self.orders.board.with_cards({"margin": stability_card(self.snapshot)})
 
     def play_on(self) -> TaskOrders:
-        """On the virtual clock: the ticks up to the next frame, then that frame; what the task ordered in it.
+        """On the virtual clock: run the ticks up to the next frame, then that frame; return the task's orders.
 
         Raises:
             UsageError: The session has ended.
@@ -94,8 +94,8 @@ class Frames:
     def step(self) -> None:
         """Do one frame at the session's present time.
 
-        What the learning system chooses after a frame takes effect in the next one, so that it can go by what the task
-        came to; before the first frame it gives what the session begins with.
+        What the learning system chooses after a frame takes effect in the next one, so that it can use the result of
+        the task; before the first frame it chooses the initial parameters.
 
         Raises:
             UsageError: The session has ended.
@@ -136,7 +136,7 @@ class Frames:
         with stage("world update"):
             self._motion.step(orders, events, now_ns)
             core.world.update()
-            self._tell_of_cords()
+            self._report_cords()
         with stage("sound"):
             self._effects.step(orders, events, now_ns)
             core.sound.step(orders, core.world, now_ns)
@@ -146,18 +146,18 @@ class Frames:
             self._journal(vr, taken, snapshot, len(events), now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
 
-    def _tell_of_cords(self) -> None:
+    def _report_cords(self) -> None:
         for name, cord in self._core.world.cords.items():
             for fault in cord.take_faults():
                 self._core.report(f'cord "{name}": {fault}')
 
     def _feel(self, orders: TaskOrders, now_ns: int) -> None:
-        """Hand the task's taps to the vibrators, and keep when each is felt."""
+        """Send the task's taps to the vibrators, and journal the time of each."""
         for line in self._core.tactile.step(orders.touches, now_ns):
             self._core.recorder.journal("tactile", {"t_ns": now_ns, **line})
 
     def _choose(self, state: UserState, result: TrialResult | None, now_ns: int) -> None:
-        """Ask the learning system, which gets the result of the task and what its goal finds it worth."""
+        """Let the learning system choose, given the result of the task and its reward."""
         core = self._core
         reward = core.goal.reward(state, result)
         self._action = core.learning.choose(state, result, reward, now_ns)
@@ -166,7 +166,7 @@ class Frames:
     def _journal(
         self, vr: VRInput, action: TaskAction | None, snapshot: HapticSnapshot, events: int, now_ns: int
     ) -> None:
-        """What this frame saw: tick, events, keys and action, as a replay of the task needs them, and the bodies."""
+        """Journal the inputs of this frame that a replay of the task needs, and the poses of the bodies."""
         line: dict[str, object] = {"frame": self.number, "tick": snapshot.tick, "t_ns": now_ns}
         if events:
             line["events"] = events
@@ -180,7 +180,7 @@ class Frames:
         self._core.recorder.journal("frame", line)
 
     def _touch(self, vr: VRInput, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
-        """Hand the task's haptic orders and the person's pointer to the loop."""
+        """Send the task's haptic orders and the person's pointer to the loop."""
         core = self._core
         if vr.pointer is not None and vr.pointer.stop:
             core.haptics.stop_key()
@@ -196,7 +196,7 @@ class Frames:
 
 
 def experience_of(orders: TaskOrders, snapshot: HapticSnapshot, now_ns: int) -> Experience:
-    """What the person went through in a frame."""
+    """Return the speed, power, demand and result of the person in a frame."""
     velocity = np.asarray(snapshot.v_world, float)
     power = float(np.dot(np.asarray(snapshot.f_user_world, float), velocity))
     return Experience(

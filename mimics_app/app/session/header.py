@@ -1,4 +1,4 @@
-"""What the recording of a run says about it at its head."""
+"""Header of the recording of a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who is at the window of a run: a person with mouse, keyboard and gamepad."""
+"""Input of the person at the window of a run: mouse, keyboard and gamepad."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a session is made of before anything starts: whatever can be wrong with files and devices is found here."""
+"""Parts of a session before anything starts: faults of files and devices are found here."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Preparation:
 
     @property
     def context(self) -> TaskContext:
-        """What the task must know of its scene, of this device, and of who plays."""
+        """Context of the task: the scene, the device, and the person or simulated patient."""
         context = fit_context(self.scenario.task_context, self.plugin)
         return replace(
             context,

@@ -1,4 +1,4 @@
-"""A recorded session simulated again: its loop from the inputs of every tick, its task from the frames it was given."""
+"""Replay of a recorded session: the loop from the inputs of every tick, the task from the inputs of every frame."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ __all__ = ["PlayedAgain", "TaskFrame", "play_again", "play_loop", "play_task"]
 
 @dataclass(frozen=True, slots=True)
 class TaskFrame:
-    """What the task manager was given in one frame; see `TaskManager.step`."""
+    """Inputs of the task manager in one frame; see `TaskManager.step`."""
 
     pressed: tuple[str, ...]
     action: TaskAction | None
@@ -49,7 +49,7 @@ class TaskFrame:
 
 @dataclass(frozen=True, slots=True)
 class PlayedAgain:
-    """What a task came to: (kind, data) of each line for the journal, and the rows of its attempts."""
+    """Output of a task: (kind, data) of each line of the journal, and the rows of its attempts."""
 
     lines: list[tuple[str, dict[str, object]]] = field(default_factory=list)
     rows: list[Row] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""Reports each stop and each hold of the haptic loop while a run goes on: what happened, when, and what to do."""
+"""Reports of each stop and hold of the haptic loop during a run: cause, time, and what to do."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from mimics_app.rendering.haptic.histogram import LatenessReport
 __all__ = ["SafetyWatch"]
 
 _QUIET_TICKS = 5 * TICKS_PER_SECOND
-"""A busy machine holds again and again: one line on the terminal in so many ticks is enough."""
+"""Shortest time between two reported holds [ticks]: a busy machine holds again and again."""
 
 _PAUSED = "Paused: this computer is too busy. It resumes on its own"
 
 
 class SafetyWatch:
-    """Remembers what tripped.
+    """Keeps the newest trips of the haptic loop, and reports them.
 
     Args:
-        report: Says a line to the person.
+        report: Shows a line to the person.
 
     Attributes:
         stop: The newest stop that was latched, None while there was none.
@@ -59,13 +59,13 @@ class SafetyWatch:
 
     @staticmethod
     def message(state: int) -> str:
-        """What the person should read over the picture in a SafetyState, "" where the task's own line says enough."""
+        """Return the text over the picture in a SafetyState; "" where the task's own line says enough."""
         return _PAUSED if state == SafetyState.DEGRADED else ""
 
     def summary(self, state: int, late: LatenessReport) -> dict[str, Any]:
-        """`safety` of a run's answer: state at the end, stops and holds, and where any was, cause and time of the last.
+        """Return `safety` of a run's answer: last state, stops and holds, and cause and time of the last of them.
 
-        A stop says more than a hold, however long ago it was.
+        A stop takes precedence over a later hold.
         """
         answer = {"state": SafetyState(state).name, "stops": late.stops, "holds": late.holds}
         last = self.stop or self.hold

@@ -83,7 +83,7 @@ class Session(SessionCore):
         return report
 
     def finish(self, summary: dict[str, Any]) -> Manifest:
-        """Seal the recording with what the run came to."""
+        """Close the recording with the result of the run."""
         manifest = self.recorder.close(summary)
         self.on_close.pop_all()
         return manifest

@@ -1,4 +1,4 @@
-"""The sound of a session: its process, or its file where no time runs."""
+"""The sound of a session: a process when live, a file on the virtual clock."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
 __all__ = ["open_sound"]
 
 _MOST_OPENAL = 200
-"""Voices that the library takes beside its spare ones."""
+"""Largest number of OpenAL voices beside the spare ones."""
 
 
 def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Path | None = None) -> SoundPort:
-    """The scene's sound, opening; none, without importing any of it, where there is none.
+    """Open the sound of a scene; a scene without sounds imports none of its modules.
 
     Args:
         parts: Of the session.
-        memory: Where the loop leaves what is to be heard.
-        folder: Of the run; sound.wav goes there where it is requested. What nobody hears is not written on its own.
-        file: Instead of it.
+        memory: Shared memory with the contact events of the loop.
+        folder: Run folder; sound.wav is written there where it is requested.
+        file: File to write instead of sound.wav.
     """
     scene, wanted = parts.scene, parts.settings.sound
     sounds = scene.components(Sound)
@@ -72,7 +72,7 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
 
 
 def _sink(written: Path | None, *, live: bool) -> Sink:
-    """A file where one is requested, else the device; without a person what would be heard is mixed and not kept."""
+    """Return "file" where one is requested, else "device"; not live, sound is mixed and discarded."""
     if written is not None:
         return "file"
     return "device" if live else "null"

@@ -1,4 +1,4 @@
-"""What a frame needs of a recorder and of a sound, and what stands in their place where they are switched off."""
+"""Interfaces of the recorder and the sound of a session, and null objects for where they are switched off."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ __all__ = ["NullRecorder", "NullSound", "RecorderPort", "SoundPort"]
 
 
 class RecorderPort(Protocol):
-    """What a session asks of its recorder while it runs; see `recording.recorder.Recorder`."""
+    """Recorder of a running session; see `recording.recorder.Recorder`."""
 
     @property
     def problem(self) -> str:
-        """What keeps it from recording, "" while all is well."""
+        """Why it cannot record; "" while it can."""
         ...
 
     @property
@@ -35,49 +35,49 @@ class RecorderPort(Protocol):
 
     @property
     def restarts(self) -> int:
-        """How often its process was replaced."""
+        """Number of times its process was restarted."""
         ...
 
     @property
     def holds_s(self) -> float:
-        """How long nothing is lost without it [s]."""
+        """Time for which the buffers hold all data without it [s]."""
         ...
 
     def wait_for_room(self, ticks: int) -> None:
-        """Return when so many more ticks find room."""
+        """Block until the buffers have room for a number of ticks."""
         ...
 
     def journal(self, kind: str, data: Mapping[str, object]) -> None:
-        """Keep a line about something that happened."""
+        """Write an event as a line of the journal."""
         ...
 
     def parameters(self, block: NDArray[Any], rows: Rows | None = None) -> None:
-        """Keep a SCENE record, shape [1], and its rows."""
+        """Write a SCENE record, shape [1], and its rows."""
         ...
 
     def trial(self, row: Mapping[str, Any]) -> None:
-        """Keep the row of an attempt."""
+        """Write the row of an attempt."""
         ...
 
     def signals(self, rows: Sequence[SignalRow]) -> None:
-        """Keep blocks of the person's signals."""
+        """Write blocks of body signals."""
         ...
 
 
 class SoundPort(Protocol):
-    """What a frame passes to the sound; see `cues.sound_stage.SoundStage`."""
+    """Sound of a session; see `cues.sound_stage.SoundStage`."""
 
     def step(self, orders: TaskOrders, world: World, now_ns: int) -> None:
-        """One frame at session time `now_ns`."""
+        """Play the sounds of one frame at session time `now_ns`."""
         ...
 
     def stop(self) -> AudioReport | None:
-        """End it; what was heard, None where there is no sound."""
+        """Stop, and return the report; None where there is no sound."""
         ...
 
 
 class NullRecorder:
-    """Keeps nothing; the samples of the newest frame can be had before the next one begins.
+    """Records nothing; the samples of the newest frame can be read until the next one begins.
 
     Args:
         memory: Of the session.
@@ -98,28 +98,28 @@ class NullRecorder:
         return self._drained[:count].copy()
 
     def wait_for_room(self, ticks: int) -> None:
-        """Forget what nobody requested."""
+        """Discard the samples not read."""
         ring.drain(self._memory.sample_words, self._memory.samples, self._drained)
 
     def journal(self, kind: str, data: Mapping[str, object]) -> None:
-        """Nothing is kept."""
+        """Write nothing."""
 
     def parameters(self, block: NDArray[Any], rows: Rows | None = None) -> None:
-        """Nothing is kept."""
+        """Write nothing."""
 
     def trial(self, row: Mapping[str, Any]) -> None:
-        """Nothing is kept."""
+        """Write nothing."""
 
     def signals(self, rows: Sequence[SignalRow]) -> None:
-        """Nothing is kept."""
+        """Write nothing."""
 
 
 class NullSound:
     """No sound."""
 
     def step(self, orders: TaskOrders, world: World, now_ns: int) -> None:
-        """Nothing is heard."""
+        """Play nothing."""
 
     def stop(self) -> AudioReport | None:
-        """Nothing was heard."""
+        """Return no report."""
         return None

@@ -1,4 +1,4 @@
-"""What the recording keeps of the person, in the frame it arose: signals, features, state, results and choices."""
+"""Recording of the person in each frame: signals, features, state, results and choices."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from mimics_app.recording.signal_rows import SignalRow
 __all__ = ["Keeper", "Tap", "choice_line", "features_line", "person_line", "result_line"]
 
 _FRAMES = 30
-"""Signals are handed over in pieces of half a second: one message costs more than its samples."""
+"""Number of frames of signals sent as one message: half a second, as a message costs more than its samples."""
 
 
 class Keeper(Protocol):
-    """What a tap needs of a recorder."""
+    """Recorder as a tap needs it."""
 
     def journal(self, kind: str, data: Mapping[str, object]) -> None:
-        """Keep a line."""
+        """Write a line of the journal."""
         ...
 
     def signals(self, rows: Sequence[SignalRow]) -> None:
-        """Keep blocks of signals."""
+        """Write blocks of signals."""
         ...
 
 
 class Tap:
-    """Hands on to the recorder what is new.
+    """Sends new data of the person to the recorder.
 
     Args:
         recorder: Of the session.
@@ -41,7 +41,7 @@ class Tap:
         self._features_ns = self._state_ns = -1
 
     def step(self, frame: int, signals: Sequence[SignalBlock], features: FeatureFrame, state: UserState) -> None:
-        """One frame."""
+        """Record what is new in a frame."""
         self._rows += [SignalRow(frame, block) for block in signals]
         if self._rows and frame % _FRAMES == _FRAMES - 1:
             self.flush()
@@ -53,26 +53,26 @@ class Tap:
             self._recorder.journal("person", person_line(frame, state))
 
     def choice(self, frame: int, result: TrialResult | None, reward: float | None, action: TaskAction | None) -> None:
-        """What the learning system was given and what it chose, where there was something of either."""
+        """Record the result given to the learning system and its choice, where there is one."""
         if result is not None:
             self._recorder.journal("result", result_line(frame, result))
         if action is not None:
             self._recorder.journal("choice", choice_line(frame, reward, action))
 
     def flush(self) -> None:
-        """Hand over what waits; the session ends."""
+        """Send the signals that are buffered."""
         if self._rows:
             self._recorder.signals(self._rows)
             self._rows = []
 
 
 def features_line(frame: int, features: FeatureFrame) -> Mapping[str, object]:
-    """Features as they stand in events.jsonl."""
+    """Return features as a line of events.jsonl."""
     return {"frame": frame, "t_ns": features.t_ns, "values": dict(features.values), "quality": dict(features.quality)}
 
 
 def person_line(frame: int, state: UserState) -> Mapping[str, object]:
-    """A state as it stands in events.jsonl: [mean, variance] of each quantity that is known."""
+    """Return a state as a line of events.jsonl: [mean, variance] of each known quantity."""
     estimates = {name: getattr(state, name) for name in ("arousal", "valence", "effort")}
     known = {name: [e.mean, e.variance] for name, e in estimates.items() if e is not None}
     load = {} if state.load is None else {"load": list(state.load)}
@@ -80,12 +80,12 @@ def person_line(frame: int, state: UserState) -> Mapping[str, object]:
 
 
 def result_line(frame: int, result: TrialResult) -> Mapping[str, object]:
-    """A result as it stands in events.jsonl; `TrialResult(**line)` gives it back, the frame aside."""
+    """Return a result as a line of events.jsonl; `TrialResult(**line)` without the frame restores it."""
     return {"frame": frame, **msgspec.to_builtins(result)}
 
 
 def choice_line(frame: int, reward: float | None, action: TaskAction) -> Mapping[str, object]:
-    """A choice as it stands in events.jsonl, with what the frame was worth."""
+    """Return a choice as a line of events.jsonl, with the reward of the frame."""
     return {
         "frame": frame,
         "values": dict(action.values),

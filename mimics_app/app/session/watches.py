@@ -1,4 +1,4 @@
-"""Report what becomes of recorder, body signals and device while a session goes on: each change once."""
+"""Watches of recorder, body signals and device during a session: each change is reported once."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["DeviceWatch", "RecorderWatch", "SignalWatch"]
 
 
 class RecorderWatch:
-    """Whether the recorder died, is back, or cannot record.
+    """Reports a recorder that died, is back, or cannot record.
 
     Args:
         recorder: Of the session.
@@ -32,7 +32,7 @@ class RecorderWatch:
         recorder = self._recorder
         if recorder.restarts != self._restarts:
             self._restarts, self._away = recorder.restarts, True
-            held = f"what happens meanwhile is kept for {recorder.holds_s:.0f} s"
+            held = f"meanwhile data are buffered for {recorder.holds_s:.0f} s"
             self._report(f"the recorder died and is replaced (number {self._restarts}); {held}")
         if self._away and recorder.ready:
             self._away = False
@@ -43,7 +43,7 @@ class RecorderWatch:
 
 
 class SignalWatch:
-    """Whether a recorder of body signals falls silent or is back; the session goes on either way.
+    """Reports a source of body signals that is lost or back; the session goes on.
 
     Args:
         sources: Of the session; one that can be lost says why in its `lost`, "" while it is there.
@@ -61,12 +61,12 @@ class SignalWatch:
             lost: str = getattr(source, "lost", "")
             if lost != known:
                 self._known[i] = (source, lost)
-                self._report(f"body signals end: {lost}" if lost else "body signals are back")
+                self._report(f"body signals are lost: {lost}" if lost else "body signals are back")
                 self._recorder.journal("signal_source", {"t_ns": now_ns, "lost": lost})
 
 
 class DeviceWatch:
-    """What is wrong with the device: sent to the recording, on the terminal, and over the picture.
+    """Reports faults of the device in the recording, on the terminal, and over the picture.
 
     Args:
         device: Of the loop.
@@ -78,10 +78,10 @@ class DeviceWatch:
         self._known = ""
 
     def look(self) -> str:
-        """What a person should read over the picture now, "" when nothing is wrong."""
+        """Return the fault to show over the picture; "" without one."""
         trouble = self._device.trouble()
         if trouble != self._known:
             self._known = trouble
             self._recorder.journal("device", {"trouble": trouble})
-            say(trouble or "the device is back: R goes on")
+            say(trouble or "the device is back: press R to go on")
         return trouble

@@ -17,7 +17,7 @@ _MEASURES = ("ownership", "touch", "agency", "location", "control", "drift_m")
 
 
 def write_page(file: Path, title: str, runs: Sequence[SubjectRun], trials: Sequence[Row], taps: Sequence[Row]) -> None:
-    """Write what a study came to as one HTML file that needs no other."""
+    """Write the results of a study as one self-contained HTML file."""
     environment = load_templates(Path(__file__).parent / "templates")
     environment.filters["cell"] = _cell
     conditions = summarise_conditions(trials, _MEASURES)

@@ -1,4 +1,4 @@
-"""Runs one scene for several subjects, each in a process of its own: one that fails leaves the others whole."""
+"""Runs of one scene for several subjects, each in a process of its own: a failure does not affect the others."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from mimics_app.app.play.journey_log import read_journey
 __all__ = ["SubjectRun", "find_run", "run_subject"]
 
 _LOOK_EVERY_S = 0.3
-"""How often the trial that is played is asked for [s]."""
+"""Interval at which the current trial is read [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class SubjectRun:
-    """What became of one subject.
+    """Run of one subject.
 
     Attributes:
         subject: Number, 1 first.
-        seed: Of the run: decides the order of the conditions and all that is drawn.
-        folder: Of the run, None where there is none.
-        problem: Why it is not whole, "" where it is.
+        seed: Seed of the run: of the order of conditions and everything random.
+        folder: Run folder, or None.
+        problem: Why the run is incomplete; "" where it is complete.
     """
 
     subject: int
@@ -46,7 +46,7 @@ def find_run(subject: int, folder: Path) -> SubjectRun:
         session = json.loads((folder / "session.json").read_text(encoding="utf-8"))
         return SubjectRun(subject, int(session["seed"]), folder)
     except (OSError, ValueError, KeyError, TypeError):
-        return SubjectRun(subject, 0, None, f"{folder} is no folder of a run: it has no session.json that can be read")
+        return SubjectRun(subject, 0, None, f"{folder} is no run folder: it has no readable session.json")
 
 
 def run_subject(
@@ -55,12 +55,12 @@ def run_subject(
     """Run a scene headless for one simulated subject.
 
     Args:
-        scene: Which.
-        subject: Number.
-        seed: Of the run.
+        scene: Scene file.
+        subject: Number of the subject.
+        seed: Seed of the run.
         runs: Folder the run folder is made in.
         extra: Further arguments of `mimics run`.
-        report: Gets a line when it begins, and one for every trial.
+        report: Called with a line at the start, and one for every trial.
     """
     report(f"subject {subject}, seed {seed}")
     command = [sys.executable, "-m", "mimics_app", "run", str(scene), "--headless", "--json", "--seed", str(seed)]
@@ -75,7 +75,7 @@ def run_subject(
 
 
 def _followed(command: list[str], before: str, report: Callable[[str], None]) -> tuple[int, str, str]:
-    """Run a session and say which trial it plays; its exit code, what it answered and what it complained of."""
+    """Run a session and report its trials; return its exit code, stdout and stderr."""
     with tempfile.TemporaryDirectory(prefix="mimics-study-") as folder:
         log, said = Path(folder) / "journey.jsonl", ""
         log.touch()

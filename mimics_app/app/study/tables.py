@@ -1,4 +1,4 @@
-"""Tidy tables of a study: one row an observation, one column a variable, the subject in the first."""
+"""Tidy tables of a study: one row per observation, one column per variable, the subject first."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ TAP_COLUMNS = ["subject", "trial", "condition", "tap", "place", "felt_at", "seen
 TAP_COLUMNS += ["seen_display_ns", "felt_scheduled_ns", "felt_commanded_ns", "felt_ns", "offset_ms"]
 ANSWER_COLUMNS = ["subject", "trial", "condition", "item", "scale", "value", "seconds", "t_ns"]
 _TAPS_A_TRIAL = 10_000
-"""Numbers of taps count on from this for every trial."""
+"""Offset between the tap numbers of two trials: number = trial x offset + tap."""
 
 
 def read_study(runs: Sequence[SubjectRun]) -> tuple[list[Row], list[Row], list[Row]]:
@@ -38,7 +38,7 @@ def read_study(runs: Sequence[SubjectRun]) -> tuple[list[Row], list[Row], list[R
 
 
 def write_table(file: Path, rows: Sequence[Mapping[str, Any]], columns: Sequence[str] = ()) -> None:
-    """Write rows as CSV; columns in the order given, else in the order they come up."""
+    """Write rows as CSV; columns in the order given, else of first occurrence."""
     names = list(columns) or list(dict.fromkeys(name for row in rows for name in row))
     with file.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.DictWriter(stream, names, extrasaction="ignore", restval="")
@@ -62,7 +62,7 @@ def summarise_conditions(trials: Sequence[Row], measures: Sequence[str]) -> list
 
 
 def _taps(subject: int, events: Sequence[Row]) -> list[Row]:
-    """One row a tap: what was seen and what was felt of it."""
+    """Return one row per tap, with its visual and its tactile times."""
     rows: dict[tuple[int, int], Row] = {}
     for event in events:
         kind = event.get("kind")
@@ -89,7 +89,7 @@ def _rows(file: Path) -> list[Row]:
 
 
 def _events(file: Path) -> Iterator[Row]:
-    """Lines of the journal; one that was cut off is left out."""
+    """Yield the lines of the journal; an incomplete one is skipped."""
     if not file.exists():
         return
     with file.open(encoding="utf-8") as stream:

@@ -1,4 +1,4 @@
-"""What can be swept, by name; an experiment is imported when it is requested."""
+"""Experiments of `mimics sweep` by name; each is imported when it is requested."""
 
 from __future__ import annotations
 

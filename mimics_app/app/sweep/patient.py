@@ -1,4 +1,4 @@
-"""Sweep experiment: a simulated patient travels a scene's trial, through the real loop and task manager.
+"""Sweep experiment: a simulated patient plays a trial of a scene, through the real loop and task manager.
 
 Every point is one trial (the last one of the scene's list) on the virtual clock, without processes, picture or sound.
 """
@@ -21,7 +21,7 @@ from mimics_app.app.session.body import Body
 from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
-from mimics_app.app.settings import PROFILES, Profile, RunSettings
+from mimics_app.app.settings import PATIENTS, PROFILES, Profile, RunSettings
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
 from mimics_app.contracts.errors import Issue, MimicsError, nearest
 from mimics_app.contracts.messages import TaskAction
@@ -144,7 +144,7 @@ EXPERIMENT = SweepExperiment(
     what="one trial of a scene by a simulated patient, through the real loop and task manager",
     parameters={
         "scene": Quantity("text", "", "scenes/wavy_tunnel.json"),
-        "preset": Quantity("text", "", "", choices=("", "healthy", "moderate", "severe")),
+        "preset": Quantity("text", "", "", choices=("", *PATIENTS)),
         "seed": Quantity("int", "", 1, 0, 2**31 - 1),
         "profile": Quantity("text", "", "training", choices=PROFILES),
         "seconds": Quantity("float", "s", 240.0, 1.0, 3600.0),

@@ -1,4 +1,4 @@
-"""What a worker does with a piece of a sweep; the same function here, in a process and on another machine."""
+"""Job of a sweep worker: the same function computes a chunk here, in a process and on another machine."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["SweepJob"]
 
 @dataclass(frozen=True)
 class SweepJob:
-    """A sweep as it travels to a worker; calling it with a piece computes that piece.
+    """A sweep as it travels to a worker; calling it with a chunk computes that chunk.
 
     Attributes:
         text: The sweep, canonical.
@@ -43,7 +43,7 @@ class SweepJob:
 
         Raises:
             UsageError: This program has no such experiment.
-            DeviceError: This program is another one than the one that planned the sweep.
+            DeviceError: This program has another version than the one that planned the sweep.
         """
         if source_digest() != self.sources:
             raise DeviceError("the worker runs another version of mimics_app", "install the same one everywhere")
@@ -58,5 +58,5 @@ class SweepJob:
         return pack(self.sweep, self.experiment, piece, values, self.experiment.run(values, Path(self.folder)))
 
     def __getstate__(self) -> dict[str, str]:
-        """What travels: the text, not what a process has made of it."""
+        """Return what is pickled: the text, not the objects decoded from it."""
         return {"text": self.text, "folder": self.folder, "sources": self.sources}

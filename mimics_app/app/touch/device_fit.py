@@ -1,4 +1,4 @@
-"""What the haptic parameters and the task take from the device that is really there."""
+"""Values that the haptic parameters and the task take from the actual device."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def feel_of(plugin: DevicePlugin) -> Controller:
 
 
 def _joint_values(plugin: DevicePlugin, scene: Scene) -> Mapping[str, object]:
-    """What another device than the scene's own has instead of it."""
+    """Parameters of a device that replaces the scene's own."""
     robot = scene.first(Robot) or Robot()
     planned, there = descriptor_of(robot.device), plugin.descriptor or HAPTICMASTER
     if there is planned:
@@ -69,5 +69,5 @@ def _describe(descriptor: DeviceDescriptor) -> str:
 
 
 def fit_context(context: TaskContext, plugin: DevicePlugin) -> TaskContext:
-    """What a task must know of its scene on this device."""
+    """Return the context of a task: its scene on this device."""
     return replace(context, feel=feel_of(plugin))

@@ -1,4 +1,4 @@
-"""What a scene can touch, made ready for a session: memory, rows of the parameter store, arrays of the loop."""
+"""Haptic objects of a scene, prepared for a session: memory, rows of the parameter store, arrays of the loop."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class HapticSide:
 
     @property
     def statics(self) -> Statics:
-        """What the recording keeps of it beside the parameters."""
+        """Description for the recording, beside the parameters."""
         return Statics(self._statics.arrays, self._statics.fields)
 
     @property
@@ -52,7 +52,7 @@ class HapticSide:
         return self._objects.shape_entities
 
     def for_robot(self, robot: Robot) -> tuple[DeviceObject, ...]:
-        """What a robot that renders objects itself should make; what it cannot is reported on stderr."""
+        """Return the objects for a robot that renders them itself; unsupported ones are reported on stderr."""
         if robot.settings.get("mode") != "objects":
             return ()
         shapes = self._objects.rows.shapes[: int(self._objects.counts[0]["shapes"])]

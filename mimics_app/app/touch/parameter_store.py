@@ -17,7 +17,7 @@ __all__ = ["ParameterStore"]
 _PREFIX = "haptic."
 
 _DERIVED = frozenset(Rows._fields) - {"tunnels"}
-"""Tables of which the loop keeps something computed, until their revision changes."""
+"""Tables from which the loop caches results until their revision changes."""
 
 Receiver = Callable[[NDArray[Any], Rows | None], object]
 
@@ -54,7 +54,7 @@ class ParameterStore:
         return self._block
 
     def fit(self, values: Mapping[str, object]) -> None:
-        """Set what the device decides, limits included, before the first block is handed on.
+        """Set the values that the device decides, limits included, before the first block is published.
 
         Raises:
             UsageError: A name that is no field of the haptic scene, or a block was handed on already.
@@ -67,7 +67,7 @@ class ParameterStore:
             self._publish()
 
     def hand_to(self, *receivers: Receiver) -> None:
-        """Hand every block from the present one on to the recorder that keeps it and the loop that obeys it."""
+        """Send the current block and all later ones to the recorder and the loop."""
         self._receivers = receivers
         self._publish()
 

@@ -1,4 +1,4 @@
-"""What the person does, as the haptic loop reads it: one record a frame."""
+"""Input of the person to the haptic loop: one record per frame."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class PersonInbox:
         self._record: NDArray[Any] = np.zeros(1, INBOX)
 
     def send(self, pointer: PointerState | None, *, trial: int, may_act: bool) -> None:
-        """Hand over a frame's pointer; None leaves the hand where it was, and nobody acts.
+        """Send the pointer of a frame; None keeps the last position, and the person does not act.
 
         Args:
             pointer: Of a person or a simulated one.

@@ -1,3 +1,3 @@
-"""`mimics view`: a model or a scene to be looked at from all sides, put in its place, and saved."""
+"""`mimics view`: inspect a model or a scene from all sides, move its entities, and save it."""
 
 __all__: list[str] = []

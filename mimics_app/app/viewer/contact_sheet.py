@@ -59,7 +59,7 @@ class Tile:
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
-    """What was drawn: the file, its tiles in reading order, backend and driver."""
+    """Result of drawing a sheet: the file, its tiles in reading order, backend and driver."""
 
     file: Path
     tiles: list[Tile]

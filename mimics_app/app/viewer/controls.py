@@ -1,4 +1,4 @@
-"""What the person's events do in the viewer."""
+"""Mouse and keyboard control of the viewer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Three arrows at what is chosen: whoever drags one of them moves it along that axis."""
+"""Gizmo of three arrows at the selected object: dragging one moves the object along that axis."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Orbit camera of the viewer: it goes round a point, nearer and farther, sideways, or flies."""
+"""Orbit camera of the viewer: it orbits a point, zooms, pans, or flies."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ __all__ = ["OrbitCamera"]
 _STEEPEST = math.radians(89.0)
 _FOV = math.radians(40.0)
 _WHOLE_TURN_PX = 1200.0
-"""Pixels of the pointer's travel for a whole turn."""
+"""Travel of the pointer for a full rotation [px]."""
 _PER_STEP = 0.87
 """Factor on the distance for one step of the wheel."""
 _NEAREST, _FARTHEST = 1e-5, 1e7
 _MARGIN = 1.08
 _ARMS_LENGTH = 12.0
-"""Farthest a scene's camera goes round what it looks at [m]."""
+"""Largest orbit radius of a scene's camera [m]."""
 _LOOKED_DOWN, _LOOKED_ASIDE = math.radians(20.0), math.radians(32.0)
 """From where a model is first seen."""
 
@@ -67,7 +67,7 @@ class OrbitCamera:
         return compose_look_at(self.position, self.target)
 
     def view(self, size: Size) -> View:
-        """What it sees on a surface of a size [px]."""
+        """Return the camera's view on a surface of a size [px]."""
         near = self.near or max(0.004 * min(self.distance, self.reach), 1e-6)
         far = self.far or 40.0 * (self.distance + self.reach)
         return View(self.pose, compute_tangents(self.fov, size), (0, 0, *size), near, far)

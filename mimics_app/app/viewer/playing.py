@@ -1,4 +1,4 @@
-"""What of a model moves in the viewer: a clip by its name at a time, and every vertex where it is drawn."""
+"""Animation in the viewer: clips by name and time, and the world positions of all vertices."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["add_motion", "animators_of", "clips_of", "play_clip", "write_vertice
 
 
 def animators_of(shown: Shown) -> list[Animator]:
-    """What plays clips in what is shown."""
+    """Return the animators of the model or scene shown."""
     return [animator for animator in shown.world.motion.animators.values() if animator.clips]
 
 
@@ -25,7 +25,7 @@ def clips_of(shown: Shown) -> list[str]:
 
 
 def add_motion(shown: Shown, path: Path) -> None:
-    """Give the first person that is shown what was recorded as one more clip; its report goes to the notes.
+    """Add a recorded motion to the first person shown, as a further clip; its report goes to the notes.
 
     Args:
         shown: What is shown; has notes and a clip more.

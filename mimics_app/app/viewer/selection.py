@@ -53,7 +53,7 @@ class Selection:
         return self._moved
 
     def show(self, shown: Shown) -> None:
-        """Go over to the same thing read anew, keeping what is chosen where it is still there."""
+        """Switch to the reloaded file; the selection is kept where it still exists."""
         name = self.chosen.name if self.chosen is not None else ""
         self._shown, self._grip = shown, None
         self._undo.clear()
@@ -118,7 +118,7 @@ class Selection:
         return True
 
     def save(self) -> list[Path]:
-        """Write every entity that was moved to the file it stands in; returns the files.
+        """Write every moved entity to the file that defines it; return the files.
 
         Raises:
             SceneError: one of them cannot be written; what was written before stays, the rest is still unsaved.
@@ -147,7 +147,7 @@ class Selection:
         return None
 
     def _owner(self, node: SceneNode) -> SceneNode | None:
-        """What of the scene file, or which part of the model, a node belongs to."""
+        """Return the entity of the scene file, or the part of the model, that a node belongs to."""
         shown = self._shown
         if shown.scene is None:
             inside = shown.stand is not None and shown.world.graph.hierarchy.is_inside(node.index, shown.stand.index)
@@ -159,7 +159,7 @@ class Selection:
 
 
 def drag_offset(point: F8, ray: Ray, view: View, axis: int | None) -> F8:
-    """How far what was grabbed at a point goes, so that it stays under the pointer, world [m], [3].
+    """Return the displacement that keeps a grabbed point under the pointer, world [m], [3].
 
     Args:
         point: Where it was grabbed, world [m], [3].
@@ -180,7 +180,7 @@ def drag_offset(point: F8, ray: Ray, view: View, axis: int | None) -> F8:
 
 
 def _along_axis(point: F8, axis: int, ray: Ray) -> F8:
-    """From a point along an axis to where that line comes nearest to a ray; nothing where both are parallel."""
+    """Return the displacement along an axis to the point nearest to a ray; zero where both are parallel."""
     (origin, direction), line = ray, np.eye(3)[axis]
     across = direction - (direction @ line) * line
     square = float(across @ across)

@@ -1,4 +1,4 @@
-"""The viewer's window: events in, a picture out whenever something is another than before, and the file watched."""
+"""The viewer's window: handles events, draws when something changed, and watches the file."""
 
 from __future__ import annotations
 
@@ -27,23 +27,19 @@ __all__ = ["ViewerSession"]
 _LOOK_NS = SECOND_NS // 4
 _SHOW_NS = 5 * SECOND_NS
 _REST_NS = SECOND_NS // 5
-"""After so long without a change edges are smoothed where that had to wait."""
+"""Time without a change after which edges are smoothed [ns]."""
 _LONGEST_STEP_S = 0.1
-
-
-def _do_nothing() -> None:
-    """Nobody waits for the first picture."""
 
 
 class ViewerSession:
     """One window, from opening to closing.
 
     Args:
-        shown: What is shown first.
+        shown: Model or scene shown first.
         size: Of the window [px].
         profile: Quality of a scene's picture.
         camera: As `Viewport`.
-        up: Of a mesh file, for reading it anew.
+        up: Upward axis of a mesh file, for reloading it.
 
     Attributes:
         pictures: PNG files the person made.
@@ -66,10 +62,11 @@ class ViewerSession:
         self.saved: list[Path] = []
         self.backend = self._surface.backend
 
-    def run(self, shown: Callable[[], None] = _do_nothing) -> None:
-        """Show it until the window closes; `shown` is called once the first picture is on the glass."""
+    def run(self, shown: Callable[[], None] | None = None) -> None:
+        """Show it until the window closes; `shown` is called after the first picture is on the screen."""
         self._draw(smooth=False)
-        shown()
+        if shown is not None:
+            shown()
         due = looked = before = begun = drawn = self._clock.now_ns()
         rested = False
         while not (self._surface.should_close or self._left):

@@ -1,4 +1,4 @@
-"""What the viewer shows: a scene, a glTF model or another mesh file, as a world with what there is to say about it."""
+"""Content of the viewer: a scene, a glTF model or another mesh file, as a world with its notes."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _QUARTER = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
 
 @dataclass(eq=False)
 class Shown:
-    """One thing to look at.
+    """One model or scene to show.
 
     Attributes:
         path: The file.
@@ -53,11 +53,11 @@ class Shown:
     model: ModelPrefab | None = None
 
     def mesh_name(self, key: str) -> str:
-        """What the model calls a mesh of the world; its key where it has no name there."""
+        """Return the model's name of a mesh of the world; its key where it has none."""
         return (self.model.mesh_name(key) if self.model is not None else "") or key
 
     def node_name(self, entity: int) -> str:
-        """What the model calls the node of an entity; in a scene the name of the node in the world."""
+        """Return the model's name of an entity's node; in a scene the name of the node in the world."""
         name = self.world.graph.name(entity)
         return name if self.stand is None else name.removeprefix(f"{self.stand.name}/")
 
@@ -90,7 +90,7 @@ class Shown:
 
 
 def open_shown(path: Path, up: Up = "y") -> Shown:
-    """Read a file to be looked at.
+    """Read a file to show.
 
     Args:
         path: A scene (also by the name of a shipped one), a glTF model, or one of `MESH_SUFFIXES`.

@@ -33,7 +33,7 @@ def draw_turntable(
     caption: bool = False,
     video: Path | None = None,
 ) -> Drawn:
-    """Draw a thing from as many sides as there are frames, spread over one turn.
+    """Draw one picture per frame, spread over one turn of the camera.
 
     Args:
         shown: What.

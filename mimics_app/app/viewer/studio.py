@@ -38,7 +38,7 @@ def studio_settings(extent: Extent) -> RenderSettings:
 
 
 class Studio:
-    """What is put about a model; everything it adds hangs on one node.
+    """Surroundings of a model: floor, lights and sky, below one node.
 
     Args:
         world: Of the model; its sky is replaced.

@@ -60,7 +60,7 @@ class Viewport:
         return draws_in_software(self.surface)
 
     def show(self, shown: Shown) -> None:
-        """Show another thing, or the same read anew; the orbit camera stays where it is."""
+        """Show another model or scene, or the same reloaded; the orbit camera stays."""
         self._furnish(shown)
         self.shown = shown
         self.renderer.world = shown.world
@@ -75,7 +75,7 @@ class Viewport:
             self.orbit.frame(extent, self.surface.size)
 
     def draw(self, *, smooth: bool = True) -> FrameStats:
-        """Draw one frame with what is on the heads-up display; a context that was lost is made anew.
+        """Draw one frame with the heads-up display; a lost context is created again.
 
         Args:
             smooth: False leaves edges as they fall, which is much quicker on the processor.
@@ -105,7 +105,7 @@ class Viewport:
         return [self.orbit.view(self.surface.size)]
 
     def _report(self, stats: FrameStats) -> FrameStats:
-        """Say on stderr what was drawn otherwise than the file asks, a line for each fault, once."""
+        """Report on stderr each deviation of the picture from the file, once."""
         for issue in self.renderer.take_issues():
             sys.stderr.write(f"mimics: {issue}\n")
         return stats
