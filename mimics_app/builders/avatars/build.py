@@ -8,7 +8,7 @@ from mimics_app.builders.avatars.export import FigureWriter, Paint
 from mimics_app.builders.avatars.figure import Figure, make_figure
 from mimics_app.builders.avatars.motions import MOTIONS
 from mimics_app.builders.avatars.paint_face import paint_face
-from mimics_app.builders.avatars.paint_stuff import paint_cloth, paint_eye, paint_hair, paint_hands
+from mimics_app.builders.avatars.paint_stuff import paint_cloth, paint_curls, paint_eye, paint_hair, paint_hands
 from mimics_app.builders.avatars.person import EVERYBODY
 from mimics_app.builders.avatars.piece import Piece
 from mimics_app.builders.avatars.sheet import I8
@@ -19,7 +19,9 @@ __all__ = ["compose", "write_figure"]
 
 _GENERATOR = "mimics_app assets build avatars"
 _CLOTH, _HANDS, _HANDS_SLOPES = "cloth_normal.jpg", "hands_base.jpg", "hands_normal.jpg"
-_HAIR, _HAIR_SLOPES = "hair_base.jpg", "hair_normal.jpg"
+_HAIR, _CURLS = ("hair_base.jpg", "hair_normal.jpg"), ("curls_base.jpg", "curls_normal.jpg")
+_CURLY = ("curls", "crop")
+"""Styles of hair without a course of the strands."""
 _SOFT = 1.0
 """Softness of skin."""
 _HAND_TINT = 238.0
@@ -33,7 +35,7 @@ def compose(seed: int) -> dict[str, bytes]:
         seed: Of the hair.
     """
     files: dict[str, bytes] = {_CLOTH: paint_cloth()}
-    files[_HAIR], files[_HAIR_SLOPES] = paint_hair()
+    files |= dict(zip(_HAIR, paint_hair(), strict=True)) | dict(zip(_CURLS, paint_curls(), strict=True))
     for person in EVERYBODY:
         figure = make_figure(person, seed)
         if _HANDS not in files:
@@ -52,7 +54,7 @@ def write_figure(figure: Figure, seed: int) -> bytes:
         "skin_body": Paint(_linear(person.looks.skin, _HAND_TINT), 0.62, _HANDS, _HANDS_SLOPES, soft=_SOFT),
         "eye": Paint((1.0, 1.0, 1.0), 0.12, paint_eye(person.looks.iris, seed)),
         "mouth": Paint((1.0, 1.0, 1.0), 0.35),
-        "hair": Paint(_linear(person.looks.hair, 205.0), 0.66, _HAIR, _HAIR_SLOPES),
+        "hair": Paint(_linear(person.looks.hair, 205.0), 0.66, *(_CURLS if person.looks.style in _CURLY else _HAIR)),
         "shoes": Paint(_linear(clothes["shoes"]), 0.5),
     }
     for name, colour in person.clothes:
