@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -82,7 +82,14 @@ class Draft:
         self.band(edge, ring, flat, (0.02, 0.02), flip=flip)
         self.lid(edge, middle, (0.02, 0.02), flip=not flip)
 
-    def finish(self, material: str, shade: F8 | None = None, dim: Field | None = None, lift: float = 0.0) -> Piece:
+    def finish(
+        self,
+        material: str,
+        shade: F8 | None = None,
+        dim: Field | None = None,
+        lift: float = 0.0,
+        normals: Mapping[int, F8] | None = None,
+    ) -> Piece:
         """The surface as a piece.
 
         Args:
@@ -90,6 +97,7 @@ class Draft:
             shade: Factor on the colour of each corner, [n, 3]; none: 1.
             dim: A field that hides the sky from parts of it.
             lift: How far the surface lies outside of that [m].
+            normals: Of vertices whose normal is given, [3] each, in place of the mean of their faces.
         """
         places, weights = np.array(self.corners), np.array(self.weights)
         known: dict[tuple[int, int, int], int] = {}
@@ -104,8 +112,10 @@ class Draft:
                 rows.append((points[0], points[2], points[3]))
         keys = np.array(list(known), np.int64)
         own, triangles = keys[:, 0], np.array(rows, np.int64)
-        normals = corner_normals(places, own[triangles])
+        found = corner_normals(places, own[triangles])
+        for corner, normal in (normals or {}).items():
+            found[corner] = normal
         shades = np.ones((len(places), 3)) if shade is None else shade
         if dim is not None:
-            shades = shades * (0.30 + 0.70 * openness(dim, places, normals, lift))[:, None]
-        return Piece(material, places[own], normals[own], keys[:, 1:] / 8192.0, triangles, weights[own], shades[own])
+            shades = shades * (0.30 + 0.70 * openness(dim, places, found, lift))[:, None]
+        return Piece(material, places[own], found[own], keys[:, 1:] / 8192.0, triangles, weights[own], shades[own])

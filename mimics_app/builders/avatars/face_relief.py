@@ -25,6 +25,10 @@ _STEEPEST = 1.3
 """Of a slope that is painted."""
 _DARKENED = 0.75
 """How much of the sky that the form hides is painted."""
+_CHIN = (-1.0, -0.78)
+"""Elevations [rad] between which the relief fades out under the chin: the triangles of the neck are long."""
+_FADE = 3
+"""Half of the zone in which the relief fades out at its edges [texel]."""
 _SEEN = (1.75, -1.12, 0.80)
 """Azimuth either way, lowest and highest elevation of what is asked [rad]: hair and collar hide the rest."""
 
@@ -60,6 +64,9 @@ def face_relief(head: Head, skin: Piece, triangles: I8, sheet: F8) -> Relief:
     asked = np.flatnonzero(_seen(head, flat) & right)
     form, open_, trust = _form(head, flat[asked], normals[asked])
     along, down = (np.gradient(sheet, axis=axis).reshape(-1, 3)[asked] for axis in (1, 0))
+    counts = np.zeros(len(flat))
+    counts[asked] = trust
+    trust = _faded(counts.reshape(height, width)).ravel()[asked]
     slopes, share = np.zeros((len(flat), 2)), np.ones(len(flat))
     slopes[asked] = trust[:, None] * _slopes(along, down, normals[asked], form)
     dark = open_ / np.maximum(more.reshape(-1, 4)[asked, 3], 0.1)
@@ -68,6 +75,14 @@ def face_relief(head: Head, skin: Piece, triangles: I8, sheet: F8) -> Relief:
     leaning[:, width // 2 :] = leaning[:, width // 2 - 1 :: -1] * [-1.0, 1.0]
     open_sheet[:, width // 2 :] = open_sheet[:, width // 2 - 1 :: -1]
     return Relief(_smoothed(leaning), _smoothed(open_sheet[..., None])[..., 0])
+
+
+def _faded(trust: F8) -> F8:
+    """Trust that fades out inside of where it ends, so that no edge of it is seen, [height, width]."""
+    from scipy.ndimage import minimum_filter, uniform_filter
+
+    kept = minimum_filter(trust, 2 * _FADE + 1, mode="nearest")
+    return np.asarray(uniform_filter(kept, 2 * _FADE + 1, mode="nearest"))
 
 
 def _smoothed(sheet: F8) -> F8:
@@ -96,6 +111,7 @@ def _form(head: Head, places: F8, normals: F8) -> tuple[F8, F8, F8]:
         level = (unit * (at - head.middle)).sum(axis=1) / np.linalg.norm(at - head.middle, axis=1)
         trust = step(_STRANGE, _TRUSTED, np.abs(away)) * step(0.2, 0.6, (unit * up).sum(axis=1))
         trust = trust * step(0.12, 0.45, level)  # where the form stands off the picture's sphere texels are few
+        trust = trust * step(*_CHIN, turns_of(at - head.middle)[:, 1])
         parts.append((unit, 0.45 + 0.55 * openness(head.field, on, unit), trust))
     unit, open_, trust = (np.concatenate([part[i] for part in parts]) for i in range(3))
     return unit, open_, trust

@@ -74,7 +74,7 @@ _STYLES = {
     "bob": _Style((0.013, 0.011), 0.60, 0.125, 0.25, 0.0008, columns=28,
                   shares=(0.10, 0.26, 0.44, 0.62, 0.80, 1.0, 1.35, 1.7, 1.9)),
     "tail": _Style((0.0110, 0.0075), 0.70, course="knot", columns=30, shares=(0.10, 0.25, 0.40, 0.55, 0.70, 0.86, 1.0)),
-    "curls": _Style((0.034, 0.021), 0.80, lumps=0.0085, course="none", tile=0.075, columns=36,
+    "curls": _Style((0.026, 0.020), 0.66, lumps=0.0130, course="none", tile=0.058, columns=36,
                     shares=(*_EVEN[:-2], 0.93, 0.98, 1.0)),
 }  # fmt: skip
 
@@ -182,7 +182,7 @@ def _cap(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn: _Sty
         rough = rough * (share < 0.97) * step(0.0, 0.3, np.array([share]))
         places = _path(head, worn, azimuth, np.full(count, share), rough, ragged)
         rings.append(draft.add(places, _held(bones, places, head)))
-        shades += [np.full(3, 0.85 + 30.0 * float(r)) for r in rough]
+        shades += [np.full(3, 0.85 + 25.0 * float(r)) for r in rough]
     laid = _texture_of(head, worn)
     for number, (one, two) in enumerate(itertools.pairwise(rings)):
         for i in range(count):
@@ -231,8 +231,8 @@ def _texture_of(head: Head, worn: _Style) -> _Laying:
         return [(9.0 * float(t) / (2.0 * math.pi), float(a)) for t, a in zip(turn, np.arccos(out @ pole), strict=True)]
 
     def from_three_sides(places: F8, _: tuple[tuple[int, float], ...]) -> Uvs:
-        out = np.abs(places.mean(axis=0) - head.middle)
-        axes = [axis for axis in range(3) if axis != int(np.argmax(out))]
+        facing = np.abs(np.cross(places[1] - places[0], places[2] - places[0]))
+        axes = [axis for axis in range(3) if axis != int(np.argmax(facing))]
         return [(float(u), float(v)) for u, v in places[:, axes] / worn.tile]
 
     return {"crown": from_crown, "knot": to_knot, "none": from_three_sides}[worn.course]
@@ -295,4 +295,5 @@ def _tail(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, chance: C
 
 def _hang(t: float) -> F8:
     """Middle of a tail from its knot, at a share of its length [m]."""
-    return np.array([0.0, 0.012 * math.sin(math.pi * min(t, 1.0) * 1.4) - 0.205 * t * abs(t) ** 0.25, -0.040 * math.sin(2.2 * t)])
+    high = 0.012 * math.sin(math.pi * min(t, 1.0) * 1.4) - 0.205 * t * abs(t) ** 0.25
+    return np.array([0.0, high, -0.040 * math.sin(2.2 * t)])

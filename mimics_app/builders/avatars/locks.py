@@ -95,16 +95,11 @@ def _parted(chance: Chance) -> list[Lock]:
              0.034 + 0.008 * chance.share(), 0.88 + 0.18 * chance.share(), 5)
         for one, two, begin, end in locks
     ]  # fmt: skip
+    fringe = ((-0.92, 1.62), (-1.02, 1.78), (-1.12, 1.92))
     return long + [
-        Lock(
-            (_PARTING - 0.10, tip),
-            (0.90 + 0.03 * k, end),
-            (0.000, 0.008, 0.003),
-            0.026,
-            0.92 + 0.12 * chance.share(),
-            4,
-        )
-        for k, (tip, end) in enumerate(((-0.62, 1.06), (-0.82, 1.16), (-0.98, 1.34)))
+        Lock((_PARTING - 0.08, tip), (0.84 + 0.05 * k, end), (0.0, 0.008, 0.004), 0.034, tone, 6)
+        for k, (tip, end) in enumerate(fringe)
+        for tone in (0.92 + 0.12 * chance.share(),)
     ]
 
 
@@ -114,7 +109,7 @@ def _flick(chance: Chance) -> float:
 
 
 def _brushed_up(chance: Chance) -> list[Lock]:
-    """Short hair: a fringe brushed up and to one side, rows that overlap like shingles behind it, close at the sides."""
+    """Short hair: a fringe brushed up and to one side, rows overlapping like shingles behind it, close at the sides."""
 
     def row(
         azimuths: F8, turn: float, share: tuple[float, float], lift: tuple[float, float], breadth: float
@@ -132,10 +127,10 @@ def _brushed_up(chance: Chance) -> list[Lock]:
         *row(np.linspace(-0.80, 0.76, 13), 0.34, (0.985, 0.60), (0.0075, 0.0065), 0.021),
         *row(np.linspace(-1.02, 0.98, 11), 0.36, (0.80, 0.38), (0.0050, 0.0060), 0.024),
         *row(np.linspace(-1.25, 1.20, 8), 0.40, (0.55, 0.12), (0.0040, 0.0050), 0.028),
-        *row(np.linspace(1.60, 4.70, 8), 0.15, (0.22, 0.56), (0.0030, 0.0045), 0.028),
-        *row(np.linspace(1.75, 4.55, 8), 0.10, (0.46, 0.80), (0.0025, 0.0035), 0.026),
-        *row(np.linspace(1.05, 1.75, 4), 0.06, (0.40, 0.74), (0.0025, 0.0035), 0.024),
-        *row(-np.linspace(1.05, 1.75, 4), -0.06, (0.40, 0.74), (0.0025, 0.0035), 0.024),
+        *row(np.linspace(1.60, 4.70, 8), 0.15, (0.22, 0.56), (0.0020, 0.0025), 0.028),
+        *row(np.linspace(1.75, 4.55, 8), 0.10, (0.46, 0.80), (0.0015, 0.0010), 0.026),
+        *row(np.linspace(1.05, 1.75, 4), 0.06, (0.40, 0.74), (0.0020, 0.0015), 0.024),
+        *row(-np.linspace(1.05, 1.75, 4), -0.06, (0.40, 0.74), (0.0020, 0.0015), 0.024),
     ]
 
 
