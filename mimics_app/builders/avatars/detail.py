@@ -16,6 +16,9 @@ __all__ = ["LEVELS", "Level", "coarser", "coverages"]
 
 _PICTURE = 1920.0 * 1080.0
 """Of a picture that levels are meant for [px]."""
+_DECIMALS = 6
+"""Places are simplified as rounded to a micrometre: their last digits differ between processors, and so would decide
+which of two edges that lose equally much goes first."""
 _PIXELS = 2.0
 """Largest error of a level that is seen [px]: of the one corner that is farthest from it."""
 
@@ -42,7 +45,7 @@ LEVELS = (Level(0.42, 4, True), Level(0.13, 2, False), Level(0.045, 1, False))
 def coarser(piece: Piece, level: Level) -> tuple[Piece, float]:
     """A part with fewer triangles, and how far a corner of the part lies from it at most [m]."""
     count = max(4, round(level.share * len(piece.triangles)))
-    made = decimate(piece.places, piece.triangles.ravel(), count)
+    made = decimate(np.round(piece.places, _DECIMALS), piece.triangles.ravel(), count)
     kept, triangles = np.unique(made.indices, return_inverse=True)
     weights = strongest(piece.weights[kept], level.influences)
     return replace(

@@ -143,9 +143,7 @@ def _even_below_jaw(values: F8, face: FaceMesh) -> F8:
     return values
 
 
-def _skin(
-    person: Person, bones: Skeleton, cage: Cage, flesh: Flesh, weights: F8, tailor: Tailor, neck: F8
-) -> Piece:
+def _skin(person: Person, bones: Skeleton, cage: Cage, flesh: Flesh, weights: F8, tailor: Tailor, neck: F8) -> Piece:
     """Bare skin: the root of the neck, arms from within the sleeves, hands, legs from within the hem."""
     cover = cover_of(person)
     parts = [_bib(cage, weights, flesh, neck)]

@@ -218,8 +218,9 @@ def _towards(
 def _wave(bones: Skeleton, t: float) -> Pose:
     pose, share = _standing(bones, t, 0.5), _raised(t, 3.0)
     swing = math.sin(_TURN * 1.9 * t) * share
-    _towards(pose, -1, share, (-0.95, -0.20, 0.35), (-0.30 - 0.42 * swing, 1.0, 0.25), 25.0)
-    pose.hand(-1, 0.20 - 0.18 * share, thumb=0.1, spread=5.0 * share).turn("rightShoulder", (Z, -7.0 * share))
+    pose.turn("rightShoulder", (Z, -14.0 * share))
+    _towards(pose, -1, share, (-0.95, -0.08, 0.35), (-0.18 - 0.42 * swing, 1.0, 0.25), 25.0)
+    pose.hand(-1, 0.20 - 0.18 * share, thumb=0.1, spread=5.0 * share)
     pose.turn("head", (Z, -4.0 * share), (Y, -3.0 * share))
     pose.morphs |= {"smile": 0.85 * share, "brows": 0.5 * share, "blink": _pulse(t, 2.7, 0.07)}
     return pose.ground()
@@ -239,12 +240,12 @@ def _clap(bones: Skeleton, t: float) -> Pose:
 def _cheer(bones: Skeleton, t: float) -> Pose:
     pose, share = _standing(bones, t, 0.0), _raised(t, 2.4, 0.35)
     beat = share * math.sin(_TURN * t / 0.6)
-    for side, _ in SIDES:
+    for side, word in SIDES:
+        pose.turn(f"{word}Shoulder", (Z, side * 32.0 * share))  # a good part of the rise is the shoulder blade's
         _towards(
-            pose, side, share, (side * 0.62, 0.80 + 0.12 * beat, 0.15), (side * 0.10, 1.0, 0.12 + 0.10 * beat), 10.0
+            pose, side, share, (side * 0.40, 0.92 + 0.12 * beat, 0.15), (-side * 0.14, 1.0, 0.12 + 0.10 * beat), 10.0
         )
         pose.hand(side, 0.20 + 0.70 * share, thumb=0.3 + 0.5 * share)
-        pose.turn(f"{'left' if side > 0 else 'right'}Shoulder", (Z, side * 14.0 * share))
     pose.turn("upperChest", (X, -5.0 * share)).turn("head", (X, -6.0 * share))
     pose.morphs |= {"smile": share, "jaw": 0.55 * share, "brows": 0.8 * share}
     pose.ground()

@@ -91,9 +91,9 @@ def _shoulder(weights: F8, cage: Cage, bones: Skeleton, side: int, word: str) ->
     """The collarbone moves the yoke; near the armhole the arm pulls."""
     places = cage.places
     collar, shoulder, elbow = (bones.place(f"{word}{name}") for name in ("Shoulder", "UpperArm", "LowerArm"))
-    out = step(0.30 * shoulder[0] * side, 0.95 * shoulder[0] * side, places[:, 0] * side)
+    out = step(0.22 * shoulder[0] * side, 0.92 * shoulder[0] * side, places[:, 0] * side)
     high = step(collar[1] - 0.13, collar[1] - 0.02, places[:, 1])
-    _hand_over(weights, bones.index(f"{word}Shoulder"), 0.75 * out * high)
+    _hand_over(weights, bones.index(f"{word}Shoulder"), 0.98 * out * high)
     along = (elbow - shoulder) / np.linalg.norm(elbow - shoulder)
     offset = places - shoulder
     reach = offset @ along
