@@ -1,4 +1,4 @@
-"""A person put together: skin, face, hair and clothes on one skeleton."""
+"""Assembly of a person: skin, face, hair and clothes on one skeleton."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ from mimics_app.builders.avatars.weights import cage_weights, spine_weights
 __all__ = ["HAND_PICTURE", "Figure", "make_figure"]
 
 HAND_PICTURE = (0.16, 0.21)
-"""How much of a hand its picture shows across and along [m]: the back in its left half, the palm in its right."""
+"""Extent of a hand on its texture, across and along [m]: the back in the left half, the palm in the right."""
 _BREATH = 0.006
-"""How far the chest rises in a deep breath [m]."""
+"""Rise of the chest in a deep breath [m]."""
 _BIB_ROW = 15
 _EVENED = 12
 """Rounds in which shades and normals below the jaw are evened out."""
@@ -44,11 +44,12 @@ class Figure:
     """A person as triangles.
 
     Attributes:
-        person: Whose.
+        person: Description of the person.
         bones: Joints at rest.
         head: Shape of the head.
-        pieces: By what they are: "head", "eyes", "mouth", "skin", "hair" and the clothes.
-        face_corners: How many of the head's first corners are the face's outside; mouth, lids' edges and ears follow.
+        pieces: By name: "head", "eyes", "mouth", "skin", "hair" and the clothes.
+        face_corners: Number of the head's first vertices that are the outside of the face; mouth, lids' edges and ears
+            follow.
     """
 
     person: Person
@@ -59,7 +60,7 @@ class Figure:
 
 
 def make_figure(person: Person, seed: int) -> Figure:
-    """Model a person; the seed is of their hair."""
+    """Model a person; `seed` is that of the hair."""
     bones = make_skeleton(person)
     flesh = make_flesh(person, bones)
     cage = make_cage(person, bones, flesh)
@@ -110,7 +111,7 @@ def _head_pieces(
 
 
 def _held_by_sleeves(person: Person, cage: Cage, weights: F8, clothes: dict[str, Piece]) -> F8:
-    """The cage's weights, but of arms within sleeves those of the cloth, so that they stay inside of it."""
+    """Return the cage's weights, with those of the cloth for arms within sleeves, so that they stay inside of it."""
     from scipy.spatial import KDTree
 
     cover = cover_of(person)
@@ -122,7 +123,7 @@ def _held_by_sleeves(person: Person, cage: Cage, weights: F8, clothes: dict[str,
 
 
 def _shared_normals(face: FaceMesh, cage: Cage) -> F8:
-    """Normals of the neck's ring, of the faces on both sides of it."""
+    """Return normals of the neck's ring by the faces on both sides of it, [32, 3]."""
     places = np.vstack([cage.places, face.places])
     start = len(cage.places)
     triangles = np.vstack([triangles_of(cage.faces, cage.places), face.triangles + start])
@@ -144,7 +145,7 @@ def _even_below_jaw(values: F8, face: FaceMesh) -> F8:
 
 
 def _skin(person: Person, bones: Skeleton, cage: Cage, flesh: Flesh, weights: F8, tailor: Tailor, neck: F8) -> Piece:
-    """Bare skin: the root of the neck, arms from within the sleeves, hands, legs from within the hem."""
+    """Return the bare skin: root of the neck, arms from within the sleeves, hands, legs from within the hem."""
     cover = cover_of(person)
     parts = [_bib(cage, weights, flesh, neck)]
     for side, word in ((1, "left"), (-1, "right")):
@@ -206,7 +207,7 @@ def _hand_uv(across: float, along: float, palm: bool) -> tuple[float, float]:
 
 
 def _breathing(piece: Piece, bones: Skeleton) -> Piece:
-    """The chest swells ahead and a little to the sides, the belly less."""
+    """Add the morph "breathe": the chest swells forwards and a little sideways, the belly less."""
     places = piece.places
     chest, spine = bones.place("upperChest")[1], bones.place("spine")[1]
     weights = piece.weights

@@ -80,7 +80,7 @@ _STYLES = {
 
 
 def hairline(azimuth: F8) -> F8:
-    """Elevation of the hairline at azimuths, either side [rad]."""
+    """Return the elevation of the hairline at azimuths, equal on both sides [rad]."""
     knots = np.array([0.0, 0.35, 0.62, 0.86, 1.10, 1.24, 1.38, 1.50, 1.70, 1.95, 2.20, 2.60, math.pi])
     heights = np.array([0.76, 0.76, 0.71, 0.55, 0.38, 0.06, 0.06, 0.30, 0.34, 0.10, -0.35, -0.66, -0.72])
     line: F8 = np.interp(np.abs(azimuth), knots, heights)
@@ -88,7 +88,7 @@ def hairline(azimuth: F8) -> F8:
 
 
 def make_hair(head: Head, bones: Skeleton, style: str, seed: int) -> Piece:
-    """The hair of a person in one of the styles "short", "crop", "bob", "tail" and "curls"."""
+    """Return the hair of a person in one of the styles "short", "crop", "bob", "tail" and "curls"."""
     worn = _STYLES[style]
     draft = Draft(len(bones.names))
     shades: list[F8] = []
@@ -104,7 +104,7 @@ def make_hair(head: Head, bones: Skeleton, style: str, seed: int) -> Piece:
 
 
 def _rounded(piece: Piece, head: Head) -> Piece:
-    """The same shaded as a round mass: blades that each shone by themselves would look like chips."""
+    """Return hair with normals mixed with those of a round mass: locks shaded by themselves would look like chips."""
     out = piece.places - head.middle
     out[:, 1] = np.maximum(out[:, 1], -0.02)
     out /= np.linalg.norm(out, axis=1, keepdims=True)
@@ -114,7 +114,7 @@ def _rounded(piece: Piece, head: Head) -> Piece:
 
 
 def _held(bones: Skeleton, places: F8, head: Head) -> F8:
-    """The head carries hair; what hangs on the shoulders follows the neck a little."""
+    """Return weights: hair follows the head, and where it hangs on the shoulders the neck a little."""
     weights = np.zeros((len(places), len(bones.names)))
     low = 0.45 * step(head.middle[1] - 0.06, head.middle[1] - 0.16, places[:, 1])
     weights[:, bones.index("head")] = 1.0 - low
@@ -133,16 +133,16 @@ def _skull(head: Head, turns: F8, lift: F8) -> F8:
 def _path(
     head: Head, worn: _Style, azimuth: F8, share: F8, lift: F8, ragged: F8 | float = 0.0, brow: float = 0.0
 ) -> F8:
-    """Places of hair at azimuths from the crown (0) by the hairline (1) to where it falls (2), [n, 3].
+    """Return points of hair on paths from the crown (0) by the hairline (1) to the ends of long hair (2), [n, 3].
 
     Args:
-        head: Under it.
-        worn: How.
-        azimuth: Of each [rad], [n]; below, share of the way, and height over the cap [m].
-        share: [n].
-        lift: [n].
-        ragged: How much lower the hairline is [rad].
-        brow: How far before the face it may hang below the hairline, at 2 [rad].
+        head: Shape of the head.
+        worn: Style of the hair.
+        azimuth: Of each path [rad], [n].
+        share: Along each path, 0 to 2, [n].
+        lift: Height over the cap [m], [n].
+        ragged: Shift of the hairline downwards [rad].
+        brow: Largest elevation that hair before the face hangs below the hairline, at 2 [rad].
     """
     azimuth = np.remainder(azimuth + math.pi, 2.0 * math.pi) - math.pi
     line = hairline(azimuth) + _INSIDE + ragged
@@ -239,7 +239,7 @@ def _texture_of(head: Head, worn: _Style) -> _Laying:
 
 
 def _underside(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn: _Style, rim: I8) -> None:
-    """Close the cap within the head, by corners of its own, or the rim would be shaded as if it hung over."""
+    """Close the cap inside the head, by vertices of its own: they would bend the normals of the rim."""
     count = worn.columns
     azimuth = -math.pi + 2.0 * math.pi * np.arange(count) / count
     under = _skull(head, np.stack([azimuth, hairline(azimuth) - 0.01], axis=1), np.full(count, -0.004))

@@ -17,7 +17,7 @@ from mimics_app.builders.kit.chance import Chance
 __all__ = ["LAID", "Lock", "add_lock"]
 
 _THICK = 0.0030
-"""Half of the height of a lock over its edges [m]."""
+"""Half of the thickness of a lock [m]."""
 _PARTING = 0.50
 """Azimuth of a parting [rad]."""
 
@@ -28,11 +28,11 @@ class Lock:
 
     Attributes:
         azimuth: Of its root and of its tip [rad].
-        share: Where they are on the way from the crown (0) by the hairline (1) to where long hair ends (2).
-        lift: Off the hair below, of root, middle and tip [m].
-        breadth: Where it is broadest [m].
+        share: Of both on the path from the crown (0) by the hairline (1) to the ends of long hair (2).
+        lift: Height of root, middle and tip over the hair below [m].
+        breadth: Largest breadth [m].
         shade: Factor on the colour.
-        rings: Corners along it.
+        rings: Number of cross-sections.
     """
 
     azimuth: tuple[float, float]
@@ -43,7 +43,7 @@ class Lock:
     rings: int = 3
 
     def steps(self) -> tuple[F8, F8, F8]:
-        """Azimuth, share and lift along it, the tip last, [rings + 1] each."""
+        """Return azimuth, share and lift along it, the tip last, [rings + 1] each."""
         t = np.linspace(0.0, 1.0, self.rings + 1)
         azimuth = self.azimuth[0] + (self.azimuth[1] - self.azimuth[0]) * np.sin(0.5 * math.pi * t)
         share = self.share[0] + (self.share[1] - self.share[0]) * t
@@ -53,7 +53,7 @@ class Lock:
 
 
 def add_lock(draft: Draft, line: F8, middle: F8, lock: Lock, held: Callable[[F8], F8]) -> list[F8]:
-    """Add a lock along a line [rings + 1, 3] about the middle of a head, weighed by `held`; gives its shades."""
+    """Add a lock along a line [rings + 1, 3] about the centre of a head, with weights by `held`; return its shades."""
     along = np.gradient(line, axis=0)
     along /= np.linalg.norm(along, axis=1, keepdims=True)
     out = line - middle
