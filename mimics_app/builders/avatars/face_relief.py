@@ -1,4 +1,4 @@
-"""What the triangles of a face are too few to show: slopes and shade of the modelled form, for its pictures."""
+"""Relief of a face for its textures: slopes and shade of the modelled shape that its few triangles do not have."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from mimics_app.builders.avatars.sheet import I8
 __all__ = ["Relief", "face_relief"]
 
 _BATCH = 8192
-"""Places asked at once: so that their tables stay in the processor's cache."""
+"""Points of one evaluation of the field: their arrays stay in the processor's cache."""
 _TRUSTED, _STRANGE = 0.0006, 0.0016
-"""How far from the modelled form triangles may lie [m] to take their slopes from it, and from where on they do not."""
+"""Distances of a triangle from the modelled shape [m] up to which its slopes count, and from which they do not."""
 _STEEPEST = 1.3
-"""Of a slope that is painted."""
+"""Largest slope in the normal map."""
 _DARKENED = 0.75
-"""How much of the sky that the form hides is painted."""
+"""Share of the shape's shade that is painted."""
 _CHIN = (-1.0, -0.78)
 """Elevations [rad] between which the relief fades out under the chin: the triangles of the neck are long."""
 _FADE = 3
 """Half of the zone in which the relief fades out at its edges [texel]."""
 _SEEN = (1.75, -1.12, 0.80)
-"""Azimuth either way, lowest and highest elevation of what is asked [rad]: hair and collar hide the rest."""
+"""Largest azimuth to both sides, lowest and highest elevation with relief [rad]: hair and collar hide the rest."""
 
 
 @dataclass(frozen=True)
 class Relief:
-    """Of every texel of the head's picture.
+    """Relief of every texel of the head's texture.
 
     Attributes:
         slopes: Of the form against the triangles, along u and against v, [height, width, 2].
@@ -47,13 +47,13 @@ class Relief:
 
 
 def face_relief(head: Head, skin: Piece, triangles: I8, sheet: F8) -> Relief:
-    """Compare the triangles with the form they were laid on.
+    """Compare the triangles with the shape they approximate.
 
     Args:
-        head: The form.
-        skin: Its triangles' corners.
+        head: The shape.
+        skin: The mesh.
         triangles: Those of the outside of the face, [m, 3].
-        sheet: Places on the picture [m], [height, width, 3].
+        sheet: Position of each texel [m], [height, width, 3].
     """
     height, width = sheet.shape[:2]
     flat = sheet.reshape(-1, 3)
@@ -78,7 +78,7 @@ def face_relief(head: Head, skin: Piece, triangles: I8, sheet: F8) -> Relief:
 
 
 def _faded(trust: F8) -> F8:
-    """Trust that fades out inside of where it ends, so that no edge of it is seen, [height, width]."""
+    """Return trust that fades out inside of its edges, so that none of them is seen, [height, width]."""
     from scipy.ndimage import minimum_filter, uniform_filter
 
     kept = minimum_filter(trust, 2 * _FADE + 1, mode="nearest")
@@ -86,7 +86,7 @@ def _faded(trust: F8) -> F8:
 
 
 def _smoothed(sheet: F8) -> F8:
-    """Each texel with its eight neighbours, weighed (1, 2, 1) each way."""
+    """Return means over 3x3 texels, weighted (1, 2, 1) along both axes."""
     for axis in (0, 1):
         sheet = 0.5 * sheet + 0.25 * (np.roll(sheet, 1, axis) + np.roll(sheet, -1, axis))
     return sheet
@@ -100,7 +100,7 @@ def _seen(head: Head, places: F8) -> NDArray[np.bool_]:
 
 
 def _form(head: Head, places: F8, normals: F8) -> tuple[F8, F8, F8]:
-    """Unit normals of the form under places [n, 3], what of the sky it lets in [n], and how far that counts [n]."""
+    """Return unit normals of the shape below points [n, 3], its openness to the sky [n], and the trust in both [n]."""
     parts = []
     for start in range(0, len(places), _BATCH):
         at, up = places[start : start + _BATCH], normals[start : start + _BATCH]
@@ -118,7 +118,7 @@ def _form(head: Head, places: F8, normals: F8) -> tuple[F8, F8, F8]:
 
 
 def _slopes(along: F8, down: F8, normals: F8, form: F8) -> F8:
-    """Slopes that turn the normals of triangles into those of the form, as shaders/common/material.glsl reads them.
+    """Return slopes that turn normals of triangles into those of the shape, as shaders/common/material.glsl reads them.
 
     Args:
         along: Steps from texel to texel to the right [m], [n, 3].

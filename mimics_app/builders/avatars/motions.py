@@ -1,4 +1,4 @@
-"""What everybody can do: standing about, walking, running, kicking, greeting, clapping, cheering, pointing."""
+"""Motions of all people: standing, walking, running, kicking, greeting, clapping, cheering, pointing."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class Motion:
     """A motion.
 
     Attributes:
-        seconds: How long it takes.
-        loops: Whether its end is its beginning.
-        pose: The posture at a time [s].
-        rate: Keys a second that hold it well.
-        speed: Of the way it goes where it is meant to travel, ahead positive [m/s].
-        contacts: When the left and the right foot come down [s]; None: no step is heard.
+        seconds: Duration.
+        loops: Whether its end is equal to its beginning.
+        pose: Function of joints and time [s] that gives the pose.
+        rate: Key frames per second.
+        speed: Speed of travel that it is made for, ahead positive [m/s].
+        contacts: Times at which the left and the right foot come down [s]; None: no step is heard.
     """
 
     seconds: float
@@ -38,7 +38,7 @@ class Motion:
 
 
 def _between(keys: Sequence[tuple[float, Sequence[float]]], t: float, period: float = 0.0) -> list[float]:
-    """Smooth values between keys (time, values); with a period the last key leads to the first."""
+    """Interpolate smoothly between keys (time, values); with a period the last key leads to the first."""
     rows = list(keys)
     if period:
         t %= period
@@ -202,7 +202,7 @@ def _kick(bones: Skeleton, t: float) -> Pose:
 
 
 def _raised(t: float, seconds: float, rise: float = 0.45) -> float:
-    """0 at both ends, 1 between."""
+    """Return 0 at both ends, 1 between."""
     return _between([(0.0, [0]), (rise, [1]), (seconds - rise, [1]), (seconds, [0])], t)[0]
 
 

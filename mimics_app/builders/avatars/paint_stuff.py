@@ -1,4 +1,4 @@
-"""Pictures that everybody shares: hands with nails and creases, cloth, hair; and the eyes of one person."""
+"""Textures that all people share: hands with nails and creases, cloth, hair; and the eyes of one person."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ __all__ = ["paint_cloth", "paint_curls", "paint_eye", "paint_hair", "paint_hands
 _HAND_SIZE = 512
 _CLOTH_SIZE, _CLOTH_TILE = 256, 0.30
 _LOCKS, _HAIR_TILE = 9, 0.075
-"""Of hair on its picture, and metres that it covers."""
+"""Number of locks on the texture of hair, and its width [m]."""
 _NAIL = (0.0125, 0.0066)
 """Length and half breadth of a nail of a middle finger [m]."""
 
 
 def paint_hands(uvs: F8, triangles: I8, places: F8, joints: dict[str, F8]) -> tuple[bytes, bytes]:
-    """Factor on the colour of skin, and normals, of the picture of a hand.
+    """Return the factor on the colour of skin and the normal map of a hand.
 
     Args:
-        uvs: Of a hand's corners, [n, 2].
+        uvs: Texture coordinates of a hand's vertices, [n, 2].
         triangles: [m, 3].
         places: Along the arm, towards the back of the hand, towards the thumb [m], [n, 3].
         joints: Places of knuckles and tips in the same frame, by the finger's name and joint's number 0 to 3.
@@ -119,7 +119,7 @@ def _palm_lines(at: F8) -> F8:
 
 
 def paint_cloth() -> bytes:
-    """Normals of a repeating piece of cloth: threads, and soft folds that run askew."""
+    """Return the normal map of cloth: threads, and soft oblique folds; it repeats."""
     n = _CLOTH_SIZE
     y, x = np.mgrid[0:n, 0:n] / n
     turn = 2.0 * math.pi
@@ -132,7 +132,7 @@ def paint_cloth() -> bytes:
 
 
 def paint_hair() -> tuple[bytes, bytes]:
-    """Factor on the colour, and normals, of strands that run down the picture in locks; it repeats."""
+    """Return the factor on the colour and the normal map of strands that run down the texture in locks; it repeats."""
     high, wide = 256, 256
     across = np.arange(wide)[None, :] / wide
     waver = smooth_noise(high, wide, 2, 6, 43) - 0.5
@@ -147,7 +147,7 @@ def paint_hair() -> tuple[bytes, bytes]:
 
 
 def paint_curls() -> tuple[bytes, bytes]:
-    """Factor on the colour, and normals, of curls that run no way: coils side by side; it repeats."""
+    """Return the factor on the colour and the normal map of curls, coils side by side; it repeats."""
     n, cells = 256, 9
     y, x = (np.mgrid[0:n, 0:n] + 0.5) * (cells / n)
     column, row = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
@@ -170,7 +170,7 @@ def paint_curls() -> tuple[bytes, bytes]:
 
 
 def paint_eye(iris: Rgb, seed: int) -> bytes:
-    """An eyeball seen from the front; the edge of the picture lies 1.75 rad from its middle."""
+    """Return the texture of an eyeball seen from the front; its edge is 1.75 rad from the centre."""
     n = 128
     y, x = (np.mgrid[0:n, 0:n] + 0.5) / n - 0.5
     angle = 2.0 * np.hypot(x, y) * 1.75
