@@ -1,7 +1,7 @@
-"""What makes the shipped content. Each package with a module `build` is a builder, and all have one habit.
+"""Builders of the shipped content: each package with a module `build` is one, and all have one interface.
 
-`compose(seed)` gives the bytes of files by their names: the same seed makes the same bytes on any machine, and nothing
-is written. `mimics assets build NAME` writes them, and `--picture` draws its models from all sides, to be looked at.
+`compose(seed)` returns the bytes of files by their names: the same seed gives the same content, and nothing
+is written. `mimics assets build NAME` writes them; `--picture` draws its models from all sides for inspection.
 """
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""The builders of this room: every package here that has a module `build` with a function `compose`."""
+"""Catalogue of the builders: every package here that has a module `build` with a function `compose`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class AssetBuilder:
     """One builder.
 
     Attributes:
-        name: Of its package.
+        name: Name of its package.
         file: Its module `build`.
         what: First line of that module's docstring.
     """
@@ -30,12 +30,12 @@ class AssetBuilder:
     what: str
 
     def compose(self, seed: int) -> Mapping[str, bytes]:
-        """Import the builder and have it make its files: their bytes by name, the same for the same seed."""
+        """Import the builder and return its files: their bytes by name, the same for the same seed."""
         make: Callable[[int], Mapping[str, bytes]] = importlib.import_module(f"{__package__}.{self.name}.build").compose
         return make(seed)
 
     def write(self, folder: Path, seed: int) -> list[Path]:
-        """The same, written into a folder, which is made when missing; returns the files in the order of the names."""
+        """Write the files into a folder, which is made when missing; return their paths in the order of the names."""
         files = []
         for name, content in sorted(self.compose(seed).items()):
             file = folder / name
@@ -46,7 +46,7 @@ class AssetBuilder:
 
 
 def find_builders() -> list[AssetBuilder]:
-    """All builders, by name; nothing is imported."""
+    """Return all builders, by name; nothing is imported."""
     return [
         AssetBuilder(
             file.parent.name, file, (ast.get_docstring(ast.parse(file.read_text("utf-8"))) or "").split("\n")[0]
@@ -56,7 +56,7 @@ def find_builders() -> list[AssetBuilder]:
 
 
 def find_builder(name: str) -> AssetBuilder:
-    """The builder of that name.
+    """Return the builder of that name.
 
     Raises:
         UsageError: there is none.

@@ -132,11 +132,7 @@ def test_idle_people_never_freeze() -> None:
 
 
 def test_the_shipped_file_is_what_the_builder_makes() -> None:
-    """Numbers to a micrometre, as sines differ in their last digit between machines; pictures by their size.
-
-    In coarser forms that digit decides which of two equal edges goes first: another machine keeps other corners there,
-    as many and as far apart.
-    """
+    """Numbers to a micrometre, as sines differ in their last digit between machines; levels of detail are the same."""
     person = EVERYBODY[3]
     made, shipped = (
         _opened(data)
@@ -150,12 +146,8 @@ def test_the_shipped_file_is_what_the_builder_makes() -> None:
     for one, two in zip(made[0]["meshes"], shipped[0]["meshes"], strict=True):
         for a, b in zip(one["primitives"], two["primitives"], strict=True):
             places = [_positions(file, part) for file, part in ((made, a), (shipped, b))]
-            assert len(places[0]) == pytest.approx(len(places[1]), rel=0.03)
-            if one["name"][-2:] in ("_1", "_2", "_3"):
-                for edge in (np.min, np.max):
-                    assert np.abs(edge(places[0], axis=0) - edge(places[1], axis=0)).max() < 0.02
-            else:
-                assert np.abs(places[0] - places[1]).max() < 1e-6
+            assert places[0].shape == places[1].shape
+            assert np.abs(places[0] - places[1]).max() < 1e-6
 
 
 def _opened(data: bytes) -> tuple[Any, bytes]:

@@ -8,7 +8,7 @@ from mimics_app.builders.avatars.export import FigureWriter, Paint
 from mimics_app.builders.avatars.figure import Figure, make_figure
 from mimics_app.builders.avatars.motions import MOTIONS
 from mimics_app.builders.avatars.paint_face import paint_face
-from mimics_app.builders.avatars.paint_stuff import paint_cloth, paint_eye, paint_hair, paint_hands
+from mimics_app.builders.avatars.paint_stuff import paint_cloth, paint_curls, paint_eye, paint_hair, paint_hands
 from mimics_app.builders.avatars.person import EVERYBODY
 from mimics_app.builders.avatars.piece import Piece
 from mimics_app.builders.avatars.sheet import I8
@@ -19,21 +19,23 @@ __all__ = ["compose", "write_figure"]
 
 _GENERATOR = "mimics_app assets build avatars"
 _CLOTH, _HANDS, _HANDS_SLOPES = "cloth_normal.jpg", "hands_base.jpg", "hands_normal.jpg"
-_HAIR, _HAIR_SLOPES = "hair_base.jpg", "hair_normal.jpg"
+_HAIR, _CURLS = ("hair_base.jpg", "hair_normal.jpg"), ("curls_base.jpg", "curls_normal.jpg")
+_CURLY = ("curls", "crop")
+"""Styles of hair without a course of the strands."""
 _SOFT = 1.0
-"""Softness of skin."""
+"""`softness` of the material of skin."""
 _HAND_TINT = 238.0
-"""Of the hands' picture where nothing is painted, sRGB."""
+"""Plain tone of the texture of hands, sRGB."""
 
 
 def compose(seed: int) -> dict[str, bytes]:
-    """Everybody as a GLB file, and the pictures they share.
+    """Return the files of all people by name: a GLB each, and the textures they share.
 
     Args:
-        seed: Of the hair.
+        seed: Of the random numbers of the hair.
     """
     files: dict[str, bytes] = {_CLOTH: paint_cloth()}
-    files[_HAIR], files[_HAIR_SLOPES] = paint_hair()
+    files |= dict(zip(_HAIR, paint_hair(), strict=True)) | dict(zip(_CURLS, paint_curls(), strict=True))
     for person in EVERYBODY:
         figure = make_figure(person, seed)
         if _HANDS not in files:
@@ -43,7 +45,7 @@ def compose(seed: int) -> dict[str, bytes]:
 
 
 def write_figure(figure: Figure, seed: int) -> bytes:
-    """A person as a GLB file."""
+    """Return a person as a GLB file."""
     person, pieces = figure.person, figure.pieces
     base, slopes = paint_face(person, figure.head, pieces["head"], figure.face_corners)
     clothes = dict(person.clothes)
@@ -52,7 +54,7 @@ def write_figure(figure: Figure, seed: int) -> bytes:
         "skin_body": Paint(_linear(person.looks.skin, _HAND_TINT), 0.62, _HANDS, _HANDS_SLOPES, soft=_SOFT),
         "eye": Paint((1.0, 1.0, 1.0), 0.12, paint_eye(person.looks.iris, seed)),
         "mouth": Paint((1.0, 1.0, 1.0), 0.35),
-        "hair": Paint(_linear(person.looks.hair, 205.0), 0.66, _HAIR, _HAIR_SLOPES),
+        "hair": Paint(_linear(person.looks.hair, 205.0), 0.66, *(_CURLS if person.looks.style in _CURLY else _HAIR)),
         "shoes": Paint(_linear(clothes["shoes"]), 0.5),
     }
     for name, colour in person.clothes:
@@ -70,7 +72,7 @@ def write_figure(figure: Figure, seed: int) -> bytes:
 
 
 def _linear(colour: Rgb, white: float = 255.0) -> tuple[float, float, float]:
-    """Linear factors of an sRGB colour (IEC 61966-2-1) on a picture whose plain tone is `white`."""
+    """Return linear factors of an sRGB colour (IEC 61966-2-1) on a texture whose plain tone is `white`."""
     one, base = (np.asarray(c, float) / 255.0 for c in (colour, (white,) * 3))
     red, green, blue = (float(_curve(c) / _curve(w)) for c, w in zip(one, base, strict=True))
     return min(red, 1.0), min(green, 1.0), min(blue, 1.0)
@@ -81,7 +83,7 @@ def _curve(value: float) -> float:
 
 
 def _hands(figure: Figure) -> tuple[bytes, bytes]:
-    """The shared picture of hands, painted on the first person's left hand."""
+    """Return the shared texture of hands and its normal map, painted on the left hand of one person."""
     bones, piece = figure.bones, figure.pieces["skin"]
     along, back, thumb = arm_axes(1)
     wrist = bones.place("leftHand")
@@ -99,7 +101,7 @@ def _hands(figure: Figure) -> tuple[bytes, bytes]:
 
 
 def _left_hand(piece: Piece) -> I8:
-    """Triangles of the left hand: those on its part of the picture."""
+    """Return the triangles of the left hand: those on its part of the texture."""
     left = piece.places[piece.triangles][:, :, 0].min(axis=1) > 0.0
     shown = piece.uvs[piece.triangles][:, :, 1].max(axis=1) < 0.82
     wanted: I8 = piece.triangles[left & shown]

@@ -17,7 +17,7 @@ from mimics_app.builders.avatars.skeleton import Skeleton, arm_axes
 __all__ = ["ARM_ROWS", "AROUND", "LEG_ROWS", "LIMB_AROUND", "TRUNK_ROWS", "Cage", "make_cage"]
 
 AROUND, LIMB_AROUND = 32, 20
-"""Corners of a ring of the trunk, and of an arm or a leg."""
+"""Vertices of a ring of the trunk, and of an arm or a leg."""
 
 TRUNK_ROWS = (
     # heights in statures: before, beside, behind
@@ -43,7 +43,7 @@ LEG_ROWS = (0.09, 0.20, 0.38, 0.60, 0.80, 0.92, 1.0, 1.07, 1.18, 1.36, 1.60, 1.8
 
 _ROUNDS = 14
 _APART = 0.003
-"""How far each leg keeps from the middle [m]."""
+"""Smallest distance of each leg from the plane of symmetry [m]."""
 _CROTCH = 3
 
 
@@ -52,9 +52,9 @@ class Cage:
     """The surface and its rings.
 
     Attributes:
-        places: Corners [m], [n, 3].
-        faces: Of four, but none are open ends closed: wrists, ankles, neck.
-        trunk: Corners by row and column, column 0 before, 8 left; -1 within the armholes; the last two rows are the
+        places: Vertices [m], [n, 3].
+        faces: Quadrilaterals; wrists, ankles and neck stay open.
+        trunk: Vertices by row and column, column 0 before, 8 left; -1 within the armholes; the last two rows are the
             root of the neck and where the head begins, [rows, 32].
         arms, legs: By side (1: left, -1: right), row and place around; row 0 is where they leave the trunk, [rows, 20].
     """
@@ -67,7 +67,7 @@ class Cage:
 
 
 def make_cage(person: Person, bones: Skeleton, flesh: Flesh) -> Cage:
-    """Lay the rings on the flesh of a person."""
+    """Lay the rings on the surface of a person's body."""
     sheet = Sheet()
     trunk = _trunk_rings(sheet, person, flesh)
     arms = {side: _arm_rings(sheet, trunk, bones, flesh.arms[side], side) for side in (1, -1)}
@@ -92,7 +92,7 @@ def make_cage(person: Person, bones: Skeleton, flesh: Flesh) -> Cage:
 
 
 def reach(field: Field, start: F8, directions: F8, first: float = 0.012) -> F8:
-    """Where rays that begin inside a field leave it, [n, 3]: starts [n, 3] or [3], unit directions [n, 3]."""
+    """Return where rays that begin inside a field leave it, [n, 3]: starts [n, 3] or [3], unit directions [n, 3]."""
     far = np.full(len(directions), first)
     for _ in range(40):
         far -= 0.85 * field.at(start + far[:, None] * directions)
@@ -143,7 +143,7 @@ def _join_trunk(sheet: Sheet, trunk: I8) -> None:
 
 
 def _hole_ring(trunk: I8, side: int) -> I8:
-    """Rim of an armhole, from its lowest corner to the back, over the top and down the front, [20]."""
+    """Return the rim of an armhole, from its lowest vertex by the back over the top and down the front, [20]."""
     low, high = _HOLE
     middle = (low + high) // 2
     rim = [(_HOLE_LOW, column) for column in range(middle, high + 1)]
@@ -174,7 +174,7 @@ def _arm_rings(sheet: Sheet, trunk: I8, bones: Skeleton, field: Field, side: int
 
 
 def _crotch(sheet: Sheet, trunk: I8, person: Person) -> I8:
-    """Corners between the legs from behind to before, [3]."""
+    """Add the vertices between the legs from back to front, [3]."""
     behind, before = sheet.corners[trunk[0, AROUND // 2]], sheet.corners[trunk[0, 0]]
     share = (np.arange(_CROTCH) + 1.0) / (_CROTCH + 1)
     places = behind + share[:, None] * (before - behind)

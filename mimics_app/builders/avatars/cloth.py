@@ -18,14 +18,14 @@ from mimics_app.builders.avatars.sheet import I8, corner_normals, triangles_of
 __all__ = ["TILE", "Tailor"]
 
 TILE = 0.30
-"""Metres of cloth that its picture covers."""
+"""Width of the texture of cloth [m]."""
 _FOLD = 2.0 * math.pi
 _COLLAR = 0.32
-"""Height of a collar, as a share of the neck's."""
+"""Height of a collar, as a share of the neck's height."""
 _APART = 0.003
-"""How far legs of trousers keep from the middle [m]: where they crossed, they would fold over when one is lifted."""
+"""Distance of trouser legs from the plane of symmetry [m]: crossed, they would fold when one is lifted."""
 _TURNED = 0.006
-"""How far a hem is turned inwards at least [m]."""
+"""Largest depth of the turned edge of a hem [m]."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Tailor:
     Attributes:
         cage: The skin's rings.
         flesh: Fields of the body.
-        weights: Of the cage's corners, [n, joints].
+        weights: Of the cage's vertices, [n, joints].
         normals: Of them, [n, 3].
     """
 
@@ -46,16 +46,16 @@ class Tailor:
 
     @classmethod
     def of(cls, cage: Cage, flesh: Flesh, weights: F8) -> Tailor:
-        """A tailor for a cage."""
+        """Return a tailor for a cage."""
         return cls(cage, flesh, weights, corner_normals(cage.places, triangles_of(cage.faces, cage.places)))
 
     def trunk_rings(self, rows: range, ease: Callable[[F8], F8], hang: float) -> dict[int, F8]:
-        """Rings about the trunk by row, from below [32, 3]: lifted off the skin, and hanging from the wider rows above.
+        """Return rings around the trunk by row, from below, [32, 3]: off the skin, and hanging from wider rows above.
 
         Args:
-            rows: Of the cage's trunk; within armholes the places are of no use.
-            ease: How far the cloth lies off the skin [m] at rows (float).
-            hang: How much narrower per row than the one above it may become; 1 clings to the body.
+            rows: Of the cage's trunk; inside armholes the points have no meaning.
+            ease: Distance of the cloth from the skin [m] at rows (float).
+            hang: Smallest radius of a ring, as a share of that of the one above; 0 clings to the body.
         """
         rings: dict[int, F8] = {}
         for row in rows:
@@ -76,14 +76,14 @@ class Tailor:
     def limb_rings(
         self, limb: str, side: int, rows: range, ease: Callable[[F8], F8], least: float = 0.0, drape: float = 0.0
     ) -> list[F8]:
-        """Rings about an arm or a leg by row [20, 3].
+        """Return rings around an arm or a leg by row, [20, 3].
 
         Args:
             limb: "arms" or "legs".
             side: 1: left, -1: right.
             rows: Of the cage's limb.
             ease: As for the trunk.
-            least: Radius the cloth has at least [m].
+            least: Smallest radius of the cloth [m].
             drape: Height of the folds [m].
         """
         table = getattr(self.cage, limb)[side]
@@ -103,15 +103,15 @@ class Tailor:
     def top(
         self, material: str, *, hem: int, neck: int, sleeve: int, ease: float, hang: float, loose: float, drape: float
     ) -> Piece:
-        """A shirt.
+        """Return a shirt.
 
         Args:
-            material: Its name.
+            material: Name of the material.
             hem: Row of the trunk where it ends below.
             neck: Row where it ends above.
             sleeve: Row of the arm where the sleeves end.
             ease: Off the skin at the chest [m].
-            hang: As of `trunk_rings`.
+            hang: As for `trunk_rings`.
             loose: Off the skin at the ends of the sleeves [m].
             drape: Height of the folds [m].
         """
@@ -145,7 +145,7 @@ class Tailor:
         return draft.finish(material, dim=self.flesh.whole, lift=ease)
 
     def _collar(self, draft: Draft, own: I8, neck: int, places: F8) -> None:
-        """End a shirt at a row; at the root of the neck by a band that stands a little way up, carried as the skin."""
+        """End a shirt at a row; at the root of the neck by an upright band with the weights of the skin."""
         cage, high = self.cage, self.cage.trunk[neck]
         rim, ring, skin = own[high], places[high], cage.places[high]
         if neck == len(cage.trunk) - 2:
@@ -160,7 +160,7 @@ class Tailor:
         draft.hem(rim, inner, middle, flip=True)
 
     def bottom(self, material: str, *, waist: int, end: int, ease: float, least: float, drape: float) -> Piece:
-        """Trousers: from a row of the trunk to a row of the legs, `least` the radius of their legs below [m]."""
+        """Return trousers from a row of the trunk to a row of the legs, whose smallest radius is `least` [m]."""
         cage, rows = self.cage, range(0, waist + 1)
         draft = Draft(self.weights.shape[1])
         rings = self.trunk_rings(rows, lambda row: ease * (1.0 - 0.4 * step(3.0, float(waist), row)), 0.0)
@@ -197,7 +197,7 @@ class Tailor:
         ease: float,
         uv: Callable[[int, int], tuple[float, float]] | None = None,
     ) -> Piece:
-        """A closed stretch of an arm or leg: bare skin (ease 0) or a sock."""
+        """Return a closed section of an arm or leg: bare skin (ease 0) or a sock."""
         table = getattr(self.cage, limb)[side]
         flip = (side < 0) == (limb == "arms")
         draft = Draft(self.weights.shape[1])
@@ -246,7 +246,7 @@ def _trunk_corners(cage: Cage, rows: range) -> list[I8]:
 
 
 def _used(draft: Draft, tailor: Tailor, places: F8, lists: list[I8]) -> I8:
-    """Take the cage's corners of some rings into a draft; returns the draft's corner of each of the cage's."""
+    """Add the vertices of some rings of the cage to a draft; return the draft's indices by the cage's."""
     wanted = np.unique(np.concatenate([np.ravel(each) for each in lists]))
     own = np.full(len(places), -1, np.int64)
     own[wanted] = draft.add(places[wanted], tailor.weights[wanted])
@@ -254,7 +254,7 @@ def _used(draft: Draft, tailor: Tailor, places: F8, lists: list[I8]) -> I8:
 
 
 def _inwards(rim: F8, skin: F8, before: F8) -> tuple[F8, F8]:
-    """Where a hem's turned edge ends, a little way back and within the skin, and the middle of it."""
+    """Return the ends of a hem's turned edge, a little inside the skin, and their centre."""
     middle = skin.mean(axis=0)
     towards = middle - skin
     far = np.linalg.norm(towards, axis=1, keepdims=True)
@@ -264,7 +264,7 @@ def _inwards(rim: F8, skin: F8, before: F8) -> tuple[F8, F8]:
 
 
 def _folded(ring: F8, height: float, row: int) -> F8:
-    """Soft folds round a ring that hangs."""
+    """Return a ring with soft folds."""
     if height <= 0.0:
         return ring
     turn = _FOLD * np.arange(len(ring)) / len(ring)

@@ -1,4 +1,4 @@
-"""Triangles over scattered points of a plane: Bowyer 1981, Watson 1981."""
+"""Delaunay triangulation of points of a plane (Bowyer 1981, Watson 1981)."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from mimics_app.builders.avatars.sheet import I8
 __all__ = ["triangulate"]
 
 _FAR = 50.0
-"""Size of the first triangle about everything, in extents of the points."""
+"""Size of the first, enclosing triangle, in extents of the points."""
 
 
 def triangulate(points: F8) -> I8:
-    """Triangles, counter-clockwise, whose circles hold no other point: [m, 3] of points [n, 2]."""
+    """Return the Delaunay triangles [m, 3] of points [n, 2], counter-clockwise."""
     centre, extent = points.mean(axis=0), float(np.ptp(points, axis=0).max())
     outer = centre + _FAR * extent * np.array([[-1.0, -1.0], [1.0, -1.0], [0.0, 1.4]])
     places = np.vstack([points, outer])
@@ -34,7 +34,7 @@ def triangulate(points: F8) -> I8:
 
 
 def _circles(places: F8, corners: I8) -> F8:
-    """Centre and squared radius of the circle about each triangle, [m, 3]."""
+    """Return centre and squared radius of the circumscribed circle of each triangle, [m, 3]."""
     a, b, c = (places[corners[:, i]] for i in range(3))
     b, c = b - a, c - a
     twice = 2.0 * (b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0])

@@ -1,4 +1,4 @@
-"""Coarser forms of the people's parts, each with vertices of its own: what is far away is bent for little."""
+"""Levels of detail of the people's parts, each with vertices of its own: skinning costs little far away."""
 
 from __future__ import annotations
 
@@ -15,19 +15,22 @@ from mimics_app.world.simplify.decimation import decimate
 __all__ = ["LEVELS", "Level", "coarser", "coverages"]
 
 _PICTURE = 1920.0 * 1080.0
-"""Of a picture that levels are meant for [px]."""
+"""Area of the picture that levels are meant for [px]."""
+_DECIMALS = 6
+"""Places are simplified as rounded to a micrometre: their last digits differ between processors, and so would decide
+which of two edges that lose equally much goes first."""
 _PIXELS = 2.0
-"""Largest error of a level that is seen [px]: of the one corner that is farthest from it."""
+"""Largest error of a level in the picture [px], of the vertex that is farthest from it."""
 
 
 @dataclass(frozen=True)
 class Level:
-    """A coarser form.
+    """A level of detail.
 
     Attributes:
-        share: Of the triangles that are left.
-        influences: Joints that a corner follows at most.
-        moves: Whether morphs still show.
+        share: Of the triangles of the finest level.
+        influences: Largest number of joints of a vertex.
+        moves: Whether it has morphs.
     """
 
     share: float
@@ -36,13 +39,13 @@ class Level:
 
 
 LEVELS = (Level(0.42, 4, True), Level(0.13, 2, False), Level(0.045, 1, False))
-"""Ever coarser."""
+"""From fine to coarse, without the finest."""
 
 
 def coarser(piece: Piece, level: Level) -> tuple[Piece, float]:
-    """A part with fewer triangles, and how far a corner of the part lies from it at most [m]."""
+    """Return a part with fewer triangles, and the largest distance of a vertex of the part from it [m]."""
     count = max(4, round(level.share * len(piece.triangles)))
-    made = decimate(piece.places, piece.triangles.ravel(), count)
+    made = decimate(np.round(piece.places, _DECIMALS), piece.triangles.ravel(), count)
     kept, triangles = np.unique(made.indices, return_inverse=True)
     weights = strongest(piece.weights[kept], level.influences)
     return replace(
@@ -58,11 +61,11 @@ def coarser(piece: Piece, level: Level) -> tuple[Piece, float]:
 
 
 def coverages(pieces: Sequence[Piece], errors: Sequence[float]) -> list[float]:
-    """Least share of a picture's area at which each form of a group of parts is shown, the finest first.
+    """Return the smallest share of the picture's area at which each level is shown, the finest first.
 
     Args:
-        pieces: The finest form.
-        errors: Of the coarser ones [m], rising.
+        pieces: The finest level.
+        errors: Of the coarser levels [m], rising.
     """
     places = np.concatenate([piece.places for piece in pieces])
     radius = float(np.linalg.norm(places - 0.5 * (places.min(axis=0) + places.max(axis=0)), axis=1).max())

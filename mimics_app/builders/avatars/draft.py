@@ -1,8 +1,8 @@
-"""Surfaces with a picture laid on them, face by face; corners are doubled where the picture is cut."""
+"""Meshes with texture coordinates per face; vertices are doubled at the seams of the texture."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -15,11 +15,11 @@ __all__ = ["Draft", "openness"]
 Uv = tuple[float, float]
 
 _REACHES = (0.012, 0.035, 0.09)
-"""How far before the skin it is asked whether something is there [m]."""
+"""Distances from the surface at which openness is sampled [m]."""
 
 
 def openness(field: Field, places: F8, normals: F8, lift: float = 0.0) -> F8:
-    """How much of the sky each place of a body sees, 0 to 1, [n]: Evans 2006, from distances along the normal."""
+    """Return the share of the sky that each point sees, 0 to 1, [n]: distances along the normal (Evans 2006)."""
     hidden = np.zeros(len(places))
     for share, far in zip((0.34, 0.33, 0.33), _REACHES, strict=True):
         free = field.at(places + (far - lift) * normals) + lift
@@ -28,10 +28,10 @@ def openness(field: Field, places: F8, normals: F8, lift: float = 0.0) -> F8:
 
 
 class Draft:
-    """Corners with weights, and faces with a place on the picture for each of their corners.
+    """Vertices with weights, and faces with texture coordinates.
 
     Args:
-        joints: How many there are.
+        joints: Number of joints.
     """
 
     def __init__(self, joints: int) -> None:
@@ -41,19 +41,19 @@ class Draft:
         self._faces: list[tuple[tuple[int, ...], tuple[Uv, ...]]] = []
 
     def add(self, places: F8, weights: F8) -> I8:
-        """Corners [n, 3] with weights [n, joints]; returns their indices."""
+        """Add vertices [n, 3] with weights [n, joints]; return their indices."""
         first = len(self.corners)
         self.corners.extend(places)
         self.weights.extend(weights)
         return np.arange(first, first + len(places))
 
     def face(self, corners: Sequence[int], uvs: Sequence[Uv], *, flip: bool = False) -> None:
-        """A face of three or four, counter-clockwise seen from outside; flipped: clockwise."""
+        """Add a triangle or quadrilateral, counter-clockwise seen from outside; flipped: clockwise."""
         own = tuple(int(corner) for corner in corners)
         self._faces.append((own[::-1], tuple(uvs)[::-1]) if flip else (own, tuple(uvs)))
 
     def band(self, one: I8, two: I8, u: Sequence[float], v: tuple[float, float], *, flip: bool = False) -> None:
-        """Faces between two closed rings; u has one value more than the rings have corners."""
+        """Add faces between two closed rings; u has one value more than the rings have vertices."""
         count = len(one)
         for i in range(count):
             j = (i + 1) % count
@@ -61,7 +61,7 @@ class Draft:
             self.face((one[i], one[j], two[j], two[i]), uvs, flip=flip)
 
     def lid(self, ring: I8, place: F8, uv: Uv, *, flip: bool = False) -> None:
-        """Close a ring by a fan to a new corner, which is carried as the ring is on the mean."""
+        """Close a ring by a fan to a new vertex, which has the mean weights of the ring."""
         weights = np.mean([self.weights[i] for i in ring], axis=0)
         middle = int(self.add(place[None], weights[None])[0])
         count = len(ring)
@@ -73,23 +73,31 @@ class Draft:
 
         Args:
             ring: The rim; its faces lie on its left hand seen from outside (flipped: right).
-            inner: Where the turned edge ends [m], one place per corner.
-            middle: Where it is closed [m].
-            flip: Of the faces.
+            inner: Ends of the turned edge, one per vertex [m].
+            middle: Vertex that closes it [m].
+            flip: Whether the faces are reversed.
         """
         edge = self.add(inner, np.array([self.weights[i] for i in ring]))
         flat = [0.02] * (len(ring) + 1)
         self.band(edge, ring, flat, (0.02, 0.02), flip=flip)
         self.lid(edge, middle, (0.02, 0.02), flip=not flip)
 
-    def finish(self, material: str, shade: F8 | None = None, dim: Field | None = None, lift: float = 0.0) -> Piece:
-        """The surface as a piece.
+    def finish(
+        self,
+        material: str,
+        shade: F8 | None = None,
+        dim: Field | None = None,
+        lift: float = 0.0,
+        normals: Mapping[int, F8] | None = None,
+    ) -> Piece:
+        """Return the surface as a piece.
 
         Args:
             material: Its name.
-            shade: Factor on the colour of each corner, [n, 3]; none: 1.
-            dim: A field that hides the sky from parts of it.
-            lift: How far the surface lies outside of that [m].
+            shade: Factor on the colour of each vertex, [n, 3]; none: 1.
+            dim: Distance field of the body that shades the surface; none: no shade.
+            lift: Distance of the surface from that body [m].
+            normals: Of vertices whose normal is given, [3] each, in place of the mean of their faces.
         """
         places, weights = np.array(self.corners), np.array(self.weights)
         known: dict[tuple[int, int, int], int] = {}
@@ -104,8 +112,10 @@ class Draft:
                 rows.append((points[0], points[2], points[3]))
         keys = np.array(list(known), np.int64)
         own, triangles = keys[:, 0], np.array(rows, np.int64)
-        normals = corner_normals(places, own[triangles])
+        found = corner_normals(places, own[triangles])
+        for corner, normal in (normals or {}).items():
+            found[corner] = normal
         shades = np.ones((len(places), 3)) if shade is None else shade
         if dim is not None:
-            shades = shades * (0.30 + 0.70 * openness(dim, places, normals, lift))[:, None]
-        return Piece(material, places[own], normals[own], keys[:, 1:] / 8192.0, triangles, weights[own], shades[own])
+            shades = shades * (0.30 + 0.70 * openness(dim, places, found, lift))[:, None]
+        return Piece(material, places[own], found[own], keys[:, 1:] / 8192.0, triangles, weights[own], shades[own])

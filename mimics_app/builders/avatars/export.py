@@ -1,4 +1,4 @@
-"""A person as a glTF file: parts on a skeleton, morphs, motions, pictures."""
+"""Writer of a person as a glTF file: skinned parts, morphs, animations, textures."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ __all__ = ["FigureWriter", "Paint"]
 _ARRAY_BUFFER, _ELEMENT_BUFFER = 34962, 34963
 _FULL, _SIGNED = 65535, 32767
 _STILL = 1e-4
-"""Least change of a channel that is kept [rad, m, share]."""
+"""Smallest change of a channel that is written [rad, m, weight]."""
 _LEAST_STEP = 2e-5
-"""Least step of a morph that is kept [m]."""
+"""Smallest displacement of a morph that is written [m]."""
 _RATE = 24.0
-"""Keys of morphs a second: a blink is short."""
+"""Key frames of morphs per second: a blink is short."""
 
 
 @dataclass(frozen=True)
 class Paint:
-    """A material: linear colour, roughness, softness, and pictures: bytes of a JPEG, or a file's name beside it."""
+    """A material: linear colour, roughness, softness, and textures: bytes of a JPEG, or the name of a file."""
 
     colour: Sequence[float] = (1.0, 1.0, 1.0)
     roughness: float = 0.8
@@ -43,9 +43,9 @@ class FigureWriter(GltfWriter):
     """Writes one person.
 
     Args:
-        generator: Who made the file.
-        bones: The joints; they become nodes under one called as the person.
-        name: Of the person.
+        generator: Name of the program, for the header of the file.
+        bones: The joints; they become nodes under one that is named as the person.
+        name: Name of the person.
     """
 
     def __init__(self, generator: str, bones: Skeleton, name: str) -> None:
@@ -68,7 +68,7 @@ class FigureWriter(GltfWriter):
         self._known: dict[bytes, int] = {}
 
     def add_skinned(self, name: str, pieces: Sequence[Piece], paints: Mapping[str, Paint]) -> None:
-        """Add a node with parts on the skeleton and its coarser forms; all get every morph that one of them has."""
+        """Add a node with skinned parts and its levels of detail; all have every morph that one of them has."""
         morphs = list({morph: None for piece in pieces for morph in piece.moves})
         node = self.add_node(name, parent=self._root, mesh=self._add_mesh(name, pieces, paints, morphs))
         self._tables["nodes"][node]["skin"] = self._skin
@@ -103,7 +103,7 @@ class FigureWriter(GltfWriter):
         return self._add("meshes", mesh)
 
     def add_motion(self, name: str, motion: Motion) -> None:
-        """Add a motion as an animation; joints that keep still through it are given once."""
+        """Add a motion as an animation; a joint that does not move has one key frame."""
         times, fine = (
             np.linspace(0.0, motion.seconds, round(motion.seconds * rate) + 1) for rate in (motion.rate, _RATE)
         )
@@ -145,7 +145,7 @@ class FigureWriter(GltfWriter):
         return self._keys(times.reshape(-1, 1), bounds=True)
 
     def _turns(self, turns: F8) -> int:
-        """An accessor of quaternions in 16 bits: steps of 3e-5; equal ones are kept once."""
+        """Return an accessor of quaternions in 16 bits, steps of 3e-5; equal ones are shared."""
         stored = np.round(turns * _SIGNED).astype("<i2")
         name = stored.tobytes() + b"turns"
         if name not in self._known:
@@ -153,7 +153,7 @@ class FigureWriter(GltfWriter):
         return self._known[name]
 
     def _keys(self, values: F8, *, bounds: bool = False) -> int:
-        """An accessor of keys; equal ones are kept once."""
+        """Return an accessor of key frames; equal ones are shared."""
         stored = values.astype(np.float32)
         name = stored.tobytes() + bytes([stored.shape[1]])
         if name not in self._known:
@@ -174,13 +174,13 @@ class FigureWriter(GltfWriter):
         }
 
     def _uvs(self, uvs: F8) -> int:
-        """Coordinates on a picture: in 16 bits, a 32nd of a pixel of 2048, where they do not go beyond it."""
+        """Return an accessor of texture coordinates: in 16 bits where none lies outside of 0 to 1, else in float32."""
         if uvs.min() < 0.0 or uvs.max() > 1.0:
             return self._array(uvs.astype(np.float32), _ARRAY_BUFFER)
         return self._array(np.round(uvs * _FULL).astype("<u2"), _ARRAY_BUFFER, normalized=True)
 
     def _steps(self, steps: F8 | None, count: int) -> int:
-        """Steps of a morph as a sparse accessor: most corners keep still."""
+        """Return the displacements of a morph as a sparse accessor: most vertices do not move."""
         moves = np.zeros((count, 3)) if steps is None else steps
         moved = np.flatnonzero(np.abs(moves).max(axis=1, initial=0.0) > _LEAST_STEP)
         if not len(moved):
@@ -235,7 +235,7 @@ def _steps_of(contacts: tuple[float, float]) -> list[dict[str, Any]]:
 
 
 def _strongest(weights: F8) -> tuple[Any, Any]:
-    """The four strongest joints of each corner, uint8, and their shares, uint16, which add up to 65535 exactly."""
+    """Return the four strongest joints of each vertex, uint8, and their weights, uint16, of sum 65535."""
     order = np.argsort(-weights, axis=1, kind="stable")[:, :4]
     shares = np.take_along_axis(weights, order, axis=1)
     shares = np.where(shares < 0.004, 0.0, shares)

@@ -1,4 +1,4 @@
-"""Eyeballs, teeth, tongue, ears: what is set into a head."""
+"""Eyeballs, teeth, tongue and ears."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ IRIS = 0.0059
 """Radius of the coloured part of an eye [m]."""
 
 _EAR_SIDE = 74.5
-"""Where ears stand on the side of the plain head [mm]."""
+"""Position of the ears on the side of the plain head [mm]."""
 _EAR_SHADES = (0.6, 0.75, 1.0, 1.0, 0.62, 0.92, 0.50, 0.36)
 """Of its rings, from behind over the rim to the bowl."""
 _AROUND = 10
 _RINGS = (0.0, 0.22, 0.50, 0.70, 1.05, 1.75)
 """Angles of an eyeball's rings from its front [rad]."""
 _BULGE = 0.0009
-"""How far the cornea stands out [m]."""
+"""Height of the cornea over the eyeball [m]."""
 
 
 def make_eyes(head: Head, bones: Skeleton) -> Piece:
-    """Both eyeballs; the picture shows them from the front, its radius 0.5 the ring at 1.75 rad."""
+    """Return both eyeballs; the texture shows them from the front, 1.75 rad from its centre to its edge."""
     parts = []
     for eye, name in zip(head.eyes, ("leftEye", "rightEye"), strict=True):
         sheet, uvs = Sheet(), []

@@ -1,4 +1,4 @@
-"""The face as a flat map: directions from the middle of the head, and which points of it become corners."""
+"""The face as a flat map: directions from the centre of the head, and the points that become vertices."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from mimics_app.builders.avatars.sheet import I8
 __all__ = ["LID_LIFT", "LID_POINTS", "LIP_POINTS", "MOUTH_RISE", "FaceMap", "directions", "lay_map", "turns_of"]
 
 LID_POINTS = 9
-"""Corners of a lid from one end to the other."""
+"""Vertices of a lid from one end to the other."""
 MOUTH_RISE = 1.2
-"""How much higher than the middle the ends of the line of the lips lie [mm]: a mouth at ease."""
+"""Height of the ends of the line of the lips over its middle [mm]: a mouth at ease."""
 LIP_POINTS = 6
-"""Corners of half a lip from the middle to the end."""
+"""Vertices of half a lip from the middle to the end."""
 
 _LID_RINGS = ((0.0020, 0.0024, 0.0020), (0.0045, 0.0062, 0.0048), (0.0080, 0.0105, 0.0085))
-"""How far beyond the opening the rings about it lie: beside, above, below [m]."""
+"""Distance of the rings about the opening from it: beside, above, below [m]."""
 LID_LIFT = 0.0013
-"""How far the edges of the lids lie before the eyeball [m]."""
+"""Distance of the edges of the lids from the eyeball [m]."""
 _LIP_RINGS = (0.40, 1.0, 1.75)
-"""The same for the mouth: shares of the way from the line of the lips to the edge of the red."""
+"""Rings about the mouth: shares of the distance from the line of the lips to the edge of the red."""
 _TOP = 1.40
-"""Elevation up to which the map goes; above it is the crown [rad]."""
+"""Largest elevation of the map; above it is the crown [rad]."""
 _RADIUS = 0.095
 """Typical of the head, for distances on the map [m]."""
 
@@ -60,13 +60,13 @@ class FaceMap:
 
 
 def directions(turns: F8) -> F8:
-    """Unit vectors [n, 3] of azimuths and elevations [n, 2]."""
+    """Return unit vectors [n, 3] of azimuths and elevations [n, 2]."""
     a, e = turns[:, 0], turns[:, 1]
     return np.stack([np.sin(a) * np.cos(e), np.sin(e), np.cos(a) * np.cos(e)], axis=1)
 
 
 def turns_of(offsets: F8) -> F8:
-    """Azimuths and elevations [n, 2] of vectors [n, 3]."""
+    """Return azimuths and elevations [n, 2] of vectors [n, 3]."""
     away = np.linalg.norm(offsets, axis=1)
     return np.stack([np.arctan2(offsets[:, 0], offsets[:, 2]), np.arcsin(offsets[:, 1] / away)], axis=1)
 
@@ -187,7 +187,7 @@ def _fill(points: _Points, head: Head, features: F8, rim: F8, lids: list[I8], li
 
 
 def _spacing(azimuth: float, elevation: float) -> float:
-    """How far apart points are [m]."""
+    """Return the distance between points [m]."""
     nose = azimuth < 0.24 and -0.50 < elevation < 0.04
     face = azimuth < 0.85 and -1.05 < elevation < 0.30
     side = azimuth < 1.45 and elevation < 0.5
@@ -200,7 +200,7 @@ def _apart(one: F8, other: F8) -> float:
 
 
 def _within(point: F8, ring: F8, middle: F8) -> bool:
-    """Whether a point lies within a ring seen from its middle (half a ring counts as whole), with a margin."""
+    """Return whether a point lies inside a ring, with a margin; half a ring counts as whole."""
     offset = (point - middle) / 1.10
     around = ring - middle
     if abs(middle[0]) < 1e-9:

@@ -1,4 +1,4 @@
-"""Skin of head and neck as triangles: lids that can close, lips that can open, and how the face moves."""
+"""Skin of head and neck as triangles: lids that can close, lips that can open, and the morphs of the face."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ __all__ = ["FaceMesh", "face_uvs", "make_face", "welded_normals"]
 
 _MM = 1e-3
 _LAP = 5e-5
-"""How far closed lips lap over each other [m]: through a slit between them teeth would be seen."""
+"""Overlap of closed lips [m]: through a slit between them teeth would be seen."""
 _LOWEST, _HIGHEST = -1.36, 1.5708
-"""Elevations at the lower and the upper edge of the picture of the head [rad]."""
+"""Elevations at the lower and the upper edge of the texture of the head [rad]."""
 
 
 @dataclass(frozen=True)
@@ -28,13 +28,13 @@ class FaceMesh:
     """The skin of a head.
 
     Attributes:
-        places, normals: Of the corners [m], [n, 3].
-        turns: Azimuth and elevation of each about the middle of the head [rad], [n, 2].
+        places, normals: Of the vertices [m], [n, 3].
+        turns: Azimuth and elevation of each about the centre of the head [rad], [n, 2].
         triangles: [m, 3].
-        inside: True for corners of the mouth's inside.
-        border: Corners on the neck's ring, in its order about the neck.
-        moves: The face's morphs, [n, 3] each.
-        outside: How many of the first corners lie outside of lids and lips.
+        inside: Indices of the vertices inside the mouth.
+        border: Vertices on the neck's ring, in its order about the neck.
+        moves: Displacements of the face's morphs [m], [n, 3] each.
+        outside: Number of the first vertices that lie outside of lids and lips.
     """
 
     places: F8
@@ -48,14 +48,14 @@ class FaceMesh:
 
 
 def face_uvs(turns: F8) -> F8:
-    """Where on the picture azimuths and elevations lie, [n, 2]: half as large again ahead than on the mean."""
+    """Return texture coordinates of azimuths and elevations, [n, 2]; the front is half as large again as the mean."""
     share = turns[:, 0] / math.pi
     u = 0.5 + 0.5 * np.sign(share) * np.abs(share) * (1.5 - 0.5 * np.abs(share))
     return np.stack([u, (_HIGHEST - turns[:, 1]) / (_HIGHEST - _LOWEST)], axis=1)
 
 
 def welded_normals(places: F8, triangles: I8) -> F8:
-    """Normals that do not show where corners are doubled for the picture, [n, 3]."""
+    """Return normals that are equal where vertices are doubled at seams of the texture, [n, 3]."""
     _, first, same = np.unique(np.round(places, 6), axis=0, return_index=True, return_inverse=True)
     one = same.reshape(-1)
     result: F8 = corner_normals(places[first], one[triangles])[one]
@@ -63,7 +63,7 @@ def welded_normals(places: F8, triangles: I8) -> F8:
 
 
 def make_face(person: Person, head: Head, neck_ring: F8) -> FaceMesh:
-    """The skin of a person's head over the ring where the neck begins, [32, 3] from ahead by the left."""
+    """Return the skin of a person's head above the ring of the neck, [32, 3] from the front by the left."""
     half = neck_ring[: len(neck_ring) // 2 + 1]
     flat = lay_map(head, person.face, half)
     places = _half_places(flat, head, half)

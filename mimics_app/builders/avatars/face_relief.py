@@ -1,4 +1,4 @@
-"""What the triangles of a face are too few to show: slopes and shade of the modelled form, for its pictures."""
+"""Relief of a face for its textures: slopes and shade of the modelled shape that its few triangles do not have."""
 
 from __future__ import annotations
 
@@ -18,20 +18,24 @@ from mimics_app.builders.avatars.sheet import I8
 __all__ = ["Relief", "face_relief"]
 
 _BATCH = 8192
-"""Places asked at once: so that their tables stay in the processor's cache."""
+"""Points of one evaluation of the field: their arrays stay in the processor's cache."""
 _TRUSTED, _STRANGE = 0.0006, 0.0016
-"""How far from the modelled form triangles may lie [m] to take their slopes from it, and from where on they do not."""
+"""Distances of a triangle from the modelled shape [m] up to which its slopes count, and from which they do not."""
 _STEEPEST = 1.3
-"""Of a slope that is painted."""
+"""Largest slope in the normal map."""
 _DARKENED = 0.75
-"""How much of the sky that the form hides is painted."""
+"""Share of the shape's shade that is painted."""
+_CHIN = (-1.0, -0.78)
+"""Elevations [rad] between which the relief fades out under the chin: the triangles of the neck are long."""
+_FADE = 3
+"""Half of the zone in which the relief fades out at its edges [texel]."""
 _SEEN = (1.75, -1.12, 0.80)
-"""Azimuth either way, lowest and highest elevation of what is asked [rad]: hair and collar hide the rest."""
+"""Largest azimuth to both sides, lowest and highest elevation with relief [rad]: hair and collar hide the rest."""
 
 
 @dataclass(frozen=True)
 class Relief:
-    """Of every texel of the head's picture.
+    """Relief of every texel of the head's texture.
 
     Attributes:
         slopes: Of the form against the triangles, along u and against v, [height, width, 2].
@@ -43,13 +47,13 @@ class Relief:
 
 
 def face_relief(head: Head, skin: Piece, triangles: I8, sheet: F8) -> Relief:
-    """Compare the triangles with the form they were laid on.
+    """Compare the triangles with the shape they approximate.
 
     Args:
-        head: The form.
-        skin: Its triangles' corners.
+        head: The shape.
+        skin: The mesh.
         triangles: Those of the outside of the face, [m, 3].
-        sheet: Places on the picture [m], [height, width, 3].
+        sheet: Position of each texel [m], [height, width, 3].
     """
     height, width = sheet.shape[:2]
     flat = sheet.reshape(-1, 3)
@@ -60,6 +64,9 @@ def face_relief(head: Head, skin: Piece, triangles: I8, sheet: F8) -> Relief:
     asked = np.flatnonzero(_seen(head, flat) & right)
     form, open_, trust = _form(head, flat[asked], normals[asked])
     along, down = (np.gradient(sheet, axis=axis).reshape(-1, 3)[asked] for axis in (1, 0))
+    counts = np.zeros(len(flat))
+    counts[asked] = trust
+    trust = _faded(counts.reshape(height, width)).ravel()[asked]
     slopes, share = np.zeros((len(flat), 2)), np.ones(len(flat))
     slopes[asked] = trust[:, None] * _slopes(along, down, normals[asked], form)
     dark = open_ / np.maximum(more.reshape(-1, 4)[asked, 3], 0.1)
@@ -70,8 +77,16 @@ def face_relief(head: Head, skin: Piece, triangles: I8, sheet: F8) -> Relief:
     return Relief(_smoothed(leaning), _smoothed(open_sheet[..., None])[..., 0])
 
 
+def _faded(trust: F8) -> F8:
+    """Return trust that fades out inside of its edges, so that none of them is seen, [height, width]."""
+    from scipy.ndimage import minimum_filter, uniform_filter
+
+    kept = minimum_filter(trust, 2 * _FADE + 1, mode="nearest")
+    return np.asarray(uniform_filter(kept, 2 * _FADE + 1, mode="nearest"))
+
+
 def _smoothed(sheet: F8) -> F8:
-    """Each texel with its eight neighbours, weighed (1, 2, 1) each way."""
+    """Return means over 3x3 texels, weighted (1, 2, 1) along both axes."""
     for axis in (0, 1):
         sheet = 0.5 * sheet + 0.25 * (np.roll(sheet, 1, axis) + np.roll(sheet, -1, axis))
     return sheet
@@ -85,7 +100,7 @@ def _seen(head: Head, places: F8) -> NDArray[np.bool_]:
 
 
 def _form(head: Head, places: F8, normals: F8) -> tuple[F8, F8, F8]:
-    """Unit normals of the form under places [n, 3], what of the sky it lets in [n], and how far that counts [n]."""
+    """Return unit normals of the shape below points [n, 3], its openness to the sky [n], and the trust in both [n]."""
     parts = []
     for start in range(0, len(places), _BATCH):
         at, up = places[start : start + _BATCH], normals[start : start + _BATCH]
@@ -96,13 +111,14 @@ def _form(head: Head, places: F8, normals: F8) -> tuple[F8, F8, F8]:
         level = (unit * (at - head.middle)).sum(axis=1) / np.linalg.norm(at - head.middle, axis=1)
         trust = step(_STRANGE, _TRUSTED, np.abs(away)) * step(0.2, 0.6, (unit * up).sum(axis=1))
         trust = trust * step(0.12, 0.45, level)  # where the form stands off the picture's sphere texels are few
+        trust = trust * step(*_CHIN, turns_of(at - head.middle)[:, 1])
         parts.append((unit, 0.45 + 0.55 * openness(head.field, on, unit), trust))
     unit, open_, trust = (np.concatenate([part[i] for part in parts]) for i in range(3))
     return unit, open_, trust
 
 
 def _slopes(along: F8, down: F8, normals: F8, form: F8) -> F8:
-    """Slopes that turn the normals of triangles into those of the form, as shaders/common/material.glsl reads them.
+    """Return slopes that turn normals of triangles into those of the shape, as shaders/common/material.glsl reads them.
 
     Args:
         along: Steps from texel to texel to the right [m], [n, 3].

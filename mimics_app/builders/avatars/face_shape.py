@@ -18,7 +18,7 @@ from mimics_app.builders.avatars.skeleton import Skeleton
 __all__ = ["EYE_RADIUS", "Head", "lid_lines", "make_head", "over_eye"]
 
 EYE_RADIUS = 0.0121
-"""Of an eyeball [m] (Bekerman et al. 2014: axial length 24.2 mm in the mean of adults)."""
+"""Radius of an eyeball [m] (Bekerman et al. 2014: axial length 24.2 mm in the mean of adults)."""
 
 _MARKS = {
     # midline
@@ -42,7 +42,7 @@ _MARKS = {
 
 _MM = 1e-3
 _SMOOTH = 2e-4
-"""How far the skin may pass by a landmark, as a share: a little, so that it does not ripple."""
+"""Smoothing of the skin over landmarks: a little, so that it does not ripple."""
 
 
 @dataclass(frozen=True)
@@ -50,12 +50,12 @@ class Head:
     """The head of a person.
 
     Attributes:
-        middle: Where the landmarks' frame lies [m], [3].
+        middle: Origin of the landmarks' frame [m], [3].
         field: Skin of head and neck without ears [m].
-        eyes: Middles of the left and of the right eyeball, [2, 3].
+        eyes: Centres of the left and of the right eyeball, [2, 3].
         gape: Half width of the opening of the lids [m].
         mouth: Half width of the mouth [m].
-        stomion: Where the lips meet on the midline [m], [3].
+        stomion: Point of the midline at which the lips meet [m], [3].
         size: Breadth, height and depth as factors on the plain head, [3].
     """
 
@@ -68,7 +68,7 @@ class Head:
     size: F8
 
     def mark(self, x: float, y: float, z: float) -> F8:
-        """A place given in millimetres of the plain head, in the body's frame [m]."""
+        """Return a point given in millimetres of the plain head, in the body's frame [m]."""
         place: F8 = self.middle + self.size * np.array([x, y, z]) * _MM
         return place
 

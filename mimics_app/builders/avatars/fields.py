@@ -1,4 +1,4 @@
-"""Solid forms as distance fields, blended smoothly: what the flesh of a body is modelled from."""
+"""Solid shapes as distance fields, blended smoothly: the primitives of the model of a body."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ from mimics_app.contracts.arrays import F8
 __all__ = ["F8", "Ball", "Blend", "Curve", "Field", "Loft", "Mirrored", "Vector", "gradient", "step"]
 
 Vector = Sequence[float] | F8
-"""Three numbers."""
+"""A point or direction of three numbers."""
 
 _PROBE = 4e-4
-"""Half the distance over which a slope is taken [m]."""
+"""Step of the finite differences of a gradient [m]."""
 
 
 class Field(Protocol):
-    """Distance to a surface [m], negative inside; exact enough near it."""
+    """Distance to a surface [m], negative inside; a good approximation near it."""
 
     def at(self, places: F8) -> F8:
-        """Distances [n] of places [n, 3]."""
+        """Return distances [n] of points [n, 3]."""
         ...
 
 
 def step(low: float | F8, high: float | F8, x: F8) -> F8:
-    """0 up to `low`, 1 from `high` on, 3t^2 - 2t^3 between; `low` may be the greater."""
+    """Return 0 up to `low`, 1 from `high` on, 3t^2 - 2t^3 between; `low` may be the greater."""
     t = np.clip((x - low) / (high - low), 0.0, 1.0)
     smooth: F8 = t * t * (3.0 - 2.0 * t)
     return smooth
 
 
 class Curve:
-    """Values over a rising parameter, joined by cubics whose slopes never overshoot (Fritsch and Butland 1984).
+    """Monotone cubic interpolation of values over a rising parameter (Fritsch and Butland 1984).
 
     Args:
         at: Parameters, rising, [n].
@@ -134,7 +134,7 @@ class Ball:
 
 @dataclass(frozen=True)
 class Blend:
-    """Several fields as one, rounded over `radius` where they meet [m]."""
+    """Union of several fields, rounded over `radius` where they meet [m]."""
 
     parts: Sequence[Field]
     radius: float
@@ -151,7 +151,7 @@ class Blend:
 
 @dataclass(frozen=True)
 class Mirrored:
-    """Both sides of a body by its left one; what lies on the right does not round off what lies on the left."""
+    """Both sides of a body by its left one; the right side is not blended with the left."""
 
     left: Field
 
@@ -161,7 +161,7 @@ class Mirrored:
 
 
 def gradient(field: Field, places: F8) -> F8:
-    """Slope of a field, [n, 3]: unit and outwards near the surface."""
+    """Return the gradient of a field, [n, 3]: of unit length and outwards near the surface."""
     signs = np.array([[1.0, -1.0, -1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, 1.0, 1.0]])
     total = np.zeros_like(places)
     for sign in signs:

@@ -1,4 +1,4 @@
-"""A person put together: skin, face, hair and clothes on one skeleton."""
+"""Assembly of a person: skin, face, hair and clothes on one skeleton."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from mimics_app.builders.avatars.hair import make_hair
 from mimics_app.builders.avatars.hand import Hand, make_hand
 from mimics_app.builders.avatars.person import Person
 from mimics_app.builders.avatars.piece import Piece, joined
-from mimics_app.builders.avatars.sheet import corner_normals, triangles_of
+from mimics_app.builders.avatars.sheet import corner_normals, near_means, triangles_of
 from mimics_app.builders.avatars.skeleton import Skeleton, arm_axes, make_skeleton
 from mimics_app.builders.avatars.wardrobe import SLEEVES, cover_of, dress
 from mimics_app.builders.avatars.weights import cage_weights, spine_weights
@@ -29,10 +29,12 @@ from mimics_app.builders.avatars.weights import cage_weights, spine_weights
 __all__ = ["HAND_PICTURE", "Figure", "make_figure"]
 
 HAND_PICTURE = (0.16, 0.21)
-"""How much of a hand its picture shows across and along [m]: the back in its left half, the palm in its right."""
+"""Extent of a hand on its texture, across and along [m]: the back in the left half, the palm in the right."""
 _BREATH = 0.006
-"""How far the chest rises in a deep breath [m]."""
+"""Rise of the chest in a deep breath [m]."""
 _BIB_ROW = 15
+_EVENED = 12
+"""Rounds in which shades and normals below the jaw are evened out."""
 _WITHIN = 0.5
 """Where the bare arm begins, of the way from the last ring within the sleeve to its end."""
 
@@ -42,11 +44,12 @@ class Figure:
     """A person as triangles.
 
     Attributes:
-        person: Whose.
+        person: Description of the person.
         bones: Joints at rest.
         head: Shape of the head.
-        pieces: By what they are: "head", "eyes", "mouth", "skin", "hair" and the clothes.
-        face_corners: How many of the head's first corners are the face's outside; mouth, lids' edges and ears follow.
+        pieces: By name: "head", "eyes", "mouth", "skin", "hair" and the clothes.
+        face_corners: Number of the head's first vertices that are the outside of the face; mouth, lids' edges and ears
+            follow.
     """
 
     person: Person
@@ -57,7 +60,7 @@ class Figure:
 
 
 def make_figure(person: Person, seed: int) -> Figure:
-    """Model a person; the seed is of their hair."""
+    """Model a person; `seed` is that of the hair."""
     bones = make_skeleton(person)
     flesh = make_flesh(person, bones)
     cage = make_cage(person, bones, flesh)
@@ -70,8 +73,9 @@ def make_figure(person: Person, seed: int) -> Figure:
         for name, piece in dress(tailor, person, bones).items()
     }
     held = _held_by_sleeves(person, cage, weights, clothes)
-    pieces = {"skin": smooth_folds(_skin(person, bones, cage, flesh, held, tailor), bones)}
-    pieces |= _head_pieces(person, bones, head, face, cage, weights, flesh)
+    neck = _shared_normals(face, cage)
+    pieces = {"skin": smooth_folds(_skin(person, bones, cage, flesh, held, tailor, neck), bones)}
+    pieces |= _head_pieces(person, bones, head, face, cage, weights, flesh, neck)
     pieces["hair"] = make_hair(head, bones, person.looks.style, seed)
     pieces |= clothes
     for name in ("skin", *(name for name in clothes if name != "shoes")):
@@ -80,7 +84,7 @@ def make_figure(person: Person, seed: int) -> Figure:
 
 
 def _head_pieces(
-    person: Person, bones: Skeleton, head: Head, face: FaceMesh, cage: Cage, weights: F8, flesh: Flesh
+    person: Person, bones: Skeleton, head: Head, face: FaceMesh, cage: Cage, weights: F8, flesh: Flesh, neck: F8
 ) -> dict[str, Piece]:
     own = spine_weights(bones, face.places)
     own[face.border] = weights[cage.trunk[-1]]
@@ -88,12 +92,15 @@ def _head_pieces(
     own[face.inside, bones.index("head")] = 1.0
     ring = cage.places[cage.trunk[-1]]
     normals = face.normals.copy()
-    normals[face.border] = _shared_normals(face, cage)
+    normals[face.border] = neck
+    normals = _even_below_jaw(normals, face)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     open_ = openness(head.field, face.places, normals)
     below = 0.30 + 0.70 * openness(flesh.trunk, face.places, normals)
     height = face.places[:, 1] - np.interp(np.abs(face.turns[:, 0]), [0.0, math.pi], ring[[0, AROUND // 2], 1])
     high = step(0.0, 0.035, height)
     shades = (below + high * (0.45 + 0.55 * open_ - below))[:, None] * np.ones(3)
+    shades = _even_below_jaw(shades, face)
     shades[face.inside] = (0.22, 0.05, 0.05)
     skin = Piece("skin_head", face.places, normals, face_uvs(face.turns), face.triangles, own, shades, face.moves)
     return {
@@ -104,7 +111,7 @@ def _head_pieces(
 
 
 def _held_by_sleeves(person: Person, cage: Cage, weights: F8, clothes: dict[str, Piece]) -> F8:
-    """The cage's weights, but of arms within sleeves those of the cloth, so that they stay inside of it."""
+    """Return the cage's weights, with those of the cloth for arms within sleeves, so that they stay inside of it."""
     from scipy.spatial import KDTree
 
     cover = cover_of(person)
@@ -116,7 +123,7 @@ def _held_by_sleeves(person: Person, cage: Cage, weights: F8, clothes: dict[str,
 
 
 def _shared_normals(face: FaceMesh, cage: Cage) -> F8:
-    """Normals of the neck's ring, of the faces on both sides of it."""
+    """Return normals of the neck's ring by the faces on both sides of it, [32, 3]."""
     places = np.vstack([cage.places, face.places])
     start = len(cage.places)
     triangles = np.vstack([triangles_of(cage.faces, cage.places), face.triangles + start])
@@ -127,10 +134,20 @@ def _shared_normals(face: FaceMesh, cage: Cage) -> F8:
     return result
 
 
-def _skin(person: Person, bones: Skeleton, cage: Cage, flesh: Flesh, weights: F8, tailor: Tailor) -> Piece:
-    """Bare skin: the root of the neck, arms from within the sleeves, hands, legs from within the hem."""
+def _even_below_jaw(values: F8, face: FaceMesh) -> F8:
+    """Shades or normals evened out below the jaw: triangles are long there, and each vertex that differed a streak."""
+    below = step(-0.80, -1.00, face.turns[:, 1])
+    below[face.border] = below[face.inside] = 0.0
+    means = near_means(face.places, face.triangles)
+    for _ in range(_EVENED):
+        values = values + 0.6 * below[:, None] * (means @ values - values)
+    return values
+
+
+def _skin(person: Person, bones: Skeleton, cage: Cage, flesh: Flesh, weights: F8, tailor: Tailor, neck: F8) -> Piece:
+    """Return the bare skin: root of the neck, arms from within the sleeves, hands, legs from within the hem."""
     cover = cover_of(person)
-    parts = [_bib(cage, weights, flesh)]
+    parts = [_bib(cage, weights, flesh, neck)]
     for side, word in ((1, "left"), (-1, "right")):
         wrist = cage.arms[side][-1]
         hand = make_hand(bones, side, person.body.hand, cage.places[wrist], weights[wrist])
@@ -145,16 +162,17 @@ def _leg_uv(row: int, place: int) -> tuple[float, float]:
     return 0.05 + 0.9 * place / 20.0, 0.86 + 0.10 * row / 16.0
 
 
-def _bib(cage: Cage, weights: F8, flesh: Flesh) -> Piece:
+def _bib(cage: Cage, weights: F8, flesh: Flesh, neck: F8) -> Piece:
+    """The root of the neck; its upper ring has the normals `neck` [32, 3] that it shares with the head's skin."""
     draft = Draft(weights.shape[1])
     rows = [cage.trunk[row] for row in range(_BIB_ROW + 1, len(cage.trunk))]
     rings = [draft.add(cage.places[row], weights[row]) for row in rows]
     for number, (one, two) in enumerate(itertools.pairwise(rings)):
         u = [0.05 + 0.9 * i / AROUND for i in range(AROUND + 1)]
         draft.band(one, two, u, (0.96 - 0.02 * number, 0.94 - 0.02 * number))
-    draft.lid(rings[0], cage.places[rows[0]].mean(axis=0), (0.5, 0.96), flip=True)
-    draft.lid(rings[-1], cage.places[rows[-1]].mean(axis=0), (0.5, 0.96))
-    return draft.finish("skin_body", dim=flesh.trunk)
+    for row, flip in ((rows[0], True), (rows[-1], False)):  # rings of their own, or the rims would be shaded as edges
+        draft.lid(draft.add(cage.places[row], weights[row]), cage.places[row].mean(axis=0), (0.5, 0.96), flip=flip)
+    return draft.finish("skin_body", dim=flesh.trunk, normals=dict(zip(rings[-1].tolist(), neck, strict=True)))
 
 
 def _arm(
@@ -189,7 +207,7 @@ def _hand_uv(across: float, along: float, palm: bool) -> tuple[float, float]:
 
 
 def _breathing(piece: Piece, bones: Skeleton) -> Piece:
-    """The chest swells ahead and a little to the sides, the belly less."""
+    """Add the morph "breathe": the chest swells forwards and a little sideways, the belly less."""
     places = piece.places
     chest, spine = bones.place("upperChest")[1], bones.place("spine")[1]
     weights = piece.weights

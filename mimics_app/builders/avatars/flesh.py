@@ -1,4 +1,4 @@
-"""The flesh of a person: trunk, arms and legs as blended lofts made to the person's girths."""
+"""The body of a person as distance fields: trunk, arms and legs as blended lofts of the person's girths."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Flesh:
 
 
 def half_axes(girth: float, flat: float, power: float = 2.0) -> tuple[float, float]:
-    """Half width and half depth of a superellipse of a girth [m] whose depth is `flat` of its width."""
+    """Return half width and half depth of a superellipse of a girth [m]; its depth is `flat` of its width."""
     turn = np.linspace(0.0, 2.0 * math.pi, 361)
     x = np.sign(np.cos(turn)) * np.abs(np.cos(turn)) ** (2.0 / power)
     z = flat * np.sign(np.sin(turn)) * np.abs(np.sin(turn)) ** (2.0 / power)
@@ -39,7 +39,7 @@ def half_axes(girth: float, flat: float, power: float = 2.0) -> tuple[float, flo
 
 
 def make_flesh(person: Person, bones: Skeleton) -> Flesh:
-    """The fields of a person."""
+    """Return the fields of a person."""
     trunk = _trunk(person, bones)
     arms = {side: _arm(person, bones, side, word) for side, word in ((1, "left"), (-1, "right"))}
     legs = {side: _leg(person, bones, side, word) for side, word in ((1, "left"), (-1, "right"))}
@@ -81,7 +81,7 @@ def _trunk(person: Person, bones: Skeleton) -> Field:
 
 
 def make_neck(person: Person) -> Field:
-    """The neck alone."""
+    """Return the field of the neck alone."""
     body = person.body
     h, r = body.stature, body.neck / (2.0 * math.pi)
     rows = [

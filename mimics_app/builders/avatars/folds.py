@@ -1,7 +1,7 @@
-"""Shares of joints evened out where a bent limb would turn triangles inside out.
+"""Weights of joints smoothed where a bent limb would turn triangles inside out.
 
-Each part is bent as far as people bend, by linear blending and by dual quaternions, and wherever a triangle then faces
-against the flesh under it, its corners take over some of what their neighbours follow, until none does.
+Each part is bent as far as people bend, by linear blending and by dual quaternions. Where a triangle then faces
+against the body under it, its vertices take over a share of the weights of their neighbours, until no triangle does.
 """
 
 from __future__ import annotations
@@ -31,17 +31,17 @@ B1 = NDArray[np.bool_]
 
 _BENT = math.radians(120.0)
 _ROUNDS, _PATIENCE = 60, 10
-"""How often, and after how many rounds more is evened out about a fold."""
+"""Largest number of rounds, and number after which smoothing reaches one ring farther from a fold."""
 _SHARE = 0.5
-"""Of the way to the mean of its neighbours that a corner goes in a round."""
+"""Share of the mean of its neighbours that a vertex takes over in a round."""
 _NEAR = 8.0
-"""Of its neighbours: from one in so many that is folded on, a corner follows whole."""
+"""A vertex is smoothed fully if at least one in this number of its neighbours is at a fold."""
 _INFLUENCES = 4
-"""Joints that a corner follows at most, as in the files."""
+"""Largest number of joints of a vertex, as in the files."""
 _LEAST = 1e-7
 """Twice the area of the smallest triangle that counts [m^2]."""
 _BELOW = 1e-4
-"""How far under and over a triangle the flesh is asked where its outside is [m]."""
+"""Distance of the two points on both sides of a triangle that give the outward direction of the bent body [m]."""
 
 
 def _elbow(bones: Skeleton, side: int) -> Pose:
@@ -63,8 +63,8 @@ BENDS: Mapping[str, Callable[[Skeleton, int], Pose]] = {
     "elbow 120": _elbow,
     "knee 120": lambda bones, side: Pose(bones).leg(side, 30.0, 120.0, 0.0),
     "hip 90": lambda bones, side: Pose(bones).leg(side, 90.0, 90.0, 0.0),
-    "shoulder 90": lambda bones, side: _raised(bones, side, 8.0, (1.0, 0.0, 0.02)),
-    "shoulder 170": lambda bones, side: _raised(bones, side, 25.0, (0.17, 1.0, 0.02)),
+    "shoulder 90": lambda bones, side: _raised(bones, side, 14.0, (1.0, 0.0, 0.02)),
+    "shoulder 170": lambda bones, side: _raised(bones, side, 35.0, (0.17, 1.0, 0.02)),
     "neck": lambda bones, side: Pose(bones).turn("neck", (Y, side * 25.0)).turn("head", (Y, side * 35.0)),
     "wrist": lambda bones, side: Pose(bones).turn(_of(side, "Hand"), (X, 60.0)),
     "wrist back": lambda bones, side: Pose(bones).turn(_of(side, "Hand"), (X, -60.0)),
@@ -73,7 +73,7 @@ BENDS: Mapping[str, Callable[[Skeleton, int], Pose]] = {
 
 
 class _Bend:
-    """A posture of the joints, and where it takes places of the rest."""
+    """A pose of the joints, applied to vertices at rest."""
 
     def __init__(self, pose: Pose) -> None:
         self._turns, places = pose.places()
@@ -86,12 +86,12 @@ class _Bend:
         self._dual = 0.5 * np.concatenate([across, -(moves * v).sum(axis=1, keepdims=True)], axis=1)
 
     def linear(self, places: F8, weights: F8) -> F8:
-        """Each corner by the mean of its joints' frames."""
+        """Return the vertices by linear blend skinning."""
         mixed = (weights @ self._turns.reshape(-1, 9)).reshape(-1, 3, 3)
         return np.asarray(np.einsum("nab,nb->na", mixed, places) + weights @ self._moves)
 
     def dual(self, places: F8, weights: F8) -> F8:
-        """By dual quaternions (Kavan et al. 2008), on the side of each corner's strongest joint."""
+        """Return the vertices by dual quaternions (Kavan et al. 2008), signs as that of the strongest joint."""
         lead = self._real[np.argmax(weights, axis=1)]
         signed = weights * np.where(lead @ self._real.T < 0.0, -1.0, 1.0)
         r, d = signed @ self._real, signed @ self._dual
@@ -102,7 +102,7 @@ class _Bend:
         return np.asarray(turned + 2.0 * (w * d[:, :3] - d[:, 3:] * v + np.cross(v, d[:, :3])))
 
     def inside_out(self, piece: Piece, triangles: I8) -> B1:
-        """Which of some triangles by either way face against where the flesh under them has its outside."""
+        """Return which triangles face inwards in this pose, by either kind of skinning."""
         own, t = np.unique(triangles, return_inverse=True)
         t = t.reshape(-1, 3)
         places, weights = piece.places[own], piece.weights[own]
@@ -118,12 +118,12 @@ class _Bend:
 
 
 def _faces(corners: F8) -> F8:
-    """Normals of triangles by their corners [n, 3, 3], twice their area long."""
+    """Return normals of triangles [n, 3, 3], of twice their area in length."""
     return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
 def smooth_folds(piece: Piece, bones: Skeleton) -> Piece:
-    """The part with shares that turn no triangle inside out in any of `BENDS`, or fewer where that cannot be had."""
+    """Return the part with weights that turn no triangle inside out in any of `BENDS`, or as few as possible."""
     bends = [_Bend(bend(bones, side)) for bend in BENDS.values() for side, _ in SIDES]
     same, triangles = _welded(piece)
     first = np.unique(same, return_index=True)[1]
@@ -146,7 +146,7 @@ def smooth_folds(piece: Piece, bones: Skeleton) -> Piece:
 
 
 def _about(spread: sparse.csr_array, folded: I8, rings: int) -> F8:
-    """How much each place is evened out: 1 at the corners of folded triangles, less in some rings about them."""
+    """Return the amount of smoothing per vertex: 1 at folded triangles, less in some rings about them."""
     pull = np.zeros(spread.shape[0])
     pull[folded] = 1.0
     for _ in range(rings):
@@ -155,6 +155,6 @@ def _about(spread: sparse.csr_array, folded: I8, rings: int) -> F8:
 
 
 def _welded(piece: Piece) -> tuple[I8, I8]:
-    """Number of each corner's place, as corners are doubled where the picture is cut, [n], and triangles of these."""
+    """Return the position of each vertex as an index, as vertices are doubled at seams, [n], and triangles of these."""
     _, same = np.unique(np.round(piece.places, 7), axis=0, return_inverse=True)
     return same.ravel(), same.ravel()[piece.triangles]

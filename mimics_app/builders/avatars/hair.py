@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -23,53 +25,62 @@ from mimics_app.builders.kit.chance import Chance
 __all__ = ["hairline", "make_hair"]
 
 _CROWN = 1.45
-"""Elevation where the hair begins to part all ways [rad]."""
+"""Elevation of the whorl, from which the strands part in all directions [rad]."""
 _BROW = 0.40
-_PUFFS = 114
-"""Heaps of curls there would be all round a ball."""
-_PUFF = (0.015, 0.028)
-"""Their radii [m]."""
-_ROUND = 0.6
-"""How much hair is shaded as the round mass that it is, and not by its single locks, 0 to 1."""
+_ROUND = 0.75
+"""Share of the head's round shape in the normals of hair, 0 to 1: the rest is that of the single locks."""
 _INSIDE = 0.018
-"""How far behind the painted hairline that of the cap lies [rad]: its edge is seen on painted hair."""
+"""Distance of the cap's edge behind the painted hairline [rad]: the edge is seen on painted hair."""
+_WIDEST = 0.05
+"""Elevation where the back of the head stands out farthest [rad]."""
+_KNOT = (0.0, 30.0, -104.0)
+"""Place of the knot of hair drawn back, as `Head.mark` [mm]."""
+
+Course = Literal["crown", "knot", "none"]
+"""Course of the strands: from the whorl outwards, from the hairline to the knot, or none (curls and cropped hair)."""
 
 
 @dataclass(frozen=True)
 class _Style:
-    """How hair is worn, but for its locks.
+    """Shape of the cap of hair, without its locks.
 
     Attributes:
         thick: Of the cap on top and at the sides [m].
-        fall: How far the hair hangs below the hairline behind and beside [m].
-        sweep: Turn of the strands from the crown to their tips: to one side [rad].
-        wild: How irregular, 0 to 1.
-        fine: How much shorter and closer the strands are than on the picture.
-        columns: Corners round the cap.
-        shares: Of its rings.
+        edge: Share of the path from the whorl to the hairline where the cap begins to thin out towards its edge.
+        fall: Length of the hair below the hairline, behind and beside [m].
+        sweep: Angle of the strands to one side between the whorl and their tips [rad].
+        lumps: Height of random lumps [m].
+        course: Of the strands on the texture.
+        tile: Width of the texture on the cap where there is no course [m].
+        columns: Vertices of a ring of the cap.
+        shares: Of the cap's rings.
     """
 
     thick: tuple[float, float]
-    fall: float
-    sweep: float
-    wild: float
-    fine: float = 1.0
+    edge: float = 0.60
+    fall: float = 0.0
+    sweep: float = 0.0
+    lumps: float = 0.0
+    course: Course = "crown"
+    tile: float = 0.05
     columns: int = 30
-    shares: tuple[float, ...] = (0.08, 0.20, 0.34, 0.48, 0.62, 0.75, 0.88, 1.0)
+    shares: tuple[float, ...] = (0.10, 0.26, 0.44, 0.62, 0.80, 1.0)
 
 
-_FEW = (0.10, 0.26, 0.44, 0.62, 0.80, 1.0)
+_EVEN = (0.09, 0.19, 0.30, 0.41, 0.52, 0.63, 0.74, 0.85, 0.94, 1.0)
 _STYLES = {
-    "short": _Style((0.012, 0.0045), 0.0, 0.55, 0.8, columns=22, shares=_FEW),
-    "crop": _Style((0.0045, 0.0035), 0.0, 0.0, 0.3, 3.0),
-    "bob": _Style((0.013, 0.011), 0.125, 0.25, 0.5, columns=24, shares=(*_FEW, 1.35, 1.7, 1.9)),
-    "tail": _Style((0.010, 0.007), 0.0, 0.15, 0.3, columns=26, shares=_FEW),
-    "curls": _Style((0.014, 0.008), 0.0, 0.1, 0.4, 3.0, columns=20, shares=_FEW),
-}
+    "short": _Style((0.015, 0.0045), 0.70, 0.0, 0.55, 0.0015, columns=24),
+    "crop": _Style((0.0075, 0.0060), 0.86, course="none", tile=0.030, columns=32, shares=_EVEN),
+    "bob": _Style((0.013, 0.011), 0.60, 0.125, 0.25, 0.0008, columns=28,
+                  shares=(0.10, 0.26, 0.44, 0.62, 0.80, 1.0, 1.35, 1.7, 1.9)),
+    "tail": _Style((0.0110, 0.0075), 0.70, course="knot", columns=30, shares=(0.10, 0.25, 0.40, 0.55, 0.70, 0.86, 1.0)),
+    "curls": _Style((0.026, 0.020), 0.66, lumps=0.0130, course="none", tile=0.058, columns=36,
+                    shares=(*_EVEN[:-2], 0.93, 0.98, 1.0)),
+}  # fmt: skip
 
 
 def hairline(azimuth: F8) -> F8:
-    """Elevation of the hairline at azimuths, either side [rad]."""
+    """Return the elevation of the hairline at azimuths, equal on both sides [rad]."""
     knots = np.array([0.0, 0.35, 0.62, 0.86, 1.10, 1.24, 1.38, 1.50, 1.70, 1.95, 2.20, 2.60, math.pi])
     heights = np.array([0.76, 0.76, 0.71, 0.55, 0.38, 0.06, 0.06, 0.30, 0.34, 0.10, -0.35, -0.66, -0.72])
     line: F8 = np.interp(np.abs(azimuth), knots, heights)
@@ -77,7 +88,7 @@ def hairline(azimuth: F8) -> F8:
 
 
 def make_hair(head: Head, bones: Skeleton, style: str, seed: int) -> Piece:
-    """The hair of a person in one of the styles "short", "crop", "bob", "tail" and "curls"."""
+    """Return the hair of a person in one of the styles "short", "crop", "bob", "tail" and "curls"."""
     worn = _STYLES[style]
     draft = Draft(len(bones.names))
     shades: list[F8] = []
@@ -89,14 +100,11 @@ def make_hair(head: Head, bones: Skeleton, style: str, seed: int) -> Piece:
         shades += add_lock(draft, line, head.middle, lock, lambda places: _held(bones, places, head))
     if style == "tail":
         _tail(draft, shades, head, bones, chance)
-    if style == "curls":
-        _curls(draft, shades, head, bones, worn, chance)
-        return draft.finish("hair", np.array(shades))
     return _rounded(draft.finish("hair", np.array(shades)), head)
 
 
 def _rounded(piece: Piece, head: Head) -> Piece:
-    """The same shaded as a round mass: blades that each shone by themselves would look like chips."""
+    """Return hair with normals mixed with those of a round mass: locks shaded by themselves would look like chips."""
     out = piece.places - head.middle
     out[:, 1] = np.maximum(out[:, 1], -0.02)
     out /= np.linalg.norm(out, axis=1, keepdims=True)
@@ -106,7 +114,7 @@ def _rounded(piece: Piece, head: Head) -> Piece:
 
 
 def _held(bones: Skeleton, places: F8, head: Head) -> F8:
-    """The head carries hair; what hangs on the shoulders follows the neck a little."""
+    """Return weights: hair follows the head, and where it hangs on the shoulders the neck a little."""
     weights = np.zeros((len(places), len(bones.names)))
     low = 0.45 * step(head.middle[1] - 0.06, head.middle[1] - 0.16, places[:, 1])
     weights[:, bones.index("head")] = 1.0 - low
@@ -125,16 +133,16 @@ def _skull(head: Head, turns: F8, lift: F8) -> F8:
 def _path(
     head: Head, worn: _Style, azimuth: F8, share: F8, lift: F8, ragged: F8 | float = 0.0, brow: float = 0.0
 ) -> F8:
-    """Places of hair at azimuths from the crown (0) by the hairline (1) to where it falls (2), [n, 3].
+    """Return points of hair on paths from the crown (0) by the hairline (1) to the ends of long hair (2), [n, 3].
 
     Args:
-        head: Under it.
-        worn: How.
-        azimuth: Of each [rad], [n]; below, share of the way, and height over the cap [m].
-        share: [n].
-        lift: [n].
-        ragged: How much lower the hairline is [rad].
-        brow: How far before the face it may hang below the hairline, at 2 [rad].
+        head: Shape of the head.
+        worn: Style of the hair.
+        azimuth: Of each path [rad], [n].
+        share: Along each path, 0 to 2, [n].
+        lift: Height over the cap [m], [n].
+        ragged: Shift of the hairline downwards [rad].
+        brow: Largest elevation that hair before the face hangs below the hairline, at 2 [rad].
     """
     azimuth = np.remainder(azimuth + math.pi, 2.0 * math.pi) - math.pi
     line = hairline(azimuth) + _INSIDE + ragged
@@ -142,11 +150,16 @@ def _path(
     elevation = _CROWN + (line - _CROWN) * np.minimum(share, 1.0) - brow * front * np.maximum(share - 1.0, 0.0)
     turns = np.stack([azimuth, elevation], axis=1)
     thick = worn.thick[0] + (worn.thick[1] - worn.thick[0]) * step(0.9, 0.1, elevation)
-    rooted = -0.12 + 1.12 * step(1.0, 0.60, share) if worn.fall == 0.0 else np.ones(len(share))
+    rooted = -0.12 + 1.12 * step(1.0, worn.edge, share) if worn.fall == 0.0 else np.ones(len(share))
     thick = thick * np.where(worn.fall > 0.0, 1.0 - 1.08 * front * step(0.50, 1.0, share), rooted)
     places = _skull(head, turns, thick + lift)
     beyond = np.maximum(share - 1.0, 0.0)
     if worn.fall > 0.0:
+        # behind, long hair hangs from where the head is widest and does not follow it in to the nape
+        widest = _skull(head, np.stack([azimuth, np.maximum(elevation, _WIDEST)], axis=1), thick + lift) - head.middle
+        own, hung = (np.hypot(*(each[:, [0, 2]]).T) for each in (places - head.middle, widest))
+        grow = 1.0 + step(1.0, 1.5, np.abs(azimuth)) * np.maximum(0.985 * hung / own - 1.0, 0.0)
+        places = head.middle + (places - head.middle) * np.stack([grow, np.ones(len(grow)), grow], axis=1)
         falling = step(0.80, 1.25, np.abs(azimuth))
         deep = worn.fall * falling - 0.45 * (head.middle[1] - 0.02 - places[:, 1]).clip(0.0)
         down = beyond * np.maximum(deep, 0.0)
@@ -163,25 +176,70 @@ def _cap(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn: _Sty
     count = worn.columns
     azimuth = -math.pi + 2.0 * math.pi * np.arange(count) / count
     rings, bump = [], Chance(seed, "cap")
-    clumps, ragged = (np.array([bump.share() - 0.5 for _ in range(count)]) for _ in range(2))
-    ragged = 0.045 * ragged
+    ragged = 0.045 * np.array([bump.share() - 0.5 for _ in range(count)])
     for share in worn.shares:
-        rough = np.array([bump.share() - 0.5 for _ in range(count)])
-        rough = (0.0022 * rough + 0.0034 * clumps) * worn.wild
-        rough = rough * (share < 0.95) * step(0.0, 0.3, np.array([share]))
+        rough = worn.lumps * np.array([bump.share() - 0.5 for _ in range(count)])
+        rough = rough * (share < 0.97) * step(0.0, 0.3, np.array([share]))
         places = _path(head, worn, azimuth, np.full(count, share), rough, ragged)
         rings.append(draft.add(places, _held(bones, places, head)))
-        shades += [np.full(3, 0.80 + 6.0 * float(r)) for r in rough]
+        shades += [np.full(3, 0.85 + 25.0 * float(r)) for r in rough]
+    laid = _texture_of(head, worn)
     for number, (one, two) in enumerate(itertools.pairwise(rings)):
-        _swept_band(draft, one, two, (worn.shares[number], worn.shares[number + 1]), worn)
-    first = np.array([draft.corners[i] for i in rings[0]])
-    draft.lid(rings[0], first.mean(axis=0) + [0.0, 0.006, 0.0], (4.0, 0.0))
-    shades.append(np.full(3, 0.8))
+        for i in range(count):
+            j = (i + 1) % count
+            corners = (one[i], one[j], two[j], two[i])
+            where = ((i, worn.shares[number]), (i + 1, worn.shares[number]),
+                     (i + 1, worn.shares[number + 1]), (i, worn.shares[number + 1]))  # fmt: skip
+            draft.face(corners, laid(np.array([draft.corners[c] for c in corners]), where), flip=True)
+    top = _skull(head, np.array([[0.0, 0.5 * math.pi]]), np.array([worn.thick[0]]))[0]
+    if worn.course == "crown":
+        draft.lid(rings[0], top, (4.0, 0.0))
+    else:
+        _crown(draft, rings[0], top, laid)
+    shades.append(np.full(3, 0.85))
     _underside(draft, shades, head, bones, worn, rings[-1])
 
 
+Uvs = list[tuple[float, float]]
+_Laying = Callable[[F8, tuple[tuple[int, float], ...]], Uvs]
+"""Gives texture coordinates of a face: of its places [k, 3], and of each the column and the share of the path."""
+
+
+def _crown(draft: Draft, ring: I8, top: F8, laid: _Laying) -> None:
+    """Close the cap on top by faces that carry the texture on."""
+    middle = int(draft.add(top[None], np.mean([draft.weights[i] for i in ring], axis=0)[None])[0])
+    for i in range(len(ring)):
+        corners = (int(ring[i]), int(ring[(i + 1) % len(ring)]), middle)
+        draft.face(corners, laid(np.array([draft.corners[c] for c in corners]), ()))
+
+
+def _texture_of(head: Head, worn: _Style) -> _Laying:
+    """Return the function that lays the texture of hair on faces of the cap."""
+    knot = head.mark(*_KNOT) - head.middle
+    pole = knot / np.linalg.norm(knot)
+    side = np.cross(pole, [1.0, 0.0, 0.0])
+    side /= np.linalg.norm(side)
+    other = np.cross(pole, side)
+
+    def from_crown(_: F8, where: tuple[tuple[int, float], ...]) -> Uvs:
+        return [(8.0 * column / worn.columns + worn.sweep * share, share) for column, share in where]
+
+    def to_knot(places: F8, _: tuple[tuple[int, float], ...]) -> Uvs:
+        out = (places - head.middle) / np.linalg.norm(places - head.middle, axis=1, keepdims=True)
+        turn = np.arctan2(out @ other, out @ side)
+        turn = turn[0] + np.remainder(turn - turn[0] + math.pi, 2.0 * math.pi) - math.pi
+        return [(9.0 * float(t) / (2.0 * math.pi), float(a)) for t, a in zip(turn, np.arccos(out @ pole), strict=True)]
+
+    def from_three_sides(places: F8, _: tuple[tuple[int, float], ...]) -> Uvs:
+        facing = np.abs(np.cross(places[1] - places[0], places[2] - places[0]))
+        axes = [axis for axis in range(3) if axis != int(np.argmax(facing))]
+        return [(float(u), float(v)) for u, v in places[:, axes] / worn.tile]
+
+    return {"crown": from_crown, "knot": to_knot, "none": from_three_sides}[worn.course]
+
+
 def _underside(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn: _Style, rim: I8) -> None:
-    """Close the cap within the head, by corners of its own, or the rim would be shaded as if it hung over."""
+    """Close the cap inside the head, by vertices of its own: they would bend the normals of the rim."""
     count = worn.columns
     azimuth = -math.pi + 2.0 * math.pi * np.arange(count) / count
     under = _skull(head, np.stack([azimuth, hairline(azimuth) - 0.01], axis=1), np.full(count, -0.004))
@@ -202,66 +260,40 @@ def _underside(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn
     shades.append(np.full(3, 0.4))
 
 
-def _swept_band(draft: Draft, one: I8, two: I8, share: tuple[float, float], worn: _Style) -> None:
-    """Faces between two rings of the cap; strands go aside on their way from the crown."""
-    count = worn.columns
-    tiles, tall = 8.0 * worn.fine / count, 1.0 if worn.fine == 1.0 else 2.5 * worn.fine
-    for i in range(count):
-        j = (i + 1) % count
-        ends = ((i, share[0]), (i + 1, share[0]), (i + 1, share[1]), (i, share[1]))
-        uvs = [(k * tiles + worn.sweep * along, tall * along) for k, along in ends]
-        draft.face((one[i], one[j], two[j], two[i]), uvs, flip=True)
-
-
 def _tail(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, chance: Chance) -> None:
-    """Hair gathered behind: a knot and strands that hang from it."""
-    root = head.mark(0.0, 30.0, -104.0)
-    for number in range(9):
-        turn = 2.0 * math.pi * number / 9.0
-        spread = np.array([math.cos(turn), 0.35 * math.sin(turn), 0.7 * math.sin(turn)])
-        drop = 0.15 + 0.05 * chance.share()
-        along = np.linspace(0.0, 1.0, 6)[:, None]
-        line = (
-            root
-            + spread * (0.007 + 0.016 * np.sin(math.pi * along * 0.9))
-            + along**1.3 * np.array([0.0, -drop, -0.004])
-        )
-        line = line + np.sin(math.pi * along) * np.array([0.0, 0.0, -0.030])
-        strand = Lock((0.0, 0.0), (0.0, 0.0), (0.0, 0.0, 0.0), 0.030, 0.8 + 0.3 * chance.share(), 5)
-        shades += add_lock(draft, line, head.middle, strand, lambda places: _held(bones, places, head))
-
-
-def _curls(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn: _Style, chance: Chance) -> None:
-    """Heaps of curls all over the cap, evenly spread over the head and none the size of another."""
-    for number in range(_PUFFS):
-        around = np.remainder(2.39996 * number + 0.35 * chance.share(), 2.0 * math.pi) - math.pi
-        high = math.asin(1.0 - 2.0 * (number + 0.5) / _PUFFS)
-        line = float(hairline(np.array([around]))[0])
-        if high < line + 0.03:
-            continue
-        share = np.array([max(_CROWN - high, 0.0) / (_CROWN - line)])
-        foot = _path(head, worn, np.array([around]), share, np.array([-0.002]))[0]
-        wide = (_PUFF[0] + (_PUFF[1] - _PUFF[0]) * chance.share()) * (1.0 - 0.35 * float(step(0.75, 1.0, share)[0]))
-        up = (foot - head.middle) / np.linalg.norm(foot - head.middle)
-        _heap(draft, shades, bones, foot, up, wide, chance, number)
-
-
-def _heap(
-    draft: Draft, shades: list[F8], bones: Skeleton, foot: F8, up: F8, wide: float, chance: Chance, twist: float
-) -> None:
-    """A dome of five sides and a radius [m] that stands on a place, dark at its foot."""
-    turn = 2.0 * math.pi * np.arange(5) / 5
-    side = np.cross(up, [0.0, 0.0, 1.0]) if abs(up[2]) < 0.9 else np.cross(up, [0.0, 1.0, 0.0])
-    side /= np.linalg.norm(side)
-    ahead = np.cross(side, up)
+    """Hair gathered behind: a tube from the knot downwards, and loose strands at its end."""
+    root = head.mark(*_KNOT)
+    count, rows = 10, 9
+    turn = 2.0 * math.pi * np.arange(count) / count
     rings = []
-    for radius, high, more, tone in ((1.0, -0.25, 0.0, 0.38), (0.82, 0.45, 0.63, 0.85)):
-        bend = turn + more + twist
-        loose = np.array([0.85 + 0.3 * chance.share() for _ in range(5)])[:, None]
-        flat = np.cos(bend)[:, None] * side + np.sin(bend)[:, None] * ahead
-        rings.append(draft.add(foot + wide * (loose * radius * flat + high * up), rigid(bones, "head", 5)))
-        shades += [np.full(3, tone)] * 5
-    draft.band(rings[0], rings[1], [0.5 * i for i in range(6)], (0.0, 0.7), flip=True)
-    draft.lid(rings[1], foot + 0.80 * wide * up, (1.2, 1.2), flip=True)
-    draft.lid(rings[0], foot - 0.30 * wide * up, (0.0, 0.0))
-    shades += [np.full(3, 1.05), np.full(3, 0.3)]
+    for number in range(rows):
+        t = number / (rows - 1)
+        middle = root + _hang(t)
+        along = _hang(t + 0.02) - _hang(t - 0.02)
+        along /= np.linalg.norm(along)
+        back = np.cross([1.0, 0.0, 0.0], along)
+        wide = float(np.interp(t, [0.0, 0.07, 0.14, 0.42, 0.75, 1.0], [0.016, 0.0165, 0.013, 0.024, 0.019, 0.007]))
+        flat = np.cos(turn)[:, None] * [1.0, 0.0, 0.0] + 0.72 * np.sin(turn)[:, None] * back
+        places = middle + wide * flat
+        rings.append(draft.add(places, _held(bones, places, head)))
+        shades += [np.full(3, 0.45 if 0 < number < 2 else 0.92)] * count
+    u = [2.0 * i / count for i in range(count + 1)]
+    for number, (one, two) in enumerate(itertools.pairwise(rings)):
+        draft.band(one, two, u, (0.25 * number, 0.25 * number + 0.25))
+    draft.lid(rings[0], root, (0.0, 0.0), flip=True)
+    draft.lid(rings[-1], root + _hang(1.06), (1.0, 2.2))
+    shades += [np.full(3, 0.6), np.full(3, 0.9)]
+    for number in range(5):
+        angle = 2.0 * math.pi * number / 5.0
+        spread = np.array([0.016 * math.cos(angle), 0.0, 0.012 * math.sin(angle)])
+        along = np.linspace(0.0, 1.0, 4)
+        line = root + np.array([_hang(0.62 + (0.42 + 0.10 * chance.share()) * t) for t in along])
+        line = line + spread * (1.0 - 0.55 * along[:, None])
+        strand = Lock((0.0, 0.0), (0.0, 0.0), (0.0, 0.0, 0.0), 0.017, 0.85 + 0.2 * chance.share(), 3)
+        shades += add_lock(draft, line, root + _hang(0.7), strand, lambda places: _held(bones, places, head))
+
+
+def _hang(t: float) -> F8:
+    """Middle of a tail from its knot, at a share of its length [m]."""
+    high = 0.012 * math.sin(math.pi * min(t, 1.0) * 1.4) - 0.205 * t * abs(t) ** 0.25
+    return np.array([0.0, high, -0.040 * math.sin(2.2 * t)])

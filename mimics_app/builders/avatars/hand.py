@@ -16,11 +16,11 @@ from mimics_app.builders.avatars.skeleton import FINGERS, Skeleton, arm_axes
 __all__ = ["Hand", "make_hand"]
 
 _DORSAL = {"Little": (6, 7, 8), "Ring": (8, 9, 10), "Middle": (10, 11, 12), "Index": (12, 13, 14)}
-"""Corners of the last ring of the palm on the back of the hand at the root of each finger, from the little side."""
+"""Vertices of the last ring of the palm on the back of the hand at the root of each finger, from the little side."""
 _PALMAR = {"Little": (4, 3, 2), "Ring": (2, 1, 0), "Middle": (0, 19, 18), "Index": (18, 17, 16)}
 _FOUR = ("Little", "Ring", "Middle", "Index")
 _ROUND = 8
-"""Corners round a finger, from the palm's side by the little finger's to the back."""
+"""Vertices around a finger, from the palm's side by the little finger's to the back."""
 _RADII = {"Thumb": 0.0108, "Index": 0.0086, "Middle": 0.0089, "Ring": 0.0083, "Little": 0.0073}
 """Half the breadth of each finger at its middle joint, of a hand 190 mm long [m]."""
 _PALM = (
@@ -38,11 +38,11 @@ class Hand:
     """A hand from the ring of the wrist on.
 
     Attributes:
-        places: Corners [m], [n, 3]; the first 20 are the wrist's ring.
+        places: Vertices [m], [n, 3]; the first 20 are the wrist's ring.
         faces: Between them.
         weights: Of every joint, [n, joints].
-        finger: Which finger each corner belongs to, 0 thumb to 4 little, -1 the palm, [n].
-        along: Of a finger's corner: bones from the knuckle, 0 to 3, [n].
+        finger: Finger of each vertex, 0 thumb to 4 little, -1 the palm, [n].
+        along: Position of each vertex along a finger, in bones from the knuckle, 0 to 3, [n].
     """
 
     places: F8
@@ -53,7 +53,7 @@ class Hand:
 
 
 class _Shaping:
-    """A hand in the making."""
+    """A hand under construction."""
 
     def __init__(self, bones: Skeleton, side: int, size: float) -> None:
         self.bones, self.side, self.size = bones, side, size

@@ -16,8 +16,8 @@ from mimics_app.builders.kit.chance import Chance
 
 __all__ = ["LAID", "Lock", "add_lock"]
 
-_THICK = 0.0034
-"""Half of the height of a lock over its edges [m]."""
+_THICK = 0.0030
+"""Half of the thickness of a lock [m]."""
 _PARTING = 0.50
 """Azimuth of a parting [rad]."""
 
@@ -28,11 +28,11 @@ class Lock:
 
     Attributes:
         azimuth: Of its root and of its tip [rad].
-        share: Where they are on the way from the crown (0) by the hairline (1) to where long hair ends (2).
-        lift: Off the hair below, of root, middle and tip [m].
-        breadth: Where it is broadest [m].
+        share: Of both on the path from the crown (0) by the hairline (1) to the ends of long hair (2).
+        lift: Height of root, middle and tip over the hair below [m].
+        breadth: Largest breadth [m].
         shade: Factor on the colour.
-        rings: Corners along it.
+        rings: Number of cross-sections.
     """
 
     azimuth: tuple[float, float]
@@ -43,7 +43,7 @@ class Lock:
     rings: int = 3
 
     def steps(self) -> tuple[F8, F8, F8]:
-        """Azimuth, share and lift along it, the tip last, [rings + 1] each."""
+        """Return azimuth, share and lift along it, the tip last, [rings + 1] each."""
         t = np.linspace(0.0, 1.0, self.rings + 1)
         azimuth = self.azimuth[0] + (self.azimuth[1] - self.azimuth[0]) * np.sin(0.5 * math.pi * t)
         share = self.share[0] + (self.share[1] - self.share[0]) * t
@@ -53,7 +53,7 @@ class Lock:
 
 
 def add_lock(draft: Draft, line: F8, middle: F8, lock: Lock, held: Callable[[F8], F8]) -> list[F8]:
-    """Add a lock along a line [rings + 1, 3] about the middle of a head, weighed by `held`; gives its shades."""
+    """Add a lock along a line [rings + 1, 3] about the centre of a head, with weights by `held`; return its shades."""
     along = np.gradient(line, axis=0)
     along /= np.linalg.norm(along, axis=1, keepdims=True)
     out = line - middle
@@ -91,54 +91,47 @@ def _parted(chance: Chance) -> list[Lock]:
         end = math.pi + 0.26 * (number - 2.5)
         locks.append((end + 0.2 * (chance.share() - 0.5), end, 0.14 + 0.3 * (number % 2), 1.86 + 0.16 * chance.share()))
     long = [
-        Lock((one, two), (begin, end), (0.001, 0.007 + 0.003 * chance.share(), _flick(chance)),
-             0.034 + 0.010 * chance.share(), 0.80 + 0.26 * chance.share(), 5)
+        Lock((one, two), (begin, end), (-0.0005, 0.0035 + 0.002 * chance.share(), _flick(chance)),
+             0.034 + 0.008 * chance.share(), 0.88 + 0.18 * chance.share(), 5)
         for one, two, begin, end in locks
     ]  # fmt: skip
+    fringe = ((-0.92, 1.62), (-1.02, 1.78), (-1.12, 1.92))
     return long + [
-        Lock(
-            (_PARTING - 0.10, tip),
-            (0.90 + 0.03 * k, end),
-            (0.001, 0.013, 0.005),
-            0.026,
-            0.92 + 0.12 * chance.share(),
-            4,
-        )
-        for k, (tip, end) in enumerate(((-0.62, 1.06), (-0.82, 1.16), (-0.98, 1.34)))
+        Lock((_PARTING - 0.08, tip), (0.84 + 0.05 * k, end), (0.0, 0.008, 0.004), 0.034, tone, 6)
+        for k, (tip, end) in enumerate(fringe)
+        for tone in (0.92 + 0.12 * chance.share(),)
     ]
 
 
 def _flick(chance: Chance) -> float:
-    """How far the tip of long hair stands off [m]."""
-    return -0.006 + 0.018 * chance.share()
+    """Distance of the tip of long hair from the hair below it [m]."""
+    return -0.004 + 0.008 * chance.share()
 
 
 def _brushed_up(chance: Chance) -> list[Lock]:
-    """Short hair brushed up from the forehead and to one side, lying down behind and beside."""
+    """Short hair: a fringe brushed up and to one side, rows overlapping like shingles behind it, close at the sides."""
 
-    def tuft(azimuth: tuple[float, float], share: tuple[float, float], tip: float, breadth: float) -> Lock:
-        turn, loose = 0.16 * (chance.share() - 0.5), tip * (0.75 + 0.5 * chance.share())
-        ends = azimuth[0] + turn, azimuth[1] + 2.0 * turn
-        return Lock(ends, share, (-0.001, 0.45 * loose, loose), breadth, 0.78 + 0.34 * chance.share())
+    def row(
+        azimuths: F8, turn: float, share: tuple[float, float], lift: tuple[float, float], breadth: float
+    ) -> list[Lock]:
+        made = []
+        for azimuth in azimuths:
+            loose, askew, tone = (chance.share() - 0.5 for _ in range(3))
+            ends = float(azimuth) + 0.10 * askew, float(azimuth) + turn + 0.25 * askew
+            high = lift[0] * (1.0 + 0.3 * loose), lift[1] * (1.0 + 0.5 * loose)
+            begin, end = share[0] + 0.03 * askew, share[1] + 0.06 * loose
+            made.append(Lock(ends, (begin, end), (-0.0015, *high), breadth, 0.95 + 0.22 * tone, 2))
+        return made
 
-    tufts = []
-    for number in range(9):
-        across = -0.74 + 0.185 * number
-        tufts.append(tuft((across, across + 0.42), (0.98, 0.58 + 0.10 * chance.share()), 0.017, 0.026))
-    for number in range(8):
-        across = -1.05 + 0.30 * number
-        tufts.append(tuft((across, across + 0.40), (0.74, 0.30), 0.013, 0.028))
-    for number in range(5):
-        across = 2.0 * math.pi * number / 5.0
-        tufts.append(tuft((across, across + 0.5), (0.20, 0.52), 0.007, 0.030))
-    for number in range(8):
-        across = 1.75 + 0.40 * number
-        tufts.append(tuft((across, across), (0.50 + 0.2 * (number % 2), 0.98 - 0.1 * (number % 2)), 0.005, 0.028))
-    for side in (1, -1):
-        for number in range(4):
-            across = side * (0.98 + 0.19 * number)
-            tufts.append(tuft((across, across), (0.50, 0.86), 0.005, 0.024))
-    return tufts
+    return [
+        *row(np.linspace(-0.80, 0.76, 13), 0.34, (0.985, 0.60), (0.0075, 0.0065), 0.021),
+        *row(np.linspace(-1.02, 0.98, 11), 0.36, (0.80, 0.38), (0.0050, 0.0060), 0.024),
+        *row(np.linspace(-1.25, 1.20, 8), 0.40, (0.55, 0.12), (0.0040, 0.0050), 0.028),
+        *row(np.linspace(1.60, 4.70, 8), 0.15, (0.22, 0.56), (0.0020, 0.0025), 0.028),
+        *row(np.linspace(1.75, 4.55, 8), 0.10, (0.46, 0.80), (0.0015, 0.0010), 0.026),
+        *row(np.linspace(1.05, 1.75, 4), 0.06, (0.40, 0.74), (0.0020, 0.0015), 0.024),
+        *row(-np.linspace(1.05, 1.75, 4), -0.06, (0.40, 0.74), (0.0020, 0.0015), 0.024),
+    ]
 
 
 LAID: Mapping[str, Callable[[Chance], list[Lock]]] = {"bob": _parted, "short": _brushed_up}

@@ -1,4 +1,4 @@
-"""Measures of adults: what the people here are held against, and how each measure is taken from a body.
+"""Body measures of adults with their percentiles, and their measurement on a modelled body.
 
 Source: C. C. Gordon et al., 2012 Anthropometric Survey of U.S. Army Personnel: Methods and Summary Statistics, Natick
 technical report TR-15/007, 2014 (4082 men, 1986 women). Each measure is defined in S. Hotzman et al., Measurer's
@@ -61,7 +61,7 @@ TABLE = {
 
 
 def measure(person: Person, bones: Skeleton, cage: Cage) -> dict[str, float]:
-    """What a tape finds on a modelled body [m], by the table's names: girths are hulls of slices, as a tape lies."""
+    """Return measures of a modelled body [m] by the table's names; girths are those of convex hulls of slices."""
     h = person.body.stature
     shoulder, elbow, wrist = (bones.place(f"left{name}") for name in ("UpperArm", "LowerArm", "Hand"))
     side = cage.places[cage.trunk[16][8]]
@@ -91,7 +91,7 @@ def measure(person: Person, bones: Skeleton, cage: Cage) -> dict[str, float]:
 
 
 def tape(ring: F8) -> float:
-    """Length of a tape drawn tight round a ring of places [m]."""
+    """Return the length of a tape drawn tight around a ring of points [m]."""
     middle = ring.mean(axis=0)
     axes = np.linalg.svd(ring - middle)[2][:2]
     flat = (ring - middle) @ axes.T

@@ -1,4 +1,4 @@
-"""What everybody can do: standing about, walking, running, kicking, greeting, clapping, cheering, pointing."""
+"""Motions of all people: standing, walking, running, kicking, greeting, clapping, cheering, pointing."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class Motion:
     """A motion.
 
     Attributes:
-        seconds: How long it takes.
-        loops: Whether its end is its beginning.
-        pose: The posture at a time [s].
-        rate: Keys a second that hold it well.
-        speed: Of the way it goes where it is meant to travel, ahead positive [m/s].
-        contacts: When the left and the right foot come down [s]; None: no step is heard.
+        seconds: Duration.
+        loops: Whether its end is equal to its beginning.
+        pose: Function of joints and time [s] that gives the pose.
+        rate: Key frames per second.
+        speed: Speed of travel that it is made for, ahead positive [m/s].
+        contacts: Times at which the left and the right foot come down [s]; None: no step is heard.
     """
 
     seconds: float
@@ -38,7 +38,7 @@ class Motion:
 
 
 def _between(keys: Sequence[tuple[float, Sequence[float]]], t: float, period: float = 0.0) -> list[float]:
-    """Smooth values between keys (time, values); with a period the last key leads to the first."""
+    """Interpolate smoothly between keys (time, values); with a period the last key leads to the first."""
     rows = list(keys)
     if period:
         t %= period
@@ -202,7 +202,7 @@ def _kick(bones: Skeleton, t: float) -> Pose:
 
 
 def _raised(t: float, seconds: float, rise: float = 0.45) -> float:
-    """0 at both ends, 1 between."""
+    """Return 0 at both ends, 1 between."""
     return _between([(0.0, [0]), (rise, [1]), (seconds - rise, [1]), (seconds, [0])], t)[0]
 
 
@@ -218,8 +218,9 @@ def _towards(
 def _wave(bones: Skeleton, t: float) -> Pose:
     pose, share = _standing(bones, t, 0.5), _raised(t, 3.0)
     swing = math.sin(_TURN * 1.9 * t) * share
-    _towards(pose, -1, share, (-0.95, -0.20, 0.35), (-0.30 - 0.42 * swing, 1.0, 0.25), 25.0)
-    pose.hand(-1, 0.20 - 0.18 * share, thumb=0.1, spread=5.0 * share).turn("rightShoulder", (Z, -7.0 * share))
+    pose.turn("rightShoulder", (Z, -14.0 * share))
+    _towards(pose, -1, share, (-0.95, -0.08, 0.35), (-0.18 - 0.42 * swing, 1.0, 0.25), 25.0)
+    pose.hand(-1, 0.20 - 0.18 * share, thumb=0.1, spread=5.0 * share)
     pose.turn("head", (Z, -4.0 * share), (Y, -3.0 * share))
     pose.morphs |= {"smile": 0.85 * share, "brows": 0.5 * share, "blink": _pulse(t, 2.7, 0.07)}
     return pose.ground()
@@ -239,12 +240,12 @@ def _clap(bones: Skeleton, t: float) -> Pose:
 def _cheer(bones: Skeleton, t: float) -> Pose:
     pose, share = _standing(bones, t, 0.0), _raised(t, 2.4, 0.35)
     beat = share * math.sin(_TURN * t / 0.6)
-    for side, _ in SIDES:
+    for side, word in SIDES:
+        pose.turn(f"{word}Shoulder", (Z, side * 32.0 * share))  # a good part of the rise is the shoulder blade's
         _towards(
-            pose, side, share, (side * 0.62, 0.80 + 0.12 * beat, 0.15), (side * 0.10, 1.0, 0.12 + 0.10 * beat), 10.0
+            pose, side, share, (side * 0.40, 0.92 + 0.12 * beat, 0.15), (-side * 0.14, 1.0, 0.12 + 0.10 * beat), 10.0
         )
         pose.hand(side, 0.20 + 0.70 * share, thumb=0.3 + 0.5 * share)
-        pose.turn(f"{'left' if side > 0 else 'right'}Shoulder", (Z, side * 14.0 * share))
     pose.turn("upperChest", (X, -5.0 * share)).turn("head", (X, -6.0 * share))
     pose.morphs |= {"smile": share, "jaw": 0.55 * share, "brows": 0.8 * share}
     pose.ground()

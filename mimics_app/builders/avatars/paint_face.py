@@ -1,4 +1,4 @@
-"""The picture of a head: skin, lips, brows, lashes, stubble, and the scalp under the hair."""
+"""The textures of a head: skin, lips, brows, lashes, stubble, and the scalp under the hair."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ __all__ = ["paint_face"]
 
 _SIZE = 512
 _LEAST_PITCH, _MOST_PITCH = 3e-4, 2e-3
-"""Of texels where slopes are taken [m]."""
+"""Limits of the size of a texel [m], by which heights become slopes."""
 _HAIRS = 75.0
-"""Hairs beside each other at the line of the hair that are distinguished [1/rad]."""
+"""Density of painted hairs at the hairline [1/rad]."""
 _ENCODED = 1.0 / 2.2
-"""Power that does to an encoded colour what a factor does to the linear one."""
+"""Exponent of a linear factor that is applied to an encoded colour."""
 
 
 def paint_face(person: Person, head: Head, skin: Piece, count: int) -> tuple[bytes, bytes]:
-    """Colours and normals of a head's skin, JPEG.
+    """Return base colour and normal map of a head's skin as JPEG files.
 
     Args:
-        person: Whose.
-        head: Its shape.
-        skin: The skin of the head; its first `count` corners are those of the face.
-        count: How many.
+        person: Description of the person.
+        head: Shape of the head.
+        skin: The skin of the head.
+        count: Number of its first vertices that are those of the face.
     """
     triangles = skin.triangles[(skin.triangles < count).all(axis=1)]
     sheet, _ = place_map(skin.uvs[:count], triangles, skin.places[:count], (_SIZE, _SIZE))
@@ -55,7 +55,7 @@ def _mix(colour: F8, other: F8, share: F8) -> F8:
 
 
 def _spot(mm: F8, x: float, y: float, wide: float, high: float) -> F8:
-    """A soft spot on both sides of the face."""
+    """Return a soft spot on both sides of the face, 0 to 1."""
     ahead = step(10.0, 40.0, mm[:, 2])
     result: F8 = ahead * np.exp(-(((np.abs(mm[:, 0]) - x) / wide) ** 2) - ((mm[:, 1] - y) / high) ** 2)
     return result

@@ -1,4 +1,4 @@
-"""Pictures that everybody shares: hands with nails and creases, cloth, hair; and the eyes of one person."""
+"""Textures that all people share: hands with nails and creases, cloth, hair; and the eyes of one person."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from mimics_app.builders.avatars.skeleton import FINGERS
 from mimics_app.builders.kit.chance import hash_noise, smooth_noise
 from mimics_app.builders.kit.picture import Rgb
 
-__all__ = ["paint_cloth", "paint_eye", "paint_hair", "paint_hands"]
+__all__ = ["paint_cloth", "paint_curls", "paint_eye", "paint_hair", "paint_hands"]
 
 _HAND_SIZE = 512
 _CLOTH_SIZE, _CLOTH_TILE = 256, 0.30
 _LOCKS, _HAIR_TILE = 9, 0.075
-"""Of hair on its picture, and metres that it covers."""
+"""Number of locks on the texture of hair, and its width [m]."""
 _NAIL = (0.0125, 0.0066)
 """Length and half breadth of a nail of a middle finger [m]."""
 
 
 def paint_hands(uvs: F8, triangles: I8, places: F8, joints: dict[str, F8]) -> tuple[bytes, bytes]:
-    """Factor on the colour of skin, and normals, of the picture of a hand.
+    """Return the factor on the colour of skin and the normal map of a hand.
 
     Args:
-        uvs: Of a hand's corners, [n, 2].
+        uvs: Texture coordinates of a hand's vertices, [n, 2].
         triangles: [m, 3].
         places: Along the arm, towards the back of the hand, towards the thumb [m], [n, 3].
         joints: Places of knuckles and tips in the same frame, by the finger's name and joint's number 0 to 3.
@@ -119,7 +119,7 @@ def _palm_lines(at: F8) -> F8:
 
 
 def paint_cloth() -> bytes:
-    """Normals of a repeating piece of cloth: threads, and soft folds that run askew."""
+    """Return the normal map of cloth: threads, and soft oblique folds; it repeats."""
     n = _CLOTH_SIZE
     y, x = np.mgrid[0:n, 0:n] / n
     turn = 2.0 * math.pi
@@ -132,22 +132,45 @@ def paint_cloth() -> bytes:
 
 
 def paint_hair() -> tuple[bytes, bytes]:
-    """Factor on the colour, and normals, of strands that run down the picture in locks; it repeats."""
+    """Return the factor on the colour and the normal map of strands that run down the texture in locks; it repeats."""
     high, wide = 256, 256
     across = np.arange(wide)[None, :] / wide
     waver = smooth_noise(high, wide, 2, 6, 43) - 0.5
-    locks = np.abs(np.sin(math.pi * _LOCKS * (across + 0.10 * waver)))
+    locks = np.sin(math.pi * _LOCKS * (across + 0.10 * waver)) ** 2
     strands = hash_noise(np.arange(wide)[None, :], np.zeros((1, wide), np.int64), 41)
     fine = 0.6 * strands + 0.4 * smooth_noise(1, wide, 1, 48, 42)
     column = (np.arange(wide)[None, :] + np.round(0.10 * wide * waver).astype(int)) % wide
     tone = fine[0][column] * (0.85 + 0.3 * smooth_noise(high, wide, 4, 64, 44))
-    colour = (112.0 + 143.0 * np.clip(tone, 0.0, 1.0)) * (0.70 + 0.30 * np.sqrt(locks))
-    heights = _HAIR_TILE * (0.007 * tone + 0.020 * np.sqrt(locks))
+    colour = (128.0 + 127.0 * np.clip(tone, 0.0, 1.0)) * (0.82 + 0.18 * locks)
+    heights = _HAIR_TILE * (0.0045 * tone + 0.010 * locks)
     return encode(colour[..., None] * np.ones(3), 82), encode(slopes(heights, _HAIR_TILE / wide, wrap=True), 82)
 
 
+def paint_curls() -> tuple[bytes, bytes]:
+    """Return the factor on the colour and the normal map of curls, coils side by side; it repeats."""
+    n, cells = 256, 9
+    y, x = (np.mgrid[0:n, 0:n] + 0.5) * (cells / n)
+    column, row = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
+    nearest, angle, own = np.full((n, n), 9.0), np.zeros((n, n)), np.zeros((n, n))
+    for down in (-1, 0, 1):
+        for aside in (-1, 0, 1):
+            i, j = (column + aside) % cells, (row + down) % cells
+            at_x = column + aside + 0.15 + 0.7 * hash_noise(i, j, 51)
+            at_y = row + down + 0.15 + 0.7 * hash_noise(i, j, 52)
+            away = np.hypot(x - at_x, y - at_y)
+            closer = away < nearest
+            nearest = np.where(closer, away, nearest)
+            angle = np.where(closer, np.arctan2(y - at_y, x - at_x), angle)
+            own = np.where(closer, hash_noise(i, j, 53), own)
+    dome = np.sqrt(np.clip(1.0 - nearest**2, 0.0, 1.0))
+    coil = 0.5 + 0.5 * np.sin(13.0 * nearest + np.where(own > 0.5, 1.0, -1.0) * angle + 6.0 * own)
+    colour = (95.0 + 85.0 * dome + 45.0 * own) * (0.72 + 0.28 * coil)
+    heights = _HAIR_TILE / cells * (0.42 * dome + 0.075 * coil)
+    return encode(colour[..., None] * np.ones(3), 82), encode(slopes(heights, _HAIR_TILE / n, wrap=True), 82)
+
+
 def paint_eye(iris: Rgb, seed: int) -> bytes:
-    """An eyeball seen from the front; the edge of the picture lies 1.75 rad from its middle."""
+    """Return the texture of an eyeball seen from the front; its edge is 1.75 rad from the centre."""
     n = 128
     y, x = (np.mgrid[0:n, 0:n] + 0.5) / n - 0.5
     angle = 2.0 * np.hypot(x, y) * 1.75

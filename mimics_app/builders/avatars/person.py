@@ -1,4 +1,4 @@
-"""One person: measures of the body, features of the face, colours, what is worn; and everybody there is."""
+"""Description of a person: measures of the body, features of the face, colours, clothes; and all people."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class Body:
     """Measures in metres, named as in the table of `measures`; girths are of the relaxed body.
 
     Attributes:
-        woman: Which half of the table applies.
+        woman: Whether the women's half of the table applies.
         stature: Without shoes.
         shoulders: Biacromial breadth.
         upper_arm: Acromion to radiale.
@@ -22,8 +22,8 @@ class Body:
         hand: Length.
         foot: Length.
         neck, chest, waist, hip, thigh, calf, ankle, biceps, wrist: Girths.
-        bust: How far the breasts stand out.
-        belly: How far the belly does.
+        bust: Depth of the breasts.
+        belly: Depth of the belly.
     """
 
     woman: bool
@@ -48,7 +48,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Face:
-    """How a face departs from the plain one; 1 is plain for sizes, 0 for shifts [mm].
+    """Differences of a face from the plain one; 1 is plain for sizes, 0 for shifts [mm].
 
     Attributes:
         breadth, length: Of the head.
@@ -96,11 +96,11 @@ class Looks:
 
 @dataclass(frozen=True)
 class Person:
-    """Somebody.
+    """A person.
 
     Attributes:
-        name: Of the file.
-        body, face, looks: What they are like.
+        name: Name of the file.
+        body, face, looks: Measures, features and colours.
         clothes: Names of garments, from `wardrobe`, each with its colour (sRGB).
     """
 
@@ -178,4 +178,4 @@ EVERYBODY = (
         _combed(_MARA, "tail"), "therapist", ("tunic", _TEAL), ("trousers", (226, 226, 222)), ("shoes", (236, 236, 232))
     ),
 )
-"""Everybody; the twins wear the same."""
+"""All people; the twins wear the same."""

@@ -1,4 +1,4 @@
-"""Pictures of skin, eyes, hair and cloth: places painted by formula, heights turned into slopes, JPEG out."""
+"""Textures of skin, eyes, hair and cloth: rasterised attributes, normal maps of heights, JPEG files."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _QUALITY = 88
 
 
 def encode(pixels: F8 | U1, quality: int = _QUALITY) -> bytes:
-    """A JPEG of sRGB values 0 to 255, [height, width, 3]."""
+    """Return sRGB values 0 to 255, [height, width, 3], as a JPEG file."""
     from PIL import Image
 
     kept = np.clip(np.round(pixels), 0, 255).astype(np.uint8)
@@ -28,13 +28,13 @@ def encode(pixels: F8 | U1, quality: int = _QUALITY) -> bytes:
 
 
 def place_map(uvs: F8, triangles: I8, values: F8, size: tuple[int, int]) -> tuple[F8, NDArray[np.bool_]]:
-    """Values at corners spread over the picture the corners lie on; what no triangle covers takes the nearest.
+    """Rasterise vertex attributes into a texture; texels outside of all triangles take the nearest value.
 
     Args:
-        uvs: Of the corners, [n, 2].
+        uvs: Of the vertices, [n, 2].
         triangles: [m, 3].
-        values: Of the corners, [n, k].
-        size: Width and height of the picture [px].
+        values: Of the vertices, [n, k].
+        size: Width and height of the texture [texel].
 
     Returns:
         The values, [height, width, k], and where a triangle lies, [height, width].
@@ -64,7 +64,7 @@ def place_map(uvs: F8, triangles: I8, values: F8, size: tuple[int, int]) -> tupl
 
 
 def _spread(out: F8, held: NDArray[np.bool_]) -> F8:
-    """Fill what is empty from its neighbours, ring by ring."""
+    """Fill empty texels from their neighbours, ring by ring."""
     out, known = out.copy(), held.copy()
     for _ in range(24):
         if known.all():
@@ -78,12 +78,12 @@ def _spread(out: F8, held: NDArray[np.bool_]) -> F8:
 
 
 def slopes(heights: F8, pitch: F8 | float, *, wrap: bool = False, more: F8 | None = None) -> F8:
-    """A normal map of heights [m] on a picture, 0 to 255, [height, width, 3].
+    """Return the normal map of heights [m], 0 to 255, [height, width, 3].
 
     Args:
         heights: [height, width].
-        pitch: Metres from pixel to pixel.
-        wrap: The picture repeats.
+        pitch: Metres between texels.
+        wrap: Whether the texture repeats.
         more: Slopes added along u and against v, [height, width, 2].
     """
     if wrap:

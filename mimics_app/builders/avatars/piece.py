@@ -1,4 +1,4 @@
-"""A finished part of a person: triangles with all that is drawn of them and how they move."""
+"""A finished part of a person: triangles of one material with vertex attributes, weights of joints and morphs."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ __all__ = ["Piece", "joined"]
 
 @dataclass(frozen=True)
 class Piece:
-    """Corners and triangles of one material.
+    """Vertices and triangles of one material.
 
     Attributes:
-        material: Its name.
+        material: Name of the material.
         places: At rest, body frame [m], [n, 3].
         normals: Unit, [n, 3].
-        uvs: (0, 0) the top left of the picture, [n, 2].
+        uvs: Texture coordinates, (0, 0) at the top left, [n, 2].
         triangles: [m, 3].
         weights: Of every joint, each row adds up to 1, [n, joints].
-        shades: Linear factor on the colour, [n, 3].
-        moves: How far each corner goes with each morph at full [m], [n, 3].
+        shades: Linear factors on the colour, [n, 3].
+        moves: Displacement of each vertex by each morph at weight 1 [m], [n, 3].
     """
 
     material: str
@@ -38,12 +38,12 @@ class Piece:
     moves: dict[str, F8] = field(default_factory=dict)
 
     def moved(self, name: str, steps: F8) -> Piece:
-        """The same with one more morph."""
+        """Return a copy with one more morph."""
         return replace(self, moves=self.moves | {name: steps})
 
 
 def joined(pieces: Sequence[Piece]) -> Piece:
-    """Pieces of one material as one; a morph that one lacks leaves it still."""
+    """Join pieces of one material; a morph that a piece lacks does not move it."""
     starts = np.cumsum([0] + [len(piece.places) for piece in pieces])
     names = {name: None for piece in pieces for name in piece.moves}
     return Piece(

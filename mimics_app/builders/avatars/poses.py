@@ -20,7 +20,7 @@ _SOLE = ((0.0, -0.062), (0.0, 0.12), (0.02, 0.215))
 
 
 def product(a: F8, b: F8) -> F8:
-    """Of two quaternions x, y, z, w: the turn b followed by a."""
+    """Return the product of two quaternions x, y, z, w: rotation b followed by a."""
     ax, ay, az, aw = a
     bx, by, bz, bw = b
     return np.array(
@@ -34,7 +34,7 @@ def product(a: F8, b: F8) -> F8:
 
 
 def turn_matrix(q: F8) -> F8:
-    """The matrix of a unit quaternion x, y, z, w, [3, 3]."""
+    """Return the rotation matrix of a unit quaternion x, y, z, w, [3, 3]."""
     x, y, z, w = q
     return np.array(
         [
@@ -46,21 +46,21 @@ def turn_matrix(q: F8) -> F8:
 
 
 def _of_matrix(m: F8) -> F8:
-    """The quaternion of a matrix that turns by less than half a turn."""
+    """Return the quaternion of a rotation by less than 180 degrees."""
     w = 0.5 * math.sqrt(max(1.0 + m[0, 0] + m[1, 1] + m[2, 2], 1e-9))
     return np.array([(m[2, 1] - m[1, 2]), (m[0, 2] - m[2, 0]), (m[1, 0] - m[0, 1]), 4.0 * w * w]) / (4.0 * w)
 
 
 class Pose:
-    """Turns of the joints against their parents, and where the hips are.
+    """Rotations of the joints against their parents, and the position of the hips.
 
     Args:
         bones: The joints.
 
     Attributes:
         turns: Quaternions x, y, z, w, [j, 4].
-        hips: Place of the hips [m], [3].
-        morphs: Shares of morphs by name.
+        hips: Position of the hips [m], [3].
+        morphs: Weights of morphs by name.
     """
 
     def __init__(self, bones: Skeleton) -> None:
@@ -70,7 +70,7 @@ class Pose:
         self.morphs: dict[str, float] = {}
 
     def turn(self, joint: str, *turns: tuple[tuple[float, float, float], float]) -> Pose:
-        """Turn a joint further about axes of its parent, by degrees, one after the other."""
+        """Rotate a joint further about axes of its parent [degrees], one after the other."""
         index = self.bones.index(joint)
         for axis, degrees in turns:
             self.turns[index] = product(np.asarray(about_axis(axis, math.radians(degrees))), self.turns[index])
@@ -79,7 +79,7 @@ class Pose:
     def arm(
         self, side: int, upper: tuple[float, float, float], lower: tuple[float, float, float], roll: float = 0.0
     ) -> Pose:
-        """Lay an arm along directions in the chest's frame; the elbow is a hinge, the forearm rolls [degrees]."""
+        """Point upper arm and forearm in directions of the chest's frame; the forearm rolls [degrees]."""
         word = "left" if side > 0 else "right"
         along, _, thumb = arm_axes(side)
         u, f = (np.asarray(direction, float) / np.linalg.norm(direction) for direction in (upper, lower))
@@ -132,7 +132,7 @@ class Pose:
         return self.turn(f"{word}Toes", (X, -toes))
 
     def places(self) -> tuple[F8, F8]:
-        """Turned frames [j, 3, 3] and places [j, 3] of the joints in the body's frame."""
+        """Return rotations [j, 3, 3] and positions [j, 3] of the joints in the body's frame."""
         frames, places = np.zeros((len(self.turns), 3, 3)), np.zeros((len(self.turns), 3))
         for index, parent in enumerate(self.bones.parents):
             own = turn_matrix(self.turns[index])

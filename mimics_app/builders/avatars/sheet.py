@@ -1,4 +1,4 @@
-"""A surface in the making: corners, faces of three or four of them, and what lies about a corner."""
+"""A mesh under construction: vertices, triangles and quadrilaterals, normals and means over neighbours."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ __all__ = ["I8", "Sheet", "corner_normals", "near_means", "neighbour_means", "se
 
 
 _SHORTEST = 1e-3
-"""Edges that are shorter count as if they were so long [m]."""
+"""Shortest length that an edge counts for [m]."""
 
 
 class Sheet:
-    """Corners that are added one by one or in rows, and faces between them, counter-clockwise seen from outside.
+    """Vertices that are added in rows, and faces between them, counter-clockwise seen from outside.
 
     Attributes:
-        corners: Places [m].
-        faces: Indices of three or four corners.
+        corners: Positions of the vertices [m].
+        faces: Indices of three or four vertices.
     """
 
     def __init__(self) -> None:
@@ -33,7 +33,7 @@ class Sheet:
         self.faces: list[tuple[int, ...]] = []
 
     def add(self, places: F8) -> I8:
-        """Add corners [n, 3]; returns their indices [n]."""
+        """Add vertices [n, 3]; return their indices [n]."""
         first = len(self.corners)
         self.corners.extend(places)
         return np.arange(first, first + len(places))
@@ -41,7 +41,7 @@ class Sheet:
     def join(
         self, lower: Sequence[int] | I8, upper: Sequence[int] | I8, *, ring: bool = True, flip: bool = False
     ) -> None:
-        """Faces between two rows of equally many corners; the outside lies where lower's direction x upwards points."""
+        """Add faces between two rows of equally many vertices; outwards is the direction of `lower` x upwards."""
         count = len(lower)
         for i in range(count if ring else count - 1):
             j = (i + 1) % count
@@ -49,7 +49,7 @@ class Sheet:
             self.faces.append(face[::-1] if flip else face)
 
     def grow(self, rim: Sequence[int] | I8, places: F8) -> I8:
-        """Continue the surface over a closed rim by another ring of corners [n, 3]; returns them."""
+        """Continue the surface over a closed rim by another ring of vertices [n, 3]; return their indices."""
         ring = self.add(places)
         first, second = int(rim[0]), int(rim[1])
         known = any((first, second) in zip(face, (*face[1:], face[0]), strict=True) for face in self.faces)
@@ -57,13 +57,13 @@ class Sheet:
         return ring
 
     def close(self, rim: Sequence[int] | I8, place: F8) -> int:
-        """Continue the surface over a closed rim by a fan to one corner, which is returned."""
+        """Continue the surface over a closed rim by a fan to one vertex; return its index."""
         first, second = int(rim[0]), int(rim[1])
         known = any((first, second) in zip(face, (*face[1:], face[0]), strict=True) for face in self.faces)
         return self.cap(rim, place, flip=known)
 
     def cap(self, ring: Sequence[int] | I8, place: F8, *, flip: bool = False) -> int:
-        """Close a ring by a fan about a new corner, which is returned."""
+        """Close a ring by a fan about a new vertex; return its index."""
         middle = int(self.add(place[None])[0])
         count = len(ring)
         for i in range(count):
@@ -72,12 +72,12 @@ class Sheet:
         return middle
 
     def places(self) -> F8:
-        """All corners [n, 3]."""
+        """Return the positions of all vertices [n, 3]."""
         return np.array(self.corners)
 
 
 def triangles_of(faces: Sequence[tuple[int, ...]], places: F8) -> I8:
-    """Faces as triangles [m, 3]; a face of four is cut along its shorter diagonal."""
+    """Return faces as triangles [m, 3]; a quadrilateral is cut along its shorter diagonal."""
     rows: list[tuple[int, int, int]] = []
     for face in faces:
         if len(face) == 3:
@@ -92,7 +92,7 @@ def triangles_of(faces: Sequence[tuple[int, ...]], places: F8) -> I8:
 
 
 def corner_normals(places: F8, triangles: I8) -> F8:
-    """Unit normals at corners, weighed by the triangles' angles there, [n, 3]."""
+    """Return unit vertex normals, weighted by the angles of the triangles, [n, 3]."""
     total = np.zeros_like(places)
     for i in range(3):
         at, to, also = places[triangles[:, i]], places[triangles[:, (i + 1) % 3]], places[triangles[:, (i + 2) % 3]]
@@ -106,7 +106,7 @@ def corner_normals(places: F8, triangles: I8) -> F8:
 
 
 def neighbour_means(count: int, faces: Sequence[tuple[int, ...]], values: F8) -> F8:
-    """Mean of the values at the other ends of each corner's edges, [n, k]."""
+    """Return the mean over the neighbours of each vertex, [n, k]."""
     pairs = np.array([(f[i], f[(i + 1) % len(f)]) for f in faces for i in range(len(f))], np.int64)
     ends = np.unique(np.vstack([pairs, pairs[:, ::-1]]), axis=0)
     total, number = np.zeros((count, values.shape[1])), np.zeros(count)
@@ -117,7 +117,7 @@ def neighbour_means(count: int, faces: Sequence[tuple[int, ...]], values: F8) ->
 
 
 def near_means(places: F8, faces: Sequence[Sequence[int]] | I8) -> sparse.csr_array:
-    """The matrix that takes values of corners to means over the other ends of their edges, near ones counting more."""
+    """Return the matrix of means over the neighbours of each vertex, weighted by the inverse length of the edge."""
     from scipy import sparse
 
     pairs = np.array([(f[i - 1], f[i]) for f in faces for i in range(len(f)) if f[i - 1] != f[i]], np.int64)
@@ -128,15 +128,15 @@ def near_means(places: F8, faces: Sequence[Sequence[int]] | I8) -> sparse.csr_ar
 
 
 def settle(places: F8, faces: Sequence[tuple[int, ...]], free: F8, field: Field, rounds: int, lift: float = 0.0) -> F8:
-    """Even out corners and lay them on a field again and again.
+    """Smooth vertices and project them onto the surface of a field, several times.
 
     Args:
-        places: Of the corners [m], [n, 3].
+        places: Positions of the vertices [m], [n, 3].
         faces: Between them.
-        free: How far each may move with its neighbours, 0 to 1, [n]; those at 0 keep their places.
-        field: Whose surface they lie on.
-        rounds: How often.
-        lift: How far outside of the surface they lie [m].
+        free: Share of the mean of its neighbours that each takes over, 0 to 1, [n]; at 0 it does not move.
+        field: Distance field of the surface.
+        rounds: Number of repetitions.
+        lift: Distance from the surface, outwards [m].
     """
     places = places.copy()
     moving = free > 0.0

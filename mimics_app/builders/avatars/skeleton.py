@@ -25,13 +25,13 @@ Place = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Skeleton:
-    """Joints, parents before children; at rest no joint is turned.
+    """Joints, parents before children; at rest no joint is rotated.
 
     Attributes:
         names: [j].
         parents: Index of each one's parent, -1 for the hips.
         places: At rest, body frame (+y up, +z ahead, +x the person's left) [m], [j, 3].
-        tips: Where each finger ends, by its name with side, [m].
+        tips: End of each finger by its name with side [m].
     """
 
     names: tuple[str, ...]
@@ -40,17 +40,17 @@ class Skeleton:
     tips: dict[str, F8]
 
     def index(self, name: str) -> int:
-        """Of a joint."""
+        """Return the index of a joint."""
         return self.names.index(name)
 
     def place(self, name: str) -> F8:
-        """Of a joint at rest [m], [3]."""
+        """Return the position of a joint at rest [m], [3]."""
         found: F8 = self.places[self.names.index(name)]
         return found
 
 
 def arm_axes(side: int) -> tuple[F8, F8, F8]:
-    """Of an arm at rest (side 1: left, -1: right): along it, the back of the hand, and the side of the thumb."""
+    """Return the axes of an arm at rest (side 1: left, -1: right): along it, to the back of the hand, to the thumb."""
     return (
         np.array([side * _SLOPE, -_SLOPE, 0.0]),
         np.array([side * _SLOPE, _SLOPE, 0.0]),
@@ -59,7 +59,7 @@ def arm_axes(side: int) -> tuple[F8, F8, F8]:
 
 
 def make_skeleton(person: Person) -> Skeleton:
-    """The joints of a person: breadths and heights after their measures, else shares of the stature."""
+    """Return the joints of a person: by the measures where there are some, else by shares of the stature."""
     body = person.body
     joints: dict[str, tuple[str, F8]] = {}
 
@@ -109,7 +109,7 @@ def _add_arm(joints: dict[str, tuple[str, F8]], body: Body, side: int, word: str
 
 
 def _finger_steps(size: float) -> dict[str, tuple[Place, tuple[Place, Place, Place]]]:
-    """Of each finger where it begins and its three bones: along the arm, towards the back, towards the thumb [m]."""
+    """Return the knuckle and the three bones of each finger: along the arm, towards the back, towards the thumb [m]."""
     plain = {
         # name: knuckle from the wrist, spread towards the thumb, lengths of the three bones
         "Index": ((0.088, 0.003, 0.026), 0.10, (0.042, 0.025, 0.023)),

@@ -20,7 +20,7 @@ _HIP_ROW = 3
 """Row of the trunk from which the cloth falls freely."""
 _ROWS = 8
 _FLARE = 0.20
-"""How much wider the hem is than the hips, as a share."""
+"""Additional width of the hem, as a share of the hips."""
 _FOLDS = 9
 _WAVE = 0.013
 """Height of the folds at the hem [m]."""
@@ -67,7 +67,7 @@ def make_skirt(tailor: Tailor, bones: Skeleton, *, waist: int, end: float, ease:
 
 
 def _carried(bones: Skeleton, places: F8, hip: float) -> F8:
-    """Each leg carries its side, both the middle; the hips keep a part all the way down."""
+    """Return weights: each leg moves its side, both the middle, and the hips a share of all."""
     weights = np.zeros((len(places), len(bones.names)))
     legs = 0.80 * step(hip + 0.02, hip - 0.22, places[:, 1])
     left = step(-0.12, 0.12, places[:, 0])

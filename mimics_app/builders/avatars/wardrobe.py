@@ -1,4 +1,4 @@
-"""What the clothes of a person are made of, by name, and the bare skin they leave."""
+"""The garments by name, and the bare skin that they leave."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Sewing = Callable[[Tailor, Person, Skeleton], Piece]
 
 @dataclass(frozen=True)
 class Cover:
-    """From which rows on limbs are bare: arms from below the sleeve, legs between two rows (equal: none)."""
+    """Bare rows of the limbs: arms from the sleeve on, legs between two rows (equal: none)."""
 
     arm: int
     leg: tuple[int, int]
@@ -74,12 +74,12 @@ _BARE_LEGS = {"trousers": (_ANKLE, _ANKLE), "shorts": (3, _ANKLE), "skirt": (3, 
 
 
 def dress(tailor: Tailor, person: Person, bones: Skeleton) -> dict[str, Piece]:
-    """Everything a person wears, by name."""
+    """Return all garments of a person by name."""
     return {name: _SEWN[name](tailor, person, bones) for name, _ in person.clothes}
 
 
 def cover_of(person: Person) -> Cover:
-    """What of a person is bare."""
+    """Return the bare rows of a person's limbs."""
     worn = [name for name, _ in person.clothes]
     arm = next(SLEEVES[name] for name in worn if name in SLEEVES)
     leg = next(_BARE_LEGS[name] for name in worn if name in _BARE_LEGS)

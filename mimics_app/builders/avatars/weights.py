@@ -1,4 +1,4 @@
-"""How much each joint carries each place of the skin: smooth shares along the chains of joints."""
+"""Weights of the joints on the vertices of the body: smooth along the chains of joints."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ longer inside of it, so that the skin there has room to fold."""
 _BETWEEN = 0.07
 """Half of the width between the legs over which one hands over to the other [m]."""
 _PARTING = 0.15
-"""Metres across that a metre down the inside of a leg counts for."""
+"""Metres across that one metre down the inside of a leg is equal to."""
 _SHARED = 4
 """Rows of a leg from which its own bones carry it alone."""
 _ROUNDS = 5
 
 
 def rigid(bones: Skeleton, name: str, count: int) -> F8:
-    """Weights of places that one joint carries alone, [n, joints]."""
+    """Return weights of vertices that follow one joint alone, [n, joints]."""
     weights = np.zeros((count, len(bones.names)))
     weights[:, bones.index(name)] = 1.0
     return weights
 
 
 def strongest(weights: F8, influences: int) -> F8:
-    """Weights of the strongest joints only, which add up to 1 again, [n, joints]."""
+    """Return the weights of the strongest joints only, normalised, [n, joints]."""
     order = np.argsort(-weights, axis=1, kind="stable")[:, :influences]
     kept = np.zeros_like(weights)
     np.put_along_axis(kept, order, np.take_along_axis(weights, order, axis=1), axis=1)
@@ -43,9 +43,9 @@ def strongest(weights: F8, influences: int) -> F8:
 
 
 def spine_weights(bones: Skeleton, places: F8) -> F8:
-    """Shares of hips, spine, chest, neck and head after the height, [n, joints].
+    """Return weights of hips, spine, chest, neck and head by height, [n, joints].
 
-    Under the jaw the head takes over farther up than at the nape, as the hinge lies behind.
+    The head takes over higher under the jaw than at the nape, as its hinge lies at the back.
     """
     heights = [bones.place(name)[1] for name in _SPINE]
     y = places[:, 1]
@@ -66,7 +66,7 @@ def spine_weights(bones: Skeleton, places: F8) -> F8:
 
 
 def cage_weights(cage: Cage, bones: Skeleton) -> F8:
-    """Of every corner of the cage, [n, joints]."""
+    """Return the weights of every vertex of the cage, [n, joints]."""
     weights = spine_weights(bones, cage.places)
     _thighs(weights, cage, bones)
     for side, word in SIDES:
@@ -88,16 +88,16 @@ def cage_weights(cage: Cage, bones: Skeleton) -> F8:
 
 
 def _shoulder(weights: F8, cage: Cage, bones: Skeleton, side: int, word: str) -> None:
-    """The collarbone moves the yoke; near the armhole the arm pulls."""
+    """Weights of the clavicle on the top of the shoulder, and of the upper arm near the armhole."""
     places = cage.places
     collar, shoulder, elbow = (bones.place(f"{word}{name}") for name in ("Shoulder", "UpperArm", "LowerArm"))
-    out = step(0.30 * shoulder[0] * side, 0.95 * shoulder[0] * side, places[:, 0] * side)
+    out = step(0.22 * shoulder[0] * side, 0.92 * shoulder[0] * side, places[:, 0] * side)
     high = step(collar[1] - 0.13, collar[1] - 0.02, places[:, 1])
-    _hand_over(weights, bones.index(f"{word}Shoulder"), 0.75 * out * high)
+    _hand_over(weights, bones.index(f"{word}Shoulder"), 0.98 * out * high)
     along = (elbow - shoulder) / np.linalg.norm(elbow - shoulder)
     offset = places - shoulder
     reach = offset @ along
-    # the top of the shoulder stays with the collarbone longer than the armpit
+    # the top of the shoulder follows the clavicle farther out than the armpit does
     late = reach - 1.15 * np.maximum(offset @ arm_axes(side)[1], 0.0)
     away = np.linalg.norm(offset - reach[:, None] * along, axis=1)
     arm = step(-0.055, 0.075, late) * (1.0 - step(0.055, 0.10, away)) * step(0.0, 0.10, places[:, 0] * side)
@@ -105,13 +105,13 @@ def _shoulder(weights: F8, cage: Cage, bones: Skeleton, side: int, word: str) ->
 
 
 def _hand_over(weights: F8, joint: int, share: F8) -> None:
-    """Give a share of everything so far to one joint."""
+    """Take a share of all weights so far and give it to one joint."""
     weights *= (1.0 - share)[:, None]
     weights[:, joint] += share
 
 
 def _bent(row: float, half: tuple[float, float], inside: F8) -> F8:
-    """Share of the lower bone round a ring; `inside` is 1 where the bend is."""
+    """Return the weight of the lower bone around a ring; `inside` is 1 on the inner side of the bend."""
     share: F8 = np.clip(0.5 + 0.5 * (row - 1.0) / (half[0] + half[1] * inside), 0.0, 1.0)
     return share
 
@@ -155,7 +155,7 @@ def _thighs(weights: F8, cage: Cage, bones: Skeleton) -> None:
 
 
 def _thigh(places: F8, hip: F8, side: int, across: F8) -> F8:
-    """Share of one thigh; what lies between the legs is halved, and farther down the other has ever less of it."""
+    """Return the weight of one thigh: half of the total between the legs, rising to all of it farther down."""
     ahead = step(-0.02, 0.08, places[:, 2])
     tall = hip[1] - 0.010 + 0.30 * np.maximum(side * places[:, 0] - 0.06, 0.0)
     high, low = tall + 0.055 + 0.06 * ahead, tall - 0.085 - 0.09 * ahead

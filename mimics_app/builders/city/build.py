@@ -17,7 +17,7 @@ from mimics_app.world.gltf.writer import GltfWriter, WrittenPart
 __all__ = ["TRIANGLES", "compose", "compose_city"]
 
 TRIANGLES = 363_173
-"""What the city of D2.1, 3.3.1 has; cars are parked until it is reached."""
+"""Number of triangles of the city of D2.1, 3.3.1; parked cars fill up the rest."""
 
 Colour = tuple[float, float, float, float]
 
@@ -40,7 +40,7 @@ _WALLS: dict[str, tuple[Colour, ...]] = {
     ),
     "stone": ((0.82, 0.78, 0.68, 1.0), (0.72, 0.70, 0.66, 1.0), (0.80, 0.70, 0.56, 1.0), (0.66, 0.64, 0.60, 1.0)),
 }
-"""What dyes the walls, linear RGBA: colours that go together; a kind of house wears four in a row."""
+"""Tints of the walls, linear RGBA: matching colours; a kind of house has four consecutive ones."""
 
 _ROOFS: tuple[Colour, ...] = (
     (0.74, 0.66, 0.62, 1.0),
@@ -59,16 +59,16 @@ _PAINTS: dict[str, Colour] = {
 _COLOURS = 4
 _HOUSE_COVERAGE = (0.012, 0.0)
 _TREE_COVERAGE = (0.010, 0.0)
-"""Share of the picture's area down to which the fine and the coarse form are meant."""
+"""Smallest shares of the picture's area of the fine and the coarse level."""
 
 
 def compose(seed: int) -> dict[str, bytes]:
-    """The city of a seed: city.glb."""
+    """Return the city of a seed: city.glb."""
     return {"city.glb": compose_city(seed).to_bytes()}
 
 
 def compose_city(seed: int) -> GltfWriter:
-    """The whole city, not yet written."""
+    """Return the whole city, not yet written."""
     city = _City(seed)
     city.add_ground()
     city.add_houses()
@@ -203,7 +203,7 @@ class _City:
             self._place(group, f"{placed.model}{number}", placed)
 
     def add_cars(self) -> None:
-        """As many as bring the city to its number of triangles."""
+        """Add parked cars until the city has its number of triangles."""
         names = []
         for kind in furniture.CARS:
             sketch = furniture.build_car(kind)

@@ -15,19 +15,19 @@ from mimics_app.builders.kit.solids import Axes, Skin, add_prism
 __all__ = ["House", "build_house", "wall_skin"]
 
 _DEEPEST = 0.45
-"""How far the deepest opening reaches into the body [m]."""
+"""Depth of the deepest opening in the body [m]."""
 _SOLID = 0.6
-"""How far inside the walls the box ends that hides what is behind the house [m]."""
+"""Distance of the occluder's sides from the walls [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class House:
-    """A built kind.
+    """The models of a kind of house.
 
     Attributes:
-        kind: What it was built from.
-        fine: Its geometry; the house stands on y = 0 before z = 0 and looks along +z.
-        coarse: The same outline with pictures for windows.
+        kind: Description of the kind.
+        fine: Its geometry; the house stands on y = 0 at z < 0 and faces +z.
+        coarse: The same outline with windows in the texture.
         solid: Size and centre of a box inside its closed walls [m].
     """
 
@@ -53,7 +53,7 @@ def build_house(kind: HouseKind) -> House:
 
 
 def wall_skin(kind: HouseKind) -> Skin:
-    """What its walls are covered with."""
+    """Return the skin of its walls."""
     return Skin("wall", TILE[kind.wall])
 
 

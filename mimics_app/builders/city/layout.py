@@ -1,4 +1,4 @@
-"""Where everything stands: rows of houses round the blocks, trees, lamps, furniture, cars, the square."""
+"""Layout of the city: rows of houses around the blocks, trees, lamps, furniture, cars, the square."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ __all__ = [
 TREE_STEP = 40.0
 """Distance of trees along a sidewalk [m]."""
 _TREE_LINE, _LAMP_LINE, _CAR_LINE = 7.0, 6.35, 4.6
-"""From the middle of a street [m]."""
+"""Distance from the middle of a street [m]."""
 _HALF = math.sqrt(0.5)
 _TURNS: dict[str, tuple[float, float]] = {"s": (0.0, 1.0), "e": (_HALF, _HALF), "n": (1.0, 0.0), "w": (-_HALF, _HALF)}
 """Half-angle sine and cosine about +y that turn +z to that side of the world (s: +z, e: +x)."""
@@ -45,8 +45,8 @@ class Placed:
     """An instance of a model.
 
     Attributes:
-        model: Name of what stands there.
-        place: [m].
+        model: Name of the model.
+        place: Position [m].
         turn: Sine and cosine of half its angle about +y.
         scale: Factors along its own axes.
     """

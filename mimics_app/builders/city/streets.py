@@ -33,7 +33,7 @@ STREETS_Z = (-200.0, 0.0, 200.0)
 """Middles of the streets along x [m]."""
 
 FRONT = 11.0
-"""From the middle of a street to the fronts of its houses [m]."""
+"""Distance of the fronts of houses from the middle of their street [m]."""
 KERB_HEIGHT = 0.12
 _ROUND = 4.0
 """Radius of kerbs at corners [m]."""

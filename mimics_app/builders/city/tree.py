@@ -42,9 +42,9 @@ TREES = (
 )
 _OUTER, _INNER, _COARSE = 60, 18, 24
 _ASKEW = 0.24
-"""How far a card may lean off the crown's surface: one that is seen edge-on lies before others, not beside them."""
+"""Largest tilt of a card against the crown's surface: an edge-on card is in front of others, not beside them."""
 _HUG = (0.15, 0.55)
-"""How far two opposite corners of a card are bent towards the crown, and the other two, over half its side."""
+"""Bend of two opposite corners of a card towards the crown, and of the other two, in halves of its side."""
 
 
 def build_tree(kind: TreeKind, seed: int) -> Sketch:

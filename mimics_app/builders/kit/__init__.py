@@ -1,3 +1,3 @@
-"""What several builders share: chance, pictures, sketches of meshes, solids, facades."""
+"""Modules that several builders share: random numbers, textures, meshes, solids, facades."""
 
 __all__: list[str] = []

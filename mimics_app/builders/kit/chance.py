@@ -1,4 +1,4 @@
-"""Chance that is the same on every machine: PCG in whole numbers, and a hash of places."""
+"""Random numbers that are equal on every machine: PCG in integers, and a hash of lattice points."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Chance:
 
     Args:
         seed: Any whole number.
-        stream: What the numbers are for: equal seeds of different streams are not related.
+        stream: Name of the use: equal seeds of different streams are not related.
     """
 
     def __init__(self, seed: int, stream: str = "") -> None:
@@ -33,23 +33,23 @@ class Chance:
         self._next()
 
     def below(self, bound: int) -> int:
-        """A whole number of [0, bound), each equally likely to within 2^-32."""
+        """Return an integer of [0, bound), each equally likely to within 2^-32."""
         return self._next() * bound >> 32
 
     def share(self) -> float:
-        """A number of [0, 1) in steps of 2^-32."""
+        """Return a number of [0, 1) in steps of 2^-32."""
         return self._next() / 4294967296.0
 
     def between(self, low: float, high: float) -> float:
-        """A number of [low, high), rounded to a thousandth."""
+        """Return a number of [low, high), rounded to a thousandth."""
         return round(low + (high - low) * self.share(), 3)
 
     def pick(self, items: Sequence[Item]) -> Item:
-        """One of the items."""
+        """Return one of the items."""
         return items[self.below(len(items))]
 
     def happens(self, share: float) -> bool:
-        """True in this share of all cases."""
+        """Return True with this probability."""
         return self.share() < share
 
     def _next(self) -> int:
@@ -61,12 +61,12 @@ class Chance:
 
 
 def hash_noise(x: I8, y: I8, seed: int) -> F8:
-    """A number of [0, 1) for each place of a lattice, without relation between neighbours.
+    """Return white noise of [0, 1) at lattice points.
 
     Args:
-        x: Lattice place, int64, any shape.
+        x: Lattice points, int64, any shape.
         y: Of the same shape.
-        seed: Another picture for another seed.
+        seed: Seed of the noise.
     """
     value = (x.astype(np.uint32) * np.uint32(0x9E3779B1)) ^ (y.astype(np.uint32) * np.uint32(0x85EBCA77))
     value = value ^ np.uint32((seed * 0xC2B2AE3D) & 0xFFFFFFFF)
@@ -97,12 +97,12 @@ def smooth_noise(height: int, width: int, cells_y: int, cells_x: int, seed: int)
 
 
 def pixels(width: int, height: int) -> tuple[I8, I8]:
-    """Column and row of every pixel of a picture, [height, width] each."""
+    """Return column and row of every pixel of an image, [height, width] each."""
     x, y = np.meshgrid(np.arange(width), np.arange(height))
     return x.astype(np.int64), y.astype(np.int64)
 
 
 def smooth_step(low: float, high: float, value: F8) -> F8:
-    """0 below `low`, 1 above `high`, smooth between."""
+    """Return 0 below `low`, 1 above `high`, smooth between."""
     share = np.clip((value - low) / (high - low), 0.0, 1.0)
     return np.asarray(share * share * (3.0 - 2.0 * share))

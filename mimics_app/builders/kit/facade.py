@@ -18,9 +18,9 @@ class Opening:
 
     Attributes:
         left, right, bottom, top: In the wall's plane [m].
-        panel: What closes it.
-        recess: How far behind the wall's face that lies [m].
-        surround: Width of a frame of `trim` about it, within the sizes above [m]; 0: none.
+        panel: Skin of the window or door.
+        recess: Distance of the panel behind the wall's face [m].
+        surround: Width of a frame of `trim` around it, inside of the sizes above [m]; 0: none.
     """
 
     left: float
@@ -48,10 +48,10 @@ class Zone:
     Attributes:
         left, right, bottom, top: Its border.
         rows: Of openings.
-        wall: What covers it.
-        trim: Of frames about openings.
-        footed: True when the lower border has corners under the edges of the first row.
-        roofed: Factor on the colour along the upper border, for what hangs over it.
+        wall: Skin of the wall.
+        trim: Skin of frames around openings.
+        footed: Whether the lower border has vertices under the edges of the first row.
+        roofed: Factor on the colour along the upper border, in the shade of eaves.
     """
 
     left: float
@@ -66,7 +66,7 @@ class Zone:
 
     @property
     def foot(self) -> list[float]:
-        """Places of corners along the lower border, from left to right [m]."""
+        """Return the vertices along the lower border, from left to right [m]."""
         edges = [u for opening in self.rows[0] for u in (opening.left, opening.right)] if self.footed else []
         return [self.left, *edges, self.right]
 
@@ -91,7 +91,7 @@ def wall_axes(width: float, depth: float, side: str) -> Axes:
 
 
 def add_zone(sketch: Sketch, axes: Axes, zone: Zone) -> None:
-    """Draw a zone; its border has no corners but its own four.
+    """Draw a zone; its border has no vertices but its four corners.
 
     Raises:
         ValueError: the rows do not begin and end at the same edges.
@@ -127,7 +127,7 @@ def add_zone(sketch: Sketch, axes: Axes, zone: Zone) -> None:
 
 
 def _add_opening(sketch: Sketch, axes: Axes, zone: Zone, opening: Opening) -> None:
-    """Frame, reveals and what closes the hole."""
+    """Draw the frame, the reveals and the panel of an opening."""
     outer = opening.corners
     s = opening.surround
     inner = _corners(opening.left + s, opening.right - s, opening.bottom + s, opening.top - s) if s else outer
@@ -150,7 +150,7 @@ def _add_opening(sketch: Sketch, axes: Axes, zone: Zone, opening: Opening) -> No
 
 
 def _zip(sketch: Sketch, axes: Axes, zone: Zone, first: list[Uv], second: list[Uv], axis: int) -> None:
-    """Triangles between two lines of points; looking along them, the second lies to the left."""
+    """Draw triangles between two lines of points; looking along them, the second is to the left."""
     corners = [*first, *second]
     triangles = []
     i, j = 0, 0

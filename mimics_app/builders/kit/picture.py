@@ -1,4 +1,4 @@
-"""Pictures painted with few colours: every pixel is a place on one of up to sixteen ramps from dark to light."""
+"""Textures of few colours: every texel is a tone on one of up to sixteen ramps from dark to light."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Ramp = tuple[Rgb, Rgb]
 
 
 class Canvas:
-    """A picture in the making.
+    """A texture under construction.
 
     Args:
         width: [pixels].
@@ -26,8 +26,8 @@ class Canvas:
         ramps: sRGB colours, darkest and lightest of each ramp, 16 at most.
 
     Attributes:
-        ramp: Which ramp each pixel is on, uint8 [height, width].
-        tone: Where on it, 0 dark to 1 light, float64 [height, width].
+        ramp: Index of each pixel's ramp, uint8 [height, width].
+        tone: Of each pixel, 0 dark to 1 light, float64 [height, width].
         clear: True where nothing is drawn, bool [height, width].
     """
 
@@ -47,7 +47,7 @@ class Canvas:
     def rectangle(
         self, left: int, top: int, right: int, bottom: int, ramp: int, tone: float | tuple[float, float] = 0.5
     ) -> None:
-        """Fill pixels [left, right) x [top, bottom); two tones make a run from above to below."""
+        """Fill pixels [left, right) x [top, bottom); two tones make a gradient from top to bottom."""
         rows = slice(max(top, 0), max(bottom, 0))
         columns = slice(max(left, 0), max(right, 0))
         self.ramp[rows, columns] = ramp
@@ -63,13 +63,13 @@ class Canvas:
         self.tone = self.tone * factor if where is None else np.where(where, self.tone * factor, self.tone)
 
     def grain(self, strength: float, seed: int) -> None:
-        """Add noise without relation between pixels."""
+        """Add white noise."""
         width, height = self.size
         x, y = np.meshgrid(np.arange(width), np.arange(height))
         self.tone = self.tone + strength * (hash_noise(x, y, seed) - 0.5)
 
     def to_png(self) -> bytes:
-        """The picture as a PNG with a palette."""
+        """Return the texture as a PNG file with a palette."""
         levels = self._levels
         width, height = self.size
         x, y = np.meshgrid(np.arange(width), np.arange(height))

@@ -1,4 +1,4 @@
-"""PNG pictures with a palette, the same bytes on every machine."""
+"""PNG files with a palette, of equal bytes on every machine."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 __all__ = ["write_indexed_png"]
 
 _BLOCK = 65535
-"""Most bytes a stored block of deflate can hold (RFC 1951, 3.2.4)."""
+"""Largest size of a stored block of deflate (RFC 1951, 3.2.4) [byte]."""
 
 
 def write_indexed_png(indices: NDArray[np.uint8], palette: NDArray[np.uint8]) -> bytes:
-    """A PNG of palette entries, stored and not compressed: what a compressor makes of it differs by its version.
+    """Return a PNG file of palette entries, stored and not compressed: compressors differ by version.
 
     Args:
         indices: Palette entry of each pixel, row 0 at the top, uint8 [height, width].
@@ -44,7 +44,7 @@ def _chunk(kind: bytes, data: bytes) -> bytes:
 
 
 def _stored(data: bytes) -> bytes:
-    """A zlib stream of stored blocks (RFC 1950, 1951)."""
+    """Return a zlib stream of stored blocks (RFC 1950, 1951)."""
     blocks = [data[first : first + _BLOCK] for first in range(0, len(data), _BLOCK)] or [b""]
     parts = [b"\x78\x01"]
     for number, block in enumerate(blocks):

@@ -27,14 +27,14 @@ class _Faces:
 
 
 class Sketch:
-    """Faces of an object, gathered by material name; all corners counter-clockwise seen from outside [m]."""
+    """Faces of an object by material name; vertices are counter-clockwise seen from outside [m]."""
 
     def __init__(self) -> None:
         self._faces: dict[str, _Faces] = {}
 
     @property
     def triangle_count(self) -> int:
-        """Triangles of all materials."""
+        """Number of triangles of all materials."""
         return sum(len(faces.indices) for faces in self._faces.values()) // 3
 
     def fan(
@@ -45,13 +45,13 @@ class Sketch:
         shade: Shade = 1.0,
         normals: Sequence[Point] | None = None,
     ) -> None:
-        """A flat convex face as triangles about its first corner.
+        """Add a flat convex face as a fan of triangles about its first vertex.
 
         Args:
-            material: Whose face it is.
-            corners: Three or more [m].
+            material: Name of the material.
+            corners: Three or more vertices [m].
             uvs: One per corner.
-            shade: Factor on the colour of all corners, or of each.
+            shade: Factor on the colour of all vertices, or of each.
             normals: One per corner; default: the face's own.
         """
         faces = self._faces.setdefault(material, _Faces())
@@ -72,7 +72,7 @@ class Sketch:
         shade: Shade = 1.0,
         normals: Sequence[Point] | None = None,
     ) -> None:
-        """Faces that share corners; one normal for all when none are given."""
+        """Add faces that share vertices; one normal for all when none are given."""
         faces = self._faces.setdefault(material, _Faces())
         first, rows = len(faces.positions), list(triangles)
         faces.positions += corners
@@ -94,17 +94,17 @@ class Sketch:
         under: float = 0.55,
         hidden: str = "",
     ) -> None:
-        """An upright box.
+        """Add an upright box.
 
         Args:
             material: Of all faces.
-            low: Least corner [m].
-            high: Greatest corner [m].
-            uv: The one place of the picture that colours it; None: the picture repeats `per_metre` times a metre.
+            low: Corner of the smallest coordinates [m].
+            high: Corner of the largest coordinates [m].
+            uv: Texture coordinates of its one colour; None: the texture repeats `per_metre` times a metre.
             per_metre: See `uv`.
             shade: Factor on the colour.
             under: Further factor on the face below, which sees little sky.
-            hidden: Letters of faces left out: -x "w", +x "e", -y "d", +y "u", -z "n", +z "s".
+            hidden: Letters of faces that are left out: -x "w", +x "e", -y "d", +y "u", -z "n", +z "s".
         """
         (x0, y0, z0), (x1, y1, z1) = low, high
         sides: dict[str, list[Point]] = {
@@ -124,9 +124,9 @@ class Sketch:
         """Add another sketch.
 
         Args:
-            other: What to add.
-            place: Where each of its points goes.
-            turn: Where its normals point then; default: as before.
+            other: The sketch.
+            place: Transformation of its points.
+            turn: Transformation of its normals; default: none.
         """
         for material, faces in other._faces.items():
             mine = self._faces.setdefault(material, _Faces())
@@ -138,12 +138,12 @@ class Sketch:
             mine.indices += [first + index for index in faces.indices]
 
     def parts(self) -> dict[str, MeshPart]:
-        """The faces as arrays, places rounded to 0.1 mm: what sines differ by between machines is lost there."""
+        """Return the faces as arrays, positions rounded to 0.1 mm: sines differ between machines by less."""
         return {material: _to_part(faces) for material, faces in self._faces.items()}
 
 
 def unit_normal(a: Point, b: Point, c: Point) -> Point:
-    """Normal of a counter-clockwise triangle.
+    """Return the normal of a counter-clockwise triangle.
 
     Raises:
         ValueError: its corners lie on a line.
@@ -158,7 +158,7 @@ def unit_normal(a: Point, b: Point, c: Point) -> Point:
 
 
 def _flat_uvs(corners: Sequence[Point], per_metre: float) -> list[Uv]:
-    """Metres along and up a wall; along x and z on a floor."""
+    """Return texture coordinates in metres: along and up a wall; along x and z on a floor."""
     normal = unit_normal(*corners[:3])
     if abs(normal[1]) > 0.7:
         return [(x * per_metre, z * per_metre) for x, _, z in corners]

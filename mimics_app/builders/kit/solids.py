@@ -28,7 +28,7 @@ class Axes:
     c: Point = (0.0, 0.0, 1.0)
 
     def point(self, a: float, b: float, c: float) -> Point:
-        """A place of this frame in the object frame."""
+        """Return a point of this frame in the object frame."""
         o, p, q, r = self.origin, self.a, self.b, self.c
         return (
             o[0] + a * p[0] + b * q[0] + c * r[0],
@@ -39,12 +39,12 @@ class Axes:
 
 @dataclass(frozen=True)
 class Skin:
-    """What covers a face: a material, and how its picture lies there.
+    """Cover of a face: a material and the layout of its texture.
 
     Attributes:
-        material: Its name.
-        tile: Metres one repetition of the picture covers, along and up.
-        cell: Part of the picture (left, top, right, bottom) stretched over the face instead.
+        material: Name of the material.
+        tile: Size of one repetition of the texture, along and up [m].
+        cell: Rectangle of the texture (left, top, right, bottom) that is stretched over the face instead.
         shade: Factor on the colour.
     """
 
@@ -54,7 +54,7 @@ class Skin:
     shade: float = 1.0
 
     def lay(self, places: Sequence[Uv]) -> list[Uv]:
-        """Texture coordinates of places on a face, along and up [m]."""
+        """Return texture coordinates of points on a face, along and up [m]."""
         if self.cell is None:
             return [(s / self.tile[0], -t / self.tile[1]) for s, t in places]
         left, top, right, bottom = self.cell
@@ -72,14 +72,14 @@ def add_prism(
     caps: tuple[Skin, Skin],
     sides: Sequence[Skin],
 ) -> None:
-    """A convex outline in the a-b plane drawn along c: closed.
+    """Add a closed prism: a convex outline in the a-b plane, extruded along c.
 
     Args:
-        sketch: Receives it.
+        sketch: Receives the faces.
         axes: Its frame.
         outline: Counter-clockwise seen against c [m].
-        low: Where it begins along c [m].
-        high: Where it ends [m].
+        low: Begin along c [m].
+        high: End along c [m].
         caps: Skins at `low` and `high`.
         sides: One per edge, from each corner of the outline to the next; or one for all.
     """

@@ -41,23 +41,23 @@ __all__ = [
 
 Colour = tuple[float, float, float]
 Painter = Callable[[F8, F8], F8]
-"""Linear RGB, [n, 3], of positions and normals, [n, 3] each."""
+"""Function that gives linear RGB, [n, 3], of positions and normals, [n, 3] each."""
 
 LEVELS = (0.5, 0.3, 0.15, 0.05)
-"""Shares of a model's triangles that its coarser forms have."""
+"""Triangles of the levels of detail, as shares of the finest one."""
 
 PIXELS = 3.0
-"""By which a corner of a thing may be wrong where a coarser form is shown, in a picture of 1920 x 1080 [px]."""
+"""Largest error of a vertex where a coarser level is shown, in a picture of 1920 x 1080 [px]."""
 
 PIXELS_OF_EDGES = 0.25
-"""The same of what has bevelled edges or a pattern, which are gone before its shape is: shadows alone are coarser."""
+"""The same of models with bevelled edges or a pattern, which are lost before the shape: only shadows are coarser."""
 
 PIXELS_OF_SKIN = 4.0
-"""The same of what is round all over and of one colour."""
+"""The same of round models of one colour."""
 
 
 class Clay:
-    """Pieces of one material."""
+    """Mesh of one material."""
 
     def __init__(self) -> None:
         self._pieces: list[tuple[F8, F8, F8, NDArray[np.uint32]]] = []
@@ -83,11 +83,11 @@ class Clay:
 
     @property
     def empty(self) -> bool:
-        """Whether nothing was added."""
+        """Return whether nothing was added."""
         return not self._pieces
 
     def part(self) -> MeshPart:
-        """Everything as one part."""
+        """Return all meshes as one part."""
         starts = np.cumsum([0] + [len(piece[0]) for piece in self._pieces])
         positions, normals, colours = (np.concatenate([piece[i] for piece in self._pieces]) for i in range(3))
         indices = np.concatenate([piece[3] + start for piece, start in zip(self._pieces, starts, strict=False)])
@@ -122,7 +122,7 @@ def pack_model(model: str, parts: Mapping[str, tuple[Clay | Sequence[Clay], floa
 
 
 def pack_forms(model: str, name: str, forms: Sequence[Clay], coverages: Sequence[float], roughness: float) -> bytes:
-    """A GLB of one node that is shown in ever coarser forms, each down to a share of the picture."""
+    """Return a GLB file of one node with levels of detail, each down to a share of the picture."""
     writer = GltfWriter("mimics market builder")
     material = writer.add_material(f"{model}_{name}", roughness=roughness)
     finest, *coarser = [writer.add_mesh(name, [(writer.add_part(form.part()), material)]) for form in forms]
@@ -131,13 +131,13 @@ def pack_forms(model: str, name: str, forms: Sequence[Clay], coverages: Sequence
 
 
 def picked(mesh: MeshData, triangles: NDArray[np.bool_]) -> MeshData:
-    """Some triangles of a mesh, [n], with the vertices they need; normals stay what they are."""
+    """Return some triangles of a mesh, [n], with their vertices; normals do not change."""
     used, indices = np.unique(mesh.indices.reshape(-1, 3)[triangles].ravel(), return_inverse=True)
     return MeshData(mesh.positions[used], mesh.normals[used], indices.astype(np.uint32).reshape(-1))
 
 
 def mix(a: Colour | F8, b: Colour | F8, share: F8 | float) -> F8:
-    """From colour a at 0 to colour b at 1; share [n] or a number."""
+    """Mix colour a (share 0) and colour b (share 1); share [n] or a number."""
     weight = np.clip(np.asarray(share, float), 0.0, 1.0)[..., None]
     return np.asarray(a) * (1.0 - weight) + np.asarray(b) * weight
 
@@ -201,7 +201,7 @@ def surface(point: Callable[[F8, F8], F8], us: F8, vs: F8, *, flip: bool = False
 
 
 def _welded_normals(positions: F8, indices: NDArray[np.uint32]) -> NDArray[np.float32]:
-    """Normals that do not show the seam where a sheet meets itself."""
+    """Return normals that are equal on both sides of the seam of a closed sheet."""
     _, first, same = np.unique(np.round(positions, 6), axis=0, return_index=True, return_inverse=True)
     return compute_normals(positions[first], same.reshape(-1)[indices].astype(np.uint32))[same.reshape(-1)]
 
@@ -230,7 +230,7 @@ def rounded_box(width: float, height: float, depth: float, radius: float, steps:
 
 
 def joined(meshes: Sequence[MeshData]) -> MeshData:
-    """Several meshes as one."""
+    """Join several meshes."""
     starts = np.cumsum([0] + [len(mesh.positions) for mesh in meshes])
     return MeshData(
         np.concatenate([mesh.positions for mesh in meshes]),

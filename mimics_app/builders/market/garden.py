@@ -43,15 +43,15 @@ the next finer one's end."""
 
 @dataclass(frozen=True)
 class _Form:
-    """How finely a tree is made.
+    """Resolution of a tree.
 
     Attributes:
         trunk: Sides of trunk and branches.
         ball: Subdivisions of a ball of leaves.
         apple: Of an apple.
         stalk: Sides of an apple's stalk; 0: none is seen.
-        leaves: Every how manieth leaf there is; fewer are larger.
-        halves: Triangles of a leaf.
+        leaves: One in this number of leaves is made; fewer are larger.
+        halves: Number of triangles of a leaf.
     """
 
     trunk: int
@@ -192,7 +192,7 @@ def _ball(radius: float, subdivisions: int) -> MeshData:
 
 
 def _foliage(radius: float, seed: int, subdivisions: int) -> MeshData:
-    """A ball with bumps."""
+    """Return a ball with bumps."""
     ball = _ball(1.0, subdivisions)
     unit = ball.positions.astype(np.float64)
     bumps = 0.80 + 0.26 * noise(unit + 9.0, 0.42, seed) + 0.12 * noise(unit + 5.0, 0.17, seed + 1)
@@ -201,7 +201,7 @@ def _foliage(radius: float, seed: int, subdivisions: int) -> MeshData:
 
 
 def _bright(painter: Painter, factor: float) -> Painter:
-    """The same paint, lighter or darker."""
+    """Return a paint that is lighter or darker by a factor."""
 
     def paint(at: F8, normals: F8) -> F8:
         return factor * painter(at, normals)
@@ -226,7 +226,7 @@ def _leaves(centre: F8, seed: int) -> Painter:
 
 
 def ground_height(x: F8, z: F8) -> F8:
-    """Flat where the hand works, hills behind and at the sides [m]."""
+    """Return the height of the ground: flat around the workspace, hills behind and at the sides [m]."""
     away = np.hypot(x, 0.8 * (z + 0.1))
     rise = np.clip((away - 1.1) / 3.0, 0.0, 1.0)
     hills = noise(np.stack([x, 0 * x, z], 1) + 20.0, 1.7, 5) + 0.5 * noise(np.stack([x, 0 * x, z], 1) + 20.0, 0.7, 6)
@@ -234,7 +234,7 @@ def ground_height(x: F8, z: F8) -> F8:
 
 
 def path_share(x: F8, z: F8) -> F8:
-    """1 on the sandy path that leads past the stall, 0 on the grass, with a ragged border."""
+    """Return 1 on the sandy path that leads past the stall, 0 on the grass, with a ragged border."""
     middle = 0.52 + 0.22 * np.sin(1.7 * z + 0.6) + 0.35 * np.clip(-z - 0.2, 0.0, 9.0) ** 1.3 * 0.6
     ragged = 0.035 * (noise(np.stack([x, 0 * x, z], 1), 0.05, 8) - 0.5)
     return np.clip((0.105 - np.abs(x - middle) + ragged) / 0.03, 0.0, 1.0)
@@ -246,18 +246,18 @@ def _carried(flat: F8, cell: float, seed: int, step: F8) -> F8:
 
 
 class _Tiles:
-    """The meadow in sectors of rings, of which what is out of view need not be drawn."""
+    """The meadow in sectors of rings, so that those out of view are culled."""
 
     def __init__(self) -> None:
         self._clays = [Clay() for _ in range(_SECTORS * (len(_RINGS) + 1))]
 
     @property
     def clays(self) -> list[Clay]:
-        """Those that hold something."""
+        """Return the tiles that are not empty."""
         return [clay for clay in self._clays if not clay.empty]
 
     def at(self, x: float, z: float) -> Clay:
-        """The tile about a place [m]."""
+        """Return the tile that holds a point [m]."""
         return self._clays[int(_tile(np.array([x]), np.array([z]))[0])]
 
     def add(self, mesh: MeshData, paint: Painter) -> None:

@@ -1,4 +1,4 @@
-"""What stands about: crate, barrel, garden bed, fence, jug."""
+"""Props: crate, barrel, garden bed, fence, jug."""
 
 from __future__ import annotations
 

@@ -1,3 +1,3 @@
-"""The quiet room of the examples, and what stands for a feeling: surfaces, spring, magnet, arrow."""
+"""The quiet room of the examples, and models of what is felt: surfaces, spring, magnet, arrow."""
 
 __all__: list[str] = []

@@ -15,7 +15,7 @@ __all__ = ["compose"]
 _TABLE = ((-0.80, 0.80), (-0.60, 0.56))
 """The table's top in x and z; its upper side is y = 0 [m]."""
 _THICK, _FLOOR = 0.036, -0.74
-"""Of the table's top; height of the floor below it [m]."""
+"""Thickness of the table's top; height of the floor below it [m]."""
 _WALL, _SIDE, _FRONT, _HIGH = -1.9, 2.4, 2.4, 1.9
 """Back wall in z, side walls in x, the room's open side in z, and the walls' upper edge [m]."""
 _RAIL = 0.16
@@ -27,7 +27,7 @@ _COLOURS = {
     "groove": (0.150, 0.195, 0.165, 1.0),
     "rail": (0.72, 0.70, 0.64, 1.0),
 }
-"""Of what has no picture: on processors a picture on the walls costs a tenth of the frame."""
+"""Colours of surfaces without a texture: on software renderers a texture of the walls costs a tenth of the frame."""
 _BOARD, _GROOVE = 0.14, 0.006
 """Width of a panel's board, and of the groove beside it [m]."""
 
@@ -35,7 +35,7 @@ Shade = Callable[[Point], float]
 
 
 def compose(seed: int) -> dict[str, bytes]:
-    """Every file by its name.
+    """Return all files by name.
 
     Args:
         seed: Of grain and marks.
@@ -57,8 +57,8 @@ def compose(seed: int) -> dict[str, bytes]:
 def _room(seed: int) -> bytes:
     """Three nodes: `room`, `table`, and `hall`, whose floor is y = 0.
 
-    Nothing is ever cast on the walls and the room's floor: their light is in their colours, which halves the frame. The
-    table and the hall's floor are lit, and matt.
+    Walls and the room's floor receive no shadows: their light is baked into vertex colours, which halves the frame.
+    The table and the hall's floor are lit, and matt.
     """
     writer = GltfWriter("mimics_app assets build room")
     pictures = {name: writer.add_picture(name, png) for name, png in _painted(seed).items()}

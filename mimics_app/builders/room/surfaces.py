@@ -1,4 +1,4 @@
-"""Pictures of the room and of surfaces to stroke: each looks as it feels. Each function returns a PNG that repeats."""
+"""Textures of the room and of surfaces to stroke, which look as they feel. Each function returns a PNG that repeats."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands for a force: a coil spring on its foot, a horseshoe magnet, an arrow."""
+"""Models that represent forces: a coil spring on its foot, a horseshoe magnet, an arrow."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["SPRING_LENGTH", "arrow", "magnet", "magnet_tips", "rounded_cube", "s
 STEEL: Colour = (0.60, 0.62, 0.66)
 RED: Colour = (0.66, 0.045, 0.035)
 SPRING_LENGTH = 0.28
-"""From the foot's lower side to the spring's upper end [m]."""
+"""Length from the foot's lower side to the spring's upper end [m]."""
 
 
 def spring() -> Clay:
@@ -28,7 +28,7 @@ def spring() -> Clay:
 
 
 def spring_foot() -> Clay:
-    """The round foot it stands on."""
+    """The round foot of the spring."""
     return Clay().add(
         cylinder(0.038, 0.012, top_radius=0.034, segments=40), plain((0.10, 0.24, 0.52), 2), at=(0, 0.006, 0)
     )

@@ -25,7 +25,7 @@ _FACES: dict[str, tuple[tuple[int, int, int], tuple[int, int, int], tuple[int, i
     "box_pz": ((0, 0, 1), (-1, 0, 0), (0, 1, 0)),
     "box_nz": ((0, 0, -1), (1, 0, 0), (0, 1, 0)),
 }
-"""Middle, right and up of each face as it is seen from inside."""
+"""Centre, right and up of each face, seen from inside."""
 _STARS = 0.0004
 """Share of the dome's pixels that are stars."""
 _WAVES = 7
@@ -33,7 +33,7 @@ _WAVES = 7
 
 
 def compose(seed: int) -> dict[str, bytes]:
-    """Every picture as a PNG file.
+    """Return all images as PNG files.
 
     Args:
         seed: Of mountains and clouds.

@@ -14,17 +14,17 @@ __all__ = ["compose"]
 
 
 _FINE = 3
-"""What has hard edges is drawn this much larger, and made smaller by `smaller`."""
+"""Factor of supersampling of shapes with hard edges; `smaller` filters them down."""
 
 
 def places(size: int) -> tuple[F8, F8]:
-    """Coordinates of texel centres, -1 to 1, x to the right and y up."""
+    """Return coordinates of texel centres, -1 to 1, x to the right and y up."""
     y, x = (np.mgrid[0:size, 0:size] + 0.5) / (0.5 * size) - 1.0
     return x, -y
 
 
 def noise(size: int, seed: int, octaves: int = 5) -> F8:
-    """Clouds of 0 to 1 that repeat at the border."""
+    """Return tileable noise of 0 to 1."""
     random, total = np.random.default_rng(seed), np.zeros((size, size))
     for octave in range(octaves):
         cells = 4 << octave
@@ -156,7 +156,7 @@ def window() -> tuple[F8, F8]:
 
 
 def compose(seed: int) -> dict[str, bytes]:
-    """All of them; only the trees are grown from the seed."""
+    """Return all images; only the trees depend on the seed."""
     pictures = {
         "tree": tree(seed, 0.62),
         "tree_slim": tree(seed + 1, 0.36),

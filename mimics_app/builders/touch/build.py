@@ -16,12 +16,12 @@ __all__ = ["compose"]
 
 
 _GENERATOR = "mimics_app assets/models/touch/build_touch.py"
-"""As the shipped files have it: it is part of their bytes."""
+"""Name of the generator in the shipped files: it is part of their bytes."""
 
 Rgba = tuple[float, float, float, float]
 
 _ROUND = 48
-"""Vertices about the bowl."""
+"""Vertices around the bowl."""
 _OUTER, _INNER = 0.075, 0.066
 """Radii of the bowl's two spheres [m]."""
 _HEIGHT, _FOOT = 0.055, 0.030
@@ -80,7 +80,7 @@ def pack(name: str, body: tuple[F8, NDArray[np.int64]], colour: Rgba, roughness:
 
 
 def compose(seed: int) -> dict[str, bytes]:
-    """Both models; nothing of them is left to chance."""
+    """Return both models; the seed has no effect."""
     del seed
     return {
         "bowl.glb": pack("bowl", bowl(), (0.35, 0.16, 0.08, 1.0), 0.4),

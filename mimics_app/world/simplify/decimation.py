@@ -125,6 +125,6 @@ def _walls(places: F8, wedges: I8, corners: I8, normals: F8) -> tuple[I8, F8]:
 
 
 def _planes(normals: F8, points: F8, areas: F8) -> F8:
-    p = np.concatenate([normals, -np.einsum("ij,ij->i", normals, points)[:, None]], axis=1)
+    p = np.concatenate([normals, -(normals * points).sum(axis=1, keepdims=True)], axis=1)
     products = [p[:, i] * p[:, j] for i in range(4) for j in range(i, 4)]
     return np.asarray(np.stack([*products, np.ones(len(p))], axis=1) * areas[:, None])
