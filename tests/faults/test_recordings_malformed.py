@@ -263,7 +263,7 @@ def test_what_cannot_be_recovered_is_reported_alike(
     verified = _lines(capsys, "verify", str(folder))
     recovered = _lines(capsys, "recover", str(folder))
     assert recovered[0] == verified[0] == ["damaged", f"{folder}: 2 findings"]
-    assert recovered[1] == ["repaired", "nothing: what is lost or damaged cannot be recovered, it stays as it is"]
+    assert recovered[1] == ["repaired", "nothing: lost or damaged data cannot be recovered and stays as it is"]
     assert recovered[2:] == verified[1:] and len(recovered[2:]) == 2
 
 

@@ -85,5 +85,5 @@ def test_a_backdrop_with_too_few_pictures_is_named(tmp_path):
     entities = [{"id": "e", "components": {"environment": environment}}]
     found = faults(tmp_path, entities=entities)
     below = "/entities/0/components/environment/backdrop/textures"
-    assert (below, "a box has 6 pictures, not 1") in found
+    assert (below, "a box has 6 image files, not 1") in found
     assert (f"{below}/0", 'no asset "sky"') in found

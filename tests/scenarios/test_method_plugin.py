@@ -140,4 +140,4 @@ def test_doctor_says_which_cannot_be_had(answers: dict[object, Answer]) -> None:
     rows = json.loads(answers["doctor"].stdout)["plugins"]
     faults = {row["name"]: row["error"] for row in rows if row["group"] == "mimics_app.methods"}
     assert faults["guessing"] == ""
-    assert "AttributeError" in faults["broken"] and "is no mimics_app" in faults["wrong"]
+    assert "AttributeError" in faults["broken"] and "is not a mimics_app" in faults["wrong"]

@@ -130,7 +130,10 @@ def test_nohup_is_respected() -> None:
         (["bench", "realtime", "--seconds", "nan"], "nan is no time"),
         (["bench", "realtime", "--seconds", "-1"], "-1 is no time"),
         (["bench", "realtime", "--rounds", "0"], "0 is no number of rounds"),
-        (["bench", "physio", "nonsense", "--charts", "."], "bench physio has no nonsense; it has noise, detectors"),
+        (
+            ["bench", "physio", "nonsense", "--charts", "."],
+            "bench physio has no figure nonsense; it has noise, detectors",
+        ),
         (["bench", "physio", "detectors"], "no folder for the figure detectors"),
     ],
 )

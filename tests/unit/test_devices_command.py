@@ -91,7 +91,7 @@ def test_orders_are_understood_or_refused_with_the_nearest():
     assert faults == Faults()
     with pytest.raises(UsageError, match='did you mean "unplug"'):
         apply_order(faults, "unplg")
-    with pytest.raises(UsageError, match="is no number"):
+    with pytest.raises(UsageError, match="is not a number"):
         apply_order(faults, "drop half")
 
 

@@ -14,7 +14,7 @@ HEAVY = {"numba", "moderngl", "glfw"}
 REFUSED = (
     ("run scenes/nowhere.json", 3, "there is no such scene"),
     ("run --device simulated_haptcmaster", 4, 'did you mean "simulated_hapticmaster"'),
-    ("run --device pointer:COM3", 4, "it has no address"),
+    ("run --device pointer:COM3", 4, "has no address"),
     ("run --device serial:/dev/nowhere@9600", 4, "/dev/nowhere cannot be opened: nothing is there"),
     ("run --device hapticmaster:127.0.0.1:1", 4, "no HapticMaster at 127.0.0.1:1"),
     ("run --physio serial:/dev/nowhere", 4, '"/dev/nowhere" cannot be opened: nothing is there'),

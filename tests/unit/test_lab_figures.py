@@ -266,7 +266,7 @@ def test_figures_go_to_the_working_folder_unless_the_shipped_ones_are_asked_for(
     assert (checkout / "docs" / "charts" / "S99.svg").is_file() and not list(other.iterdir())
     monkeypatch.setattr("mimics_app.contracts.resources.root", lambda: other)
     assert main(["lab", "stability", "s99", "--shipped"]) == 2
-    assert "in a checkout only" in capsys.readouterr().err
+    assert "in a source checkout only" in capsys.readouterr().err
 
 
 def test_command_refuses_what_is_not_there(tmp_path, capsys):

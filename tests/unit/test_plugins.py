@@ -60,7 +60,7 @@ def test_each_plug_in_is_reported_with_its_package(installed: None) -> None:
     assert "SystemExit: no licence" in reports["left_robot"].error
     assert "lab_that_is_lost" in reports["lost_robot"].error
     assert "no_such_thing" in reports["half"].error
-    assert "no subclass of" in reports["no_component"].error
+    assert "not a subclass of" in reports["no_component"].error
 
 
 def test_one_group_is_asked_alone(installed: None) -> None:

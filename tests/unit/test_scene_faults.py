@@ -209,7 +209,7 @@ def test_a_quaternion_written_with_four_decimals_and_a_mirror_pass(tmp_path):
             "robot/robot_to_world/rotation: is not a rotation: its rows are off by 0.1",
         ),
         ({"robot": {"joint_min": [0.3, -0.5, -0.2]}}, "robot/joint_max/0: 0.18 is not above joint_min, 0.3"),
-        ({"robot": {"joint_min": [-0.5, -0.5, -0.2]}}, "robot/joint_min/0: the arm would reach through the axis"),
+        ({"robot": {"joint_min": [-0.5, -0.5, -0.2]}}, "robot/joint_min/0: the arm could reach through the axis"),
         ({"robot": {"masses": [3, 0, 3]}}, "robot/masses/1: a moving mass must be greater than 0"),
         ({"tunnel": {}}, "tunnel: needs either control_points or a path_file"),
         ({"tunnel": {"control_points": [[0, 0, 0]]}}, "tunnel/control_points: 1 control points; a cubic takes 4 to 99"),

@@ -131,4 +131,4 @@ def test_a_scene_that_is_only_looked_at_needs_a_display_and_says_so(
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     assert cli.main(["run", "lanterns"]) == 4
-    assert "this scene is only looked at; mimics view" in capsys.readouterr().err
+    assert "without one: mimics view" in capsys.readouterr().err

@@ -276,7 +276,7 @@ def test_a_geometry_without_room_is_refused():
 
 
 def test_joint_limits_of_another_device_are_named():
-    with pytest.raises(DeviceError, match=r"joint_min is of 3 joints, its device has 2"):
+    with pytest.raises(DeviceError, match=r"joint_min has 3 numbers, its device 2 joints"):
         Reach(Robot(device="simulated_leg", joint_min=(0.0, 0.0, 0.0)))
 
 

@@ -246,12 +246,12 @@ def test_mesh_that_moves_over_a_resting_point_takes_its_stand_in_along():
 @pytest.mark.parametrize(
     "vertices, triangles, reported",
     [
-        (np.zeros((3, 3)), [[0, 1, 2]], "area"),
+        (np.zeros((3, 3)), [[0, 1, 2]], "degenerate"),
         (np.eye(3), [], "no triangles"),
-        (np.eye(3), [[0, 1, 3]], "corner 3 of 3"),
+        (np.eye(3), [[0, 1, 3]], "vertex 3 of 3"),
         (np.array([[0.0, 0, 0], [1, 0, 0], [0, np.nan, 0]]), [[0, 1, 2]], "finite"),
         (np.vstack([np.eye(3), -np.eye(3)]), [[0, 1, 2], [1, 0, 3], [0, 1, 4]], "three triangles"),
-        (np.vstack([np.eye(3), np.zeros((1, 3))]), [[0, 1, 2], [0, 1, 3]], "opposite ways"),
+        (np.vstack([np.eye(3), np.zeros((1, 3))]), [[0, 1, 2], [0, 1, 3]], "opposite orientations"),
     ],
 )
 def test_meshes_that_cannot_be_walked_are_refused_by_name(vertices, triangles, reported):

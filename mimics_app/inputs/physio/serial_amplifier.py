@@ -74,8 +74,8 @@ class SerialAmplifier(LiveSignals):
             self._heard_ns, self.lost = now_ns, ""
         elif self._heard_ns and now_ns - self._heard_ns > _SILENT_NS:
             self.lost = "the amplifier is silent"
-        accepted = [good for piece in pieces for good in self._accept(piece)]
-        return tuple(block for piece in accepted for block in self._blocks(piece, now_ns))
+        # One piece after the other: whether the next one is accepted depends on the count of the last.
+        return tuple(block for piece in pieces for good in self._accept(piece) for block in self._blocks(good, now_ns))
 
     @property
     def damaged(self) -> int:
