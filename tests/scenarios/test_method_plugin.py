@@ -127,7 +127,8 @@ def test_the_planner_takes_the_cheapest_within_and_that_one_runs(answers: dict[o
         assert "square root" in json.dumps(session["plan"])
     assert roots[0.1] == 1.5 and roots[1e-9] == pytest.approx(2.0**0.5, abs=1e-12)
     said = "".join(answer.stderr for answer in answers.values())  # once in a process
-    assert 'methods "broken" cannot be imported' in said and 'methods "wrong" are left out' in said
+    assert 'methods "broken" is left out: its plug-in lab_of_guesses:no_such_thing cannot be imported' in said
+    assert 'methods "wrong" is left out: its plug-in lab_of_guesses:Guesser is not a mimics_app' in said
 
 
 def test_explain_says_what_it_costs_and_errs(answers: dict[object, Answer]) -> None:

@@ -5,27 +5,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mimics_app.world.components.plugins import ENTRY_POINT_GROUP as COMPONENTS
-from mimics_app.world.components.plugins import fault_of_type
-from mimics_app.world.scene.method_plugins import ENTRY_POINT_GROUP as METHODS
-from mimics_app.world.scene.method_plugins import fault_of_method
+from mimics_app.contracts.plugins import PluginError, PluginGroup
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-__all__ = ["GROUPS", "PluginReport", "list_plugins"]
+__all__ = ["PluginReport", "list_plugins", "plugin_groups", "report_group"]
 
-GROUPS = (
-    "mimics_app.devices",
-    COMPONENTS,
-    "mimics_app.scenarios",
-    "mimics_app.task_kinds",
-    "mimics_app.force_fields",
-    "mimics_app.policies",
-    "mimics_app.signal_sources",
-    METHODS,
-)
-"""The groups of entry points a package may offer something in: each is loaded by the stage that has a place for it."""
+
+def plugin_groups() -> tuple[PluginGroup, ...]:
+    """The groups of entry points a package may offer something in, each from the stage that loads it."""
+    from mimics_app.contracts import scenario_port
+    from mimics_app.inputs.physio import sources
+    from mimics_app.learning import registry as policies
+    from mimics_app.rendering.haptic import force_fields
+    from mimics_app.rendering.haptic.devices import device_names
+    from mimics_app.tasks.kinds import registry as kinds
+    from mimics_app.world.components import plugins as components
+    from mimics_app.world.scene import method_plugins
+
+    stages = (device_names, components, scenario_port, kinds, force_fields, policies, sources, method_plugins)
+    return tuple(stage.PLUGINS for stage in stages)
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class PluginReport:
     """One entry point.
 
     Attributes:
-        group: Which of `GROUPS`.
+        group: Name of its group.
         name: Its name, as a scene or an option uses it.
         target: "module:attribute".
         package: The distribution that brings it, with its version; "" where unknown.
@@ -49,24 +49,20 @@ class PluginReport:
     loaded: object = None
 
 
-def list_plugins(*groups: str) -> list[PluginReport]:
-    """The entry points of these groups (all of `GROUPS` when none is given), imported one by one.
-
-    A plug-in that fails to import is reported, never fatal.
-    """
-    from importlib.metadata import entry_points
-
-    return [_report(group, point) for group in groups or GROUPS for point in sorted(entry_points(group=group))]
+def list_plugins() -> list[PluginReport]:
+    """The entry points of all groups, imported one by one. A plug-in that fails is reported, never fatal."""
+    return [report for group in plugin_groups() for report in report_group(group)]
 
 
-def _report(group: str, point: EntryPoint) -> PluginReport:
+def report_group(group: PluginGroup) -> list[PluginReport]:
+    """The entry points of one group."""
+    return [_report(group, point) for point in group.points()]
+
+
+def _report(group: PluginGroup, point: EntryPoint) -> PluginReport:
     package = f"{point.dist.name} {point.dist.version}" if point.dist else ""
     try:
-        loaded = point.load()
-    except BaseException as error:  # also of a plug-in that calls sys.exit() while it is imported
-        if isinstance(error, KeyboardInterrupt):
-            raise
-        return PluginReport(group, point.name, point.value, package, f"{type(error).__name__}: {error}")
-    fault = fault_of_type(point.name, loaded) if group == COMPONENTS else ""
-    fault = fault_of_method(loaded) if group == METHODS else fault
-    return PluginReport(group, point.name, point.value, package, fault, loaded)
+        loaded, error = group.load_point(point), ""
+    except PluginError as refused:
+        loaded, error = None, refused.fault
+    return PluginReport(group.name, point.name, point.value, package, error, loaded)

@@ -8,19 +8,17 @@ ones, and the planner takes them where they are the cheapest within a scene's to
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import entry_points
+from typing import cast
 
 from mimics_app.contracts.method_table import Row
 from mimics_app.contracts.methods import Registry, Settings
+from mimics_app.contracts.plugins import PluginGroup, fault_of_instance
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["ENTRY_POINT_GROUP", "MethodPlugin", "Use", "fault_of_method", "method_plugins"]
-
-ENTRY_POINT_GROUP = "mimics_app.methods"
+__all__ = ["PLUGINS", "MethodPlugin", "Use", "method_plugins"]
 
 
 def _anything(scene: Scene, settings: Settings) -> bool:
@@ -78,26 +76,13 @@ class MethodPlugin:
     use: Use | None = None
 
 
+PLUGINS = PluginGroup("mimics_app.methods", fault_of_instance(MethodPlugin))
+
+
 @cache
 def method_plugins() -> tuple[MethodPlugin, ...]:
     """Return the method plug-ins of installed packages, by name of the entry point.
 
     One that cannot be imported, or is not a `MethodPlugin`, is skipped and reported on stderr once.
     """
-    found = list[MethodPlugin]()
-    for point in sorted(entry_points(group=ENTRY_POINT_GROUP)):
-        try:
-            plugin = point.load()
-        except Exception as error:  # noqa: BLE001  a third-party module may raise anything on import
-            sys.stderr.write(f'mimics: the methods "{point.name}" cannot be imported: {error}\n')
-            continue
-        if fault := fault_of_method(plugin):
-            sys.stderr.write(f'mimics: the methods "{point.name}" are left out: {fault}\n')
-            continue
-        found.append(plugin)
-    return tuple(found)
-
-
-def fault_of_method(loaded: object) -> str:
-    """Return why an object is not a method plug-in; "" where it is one."""
-    return "" if isinstance(loaded, MethodPlugin) else f"its plug-in is not a {__name__}.MethodPlugin"
+    return tuple(cast(MethodPlugin, plugin) for _, plugin in PLUGINS.load_sound("entry of methods"))
