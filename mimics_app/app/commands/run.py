@@ -209,7 +209,7 @@ def _play(settings: RunSettings, *, as_json: bool) -> int:
     log.doing("Reading the scene")
     with log.reporting():
         read = read_asked(settings)
-    say_if_cold()
+    say_if_cold(log.doing)
     from mimics_app.app.play.play import play
 
     return play(settings, as_json=as_json, read=read)

@@ -74,7 +74,7 @@ def real_number(what: str, fits: Callable[[float], bool]) -> Callable[[str], flo
 positive_time = real_number("time between 0 and 1e6 s", lambda seconds: 0.0 < seconds < 1e6)
 """Reads a length of time [s]."""
 
-random_seed = whole_number("seed", range(1 - 10**18, 10**18))
+random_seed = whole_number("seed", range(10**18))
 """Reads a seed of everything random."""
 
 
