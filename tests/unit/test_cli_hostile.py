@@ -136,6 +136,8 @@ def test_nohup_is_respected() -> None:
             "bench physio has no figure nonsense; it has noise, detectors",
         ),
         (["bench", "physio", "detectors"], "no folder for the figure detectors"),
+        (["physio", "sim:healthy", "--page", ""], 'argument --page: "" is a folder; name a file to write'),
+        (["render", "wavy_tunnel", "--audio", "."], 'argument --audio: "." is a folder; name a file to write'),
     ],
 )
 def test_value_beyond_reason_is_refused(arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from mimics_app.app.terminal.arguments import picture_size, positive_time, real_number, whole_number
+from mimics_app.app.terminal.arguments import file_to_write, picture_size, positive_time, real_number, whole_number
 from mimics_app.contracts.errors import DeviceError, UsageError
 
 __all__ = ["add_arguments", "run"]
@@ -122,7 +122,7 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         type=_frame_rate,
         help="with render: lower the quality, as a run does, until this frame rate is held (default: never)",
     )
-    parser.add_argument("--shot", type=Path, help="with render: PNG file for the last frame")
+    parser.add_argument("--shot", type=file_to_write, help="with render: PNG file for the last frame")
 
 
 def run(args: argparse.Namespace) -> int:
