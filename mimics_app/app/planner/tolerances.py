@@ -10,7 +10,7 @@ from mimics_app.app.settings import PROFILES, Profile
 from mimics_app.world.components.systems import Tolerances
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["BY_PROFILE", "FIELD_OF_UNIT", "tolerances_of"]
+__all__ = ["BY_PROFILE", "FIELD_OF_UNIT", "UNIT_OF_FIELD", "tolerances_of"]
 
 _BOUNDS: Mapping[str, tuple[str, tuple[float, float, float]]] = {
     "force_N": ("N", (0.5, 0.05, 1e-3)),
@@ -42,7 +42,10 @@ study       what cannot be seen in the analysis of a recording: a thousandth of 
             keep their forms for longer
 """
 
-FIELD_OF_UNIT: Mapping[str, str] = {unit: name for name, (unit, _) in _BOUNDS.items()}
+UNIT_OF_FIELD: Mapping[str, str] = {name: unit for name, (unit, _) in _BOUNDS.items()}
+"""The unit of each tolerance."""
+
+FIELD_OF_UNIT: Mapping[str, str] = {unit: name for name, unit in UNIT_OF_FIELD.items()}
 """Which tolerance bounds an error, by the unit of the error in the table of methods."""
 
 
