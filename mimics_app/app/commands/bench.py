@@ -21,8 +21,8 @@ _FRAME_SECONDS, _ALL_FRAME_SECONDS = 12.0, 6.0
 """Default lengths of measurements [s]; `_ALL...`: limits where everything is measured. Stages of frames are timed last:
 a measurement ends before the simulated patient has played its scene to the end."""
 
-_KILLS = 5
-"""Default number of sessions that `record` kills in each way."""
+_REPEATS = 5
+"""Default number of sessions per way to kill one and per fault."""
 
 WORKLOADS = ("city", "nodes", "crowd", "walk", "people", "people_full", "particles")
 
@@ -36,11 +36,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics bench`."""
     parser.add_argument(
         "what",
-        choices=("all", "realtime", "methods", "audio", "haptic", "physio", "frame", "displays", "record", "render"),
+        choices=(
+            "all",
+            "realtime",
+            "methods",
+            "audio",
+            "haptic",
+            "physio",
+            "frame",
+            "displays",
+            "record",
+            "faults",
+            "render",
+        ),
         help="realtime: deadlines of the haptic loop under load; methods: cost and error of every method; audio: "
         "mixers and latency; haptic: cost of a tick; physio: R peaks and features; frame: frames of live sessions; "
-        "displays: stereo and headsets; record: what a killed session loses; render: the renderer beside OGRE; all: "
-        "all but displays, physio, record and render",
+        "displays: stereo and headsets; record: what a killed session loses; faults: time from a fault to zero "
+        "force; render: the renderer beside OGRE; all: methods, audio, haptic, frame and realtime",
     )
     _add_render_arguments(parser)
     parser.add_argument(
@@ -64,7 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--scene",
         type=Path,
         default=Path("scenes/wavy_tunnel.json"),
-        help="scene that makes the load of realtime, displays, record and --soak",
+        help="scene of realtime, displays, record, faults and --soak",
     )
     parser.add_argument(
         "--seconds",
@@ -116,8 +128,8 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         "--n",
         type=_nodes,
         default=0,
-        help="with render: number of nodes, people or particles, 0: the default of the workload; with record: number "
-        "of sessions killed in each way (default: 5)",
+        help="with render: number of nodes, people or particles, 0: the default of the workload; with record and "
+        "faults: number of sessions per way to kill it and per fault (default: 5)",
     )
     parser.add_argument(
         "--opt", default="", help="with render: options of the renderer, separated by commas, e.g. noocc,noshadow"
@@ -307,7 +319,15 @@ def _measure_record(args: argparse.Namespace) -> dict[str, Any]:
     from mimics_app.app.bench.record_bench import measure_record
     from mimics_app.app.scenes.finding import find_scene
 
-    return measure_record(find_scene(args.scene), args.n or _KILLS, _say)
+    return measure_record(find_scene(args.scene), args.n or _REPEATS, _say)
+
+
+def _measure_faults(args: argparse.Namespace) -> dict[str, Any]:
+    """Measure the time from each fault of a device to zero force."""
+    from mimics_app.app.bench.fault_bench import measure_faults
+    from mimics_app.app.scenes.finding import find_scene
+
+    return measure_faults(find_scene(args.scene), args.n or _REPEATS, _say)
 
 
 def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
@@ -367,4 +387,5 @@ _MEASURES = {
     "haptic": _measure_haptic,
     "physio": _measure_physio,
     "record": _measure_record,
+    "faults": _measure_faults,
 }
