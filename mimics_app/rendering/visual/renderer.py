@@ -293,8 +293,9 @@ class Renderer:
             opaque, blended, away = self._list.batch_views(
                 self._frame, [seen], view.eye_world, [part[2:]], self._picture.samples, 0
             )
+            projected = [] if scene.effects is None else scene.effects.meet([seen], self._list, self._frame)
             mixed = blended if scene.effects is None else scene.effects.mix(seen, blended, away)
-            drawn.append(ViewDraws(view, place, opaque, mixed, part=part))
+            drawn.append(ViewDraws(view, place, opaque, mixed, projected=projected, part=part))
         return drawn
 
     def _prepare(self, views: Sequence[View]) -> FrameScene:
@@ -331,8 +332,7 @@ class Renderer:
         """Queue what is visible in a view, or in both views of a stereo pair."""
         eyes = list(views) if len(views) == 1 else see_from_between(*views)
         sizes, samples = [place[2:] for place in places], self._picture.samples
-        queue = self._list.batch_views(self._frame, views, eyes[0].eye_world, sizes, samples, key)
-        opaque, blended, away = queue
+        opaque, blended, away = self._list.batch_views(self._frame, views, eyes[0].eye_world, sizes, samples, key)
         passes = self._pair_up([*opaque, *blended], places)
         at_once = passes in AT_ONCE
         if at_once:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from mimics_app.contracts.arrays import F8
@@ -10,7 +10,7 @@ from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
-from mimics_app.rendering.visual.effects.projectors import BeamRuns, ProjectorField
+from mimics_app.rendering.visual.effects.projectors import Beam, BeamRuns, ProjectorField
 from mimics_app.rendering.visual.effects.sprites import SpriteField, SpriteRun
 from mimics_app.rendering.visual.materials.picture_arrays import PictureArrays
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
@@ -53,6 +53,11 @@ class EffectStage:
         """All sprites, one row each: bounding sphere [m], then all other fields; float64 [n, m]."""
         return self._field.figures
 
+    @property
+    def beams(self) -> Mapping[int, Beam]:
+        """The projectors that are shown, by the index of their node."""
+        return self._projectors.beams
+
     def mix(self, view: View, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
         """Queue the sprites of a view among its blended surfaces, see `SpriteField.batch`."""
         return self._field.batch(view, surfaces, away)
@@ -61,7 +66,7 @@ class EffectStage:
         """Queue the opaque surfaces that projectors hit, of the views that were batched last."""
         met = [
             BeamRuns(beam, listed.batch_meeting(frame, views[0], beam.planes, beam.onto))
-            for beam in self._projectors.beams
+            for beam in self._projectors.beams.values()
             if any(beam.is_seen(view.frustum_planes) for view in views)
         ]
         return [each for each in met if each.runs]
