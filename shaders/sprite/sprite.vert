@@ -1,10 +1,11 @@
-// A vertex of a sprite, computed in rendering/visual/kernels/sprites.py, four per sprite.
+// A vertex of a sprite, computed in rendering/visual/kernels/sprites.py, four per piece of a sprite.
 #include "common/view.glsl"
 #include "common/output.glsl"
 
 in vec3 position;               // eye frame [m]
 in vec4 tint;                   // linear RGBA
 in uvec4 style;                 // layer; opacity (covering or additive), roundness and alpha cutoff as shares of 65535
+in ivec2 at;                    // on the sprite, -1 to 1 as shares of 32767
 
 out vec2 corner;
 #ifdef LIT
@@ -29,7 +30,7 @@ vec3 display_values(vec3 light) {
 #endif
 
 void main() {
-    corner = 2.0 * vec2(gl_VertexID & 1, (gl_VertexID >> 1) & 1) - 1.0;
+    corner = vec2(at) / 32767.0;
     sprite_style = vec4(style) / vec4(1.0, 65535.0, 65535.0, 65535.0);
     gl_Position = clip_from_eye * vec4(position, 1.0);
 #ifdef LIT

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.kernels.particles import SPRITE
-from mimics_app.rendering.visual.kernels.sprites import SPRITE_VERTEX, write_sprites
+from mimics_app.rendering.visual.kernels.sprites import MAX_PIECES, SPRITE_VERTEX, write_sprites
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
@@ -61,7 +61,8 @@ def axes_of(facing: int, place: F8, eye: F8, right: F8) -> F8:
     """Half of width and height as vectors: from the lower left corner to the others."""
     sprites, out = np.zeros(1, SPRITE), np.zeros((1, 4), SPRITE_VERTEX)
     sprites["place"], sprites["half"], sprites["turn"], sprites["facing"] = place, 1.0, (1.0, 0.0, 0.0, 0.0), facing
-    write_sprites(sprites, np.zeros(1, np.int32), 1, 0, eye, right, np.zeros((2, 3)), out)
+    rows = np.arange(2, dtype=np.int32)
+    write_sprites(sprites, rows, 1, rows, eye, right, np.zeros((2, 3)), np.zeros((1, 1, MAX_PIECES + 1, 2)), out)
     corners = out["position"][0].astype(np.float64)
     return 0.5 * (corners[[1, 2]] - corners[0])
 

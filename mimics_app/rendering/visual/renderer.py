@@ -294,7 +294,7 @@ class Renderer:
                 self._frame, [seen], view.eye_world, [part[2:]], self._picture.samples, 0
             )
             projected = [] if scene.effects is None else scene.effects.meet([seen], self._list, self._frame)
-            mixed = blended if scene.effects is None else scene.effects.mix(seen, blended, away)
+            mixed = blended if scene.effects is None else scene.effects.mix(seen, part[3], blended, away)
             drawn.append(ViewDraws(view, place, opaque, mixed, projected=projected, part=part))
         return drawn
 
@@ -347,7 +347,9 @@ class Renderer:
             for beam in projected:
                 self._frame.double(beam.runs)
         return [
-            replace(each, transparent=scene.effects.mix(each.view, blended, away), projected=projected)
+            replace(
+                each, transparent=scene.effects.mix(each.view, each.rectangle[3], blended, away), projected=projected
+            )
             for each in drawn
         ]
 

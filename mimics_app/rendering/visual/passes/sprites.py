@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SpritePass"]
 
-_FORMATS = {"position": "3f4", "tint": "4f4", "style": "4u2"}
+_FORMATS = {"position": "3f4", "tint": "4f4", "style": "4u2", "at": "2i2"}
 """Fields of SPRITE_VERTEX in order, in moderngl's notation."""
 
 _TWO_TRIANGLES = np.array([0, 1, 2, 2, 1, 3], np.uint32)

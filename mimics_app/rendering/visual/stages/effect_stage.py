@@ -58,9 +58,9 @@ class EffectStage:
         """The projectors that are shown, by the index of their node."""
         return self._projectors.beams
 
-    def mix(self, view: View, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
+    def mix(self, view: View, height: int, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
         """Queue the sprites of a view among its blended surfaces, see `SpriteField.batch`."""
-        return self._field.batch(view, surfaces, away)
+        return self._field.batch(view, height, surfaces, away)
 
     def meet(self, views: Sequence[View], listed: DrawList, frame: FrameBuffers) -> list[BeamRuns]:
         """Queue the opaque surfaces that projectors hit, of the views that were batched last."""
