@@ -45,7 +45,7 @@ def test_words_are_level_on_the_screen_and_pictures_look_at_the_eye():
     rows["place"], rows["half"], rows["turn"] = (1.0, -1.0, -1.0), (0.5, 0.25), (1.0, 0.0, 0.0, 0.0)
     rows["facing"] = (3, 0)
     order, right, whole = np.arange(3, dtype=np.int32), np.array([1.0, 0.0, 0.0]), np.zeros((1, 1, MAX_PIECES + 1, 2))
-    write_sprites(rows, order, 2, order, np.zeros(3), right, np.zeros((2, 3)), whole, out)
+    write_sprites(rows, order, 2, order, np.zeros(3), right, np.zeros((3, 3)), whole, out)
     corners = out["position"].astype(float)
     across, up = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     np.testing.assert_allclose(across[0], (1.0, 0.0, 0.0), atol=1e-6)

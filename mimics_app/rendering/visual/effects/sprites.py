@@ -17,7 +17,13 @@ from mimics_app.rendering.visual.effects.emitters import Emitter, SpriteRows
 from mimics_app.rendering.visual.effects.outlines import outline_of, whole_outline
 from mimics_app.rendering.visual.kernels.order import sort_by_key
 from mimics_app.rendering.visual.kernels.particles import SPRITE
-from mimics_app.rendering.visual.kernels.sprites import SPRITE_VERTEX, cut_sprites, see_sprites, write_sprites
+from mimics_app.rendering.visual.kernels.sprites import (
+    MIN_OUTLINED,
+    SPRITE_VERTEX,
+    cut_sprites,
+    see_sprites,
+    write_sprites,
+)
 from mimics_app.rendering.visual.materials.picture_arrays import PictureArray, PictureArrays
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.components.effects import Billboard, Particles, SpriteShape
@@ -45,12 +51,14 @@ class SpriteState:
         pictures: Texture array; each sprite selects a layer.
         masked: True for alpha test instead of blending.
         lit: True for sprites lit by sun, lights and sky.
+        flat: True for lit sprites without roundness: their light may be computed at their vertices.
         dots: True where all of them show the dot, for which the shader has a formula.
     """
 
     pictures: PictureArray
     masked: bool
     lit: bool
+    flat: bool = False
     dots: bool = False
 
 
@@ -89,7 +97,7 @@ class SpriteField:
         self._emitters: dict[int, Emitter] = {}
         self._reported: set[Issue] = set()
         self._scratch(0)
-        self._axes = np.zeros((2, 3))
+        self._axes = np.zeros((3, 3))
         self._take_outlines()
         self.vertices = np.zeros((256, 4), SPRITE_VERTEX)
         self.count = 0
@@ -149,8 +157,8 @@ class SpriteField:
 
     def _write(self, view: View, eye: F8, height: int, count: int) -> None:
         """Write the vertices of the sprites in `_order`, and the first row of each into `_places`."""
-        sprites, pixels = self._rows.rows, height / (view.tangents[3] - view.tangents[2])
-        end = cut_sprites(sprites, self._order, count, self.count, eye, pixels, self._outlined, self._places)
+        sprites, least = self._rows.rows, MIN_OUTLINED * (view.tangents[3] - view.tangents[2]) / height
+        end = cut_sprites(sprites, self._order, count, self.count, eye, least, self._outlined, self._places)
         self.vertices = grown(self.vertices, end)
         right = np.ascontiguousarray(view.world_from_eye[:3, 0])
         write_sprites(sprites, self._order, count, self._places, eye, right, self._axes, self._outlines, self.vertices)
@@ -246,7 +254,7 @@ class SpriteField:
         else:
             key, picture = self._picture(world, spec.texture, spec.shape)
         array, layer = self._arrays.place(key, picture)
-        state = SpriteState(array, spec.blend == "mask", spec.lit)
+        state = SpriteState(array, spec.blend == "mask", spec.lit, spec.lit and isinstance(spec, Particles))
         self._shown.setdefault(state, set()).add(key)
         number = list(self._shown).index(state)
         if (number, layer) not in self._cut:
