@@ -144,9 +144,7 @@ def press_contacts(
             last[j] = x[j]
             x[j], v[j] = step_free(x[j], v[j], line[(i + 1) % (delay + 1), j], m, b, dt)
             size += x[j] * x[j]
-        note_peak(np.sqrt(size), i, ticks, peaks)
-        if not size < LARGE * LARGE:
-            peaks[3] = np.inf
+        if note_peak(np.sqrt(size), i, ticks, LARGE, peaks):
             return
 
 

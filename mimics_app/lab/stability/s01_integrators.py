@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points
-from mimics_app.lab.stability.growth import largest_exponent, square_up
+from mimics_app.lab.stability.growth import largest_exponent, orthonormalise
 from mimics_app.lab.stability.linear import exponential, find_limit, spectral_radius
 from mimics_app.rendering.haptic.kernels.integrators import (
     step_exact,
@@ -66,7 +66,7 @@ def _follow(method: int, b: float, h: float, ticks: int, sums: Vec) -> None:
     for _ in range(ticks):
         first[0], first[1] = _step(method, first[0], first[1], b, h)
         second[0], second[1] = _step(method, second[0], second[1], b, h)
-        square_up(first, second, sums)
+        orthonormalise(first, second, sums)
 
 
 def simulated_growth(method: str, zeta: float, h_w: float, ticks: int = _TICKS) -> float:

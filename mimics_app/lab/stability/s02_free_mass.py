@@ -16,7 +16,7 @@ import numpy as np
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
-from mimics_app.lab.stability.growth import largest_exponent, square_up
+from mimics_app.lab.stability.growth import largest_exponent, orthonormalise
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.integrators import step_free
 
@@ -52,7 +52,7 @@ def _follow(m: float, k: float, b: float, dt: float, ticks: int, sums: Vec) -> N
             x, v = _tick(_DEPTH + _APART * neighbour[0], _APART * w * neighbour[1], m, k, b, dt)
             neighbour[0] = (x - _DEPTH) / _APART
             neighbour[1] = v / (_APART * w)
-        square_up(first, second, sums)
+        orthonormalise(first, second, sums)
 
 
 def simulated_growth_rate(stiffness: float, rate: float, damping: float = 0.0, mass: float = _MASS) -> float:

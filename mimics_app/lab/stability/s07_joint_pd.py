@@ -50,9 +50,7 @@ def _follow(kp: float, kd: float, dt: float, delay: int, printed: bool, ticks: i
         for j in range(3):
             dq[j] = oldest[j]
             q[j] += dt * dq[j]
-        note_peak(max(abs(q[0]), dt * abs(dq[0])), i, ticks, peaks)
-        if not abs(q[0]) < _LARGE:
-            peaks[3] = np.inf
+        if note_peak(max(abs(q[0]), dt * abs(dq[0])), i, ticks, _LARGE, peaks):
             return
 
 

@@ -100,10 +100,7 @@ def press_wall(
         line[i % (delay + 1)] = spring_damper(x, (x - last) / dt, k, B)
         last = x
         x, v = step_free(x, v, k * DEPTH - line[(i + 1) % (delay + 1)], m, b, dt)
-        size = abs(x - DEPTH)
-        note_peak(size, i, ticks, peaks)
-        if not size < LARGE:
-            peaks[3] = np.inf
+        if note_peak(abs(x - DEPTH), i, ticks, LARGE, peaks):
             return
 
 
