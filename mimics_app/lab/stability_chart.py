@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from mimics_app.contracts.machine import describe_machine
-from mimics_app.lab.experiment import Experiment, Outcome, Points
+from mimics_app.lab.experiment import Experiment, Outcome, Points, Row
 from mimics_app.lab.figure import Figure
 from mimics_app.plotting.axis import Axis, format_number
 from mimics_app.plotting.drawing import SERIES, document, legend, text_width
@@ -51,7 +49,7 @@ def draw_outcome(experiment: Experiment, outcome: Outcome, points: int) -> Figur
     )
 
 
-def _rows(outcome: Outcome) -> list[dict[str, Any]]:
+def _rows(outcome: Outcome) -> list[Row]:
     """One row a point; the error of a simulated one is its relative difference from the exact one at the same x."""
     exact = {x: y for x, y in outcome.exact} if len({x for x, _ in outcome.exact}) == len(outcome.exact) else {}
     rows = []

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
-from mimics_app.lab.experiment import Experiment, Outcome, Points
+from mimics_app.lab.experiment import Experiment, Outcome, Row, points_of
 from mimics_app.lab.stability.growth import largest_exponent, orthonormalise
 from mimics_app.lab.stability.linear import exponential, find_limit, spectral_radius
 from mimics_app.rendering.haptic.kernels.integrators import (
@@ -109,9 +109,7 @@ def exact_limit(method: str, zeta: float) -> float:
     return find_limit(lambda h: exact_growth(method, zeta, h) < _NEUTRAL, 0.08, 20.0)
 
 
-def _row(
-    method: str, what: str, zeta: float, h_w: float, simulated: float, exact: float, error: float
-) -> dict[str, Any]:
+def _row(method: str, what: str, zeta: float, h_w: float, simulated: float, exact: float, error: float) -> Row:
     return {
         "method": method,
         "what": what,
@@ -123,7 +121,7 @@ def _row(
     }
 
 
-def _growth_rows(points: int) -> list[dict[str, Any]]:
+def _growth_rows(points: int) -> list[Row]:
     rows = []
     for method in METHODS:
         for h_w in np.geomspace(0.02, 4.0, points):
@@ -134,7 +132,7 @@ def _growth_rows(points: int) -> list[dict[str, Any]]:
     return rows
 
 
-def _limit_rows(points: int) -> list[dict[str, Any]]:
+def _limit_rows(points: int) -> list[Row]:
     rows = []
     for method, least in _BREAKING.items():
         for zeta in np.linspace(least, 0.9, max(3, points // 3)):
@@ -147,8 +145,8 @@ def _limit_rows(points: int) -> list[dict[str, Any]]:
 def _simulate_grid(points: int) -> Outcome:
     growth = _growth_rows(points)
     rows = growth + _limit_rows(points)
-    simulated: Points = [(row["h_w"], row["simulated"]) for row in growth]
-    exact: Points = [(row["h_w"], row["exact"]) for row in growth]
+    simulated = points_of(growth, "h_w", "simulated")
+    exact = points_of(growth, "h_w", "exact")
     low, high = min(y for _, y in exact), max(y for _, y in exact)
     return Outcome(
         rows=rows,

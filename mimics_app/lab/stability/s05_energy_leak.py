@@ -8,12 +8,12 @@ T f v instead of held force times displacement sees nothing of it.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
 
@@ -78,7 +78,7 @@ def closed_leak(speed: float, depth: float, stiffness: float = _STIFFNESS, rate:
     return stiffness * step * depth - stiffness * step**2 / 3.0
 
 
-def _row(speed: float, depth: float) -> dict[str, Any]:
+def _row(speed: float, depth: float) -> Row:
     observed, naive = observed_leak(speed, depth)
     exact = closed_leak(speed, depth)
     return {
@@ -96,10 +96,12 @@ def _row(speed: float, depth: float) -> dict[str, Any]:
 def _simulate_grid(points: int) -> Outcome:
     speeds = [float(speed) for speed in np.geomspace(0.02, 0.5, points)]
     rows = [_row(speed, depth) for depth in _DEPTHS for speed in speeds]
-    simulated: Points = [(row["speed_m_s"], row["observed_j"]) for row in rows]
-    exact: Points = [(row["speed_m_s"], row["exact_j"]) for row in rows]
+    simulated = points_of(rows, "speed_m_s", "observed_j")
+    exact = points_of(rows, "speed_m_s", "exact_j")
     rules = {
-        f"K T v d, {1e3 * depth:g} mm": [(row["speed_m_s"], row["ktvd_j"]) for row in rows if row["depth_m"] == depth]
+        f"K T v d, {1e3 * depth:g} mm": points_of(
+            (row for row in rows if row["depth_m"] == depth), "speed_m_s", "ktvd_j"
+        )
         for depth in _DEPTHS
     }
     blind = max(abs(row["sum_of_t_f_v_j"]) / row["exact_j"] for row in rows)
