@@ -14,21 +14,15 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Row, points_of
+from mimics_app.lab.haptic.integrators import step_by
 from mimics_app.lab.stability.growth import largest_exponent, orthonormalise
 from mimics_app.lab.stability.linear import exponential, find_limit, spectral_radius
-from mimics_app.rendering.haptic.kernels.integrators import (
-    step_exact,
-    step_explicit,
-    step_implicit,
-    step_midpoint,
-    step_rk4,
-    step_semi_implicit,
-)
 
 __all__ = ["EXPERIMENT", "METHODS", "exact_growth", "exact_limit", "simulated_growth", "simulated_limit"]
 
 
 METHODS = ("explicit", "semi-implicit", "implicit", "midpoint", "rk4", "exact")
+"""In the order of `integrators.STEPS`."""
 
 _TICKS = 20_000
 _NEUTRAL = 1e-9
@@ -39,33 +33,15 @@ _SMALLEST_GROWTH = 1e-6
 _BREAKING = {"explicit": 0.05, "semi-implicit": 0.0, "rk4": 0.0}
 """Methods with a largest step, and the least damping ratio for which they have one."""
 
-_RK4 = 4
-"""Number of the method."""
-
-
-@kernel
-def _step(method: int, x: float, v: float, b: float, h: float) -> tuple[float, float]:
-    """One step of x'' + b x' + x = 0."""
-    if method == 0:
-        return step_explicit(x, v, 0.0, 1.0, b, 1.0, h)
-    if method == 1:
-        return step_semi_implicit(x, v, 0.0, 1.0, b, 1.0, h)
-    if method == 2:
-        return step_implicit(x, v, 0.0, 1.0, b, 1.0, h)
-    if method == 3:
-        return step_midpoint(x, v, 0.0, 1.0, b, 1.0, h)
-    if method == _RK4:
-        return step_rk4(x, v, 0.0, 1.0, b, 1.0, h)
-    return step_exact(x, v, 0.0, 1.0, b, 1.0, h)
-
 
 @kernel
 def _follow(method: int, b: float, h: float, ticks: int, sums: Vec) -> None:
+    """Advance two perturbations of x'' + b x' + x = 0 and add up their growth."""
     first = np.array([1.0, 0.0])
     second = np.array([0.0, 1.0])
     for _ in range(ticks):
-        first[0], first[1] = _step(method, first[0], first[1], b, h)
-        second[0], second[1] = _step(method, second[0], second[1], b, h)
+        for x in (first, second):
+            x[0], x[1] = step_by(method, x[0], x[1], 0.0, 1.0, b, 1.0, h)
         orthonormalise(first, second, sums)
 
 
