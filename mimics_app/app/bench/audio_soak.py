@@ -25,7 +25,7 @@ from mimics_app.contracts.sound_scene import SOUND_SCENE, fill_defaults
 from mimics_app.rendering.audio.live_latency import private_pulse_server, pulse_missing
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
-from mimics_app.rendering.audio.streamed_mixer import LIVE_BLOCK
+from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -73,6 +73,8 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
         "turns": report.blocks,
         "block_us": dict(report.block_us),
         "missed": report.underruns,
+        "queue": dict(report.queue),
+        "latency_ms": report.status.latency_ms,
         "late_turns": report.late_blocks,
         "device": report.status.device,
         "load": str(scene) if load else "none",
