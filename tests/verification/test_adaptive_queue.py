@@ -100,6 +100,16 @@ def test_the_shortest_queue_holds_a_period_in_reserve():
         assert shortest_queue(period) - (LIVE_BLOCK - 1) - period - RATE // 1000 - 24 > period
 
 
+def test_an_underrun_lengthens_by_what_was_missing():
+    """The second stall of the same length is not heard."""
+    stage = Stage()
+    stage.play(0.5)
+    for heard in (1, 1):
+        stage.play(0.5, stall_ms=9.0)
+        assert stage.queue.underruns == heard
+    assert 288 + 3 * LIVE_BLOCK <= stage.queue.frames <= 288 + 4 * LIVE_BLOCK
+
+
 def test_a_calm_machine_keeps_the_short_queue():
     stage = Stage()
     stage.play(2.0)

@@ -96,7 +96,7 @@ class PulseStream:
         return left
 
     def write(self, block: F4) -> int:
-        """Append a block; after an empty queue a period further on, as the server may have taken one meanwhile."""
+        """Send a block at once; after an empty queue a period further on, as the server may take one meanwhile."""
         left = self._grant - self._writable()
         skipped = (self._period - left) * _FRAME_BYTES if left <= 0 and self._written else 0
         content = np.ascontiguousarray(block, np.float32)
@@ -104,11 +104,11 @@ class PulseStream:
             self._stream, content.ctypes.data, content.nbytes, None, skipped, PULSE.SEEK_RELATIVE
         )
         self._written = True
+        self._exchange()
         return self._grant - self._writable()
 
     def flush(self) -> None:
-        """Send what was written."""
-        self._exchange()
+        """Nothing is held back: only that the output is still there."""
         if not self.connected():
             raise DeviceError("the audio device is gone")
 

@@ -1,19 +1,21 @@
 """Length of the queue ahead of a live device, adapted to the delays that occur.
 
 A queue outlasts a stall of the machine that is shorter than itself. How long stalls are differs by a factor of ten
-between machines and between minutes, so the length follows what is left in the queue at each refill: it grows by one
-step after an underrun or a near-miss, and shrinks by one after a time in which the shorter queue would have sufficed.
+between machines and between minutes, so the length follows what is left in the queue at each refill: after an underrun
+or a near-miss it grows by as many steps as were missing, and after a time in which less would have sufficed it gives
+up half of the spare ones.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 __all__ = ["CALM_S", "QueueLength"]
 
 CALM_S = 120.0
-"""Time without a near-miss, in either length, before the queue is shortened by a step [s]."""
+"""Time without a near-miss, in either length, before the queue is shortened [s]."""
 
 _MOST_CHANGES = 200
 """Changes kept for the report; later ones are counted in `ms` only."""
@@ -45,7 +47,6 @@ class QueueLength:
         self._least = shortest
         self._least_ever = shortest
         self._since = 0
-        self._owed = False
         self._changes: list[tuple[float, float]] = []
 
     def read(self, left: int, position: int, *, ran_empty: bool, steady: bool) -> None:
@@ -61,17 +62,16 @@ class QueueLength:
         self._least, self._least_ever = min(self._least, left), min(self._least_ever, left)
         if ran_empty:
             self.underruns += 1
-            self._change(self._step, position)
+            self._change(self._missing(left), position)
             return
         self.near_misses += left <= self._margin
-        self._owed |= left <= self._margin
         if steady:
             return
-        if self._owed:
-            self._change(self._step, position)
+        if self._least <= self._margin:
+            self._change(self._missing(self._least), position)
         elif position - self._since >= CALM_S * self._rate:
-            spare = self._least - self._step > self._margin
-            self._change(-self._step if spare else 0, position)
+            spare = (self._least - self._margin - 1) // self._step
+            self._change(-((spare + 1) // 2), position)
 
     def report(self) -> Mapping[str, Any]:
         """Return the present, longest and least filled length [ms], what happened, and `changes` as (s, ms)."""
@@ -83,12 +83,16 @@ class QueueLength:
             "changes": [list(change) for change in self._changes],
         }
 
-    def _change(self, by: int, position: int) -> None:
+    def _missing(self, left: int) -> int:
+        """Return the steps by which a longer queue would have kept its margin, at least one."""
+        return max(1, math.ceil((self._margin - left) / self._step))
+
+    def _change(self, steps: int, position: int) -> None:
         """Change the length within its limits, and begin a new time of observation."""
         before = self.frames
-        self.frames = min(max(before + by, self._shortest), self._longest)
+        self.frames = min(max(before + steps * self._step, self._shortest), self._longest)
         self._longest_used = max(self._longest_used, self.frames)
-        self._least, self._since, self._owed = self.frames, position, False
+        self._least, self._since = self.frames, position
         if self.frames != before and len(self._changes) < _MOST_CHANGES:
             self._changes.append((round(position / self._rate, 3), self._ms(self.frames)))
 

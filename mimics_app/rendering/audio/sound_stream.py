@@ -49,10 +49,10 @@ class SoundStream(Protocol):
         ...
 
     def flush(self) -> None:
-        """Hand over what was written, and play.
+        """Play what was written.
 
         Raises:
-            DeviceError: The device refuses it.
+            DeviceError: The device has gone or refuses it.
         """
         ...
 

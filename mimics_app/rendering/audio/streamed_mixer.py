@@ -8,6 +8,9 @@ samples, and later events have a longer constant latency.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -89,6 +92,10 @@ class StreamedMixer:
     def latency(self) -> int:
         """Upper bound of the latency from an event to the output of the device [frames]."""
         return self.timing.latency + self.timing.pipeline + self._behind
+
+    def report_queue(self) -> Mapping[str, Any]:
+        """Return the queue's report, with the latency it gives now [ms]."""
+        return {**self.queue.report(), "latency_ms": round(self.latency / self.rate * 1e3, 3)}
 
     def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
         """Start a sound a constant time after t_ns [ns]."""

@@ -149,7 +149,7 @@ class _LiveSession:
             blocks=self._blocks,
             late_blocks=self._late_blocks,
             underruns=mixer.queue.underruns if isinstance(mixer, StreamedMixer) else 0,
-            queue=mixer.queue.report() if isinstance(mixer, StreamedMixer) else {},
+            queue=mixer.report_queue() if isinstance(mixer, StreamedMixer) else {},
             block_us=self._times.percentiles_us(),
             clipped=writer.clipped if writer else 0,
             file=str(writer.path) if writer else "",
