@@ -7,10 +7,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from mimics_app.contracts.errors import short_text
+
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-__all__ = ["PluginError", "PluginGroup", "fault_of_builder", "fault_of_instance"]
+__all__ = ["PluginError", "PluginGroup", "fault_of_builder"]
 
 
 class PluginError(ValueError):
@@ -66,7 +68,8 @@ class PluginGroup:
         except BaseException as error:  # a third-party module may raise anything on import, or call sys.exit()
             if isinstance(error, KeyboardInterrupt):
                 raise
-            raise PluginError(point.value, f"cannot be imported: {type(error).__name__}: {error}") from error
+            why = short_text(" ".join(f"{type(error).__name__}: {error}".split()))  # a compiler says it in twenty lines
+            raise PluginError(point.value, f"cannot be imported: {why}") from error
         if fault := self.fault_of(point.name, loaded):
             raise PluginError(point.value, fault)
         return loaded
@@ -78,11 +81,6 @@ class PluginGroup:
                 yield point.name, self.load_point(point)
             except PluginError as error:
                 sys.stderr.write(f'mimics: the {what} "{point.name}" is left out: {error}\n')
-
-
-def fault_of_instance(kind: type) -> Callable[[str, object], str]:
-    """Return the check of a group whose plug-ins are instances of a class."""
-    return lambda _, loaded: "" if isinstance(loaded, kind) else f"is not a {kind.__module__}.{kind.__name__}"
 
 
 def fault_of_builder(port: type) -> Callable[[str, object], str]:

@@ -13,9 +13,11 @@ from dataclasses import dataclass
 from functools import cache
 from typing import cast
 
+from mimics_app.contracts.errors import nearest
 from mimics_app.contracts.method_table import Row
 from mimics_app.contracts.methods import Registry, Settings
-from mimics_app.contracts.plugins import PluginGroup, fault_of_instance
+from mimics_app.contracts.plugins import PluginGroup
+from mimics_app.world.components.tolerance_units import FIELD_OF_UNIT
 from mimics_app.world.scene.scene import Scene
 
 __all__ = ["PLUGINS", "MethodPlugin", "Use", "method_plugins"]
@@ -67,7 +69,8 @@ class MethodPlugin:
             it, so compiled code is imported inside it.
         rows: Measurements by the package's author, which the planner uses until this machine has its own
             (`mimics lab measure --save`). Costs are relative to the reference loop.
-        use: Use of a new group. None: the planner knows the group, or does not choose in it.
+        use: Use of a new group, whose errors are in a unit that a tolerance bounds (`FIELD_OF_UNIT`). None: the planner
+            knows the group, or does not choose in it.
     """
 
     group: str
@@ -76,7 +79,16 @@ class MethodPlugin:
     use: Use | None = None
 
 
-PLUGINS = PluginGroup("mimics_app.methods", fault_of_instance(MethodPlugin))
+def _fault_of(_: str, loaded: object) -> str:
+    if not isinstance(loaded, MethodPlugin):
+        return f"is not a {__name__}.MethodPlugin"
+    for row in loaded.rows:
+        if loaded.use is not None and row.unit not in FIELD_OF_UNIT:
+            return f'has errors in "{row.unit}", which no tolerance bounds; {nearest(row.unit, FIELD_OF_UNIT)}'
+    return ""
+
+
+PLUGINS = PluginGroup("mimics_app.methods", _fault_of)
 
 
 @cache
