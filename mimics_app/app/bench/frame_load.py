@@ -15,7 +15,7 @@ from typing import cast
 
 from mimics_app.app.bench.frame_watch import SETTLING_S, FrameWatch, Row
 from mimics_app.app.bench.looked_at_load import PEOPLE, measure_looked_at
-from mimics_app.app.play.collector import left_alone
+from mimics_app.app.play.collector import frozen_objects
 from mimics_app.app.play.pace import run_live
 from mimics_app.app.play.play import open_picture
 from mimics_app.app.scenes.catalogue import is_playable
@@ -58,7 +58,7 @@ def _measure(session: Session, surface: str, seconds: float) -> Row:
     open_picture(session, create_surface(surface, size, session.scene.name))
     watch = FrameWatch(session, seconds)
     late, ticks = session.haptics.histogram(), session.haptics.ticks
-    with left_alone():
+    with frozen_objects():
         run_live(session, Frames(session), watch.look)
     missed, done = session.haptics.histogram().missed - late.missed, session.haptics.ticks - ticks
     return watch.row() | {

@@ -108,7 +108,7 @@ class FrameWatch:
             "whole_ms": measure_frame_ms(picture),
             "triangles": 0 if stats is None else stats.triangles,
             "draw_calls": 0 if stats is None else stats.draws,
-            "quality": {"scale": settings.scale, "shadows": settings.shadow_size > 0, "steps": list(governor.given_up)},
+            "quality": {"scale": settings.scale, "shadows": settings.shadow_size > 0, "steps": list(governor.lowered)},
         }
 
     def _late(self) -> Row:

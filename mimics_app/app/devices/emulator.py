@@ -17,7 +17,7 @@ from typing import Protocol
 import msgspec
 
 from mimics_app.app.devices.emulated_trackers import TRACKERS
-from mimics_app.app.play.collector import left_alone
+from mimics_app.app.play.collector import frozen_objects
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.clock import TICK_NS, MonotonicClock
@@ -107,7 +107,7 @@ def serve(emulator: Emulator, seconds: float | None) -> None:
     """
     if threading.current_thread() is threading.main_thread():
         _hurry()
-    with left_alone():
+    with frozen_objects():
         _step_each_millisecond(emulator, seconds)
 
 

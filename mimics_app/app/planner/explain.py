@@ -30,7 +30,7 @@ from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.visible import LightComponent, Sound, SoundEmitter
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["OF_OBJECTS", "TICK_GROUP", "LeftOut", "Part", "describe_plan", "explain_plan"]
+__all__ = ["OF_OBJECTS", "TICK_GROUP", "LeftOut", "Part", "explain_plan"]
 
 TICK_GROUP = "haptic tick"
 """Group of the table that holds the whole tick, by the projection in it."""
@@ -89,19 +89,13 @@ class LeftOut:
 
 
 def explain_plan(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None] = lambda: None) -> dict[str, Any]:
-    """The whole object.
+    """Return the object of `mimics explain --json`.
 
     Args:
         scene: The scene of the plan.
-        plan: What runs.
-        shadow_us: Measures what a shadow pass would cost [us]; asked only where the scene casts no shadow.
+        plan: The plan that runs.
+        shadow_us: Measures the cost of a shadow pass [us]; called only where the scene casts no shadow.
     """
-    left_out = _left_out(scene, plan, shadow_us)
-    return {**describe_plan(scene, plan), "left_out": [asdict(left) for left in left_out]}
-
-
-def describe_plan(scene: Scene, plan: Plan) -> dict[str, Any]:
-    """The object without measuring anything: what the header of a run keeps."""
     parts = [*_tick_parts(scene, plan), *(_part(scene, choice, plan) for choice in plan.choices)]
     return {
         "profile": plan.profile,
@@ -109,7 +103,7 @@ def describe_plan(scene: Scene, plan: Plan) -> dict[str, Any]:
         "pixels": plan.pixels,
         "table": {"origin": plan.origin, "machine": plan.table.machine},
         "parts": [asdict(part) for part in parts],
-        "left_out": [asdict(left) for left in _left_out(scene, plan, lambda: None)],
+        "left_out": [asdict(left) for left in _left_out(scene, plan, shadow_us)],
     }
 
 

@@ -7,6 +7,7 @@ from datetime import datetime
 from pathlib import Path
 
 from mimics_app.app.installation.display_files import find_display_files
+from mimics_app.app.installation.serial_ports import list_serial_ports
 from mimics_app.app.scenes.shipped import GROUPS, ShippedScene, find_shipped, shipped_scenes, thumbnail_of
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.user_files import read_config, write_config
@@ -67,7 +68,7 @@ def _person_settings() -> list[Setting]:
             "address",
             "Port or address of the robot",
             "Of a serial robot e.g. /dev/ttyUSB0; of a HapticMaster its address, e.g. 192.168.0.10.",
-            _choices({port: port for port in _ports()}),
+            _choices({each["port"]: each["port"] for each in list_serial_ports()}),
             typed=True,
             empty="type it here",
             with_values=_ADDRESSED,
@@ -190,13 +191,6 @@ def last_choice() -> LauncherChoice | None:
 
 def _choices(words: Mapping[str, str]) -> list[Choice]:
     return [Choice(value, text) for value, text in words.items()]
-
-
-def _ports() -> list[str]:
-    """Serial ports that something is plugged into."""
-    from serial.tools import list_ports
-
-    return sorted(str(port.device) for port in list_ports.comports() if port.hwid not in (None, "n/a"))
 
 
 def _card(scene: ShippedScene, last: EarlierRun | None) -> ScenarioCard:

@@ -11,7 +11,7 @@ from typing import Any
 
 from mimics_app.app.picture.picture import Picture, live_quality, picture_quality
 from mimics_app.app.play.album import Album
-from mimics_app.app.play.collector import left_alone
+from mimics_app.app.play.collector import frozen_objects
 from mimics_app.app.play.journey_log import JourneyLog
 from mimics_app.app.play.pace import run_live, run_unseen, run_virtual
 from mimics_app.app.play.progress_line import ProgressLine
@@ -146,7 +146,7 @@ def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
         if frames.number == 1:
             log.shown()
 
-    with left_alone():
+    with frozen_objects():
         run_live(session, frames, after_frame)
 
 
@@ -203,6 +203,6 @@ def _play_unseen(session: Session, frames: Frames) -> list[Path]:
     """The person of a device with a time of its own plays: live loop, no window."""
     album = Album(session)
     start_loop(session)
-    with left_alone():
+    with frozen_objects():
         run_unseen(session, frames, album.look)
     return album.finish(frames)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -126,13 +125,9 @@ def shade_share(scene: Scene) -> float | None:
 
 def light_rows(lights: Sequence[SceneLight]) -> list[dict[str, object]]:
     """The same as objects for JSON, shares rounded to a thousandth."""
-    rows = [asdict(light) for light in lights]
     return [
-        {
-            key: round(value, 3) if isinstance(value, float) and math.isfinite(value) else value
-            for key, value in row.items()
-        }
-        for row in rows
+        {key: round(value, 3) if isinstance(value, float) else value for key, value in asdict(light).items()}
+        for light in lights
     ]
 
 

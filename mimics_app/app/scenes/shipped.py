@@ -59,18 +59,6 @@ class ShippedScene:
     takes: str
     lasts: str
 
-    def as_dict(self) -> dict[str, object]:
-        """Plain values for `mimics scenes --json`."""
-        return {
-            "name": self.name,
-            "file": self.file,
-            "title": self.title,
-            "description": self.description,
-            "group": self.group,
-            "takes": self.takes,
-            "lasts": self.lasts,
-        }
-
 
 @cache
 def shipped_scenes() -> tuple[ShippedScene, ...]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import msgspec
 
-from mimics_app.app.planner.explain import describe_plan
+from mimics_app.app.planner.explain import explain_plan
 from mimics_app.app.session.preparation import Preparation
 from mimics_app.rendering.haptic.devices.address import split_device
 from mimics_app.rendering.haptic.devices.device_names import POINTER, REPLAY
@@ -46,7 +46,7 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
         "task": task_record(parts.task, parts.context),
         "facts": parts.scenario.facts,
         **({"body": parts.body.header} if parts.body.header else {}),
-        "plan": describe_plan(scene, parts.plan.without_picture if parts.live else parts.plan),
+        "plan": explain_plan(scene, parts.plan.without_picture if parts.live else parts.plan),
     }
 
 

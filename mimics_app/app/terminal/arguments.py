@@ -11,6 +11,7 @@ from mimics_app.contracts.errors import UsageError
 
 __all__ = [
     "add_display_argument",
+    "display_forms",
     "frame_count",
     "participant_code",
     "picture_size",
@@ -91,12 +92,17 @@ def picture_size(text: str) -> tuple[int, int]:
 
 
 def add_display_argument(parser: ArgumentParser) -> None:
-    """The option --display."""
-    files = {"never": "", "may": "[:FILE]", "must": ":FILE"}
-    kinds = ", ".join(kind + files[wants] for kind, wants in DISPLAY_KINDS.items())
+    """Add the option --display."""
+    forms = ", ".join(display_forms().values())
     parser.add_argument(
-        "--display", type=_display_kind, default="", metavar="KIND[:FILE]", help=f"instead of the scene's: {kinds}"
+        "--display", type=_display_kind, default="", metavar="KIND[:FILE]", help=f"instead of the scene's: {forms}"
     )
+
+
+def display_forms() -> dict[str, str]:
+    """Return the kinds of display and the form in which --display takes each: KIND, KIND[:FILE] or KIND:FILE."""
+    files = {"never": "", "may": "[:FILE]", "must": ":FILE"}
+    return {kind: kind + files[wants] for kind, wants in DISPLAY_KINDS.items()}
 
 
 def _display_kind(text: str) -> str:

@@ -10,7 +10,8 @@ import json
 import math
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from argparse import Namespace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
 from pathlib import PurePath
 from typing import Any, TextIO
@@ -19,6 +20,7 @@ from mimics_app.app.terminal.places import line_and_column
 from mimics_app.contracts.errors import Issue, all_sought, listed_issues, more_issues
 
 __all__ = [
+    "answer",
     "errors_of",
     "finite",
     "issue_lines",
@@ -78,6 +80,20 @@ def _divert_descriptor(real: TextIO) -> int | None:
 def say(text: str) -> None:
     """Say a line to whoever watches the terminal."""
     sys.stderr.write(f"mimics: {text}\n")
+
+
+def answer(args: Namespace, data: Mapping[str, Any], lines: Iterable[str]) -> None:
+    """Answer a command: with `--json` one object, else lines of text on stdout.
+
+    Args:
+        args: Arguments of the command.
+        data: Object of `--json`, see `write_object`.
+        lines: Lines of text, without their ends; not computed with `--json` where they are generated.
+    """
+    if args.json:
+        write_object(args.command, data)
+    else:
+        sys.stdout.writelines(f"{line}\n" for line in lines)
 
 
 def write_object(command: str, data: Mapping[str, Any], *, schema: str = "", version: int = 1) -> None:
