@@ -210,7 +210,7 @@ def test_a_wide_scene_gets_cascades_by_itself(of, places, mesh, distance):
     assert plan.settings["sun shadows"]["cascaded"] is (distance > 0.0)
     notes = [part["note"] for part in explain_plan(loaded, plan)["parts"] if part["group"] == "sun shadows"]
     assert notes == [
-        f"seen to {distance:g} m from the eye in 3 maps: bodies are spread over more than one map holds"
+        f"to {distance:g} m from the camera in 3 maps: bodies are spread over more than one map holds"
         if distance
         else ""
     ]

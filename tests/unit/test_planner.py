@@ -373,7 +373,7 @@ def test_a_table_saved_before_methods_had_settings_is_passed_over(tmp_path, monk
         (
             "pick_and_place",
             {"force of a contact", "friction of a contact", "bodies that move and collide", "bodies, at rest", "grip"}
-            | {"motion of the virtual mass", "turning of bodies", "touching a shape", "direction of sounds"},
+            | {"motion of the virtual mass", "rotation of bodies", "touching a shape", "direction of sounds"},
         ),
         ("examples/springs_and_magnets", {"effects and force fields", "motion of the virtual mass"}),
         ("examples/surfaces", {"force of a contact", "friction of a contact", "touching a shape"}),

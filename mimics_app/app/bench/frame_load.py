@@ -1,8 +1,8 @@
-"""The load of `mimics bench frame`: a live session with everything on, timed by frames, in a process of its own.
+"""The load of `mimics bench frame`: a complete live session in a process of its own, whose frames are timed.
 
-Touch at 1 kHz with the scene's simulated robot and person on the real clock, the picture, sound into a file, the
-recorder. First whole frames are timed, without looking inside them; then the stages one by one, each waited for, which
-makes frames somewhat longer. A scene in which nothing is to be done is looked at.
+It has touch at 1 kHz with the scene's simulated robot and person in real time, picture, sound into a file, and
+recorder. First whole frames are timed; then the stages one by one, each waited for, which makes frames somewhat longer.
+A scene without a task is only drawn.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""What `mimics bench frame` takes down of frames: whole ones first, then stage by stage, each waited for.
+"""Timing of frames for `mimics bench frame`: whole frames first, then their stages, each waited for.
 
-Of every frame it has the stage that most of its time was spent in, for those that are late to be explained by.
+Every frame has the stage in which most of its time was spent, which explains the late ones.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from mimics_app.contracts.frame_budget import over_budget
 __all__ = ["SETTLING_S", "FrameWatch", "Row"]
 
 SETTLING_S = 1.0
-"""At the beginning: compiled and uploaded things come up; neither frames nor ticks of it count [s]."""
+"""Time at the beginning that does not count, with compilation and uploads [s]."""
 
 _TIMED_SHARE = 0.4
-"""Of the time, at the end: in which stages are timed."""
+"""Share of the time, at the end, in which stages are timed."""
 
 _LATE = 5.0
-"""Of a frame that is late: its time over the median."""
+"""Ratio to the median frame time from which a frame is late."""
 
 _NS = 1e9
 
@@ -42,19 +42,20 @@ class _Watched(Protocol):
 
 @dataclass(slots=True)
 class FrameWatch:
-    """Collects after every frame; the clock decides what it collects.
+    """Measurements after every frame.
 
     Attributes:
-        watched: Whose frames.
+        watched: Source of the frames.
         seconds: Length of the measurement [s].
-        from_ns, stages_ns: When frames count, and when stages are timed instead; set by the first frame, which the
-            governor may have kept waiting.
-        frames_ms: Of whole frames [ms].
+        from_ns, stages_ns: Times from which frames count, and from which stages are timed [ns]; set at the first frame,
+            which the governor may have delayed.
+        frames_ms: Times of whole frames [ms].
         stages: Times of each stage [ms].
-        seen: Every frame that counts: when it was done, since counting began [s], its time [ms], and in which stage
-            most of that was spent, with the stage's time [ms].
-        begun: Processor time and moment of the first frame that counts [s].
-        cpu_ms: Processor time of a frame, all threads of the process together [ms].
+        seen: Every frame that counts: its end since the first one [s], its time [ms], its longest stage, and the time
+            of that stage [ms].
+        begun: Processor time [s] and time [ns] of the first frame that counts.
+        cpu_ms: Processor time of a frame, of all threads of the process [ms].
+        fps: Frames per second.
     """
 
     watched: _Watched
@@ -69,7 +70,7 @@ class FrameWatch:
     fps: float = 0.0
 
     def look(self, _: object = None) -> None:
-        """After a frame."""
+        """Measure after a frame."""
         picture, governor, now_ns = self.watched.picture, self.watched.governor, self.watched.clock.now_ns()
         if self.from_ns == 0.0:
             self.from_ns = now_ns + SETTLING_S * _NS
@@ -94,7 +95,7 @@ class FrameWatch:
                 self.stages.setdefault(name, []).append(ms)
 
     def row(self) -> Row:
-        """Return the figures, under the keys of CONTRACTS."""
+        """Return the figures under the keys of `mimics bench frame --json`."""
         picture, governor = self.watched.picture, self.watched.governor
         assert picture is not None and governor is not None
         stats, settings = picture.stats, picture.renderer.settings
@@ -112,14 +113,14 @@ class FrameWatch:
         }
 
     def _late(self) -> Row:
-        """Frames of more than `_LATE` times the median: their share of all that count, and each with its stage."""
+        """Return the frames longer than `_LATE` times the median: their share, and each with its longest stage."""
         limit_ms = _LATE * float(np.median(self.frames_ms)) if self.frames_ms else np.inf
         names = ("t_s", "ms", "stage", "stage_ms")
         late = [dict(zip(names, each, strict=True)) for each in self.seen if each[1] > limit_ms]
         return {"share": len(late) / max(1, len(self.seen)), "frames": late}
 
     def _settle(self, now_ns: int) -> None:
-        """Processor time a frame, and frames a second, so far."""
+        """Update the processor time per frame and the frames per second."""
         if self.begun is not None:
             cpu, since_ns = self.begun
             self.cpu_ms = 1e3 * (process_seconds() - cpu) / len(self.frames_ms)
@@ -127,7 +128,7 @@ class FrameWatch:
 
 
 def _longest(stages_ms: dict[str, float], frame_ms: float) -> tuple[str, float]:
-    """Where most of a frame went, and how much [ms]: a stage, or "between stages"."""
+    """Return the longest stage of a frame, or "between stages", and its time [ms]."""
     spent = {**stages_ms, "between stages": frame_ms - sum(stages_ms.values())}
     name = max(spent, key=lambda stage: spent[stage])
     return name, spent[name]

@@ -1,4 +1,4 @@
-"""`mimics bench WHAT`: measure the product beside rivals, in the same run on this machine."""
+"""`mimics bench WHAT`: measure the product beside its peers, in the same run on this machine."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `mimics bench render`: those of the rival renderers' harnesses."""
+    """Arguments of `mimics bench render`, the same as those of the peers' harnesses."""
     parser.add_argument(
         "names",
         nargs="*",
@@ -174,7 +174,7 @@ def _run_render(args: argparse.Namespace) -> int:
 
 
 def _beside(args: argparse.Namespace, workload: str, folder: Path | None, ours: dict[str, Any]) -> dict[str, Any]:
-    """Return OGRE's median frame time for the same workload, size and samples [ms]; {} without a rival."""
+    """Return OGRE's median frame time for the same workload, size and samples [ms]; {} where it is not measured."""
     from mimics_app.app.bench.ogre import OGRE_WORKLOADS, measure_ogre, measure_ogre_particles
 
     if workload == "particles":
@@ -232,7 +232,7 @@ def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_audio(args: argparse.Namespace) -> dict[str, Any]:
-    """Measure the mixers beside rivals, and the latency from contact to sample through a private PulseAudio sink."""
+    """Measure the mixers beside peers, and the latency from contact to sample through a private PulseAudio sink."""
     if args.soak:
         from mimics_app.app.bench.audio_soak import measure_soak
 
@@ -267,7 +267,7 @@ def _folder_of(variable: str) -> Path | None:
 
 
 def _measure_haptic(_: argparse.Namespace) -> dict[str, Any]:
-    """Measure shapes, meshes and bodies beside a reference loop and the rivals; PEERS is a folder of further ones."""
+    """Measure shapes, meshes and bodies beside a reference loop and peers; PEERS is a folder of further ones."""
     from mimics_app.lab.haptic_bench import measure_haptic
 
     return measure_haptic(_say, _peers())
@@ -295,7 +295,7 @@ def _measure_displays(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
-    """Measure R peaks on annotated records and under noise, cost and latency; PEERS is the folder of rivals' harnesses.
+    """Measure R peaks on annotated records and under noise, cost and latency; PEERS is the folder of peers' harnesses.
 
     With names only these: figures, written to `--charts`, or the table of R peaks by kind of noise.
     """

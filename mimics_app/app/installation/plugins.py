@@ -1,4 +1,4 @@
-"""Plug-ins of other packages: entry points of our groups, and whether each can be had."""
+"""Plug-ins of other packages: entry points of our groups, and whether each can be loaded."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ GROUPS = (
     "mimics_app.signal_sources",
     METHODS,
 )
-"""The groups of entry points a package may offer something in: each is loaded by the stage that has a place for it."""
+"""The groups of entry points; each is loaded by the stage that uses its plug-ins."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,11 +33,11 @@ class PluginReport:
     """One entry point.
 
     Attributes:
-        group: Which of `GROUPS`.
-        name: Its name, as a scene or an option uses it.
+        group: One of `GROUPS`.
+        name: Name, as used in scenes and options.
         target: "module:attribute".
-        package: The distribution that brings it, with its version; "" where unknown.
-        error: Why it cannot be had; "" when it can.
+        package: Distribution with version; "" where unknown.
+        error: Why it cannot be loaded; "" where it can.
         loaded: The object itself; None after an error.
     """
 
@@ -50,7 +50,7 @@ class PluginReport:
 
 
 def list_plugins(*groups: str) -> list[PluginReport]:
-    """The entry points of these groups (all of `GROUPS` when none is given), imported one by one.
+    """Return the entry points of these groups, of all `GROUPS` where none is given; each is imported.
 
     A plug-in that fails to import is reported, never fatal.
     """

@@ -1,4 +1,4 @@
-"""The page of plots: the newest seconds of every signal with what was found in them, and the features over the time."""
+"""Page of plots: the newest seconds of every signal with the events found in them, and the features over time."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from mimics_app.app.physio.watch import Watch
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.plotting.templates import load_templates
+from mimics_app.recording.run_folder import write_atomically
 
 __all__ = ["write_page"]
 
@@ -27,20 +28,18 @@ _REFRESH_S = 2
 
 
 def write_page(watch: Watch, path: Path, title: str, *, live: bool) -> None:
-    """Write the page; a live one loads itself again every two seconds."""
+    """Write the page; a live one reloads itself every two seconds."""
     figures = [("Signals", [_signal(watch, name) for name in watch.recent])]
     trends = [plot for name, label in _TRENDS if (plot := _trend(watch, name, label)) is not None]
     figures += [("Features", trends)] if trends else []
     page = load_templates(_TEMPLATES).get_template("physio.html.j2")
     summary = watch.summary()
     text = page.render(title=title, refresh=_REFRESH_S if live else 0, figures=figures, summary=summary)
-    scratch = path.with_name(path.name + ".part")
-    scratch.write_text(text, encoding="utf-8")
-    scratch.replace(path)
+    write_atomically(path, text.encode())
 
 
 def _signal(watch: Watch, name: str) -> Plot:
-    """The newest seconds of a signal; where something was found, a point."""
+    """Return the plot of the newest seconds of a signal, with a point at each event."""
     times, values = watch.recent_samples(name)
     good = values[np.isfinite(values)]
     low, high = (float(good.min()), float(good.max())) if len(good) else (0.0, 1.0)

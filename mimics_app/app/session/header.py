@@ -20,7 +20,7 @@ __all__ = ["describe_session"]
 
 
 def describe_session(parts: Preparation) -> dict[str, Any]:
-    """Scene, seed, who moved it, limits, settings, task, plan: as plain objects of JSON."""
+    """Return scene, seed, device and person, limits, settings, task and plan as plain objects of JSON."""
     scene, settings = parts.scene, parts.settings
     return {
         "scene": {
@@ -51,7 +51,7 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
 
 
 def _kind(parts: Preparation) -> dict[str, str]:
-    """The device whose joints a replayed recording is of."""
+    """Return the kind of device of a replayed recording."""
     planned = (parts.scene.first(Robot) or Robot()).device
     return {"kind": planned} if split_device(parts.robot.device).name == REPLAY else {}
 

@@ -1,4 +1,4 @@
-"""The page of a study."""
+"""Page of a study: means by condition, timing of the taps, and the subjects, as one HTML file."""
 
 from __future__ import annotations
 
