@@ -12,7 +12,7 @@ from mimics_app.app.play.collector import frozen_objects
 
 
 @pytest.fixture(autouse=True)
-def nothing_frozen_objects_before() -> Iterator[None]:
+def nothing_frozen_before() -> Iterator[None]:
     """What the suite itself put away comes back for these tests."""
     gc.unfreeze()
     yield
@@ -25,6 +25,7 @@ class _Ring:
 
 
 def test_what_exists_is_left_out_and_what_is_made_is_found():
+    gc.collect()
     before = len(gc.get_objects())
     with frozen_objects():
         assert gc.get_freeze_count() > 0.5 * before
@@ -43,4 +44,4 @@ def test_a_session_that_breaks_off_leaves_the_collector_as_it_was():
     assert gc.get_freeze_count() == 0
     del ring
     gc.collect()
-    assert seen() is None, "what was left alone is found afterwards"
+    assert seen() is None, "what was frozen is found afterwards"

@@ -215,7 +215,7 @@ def test_what_was_held_is_where_the_next_run_starts(tmp_path):
     assert held is not None and second.governor.start_from(held)
     second.run(60.0, lambda: _costs(steps, 30.0, 0.7))
     assert [line["way"] for line in lines] == ["start", "start"]
-    assert second.governor.lowered == first.governor.given_up
+    assert second.governor.lowered == first.governor.lowered
 
 
 def test_what_other_levels_held_is_passed_over():
