@@ -34,6 +34,7 @@ COMMANDS: dict[str, str] = {
     "check": "validate scene files and report every error",
     "schema": "print the JSON Schema of scene files",
     "explain": "print the parts of a scene: their methods, costs and errors",
+    "config": "print the values a run would begin with, and the source of each",
     "doctor": "report what this machine has, what it lacks and how to install it",
     "devices": "list devices, simulators, displays, gamepads and serial ports",
     "replay": "simulate a recorded run again and compare every output",

@@ -14,12 +14,17 @@ from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.app.picture.held_quality import measure_frame_ms
 from mimics_app.app.picture.picture import Picture
 from mimics_app.contracts.clock import Clock, process_seconds
+from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.frame_budget import over_budget
 
-__all__ = ["SETTLING_S", "FrameWatch", "Row"]
+__all__ = ["FrameWatch", "Row"]
 
-SETTLING_S = 1.0
-"""Time at the beginning that does not count, with compilation and uploads [s]."""
+_SETTLING_S, _SETTLING_FRAMES = 1.0, 10
+"""Frames, then time [s], that do not count at the beginning. The first frames may compile kernels and shaders for
+seconds, where an earlier run left none."""
+
+_FEWEST = 3
+"""Least number of frames of each kind, whole and by stages, for a measurement."""
 
 _TIMED_SHARE = 0.4
 """Share of the time, at the end, in which stages are timed."""
@@ -47,8 +52,9 @@ class FrameWatch:
     Attributes:
         watched: Source of the frames.
         seconds: Length of the measurement [s].
-        from_ns, stages_ns: Times from which frames count, and from which stages are timed [ns]; set at the first frame,
-            which the governor may have delayed.
+        settled: Number of frames at the beginning that did not count.
+        from_ns, stages_ns, end_ns: Times from which frames count, from which stages are timed, and at which the
+            measurement ends [ns]; set at the last frame that does not count.
         frames_ms: Times of whole frames [ms].
         stages: Times of each stage [ms].
         seen: Every frame that counts: its end since the first one [s], its time [ms], its longest stage, and the time
@@ -60,8 +66,10 @@ class FrameWatch:
 
     watched: _Watched
     seconds: float
+    settled: int = 0
     from_ns: float = 0.0
     stages_ns: float = 0.0
+    end_ns: float = 0.0
     frames_ms: list[float] = field(default_factory=list)
     stages: dict[str, list[float]] = field(default_factory=dict)
     seen: list[tuple[float, float, str, float]] = field(default_factory=list)
@@ -69,13 +77,16 @@ class FrameWatch:
     cpu_ms: float = 0.0
     fps: float = 0.0
 
+    @property
+    def done(self) -> bool:
+        """Whether the time is over, and enough frames of both kinds were seen."""
+        timed = max(map(len, self.stages.values()), default=0)
+        return timed >= _FEWEST and self.watched.clock.now_ns() >= self.end_ns
+
     def look(self, _: object = None) -> None:
         """Measure after a frame."""
         picture, governor, now_ns = self.watched.picture, self.watched.governor, self.watched.clock.now_ns()
-        if self.from_ns == 0.0:
-            self.from_ns = now_ns + SETTLING_S * _NS
-            self.stages_ns = self.from_ns + (1.0 - _TIMED_SHARE) * self.seconds * _NS
-        if picture is None or governor is None or now_ns < self.from_ns:
+        if picture is None or governor is None or not self._counts(now_ns):
             return
         picture.renderer.timing = True
         times = picture.renderer.times
@@ -85,7 +96,7 @@ class FrameWatch:
             return
         spent = times.frames[-1].cpu_ms if times.frames else {}
         self.seen.append(((now_ns - self.begun[1]) / _NS, governor.last_ms, *_longest(spent, governor.last_ms)))
-        if now_ns < self.stages_ns:
+        if now_ns < self.stages_ns or len(self.frames_ms) < _FEWEST:
             self.frames_ms.append(governor.last_ms)
             self._settle(now_ns)
         elif not times.waits:
@@ -94,9 +105,25 @@ class FrameWatch:
             for name, ms in spent.items():
                 self.stages.setdefault(name, []).append(ms)
 
+    def _counts(self, now_ns: int) -> bool:
+        """Whether a frame counts that is done now."""
+        if self.settled < _SETTLING_FRAMES:
+            self.settled += 1
+            self.from_ns = now_ns + _SETTLING_S * _NS
+            self.stages_ns = self.from_ns + (1.0 - _TIMED_SHARE) * self.seconds * _NS
+            self.end_ns = self.from_ns + self.seconds * _NS
+        return now_ns >= self.from_ns and self.settled == _SETTLING_FRAMES
+
     def row(self) -> Row:
-        """Return the figures under the keys of `mimics bench frame --json`."""
+        """Return the figures under the keys of `mimics bench frame --json`.
+
+        Raises:
+            DeviceError: The run ended before enough frames were measured, e.g. because its task was done.
+        """
         picture, governor = self.watched.picture, self.watched.governor
+        if not self.stages:
+            what = f"the run ended before its frames were measured: {len(self.frames_ms)} counted"
+            raise DeviceError(what, "give fewer --seconds than its task takes")
         assert picture is not None and governor is not None
         stats, settings = picture.stats, picture.renderer.settings
         return {

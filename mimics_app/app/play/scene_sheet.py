@@ -135,7 +135,7 @@ def _is_scene(file: Path) -> bool:
     """Whether a JSON file has the format of a scene."""
     try:
         head = json.loads(file.read_bytes())
-    except ValueError:
+    except (ValueError, RecursionError):
         return False
     return isinstance(head, dict) and head.get("format") == "mimics-scene"
 

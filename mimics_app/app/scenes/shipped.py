@@ -81,7 +81,7 @@ def is_only_looked_at(file: Path) -> bool:
     """Whether a scene file has no task and is only looked at; False where the file cannot be read."""
     try:
         document = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return False
     return isinstance(document, dict) and document.get("scenario") == ONLY_LOOKED_AT
 

@@ -24,7 +24,7 @@ def read_config(name: str) -> dict[str, object]:
     """Return the contents of a file; {} where it is missing or cannot be read."""
     try:
         content = json.loads((config_folder() / f"{name}.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError, RuntimeError):  # RuntimeError: an account without a home folder
+    except (OSError, ValueError, RuntimeError):  # RuntimeError: nested too deeply, or an account without a home folder
         return {}
     return content if isinstance(content, dict) else {}
 
