@@ -15,7 +15,13 @@ from mimics_app.recording.run_folder import write_atomically
 __all__ = ["write_page"]
 
 _UNITS = {"ecg": "mV", "gsr": "µS", "emg": "mV", "resp": "1", "speed": "m/s", "power": "W"}
-_KINDS = {"ecg": "r_peak", "gsr": "scr", "emg": "emg_onset", "resp": "breath"}
+_EVENTS = {
+    "ecg": ("r_peak", "R peak"),
+    "gsr": ("scr", "skin conductance response"),
+    "emg": ("emg_onset", "EMG onset"),
+    "resp": ("breath", "breath"),
+}
+"""Kind of the events found in each signal, and its text in the legend."""
 _TRENDS = (
     ("heart_rate", "heart rate [1/min]"),
     ("rmssd", "RMSSD [ms]"),
@@ -47,10 +53,11 @@ def _signal(watch: Watch, name: str) -> Plot:
     y = Axis(f"{name} [{_UNITS.get(name, '1')}]", low - room, high + room)
     plot = Plot(Axis("time [s]", float(times[0]), float(times[-1]) + 1e-3), y, name, height=180.0)
     plot.line(*envelope(times, values), "a", name)
-    found = np.array([t for t in watch.times_of(name, _KINDS.get(name, "")) if times[0] <= t <= times[-1]])
+    kind, text = _EVENTS.get(name, ("", ""))
+    found = np.array([t for t in watch.times_of(name, kind) if times[0] <= t <= times[-1]])
     if len(found):
         heights = values[np.clip(np.searchsorted(times, found), 0, len(values) - 1)]
-        plot.points(found, np.nan_to_num(heights, nan=low), "b", _KINDS[name].replace("_", " "))
+        plot.points(found, np.nan_to_num(heights, nan=low), "b", text)
     return plot
 
 
@@ -60,6 +67,6 @@ def _trend(watch: Watch, name: str, label: str) -> Plot | None:
         return None
     low, high = float(pairs[:, 1].min()), float(pairs[:, 1].max())
     room = 0.1 * (high - low) or 1.0
-    plot = Plot(Axis("time [s]", 0.0, float(pairs[-1, 0])), Axis(label, low - room, high + room), label, height=140.0)
+    plot = Plot(Axis("time [s]", 0.0, float(pairs[-1, 0])), Axis(label, low - room, high + room), label, height=170.0)
     plot.line(pairs[:, 0], pairs[:, 1], "a")
     return plot
