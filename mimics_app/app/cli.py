@@ -75,7 +75,9 @@ class _Parser(argparse.ArgumentParser):
         """Read the words of a command; options may come before, between or after its other words."""
         known = self._option_string_actions
         for word in takewhile(lambda word: word != "--", words):
-            option = word.partition("=")[0]
+            option, _, value = word.partition("=")
+            if value == "--":  # argparse would give its command an empty list
+                raise UsageError(f'"--" is no value of {option}', f"see {self.prog} --help")
             if option.startswith("--") and " " not in option and option not in known:
                 close = get_close_matches(option, known, n=1)
                 hint = f'did you mean "{close[0]}"' if close else f"see {self.prog} --help"
