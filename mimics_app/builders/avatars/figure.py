@@ -11,7 +11,8 @@ import numpy as np
 from mimics_app.builders.avatars.cage import AROUND, Cage, make_cage
 from mimics_app.builders.avatars.cloth import Tailor
 from mimics_app.builders.avatars.draft import Draft, openness
-from mimics_app.builders.avatars.eyes import make_ears, make_eyes, make_mouth
+from mimics_app.builders.avatars.ears import make_ears
+from mimics_app.builders.avatars.eyes import make_eyes, make_mouth
 from mimics_app.builders.avatars.face_mesh import FaceMesh, face_uvs, make_face
 from mimics_app.builders.avatars.face_shape import Head, make_head
 from mimics_app.builders.avatars.fields import F8, step

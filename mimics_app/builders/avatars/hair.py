@@ -279,9 +279,9 @@ def _tail(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, chance: C
         shades += [np.full(3, 0.45 if 0 < number < 2 else 0.92)] * count
     u = [2.0 * i / count for i in range(count + 1)]
     for number, (one, two) in enumerate(itertools.pairwise(rings)):
-        draft.band(one, two, u, (0.25 * number, 0.25 * number + 0.25))
-    draft.lid(rings[0], root, (0.0, 0.0), flip=True)
-    draft.lid(rings[-1], root + _hang(1.06), (1.0, 2.2))
+        draft.band(one, two, u, (0.25 * number, 0.25 * number + 0.25), flip=True)
+    draft.lid(rings[0], root, (0.0, 0.0))
+    draft.lid(rings[-1], root + _hang(1.06), (1.0, 2.2), flip=True)
     shades += [np.full(3, 0.6), np.full(3, 0.9)]
     for number in range(5):
         angle = 2.0 * math.pi * number / 5.0

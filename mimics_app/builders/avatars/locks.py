@@ -72,9 +72,9 @@ def add_lock(draft: Draft, line: F8, middle: F8, lock: Lock, held: Callable[[F8]
         shades += [np.full(3, 0.80 * tone), np.full(3, 0.80 * tone), np.full(3, tone)]
     u, tall = (0.0, 0.5, 0.25, 0.0), 0.8 / lock.rings
     for number, (one, two) in enumerate(itertools.pairwise(rings)):
-        draft.band(one, two, u, (number * tall, (number + 1) * tall))
-    draft.face(rings[0].tolist(), [(0.25, 0.0)] * 3, flip=True)
-    draft.lid(rings[-1], line[-1], (0.25, 0.8))
+        draft.band(one, two, u, (number * tall, (number + 1) * tall), flip=True)
+    draft.face(rings[0].tolist(), [(0.25, 0.0)] * 3)
+    draft.lid(rings[-1], line[-1], (0.25, 0.8), flip=True)
     return [*shades, np.full(3, 1.1 * lock.shade)]
 
 
