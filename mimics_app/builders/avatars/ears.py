@@ -27,15 +27,15 @@ _OUTLINE = np.array([
     (-17.6, 20.0, 18.0), (-19.4, 9.0, 18.5), (-18.2, -3.0, 18.0), (-14.4, -13.5, 15.5), (-8.6, -22.0, 12.0),
     (-2.2, -28.6, 9.0), (4.4, -28.4, 5.5), (8.6, -18.5, 2.5), (9.6, -8.5, 2.0),
 ])  # fmt: skip
-"""Rim from the tragus up by the helix, back and down to the lobe: ahead, up, and height over the skull [mm]. At the back
-it stands off by 18 mm (Farkas 1994: 16 to 21 mm between helix and mastoid)."""
+"""Rim from the tragus up by the helix, back and down to the lobe: ahead, up, and height over the skull [mm]; real ears
+stand off by 15 to 20 mm at the back."""
 _ROLLED = np.array([0.0, 0.3, 0.8, 1.0, 1.0, 1.0, 1.0, 1.0, 0.9, 0.6, 0.2, 0.0, 0.0, 0.0, 0.0])
 """Depth of the groove between helix and antihelix, 1 along the helix, 0 at the lobe and before the bowl."""
 _TRAGUS = np.array([1.0, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.15, 0.0, 0.0, 0.7])
 """Height of the flap before the bowl."""
 _BOWL = (1.5, -5.0)
 """Middle of the bowl [mm]."""
-_SHADES = (0.55, 0.80, 1.0, 0.74, 0.95, 0.56, 0.42)
+_SHADES = (0.55, 0.80, 1.0, 0.74, 0.95, 0.48)
 """Of the rings, from behind over the rim to the bowl; then of its middle, 0.34."""
 
 
@@ -82,8 +82,7 @@ def _rings() -> list[F8]:
         ring(0.97 - 0.02 * _ROLLED, edge + 1.0 * _ROLLED + 1.5 * _TRAGUS),
         ring(0.80, edge - 4.2 * _ROLLED + 3.4 * _TRAGUS),
         ring(0.60 + 0.06 * _TRAGUS, 0.86 * edge + 0.4 * _ROLLED + 4.0 * _TRAGUS),
-        ring(0.46, np.minimum(0.40 * edge, 3.0)),
-        ring(0.24, np.full(len(high), 0.8)),
+        ring(0.40, np.minimum(0.30 * edge, 2.0)),
     ]
 
 

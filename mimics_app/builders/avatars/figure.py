@@ -77,7 +77,7 @@ def make_figure(person: Person, seed: int) -> Figure:
     neck = _shared_normals(face, cage)
     pieces = {"skin": smooth_folds(_skin(person, bones, cage, flesh, held, tailor, neck), bones)}
     pieces |= _head_pieces(person, bones, head, face, cage, weights, flesh, neck)
-    pieces["hair"] = make_hair(head, bones, person.looks.style, seed)
+    pieces["hair"] = make_hair(head, bones, person.looks, seed)
     pieces |= clothes
     for name in ("skin", *(name for name in clothes if name != "shoes")):
         pieces[name] = _breathing(pieces[name], bones)
