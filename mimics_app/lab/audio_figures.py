@@ -1,4 +1,4 @@
-"""Figures of sound: what each mixer gives two ears around the head, and what voices cost."""
+"""Figures of sound: interaural differences of each mixer around the head, and cost of the voices."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ _LIVE = 80  # frames of a live block: 1.7 ms
 
 
 def draw_figures(folder: Path) -> list[Path]:
-    """Write all figures; the drawings."""
+    """Write all figures and return the drawings."""
     return [write_figure(figure, folder)[1] for figure in (heard_around_the_head(), cost_of_voices())]
 
 
 def heard_around_the_head() -> Figure:
-    """Delay and level between the ears in their plane: the head itself, and what two mixers make of it or of theirs."""
+    """Return the figure of interaural delay and level in the horizontal plane: of the head, and of two mixers."""
     path = find_measured_head()
     head = compute_head(0.152) if path is None else read_sofa(path)
     level = np.abs(head.directions[:, 1]) < _LEVEL
@@ -73,7 +73,7 @@ def heard_around_the_head() -> Figure:
 
 
 def cost_of_voices() -> Figure:
-    """Cost of 10 ms of moving voices, the mixers by turns: what a live block of half the length costs is seen, too."""
+    """Return the figure of the cost of 10 ms of moving voices, the mixers alternately, also in shorter live blocks."""
     measures: Mapping[str, Callable[[int], float]] = {
         "OpenAL, blocks of 5 ms": lambda n: 2.0 * measure_block_us(True, _BLOCKS, n),
         "spectral, blocks of 5 ms": lambda n: 2.0 * measure_block_us(True, _BLOCKS, n, "spectral"),
@@ -92,7 +92,7 @@ def cost_of_voices() -> Figure:
 
 
 def _differences(responses: NDArray[np.float64], rate: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Delay [us] and level [dB] between the ears, shape [n]."""
+    """Return interaural delay [us] and level difference [dB], each of shape [n]."""
     band = BAND_CENTRES.index(_BAND)
     return 1e6 * delays_between_ears(responses, rate), level_differences(responses, rate)[:, band]
 
