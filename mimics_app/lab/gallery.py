@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
 from mimics_app.plotting.axis import format_number
 from mimics_app.plotting.drawing import STYLE
@@ -161,4 +161,5 @@ def _cell(value: object) -> str:
 
 def _code(text: str) -> Markup:
     """Return a text with its parts in backticks as code."""
-    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text))))
+    code = Markup("<code>{}</code>")
+    return Markup().join(code.format(part) if i % 2 else part for i, part in enumerate(text.split("`")))

@@ -30,7 +30,7 @@ _COLUMNS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
 
 
 def result_sentence(task: Mapping[str, Any], earlier: Sequence[EarlierRun]) -> str:
-    """One sentence: trials that finished, and how their time compares with that of the session before.
+    """Return a sentence: number of finished trials, and their time relative to the previous session.
 
     Args:
         task: Totals under the keys of `mimics run --json`.
@@ -47,12 +47,12 @@ def result_sentence(task: Mapping[str, Any], earlier: Sequence[EarlierRun]) -> s
 
 
 def mean_time(task: Mapping[str, Any]) -> float | None:
-    """Mean time of the trials that count [s]; None where none ended."""
+    """Return the mean time of the trials that count [s]; None where none ended."""
     return number(task.get("time_s")) if task.get("counted") == COUNTED_TRIALS else None
 
 
 def trial_lines(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[tuple[str, ...]]]:
-    """Captions, and a line of texts for each row of trials.csv; what no row has is left out."""
+    """Return captions, and the texts of each row of trials.csv; without measures that no row has."""
     if not rows:
         return [], []
     shown = [column for column in _COLUMNS if any(_has(row, column[0]) for row in rows)]
@@ -61,7 +61,7 @@ def trial_lines(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[tupl
 
 
 def trial_names(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Each row's trial as people count them: practice apart, further attempts at a trial under its number."""
+    """Return the name of each row's trial: its number from 1, the same for further attempts, or "Practice"."""
     counting = [row for row in rows if not row.get("practice")]
     order = list(dict.fromkeys(str(row.get("trial")) for row in counting))
     return ["Practice" if row.get("practice") else str(order.index(str(row.get("trial"))) + 1) for row in rows]

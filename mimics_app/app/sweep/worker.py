@@ -13,7 +13,7 @@ from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.lab.sweep.points import points_between
 from mimics_app.lab.sweep.quantity import SweepExperiment
 from mimics_app.lab.sweep.spec import Sweep
-from mimics_app.lab.sweep.store import Piece, pack, source_digest
+from mimics_app.lab.sweep.store import Chunk, pack, source_digest
 
 __all__ = ["SweepJob"]
 
@@ -52,10 +52,10 @@ class SweepJob:
             raise UsageError(f'there is no experiment "{self.sweep.experiment}"')
         return experiment
 
-    def __call__(self, piece: Piece) -> bytes:
+    def __call__(self, chunk: Chunk) -> bytes:
         """Compute one chunk and return it packed."""
-        values = points_between(self.sweep, self.experiment, *piece)
-        return pack(self.sweep, self.experiment, piece, values, self.experiment.run(values, Path(self.folder)))
+        values = points_between(self.sweep, self.experiment, *chunk)
+        return pack(self.sweep, self.experiment, chunk, values, self.experiment.run(values, Path(self.folder)))
 
     def __getstate__(self) -> dict[str, str]:
         """Return the pickled state: the text, without the objects decoded from it."""
