@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import ast
+import importlib.metadata
 import json
+import re
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +27,8 @@ from mimics_app.world.world import World
 from tests.architecture.sources import modules, nodes
 from tests.support.command import Answer, mimics_with
 from tests.support.plugin_site import write_package
+
+ROOT = Path(__file__).resolve().parents[2]
 
 _ENTRY_POINTS = """
 [mimics_app.devices]
@@ -185,6 +190,26 @@ def test_doctor_says_that_no_plug_in_is_installed(
     monkeypatch.setattr(plugins, "list_plugins", list)
     assert cli.main(["doctor"]) == 0
     assert "Plug-ins\n      none installed\n" in capsys.readouterr().out
+
+
+def test_doctor_lacks_a_package_that_a_run_needs(
+    answers: dict[str, Any], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The required packages are those of the distribution itself: a list of its own would fall behind them."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    required = [re.split("[<>=]", each)[0].lower() for each in project["dependencies"]]
+    known = importlib.metadata.version
+
+    def version(name: str) -> str:
+        if name == required[-1]:
+            raise importlib.metadata.PackageNotFoundError(name)
+        return known(name)
+
+    monkeypatch.setattr(importlib.metadata, "version", version)
+    assert cli.main(["doctor", "--json"]) == 4
+    versions = json.loads(capsys.readouterr().out)["versions"]
+    assert set(required) <= set(versions)
+    assert [name for name, found in versions.items() if found is None] == [required[-1]]
 
 
 def test_doctor_without_any_picture_is_a_device_error(

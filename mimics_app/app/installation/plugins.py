@@ -1,4 +1,4 @@
-"""Plug-ins of other packages: entry points of our groups, and whether each can be had."""
+"""Plug-ins of other packages: entry points of our groups, and whether each can be loaded."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["PluginReport", "list_plugins", "plugin_groups", "report_group"]
 
 
 def plugin_groups() -> tuple[PluginGroup, ...]:
-    """The groups of entry points a package may offer something in, each from the stage that loads it."""
+    """Return the groups of entry points, each from the stage that uses its plug-ins."""
     from mimics_app.contracts import scenario_port
     from mimics_app.inputs.physio import sources
     from mimics_app.learning import registry as policies
@@ -34,10 +34,10 @@ class PluginReport:
 
     Attributes:
         group: Name of its group.
-        name: Its name, as a scene or an option uses it.
+        name: Name, as used in scenes and options.
         target: "module:attribute".
-        package: The distribution that brings it, with its version; "" where unknown.
-        error: Why it cannot be had; "" when it can.
+        package: Distribution with version; "" where unknown.
+        error: Why it cannot be loaded; "" where it can.
         loaded: The object itself; None after an error.
     """
 
@@ -50,12 +50,12 @@ class PluginReport:
 
 
 def list_plugins() -> list[PluginReport]:
-    """The entry points of all groups, imported one by one. A plug-in that fails is reported, never fatal."""
+    """Return the entry points of all groups; each is imported. A plug-in that fails is reported, never fatal."""
     return [report for group in plugin_groups() for report in report_group(group)]
 
 
 def report_group(group: PluginGroup) -> list[PluginReport]:
-    """The entry points of one group."""
+    """Return the entry points of one group."""
     return [_report(group, point) for point in group.points()]
 
 

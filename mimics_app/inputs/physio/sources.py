@@ -15,7 +15,7 @@ from mimics_app.contracts.errors import DeviceError, UsageError, nearest
 from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.plugins import PluginError, PluginGroup, fault_of_builder
 
-__all__ = ["KINDS", "PLUGINS", "look_for_source", "open_source"]
+__all__ = ["KINDS", "PLUGINS", "look_for_source", "open_source", "source_kinds"]
 
 PLUGINS = PluginGroup("mimics_app.signal_sources", fault_of_builder(SignalSource))
 
@@ -56,6 +56,11 @@ def _board(address: str, seed: int) -> SignalSource:
 
 KINDS: dict[str, _Opener] = {"sim": _simulated, "file": _file, "lsl": _lsl, "serial": _serial, "board": _board}
 """Built-in kinds of sources."""
+
+
+def source_kinds() -> set[str]:
+    """Return the kinds of sources: the built-in ones, and those of installed packages."""
+    return {*KINDS, *PLUGINS.names()}
 
 
 def open_source(address: str, seed: int) -> SignalSource:
@@ -133,6 +138,6 @@ def _split(address: str) -> tuple[str, str]:
     kind, _, rest = address.partition(":")
     if kind in KINDS and kind != "sim" and not rest:
         raise UsageError(f'"{address}" names no {kind} source', f"write {kind}:NAME")
-    if kind not in (known := [*KINDS, *PLUGINS.names()]):
-        raise UsageError(f'"{address}" is no source of body signals', nearest(kind, known))
+    if kind not in source_kinds():
+        raise UsageError(f'"{address}" is no source of body signals', nearest(kind, source_kinds()))
     return kind, rest
