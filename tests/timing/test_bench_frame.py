@@ -20,8 +20,7 @@ STAGES = {"inputs", "tasks", "scenario", "world update", "watch", "board", "cull
 
 
 def test_a_live_session_is_timed_stage_by_stage():
-    tried = (main(Path("scenes/wavy_tunnel.json"), (64, 36), "egl", seconds, "full") for seconds in (1.5, 6.0, 20.0))
-    row = next(row for row in tried if row["ms"])  # a busy machine may draw no whole frame in a second
+    row = main(Path("scenes/wavy_tunnel.json"), (64, 36), "egl", 1.5, "full")
     assert row["stages"].keys() >= STAGES
     assert 0.0 < row["ms"]["p50"] <= row["ms"]["p95"] and row["fps"] > 1.0 and row["cpu_ms"] > 0.0
     assert row["triangles"] > 1000 and row["draw_calls"] > 1 and row["whole_ms"] > 0.0

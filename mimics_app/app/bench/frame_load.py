@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 from typing import cast
 
-from mimics_app.app.bench.frame_watch import SETTLING_S, FrameWatch, Row
+from mimics_app.app.bench.frame_watch import FrameWatch, Row
 from mimics_app.app.bench.looked_at_load import PEOPLE, measure_looked_at
 from mimics_app.app.play.collector import left_alone
 from mimics_app.app.play.pace import run_live
@@ -43,7 +43,6 @@ def main(file: Path, size: tuple[int, int], surface: str, seconds: float, qualit
             runs=Path(runs),
             size=size,
             quality=quality,
-            seconds=seconds + SETTLING_S,
         )
         with build_session(settings, live=True) as session:
             row = _measure(session, surface, seconds)
@@ -59,7 +58,7 @@ def _measure(session: Session, surface: str, seconds: float) -> Row:
     watch = FrameWatch(session, seconds)
     late, ticks = session.haptics.histogram(), session.haptics.ticks
     with left_alone():
-        run_live(session, Frames(session), watch.look)
+        run_live(session, Frames(session), watch.look, until=lambda: watch.done)
     missed, done = session.haptics.histogram().missed - late.missed, session.haptics.ticks - ticks
     return watch.row() | {
         "scene": session.scene.path.stem,

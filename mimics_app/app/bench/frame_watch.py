@@ -14,12 +14,17 @@ from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.app.picture.held_quality import measure_frame_ms
 from mimics_app.app.picture.picture import Picture
 from mimics_app.contracts.clock import Clock, process_seconds
+from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.frame_budget import over_budget
 
-__all__ = ["SETTLING_S", "FrameWatch", "Row"]
+__all__ = ["FrameWatch", "Row"]
 
-SETTLING_S = 1.0
-"""At the beginning: compiled and uploaded things come up; neither frames nor ticks of it count [s]."""
+_SETTLING_S, _SETTLING_FRAMES = 1.0, 10
+"""At the beginning: so many frames, then so long [s], do not count. The first ones may still compile kernels and
+shaders, for seconds where none are kept from an earlier run."""
+
+_FEWEST = 3
+"""Frames of each kind, whole and by stages, without which no measurement ends."""
 
 _TIMED_SHARE = 0.4
 """Of the time, at the end: in which stages are timed."""
@@ -47,8 +52,9 @@ class FrameWatch:
     Attributes:
         watched: Whose frames.
         seconds: Length of the measurement [s].
-        from_ns, stages_ns: When frames count, and when stages are timed instead; set by the first frame, which the
-            governor may have kept waiting.
+        settled: Frames that did not count.
+        from_ns, stages_ns, end_ns: When frames count, when stages are timed instead, and when enough is known; set by
+            the last frame of those that settle.
         frames_ms: Of whole frames [ms].
         stages: Times of each stage [ms].
         seen: Every frame that counts: when it was done, since counting began [s], its time [ms], and in which stage
@@ -59,8 +65,10 @@ class FrameWatch:
 
     watched: _Watched
     seconds: float
+    settled: int = 0
     from_ns: float = 0.0
     stages_ns: float = 0.0
+    end_ns: float = 0.0
     frames_ms: list[float] = field(default_factory=list)
     stages: dict[str, list[float]] = field(default_factory=dict)
     seen: list[tuple[float, float, str, float]] = field(default_factory=list)
@@ -68,13 +76,16 @@ class FrameWatch:
     cpu_ms: float = 0.0
     fps: float = 0.0
 
+    @property
+    def done(self) -> bool:
+        """Whether the time is over, and enough frames of both kinds were seen."""
+        timed = max(map(len, self.stages.values()), default=0)
+        return timed >= _FEWEST and self.watched.clock.now_ns() >= self.end_ns
+
     def look(self, _: object = None) -> None:
         """After a frame."""
         picture, governor, now_ns = self.watched.picture, self.watched.governor, self.watched.clock.now_ns()
-        if self.from_ns == 0.0:
-            self.from_ns = now_ns + SETTLING_S * _NS
-            self.stages_ns = self.from_ns + (1.0 - _TIMED_SHARE) * self.seconds * _NS
-        if picture is None or governor is None or now_ns < self.from_ns:
+        if picture is None or governor is None or not self._counts(now_ns):
             return
         picture.renderer.timing = True
         times = picture.renderer.times
@@ -84,7 +95,7 @@ class FrameWatch:
             return
         spent = times.frames[-1].cpu_ms if times.frames else {}
         self.seen.append(((now_ns - self.begun[1]) / _NS, governor.last_ms, *_longest(spent, governor.last_ms)))
-        if now_ns < self.stages_ns:
+        if now_ns < self.stages_ns or len(self.frames_ms) < _FEWEST:
             self.frames_ms.append(governor.last_ms)
             self._settle(now_ns)
         elif not times.waits:
@@ -93,9 +104,25 @@ class FrameWatch:
             for name, ms in spent.items():
                 self.stages.setdefault(name, []).append(ms)
 
+    def _counts(self, now_ns: int) -> bool:
+        """Whether a frame counts that is done now."""
+        if self.settled < _SETTLING_FRAMES:
+            self.settled += 1
+            self.from_ns = now_ns + _SETTLING_S * _NS
+            self.stages_ns = self.from_ns + (1.0 - _TIMED_SHARE) * self.seconds * _NS
+            self.end_ns = self.from_ns + self.seconds * _NS
+        return now_ns >= self.from_ns and self.settled == _SETTLING_FRAMES
+
     def row(self) -> Row:
-        """Return the figures, under the keys of CONTRACTS."""
+        """Return the figures, under the keys of CONTRACTS.
+
+        Raises:
+            DeviceError: The run ended before enough frames were seen, as where its task was done.
+        """
         picture, governor = self.watched.picture, self.watched.governor
+        if not self.stages:
+            what = f"the run ended before its frames were measured: {len(self.frames_ms)} counted"
+            raise DeviceError(what, "give fewer --seconds than its task takes")
         assert picture is not None and governor is not None
         stats, settings = picture.stats, picture.renderer.settings
         return {

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from mimics_app.app.bench.frame_watch import SETTLING_S, FrameWatch, Row
+from mimics_app.app.bench.frame_watch import FrameWatch, Row
 from mimics_app.app.bench.people_workload import ON_SIDEWALKS, People
 from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.app.picture.held_quality import measure_frame_ms
@@ -65,10 +65,7 @@ def measure_looked_at(file: Path, size: tuple[int, int], where: str, seconds: fl
     with create_surface(where, size, scene.name) as surface:
         looked_at = _open(scene, world, move, surface, quality)
         watch = FrameWatch(looked_at, seconds)
-        looked_at.draw()  # what is compiled and uploaded for the first frame may take longer than all of it
-        watch.look()
-        until = looked_at.clock.now_ns() + 1e9 * (SETTLING_S + seconds)
-        while looked_at.clock.now_ns() < until:
+        while not watch.done:
             looked_at.draw()
             watch.look()
         return watch.row() | {"scene": file.stem, "size": list(size), "missed_share": None}

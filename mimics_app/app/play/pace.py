@@ -42,8 +42,10 @@ def run_virtual(session: Session, frames: Frames, after_frame: Progress) -> None
             return
 
 
-def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
-    """Frames beside the live loop until the person leaves, the task is done, or the run's time is over.
+def run_live(
+    session: Session, frames: Frames, after_frame: Progress, until: Callable[[], bool] = lambda: False
+) -> None:
+    """Frames beside the live loop until the person leaves, the task is done, the run's time is over, or `until`.
 
     A haptic loop that ended on its own ends the run too; stopping the session then says why. So does a picture that is
     lost for good.
@@ -51,7 +53,7 @@ def run_live(session: Session, frames: Frames, after_frame: Progress) -> None:
     governor = session.governor = _govern(session)
     name = _start_lower(session, governor) if governor is not None and governor.steps else ""
     _draw_once(session)
-    _run_frames(session, frames, after_frame)
+    _run_frames(session, frames, after_frame, until)
     if name and governor is not None and governor.frames >= _FEWEST_FRAMES:
         HeldQuality().keep(name, governor.held)
 
@@ -62,13 +64,13 @@ def _draw_once(session: Session) -> None:
         session.picture.renderer.draw_finished(session.picture.views)
 
 
-def _run_frames(session: Session, frames: Frames, after_frame: Progress) -> None:
+def _run_frames(session: Session, frames: Frames, after_frame: Progress, until: Callable[[], bool]) -> None:
     picture, governor = session.picture, session.governor
     keys, leaving = ViewKeys(session), Leaving(session)
     reload, watch = SceneReload(session), DeviceWatch(session.haptics.plugin, session.recorder)
     limit = session.clock.now_ns() + _limit_ns(session)
     due = session.clock.now_ns()
-    while session.clock.now_ns() < limit and session.haptics.running and not leaving.wanted(frames):
+    while session.clock.now_ns() < limit and session.haptics.running and not (until() or leaving.wanted(frames)):
         begun_ns = session.clock.now_ns()
         if picture is not None:
             frames.timer = picture.begin_frame()
