@@ -98,7 +98,7 @@ def write_gallery(folder: Path, limits: Limits | None = None) -> Path:
     figures = [one for one in shown if one.data["kind"] == "figure"]
     maps = sorted((one for one in shown if one.data["kind"] == "stability"), key=_number_of)
     page = folder / "index.html"
-    environment = load_templates(_TEMPLATES, number=_number, cell=_cell, time=_time, code=_code)
+    environment = load_templates(_TEMPLATES, number=_number, cell=_cell, time=_time)
     text = environment.get_template("gallery.html.j2").render(
         lines=[_line_of(one, limits or {}) for one in charts],
         profiles=list(limits or {}),

@@ -173,9 +173,10 @@ def _built_in() -> Iterator[dict[str, Any]]:
 
 
 def _plugged_in() -> Iterator[dict[str, Any]]:
-    from mimics_app.app.installation.plugins import list_plugins
+    from mimics_app.app.installation.plugins import report_group
+    from mimics_app.rendering.haptic.devices.device_names import PLUGINS
 
-    for plugin in list_plugins("mimics_app.devices"):
+    for plugin in report_group(PLUGINS):
         about = inspect.getdoc(plugin.loaded) or "" if plugin.loaded is not None else ""
         yield {
             "name": plugin.name,

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.app.picture.picture import Picture, picture_quality
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS
 from mimics_app.contracts.trial_state import TaskView, TrialState
-from mimics_app.rendering.visual.surfaces.headless import write_png
 
 if TYPE_CHECKING:
     from concurrent.futures import Future, ThreadPoolExecutor
+
+    from mimics_app.app.picture.picture import Picture
 
 __all__ = ["Album"]
 
@@ -82,6 +82,8 @@ class Album:
         """Compress and write a picture in another thread; at most one is pending."""
         from concurrent.futures import ThreadPoolExecutor
 
+        from mimics_app.rendering.visual.surfaces.headless import write_png
+
         self._wait()
         self._writer = self._writer or ThreadPoolExecutor(1, "pictures")
         self._writing = self._writer.submit(write_png, pixels, file)
@@ -91,6 +93,7 @@ class Album:
             self._writing.result()
 
     def _open(self) -> Picture:
+        from mimics_app.app.picture.picture import Picture, picture_quality
         from mimics_app.app.picture.shown_on import open_display
         from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 

@@ -9,7 +9,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from mimics_app.app.picture.picture import Picture, live_quality, picture_quality
 from mimics_app.app.play.album import Album
 from mimics_app.app.play.collector import frozen_objects
 from mimics_app.app.play.journey_log import JourneyLog
@@ -170,6 +169,7 @@ def _show_result(session: Session, answer: dict[str, Any]) -> str:
 
 def open_picture(session: Session, surface: Surface, *, keep: bool = False) -> None:
     """Draw the session on a surface from now on; `keep` leaves it open for the page of results."""
+    from mimics_app.app.picture.picture import Picture, live_quality, picture_quality
     from mimics_app.app.picture.shown_on import open_display
 
     settings, scene = session.settings, session.scene

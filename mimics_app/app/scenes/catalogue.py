@@ -6,12 +6,12 @@ A scene with a robot and no other scenario needs no code of its own: `TouchScene
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib.metadata import entry_points
+from typing import cast
 
 from mimics_app.app.scenes.shipped import ONLY_LOOKED_AT
 from mimics_app.contracts.errors import SceneError, nearest
-from mimics_app.contracts.plugins import load_plugin
-from mimics_app.contracts.scenario_port import Scenario
+from mimics_app.contracts.plugins import PluginError
+from mimics_app.contracts.scenario_port import PLUGINS, Scenario
 from mimics_app.scenarios.avatar_cord import AvatarCord
 from mimics_app.scenarios.guided_walk import GuidedWalk
 from mimics_app.scenarios.pick_and_place import PickAndPlace
@@ -22,9 +22,7 @@ from mimics_app.world.components.robot import Robot, Tunnel
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["BUILT_IN", "BY_COMPONENT", "ENTRY_POINT_GROUP", "is_part", "is_playable", "open_scenario"]
-
-ENTRY_POINT_GROUP = "mimics_app.scenarios"
+__all__ = ["BUILT_IN", "BY_COMPONENT", "is_part", "is_playable", "open_scenario"]
 
 _Builder = Callable[[Scene, World], Scenario]
 
@@ -70,13 +68,13 @@ def _find_builder(scene: Scene) -> _Builder:
         raise SceneError(scene.issue("/scenario", "nothing is to be done in this scene", "look at it: mimics view"))
     if scene.scenario in BUILT_IN:
         return BUILT_IN[scene.scenario]
-    installed = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
+    installed = PLUGINS.names()
     if scene.scenario in installed:
         try:
-            builder: _Builder = load_plugin(installed[scene.scenario])
-        except ValueError as fault:
-            raise SceneError(scene.issue("/scenario", str(fault))) from fault
-        return builder
+            return cast(_Builder, PLUGINS.load(scene.scenario))
+        except PluginError as error:
+            what = f'the scenario "{scene.scenario}" is not available'
+            raise SceneError(scene.issue("/scenario", what, str(error))) from error
     if scene.scenario != scene.name:
         hint = nearest(scene.scenario, [*BUILT_IN, *installed])
         raise SceneError(scene.issue("/scenario", f'no scenario "{scene.scenario}"', f"leave it out; {hint}"))

@@ -134,8 +134,8 @@ def _check_reach(scene: Scene) -> list[Issue]:
     pointer = scene.one(Robot)[2]
     curve, _ = tunnel_of_scene(scene, own_tunnel(scene))
     reach = _reach_of(scene)
-    for arc in np.linspace(0.0, curve.length, _REACH_CHECKS):
-        point = curve.point(curve.parameter_at(arc))[0]
+    arcs = np.linspace(0.0, curve.length, _REACH_CHECKS)
+    for arc, point in zip(arcs, curve.point(curve.parameter_at(arcs)), strict=True):
         if not reach.reaches(point):
             what = f"the robot does not reach the tunnel {arc:.3f} m from its start, at {_place(point)}"
             return [scene.issue(f"{pointer}/robot_to_world", what, "move the robot or the tunnel")]

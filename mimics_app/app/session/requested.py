@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from mimics_app.app.picture.shown_on import check_display
 from mimics_app.app.scenes.loading import read_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.tasks.scene_section import task_of
@@ -27,6 +26,8 @@ def read_requested(settings: RunSettings) -> Scene:
     """
     scene = read_scene(settings.scene)
     if settings.display or scene.system(DisplaySettings) is not None:
+        from mimics_app.app.picture.shown_on import check_display
+
         check_display(scene, settings.display)
     task = with_requested_trials(resolve_trials(task_of(scene), scene.path.parent, scene.root), settings)
     trials = sum(len(block.trials) * block.repetitions for block in trial_blocks(task))
