@@ -157,9 +157,3 @@ def _cell(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return _number(value) if isinstance(value, (int, float)) else str("" if value is None else value)
-
-
-def _code(text: str) -> Markup:
-    """Return a text with its parts in backticks as code."""
-    code = Markup("<code>{}</code>")
-    return Markup().join(code.format(part) if i % 2 else part for i, part in enumerate(text.split("`")))
