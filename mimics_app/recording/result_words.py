@@ -10,7 +10,7 @@ from mimics_app.contracts.trial_counts import COUNTED_TRIALS, FINISHED, SESSION_
 from mimics_app.recording.history import EarlierRun
 from mimics_app.recording.report_values import number
 
-__all__ = ["mean_time", "result_sentence", "trial_lines", "trial_names"]
+__all__ = ["mean_time", "outcome_word", "result_sentence", "trial_lines", "trial_names"]
 
 _OUTCOMES = {FINISHED: "finished", "timeout": "time over", "aborted": "broken off"}
 
@@ -67,9 +67,14 @@ def trial_names(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     return ["Practice" if row.get("practice") else str(order.index(str(row.get("trial"))) + 1) for row in rows]
 
 
+def outcome_word(row: Mapping[str, Any]) -> str:
+    """Return how a trial of trials.csv ended, in a word for people; "" where the row does not say."""
+    outcome = str(row.get("outcome", ""))
+    return _OUTCOMES.get(outcome, outcome)
+
+
 def _outcome(row: Mapping[str, Any]) -> str:
-    outcome = _OUTCOMES.get(str(row.get("outcome")), str(row.get("outcome", "")))
-    cause = row.get("cause")
+    outcome, cause = outcome_word(row), row.get("cause")
     return f"{outcome}: {cause}" if cause and cause != SESSION_ENDED else outcome
 
 

@@ -10,9 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mimics_app.app.terminal.arguments import file_to_write, whole_number
+from mimics_app.app.terminal.output import answer
 
 if TYPE_CHECKING:
     from mimics_app.app.sweep.worker import SweepJob
+    from mimics_app.lab.sweep.quantity import SweepExperiment
     from mimics_app.lab.sweep.store import Chunk
 
 __all__ = ["add_arguments", "run"]
@@ -53,27 +55,26 @@ def run(args: argparse.Namespace) -> int:
 def _list(args: argparse.Namespace) -> int:
     """Print the experiments with their parameters and results."""
     from mimics_app.app.sweep.experiments import NAMES, find_experiment
-    from mimics_app.app.terminal import output
 
     experiments = [experiment for name in NAMES if (experiment := find_experiment(name)) is not None]
-    if args.json:
-        output.write_object("sweep", {"experiments": [experiment.as_dict() for experiment in experiments]})
-        return 0
-    for experiment in experiments:
-        print(f"{experiment.name}: {experiment.what}")
-        for name, quantity in experiment.parameters.items():
-            print(f"  {name:18} {quantity}")
-        if experiment.open_prefix:
-            print(f"  {experiment.open_prefix + '*':18} a parameter of the scene's task")
-        print(f"  results: {', '.join(experiment.results)}\n")
+    lines = (line for experiment in experiments for line in _lines(experiment))
+    answer(args, {"experiments": [experiment.as_dict() for experiment in experiments]}, lines)
     return 0
+
+
+def _lines(experiment: SweepExperiment) -> Iterator[str]:
+    yield f"{experiment.name}: {experiment.what}"
+    for name, quantity in experiment.parameters.items():
+        yield f"  {name:18} {quantity}"
+    if experiment.open_prefix:
+        yield f"  {experiment.open_prefix + '*':18} a parameter of the scene's task"
+    yield f"  results: {', '.join(experiment.results)}\n"
 
 
 def _sweep(args: argparse.Namespace) -> int:
     """Compute the missing chunks and join all of them."""
     from mimics_app.app.sweep.experiments import NAMES, find_experiment
     from mimics_app.app.sweep.worker import SweepJob
-    from mimics_app.app.terminal import output
     from mimics_app.app.terminal.progress import ProgressBar
     from mimics_app.contracts.errors import SceneError
     from mimics_app.lab.sweep.points import count_points
@@ -97,11 +98,9 @@ def _sweep(args: argparse.Namespace) -> int:
             store.put(chunk, data)
             bar.step(f"of {len(chunks)} chunks")
     store.finish(chunks, sweep)
-    if args.json:
-        answer = {"experiment": sweep.experiment, "points": points, "pieces": len(chunks), "computed": len(missing)}
-        output.write_object("sweep", {**answer, "out": out})
-    else:
-        print(f"{points} points of {sweep.experiment} in {out}")
+    counts = {"points": points, "pieces": len(chunks), "computed": len(missing)}
+    line = f"{points} points of {sweep.experiment} in {out}"
+    answer(args, {"experiment": sweep.experiment, **counts, "out": out}, [line])
     return 0
 
 
