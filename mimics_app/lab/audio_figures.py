@@ -1,8 +1,9 @@
-"""Figures of sound: what each mixer gives two ears around the head, and what voices cost."""
+"""Figures of sound: interaural differences of each mixer around the head, and cost of the voices."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,8 @@ from mimics_app.lab.figure import Figure, write_figure
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.drawing import document, legend
 from mimics_app.plotting.panel import Panel
+from mimics_app.rendering.audio.settings import AudioSettings, MixerName
+from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
 from mimics_app.rendering.audio.spectral.computed_head import compute_head
 from mimics_app.rendering.audio.spectral.head import HeadResponses, delays_between_ears
 from mimics_app.rendering.audio.spectral.sofa import read_sofa
@@ -31,20 +34,22 @@ _COMMAND = "mimics bench audio --charts DIR"
 _RATE = 48_000
 _BAND = 4000  # Hz
 _LEVEL = 0.02  # of a unit vector: 1 degree about the plane of the ears
+_MIXERS: Mapping[MixerName, str] = {"openal": "OpenAL", "spectral": "spectral"}
 _VOICES = (1, 4, 16, 64, 128, 192, 256)
 _MOST_OPENAL = 200
 _BLOCKS = 120
 _WIDTH, _HEIGHT = 1000.0, 300.0
-_LIVE = 80  # frames of a live block: 1.7 ms
+_SHOWN = 480  # frames whose cost is shown: 10 ms
+_FILE = AudioSettings().block
 
 
 def draw_figures(folder: Path) -> list[Path]:
-    """Write all figures; the drawings."""
+    """Write all figures and return the drawings."""
     return [write_figure(figure, folder)[1] for figure in (heard_around_the_head(), cost_of_voices())]
 
 
 def heard_around_the_head() -> Figure:
-    """Delay and level between the ears in their plane: the head itself, and what two mixers make of it or of theirs."""
+    """Return the figure of interaural delay and level in the horizontal plane: of the head, and of two mixers."""
     path = find_measured_head()
     head = compute_head(0.152) if path is None else read_sofa(path)
     level = np.abs(head.directions[:, 1]) < _LEVEL
@@ -73,11 +78,11 @@ def heard_around_the_head() -> Figure:
 
 
 def cost_of_voices() -> Figure:
-    """Cost of 10 ms of moving voices, the mixers by turns: what a live block of half the length costs is seen, too."""
-    measures: Mapping[str, Callable[[int], float]] = {
-        "OpenAL, blocks of 5 ms": lambda n: 2.0 * measure_block_us(True, _BLOCKS, n),
-        "spectral, blocks of 5 ms": lambda n: 2.0 * measure_block_us(True, _BLOCKS, n, "spectral"),
-        "spectral, blocks of 1.7 ms": lambda n: 6.0 * measure_block_us(True, _BLOCKS, n, "spectral", _LIVE),
+    """Return the figure of the cost of 10 ms of moving voices, both mixers, in live blocks and file blocks."""
+    measures = {
+        f"{label}, {use} ({frames / _RATE * 1e3:.2g} ms)": partial(_cost_us, mixer, frames)
+        for mixer, label in _MIXERS.items()
+        for use, frames in (("live blocks", LIVE_BLOCK), ("file blocks", _FILE))
     }
     costs: dict[str, Points] = {name: [] for name in measures}
     for voices in _VOICES:
@@ -91,8 +96,13 @@ def cost_of_voices() -> Figure:
     return _figure("cost of voices", "What voices cost", [panel], list(costs), rows)
 
 
+def _cost_us(mixer: MixerName, frames: int, voices: int) -> float:
+    """Return the cost of the shown time in blocks of `frames` [us]."""
+    return _SHOWN / frames * measure_block_us(True, _BLOCKS, voices, mixer, frames)
+
+
 def _differences(responses: NDArray[np.float64], rate: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Delay [us] and level [dB] between the ears, shape [n]."""
+    """Return interaural delay [us] and level difference [dB], each of shape [n]."""
     band = BAND_CENTRES.index(_BAND)
     return 1e6 * delays_between_ears(responses, rate), level_differences(responses, rate)[:, band]
 

@@ -1,42 +1,37 @@
-"""Peers of the haptic bodies that come with a harness of their own: programs in the folder that PEERS names.
+"""Peers of the haptic bodies with harnesses of their own: programs in the folder that PEERS names.
 
 Every `haptics/bench_*.py` of the folder is run with the path of a JSON file to write: `{"rows": [{"engine": NAME,
 "kind": "sphere|box|cylinder", "bodies": N, "gap": M, "us_block_min": US, "n": STEPS, "reps": ROUNDS}]}`, the shortest
-of so many rounds of so many steps of 1 ms called from Python. Ours is timed by the same numbers beside each of them.
+of these rounds of these steps of 1 ms called from Python. This program is timed with the same numbers beside each.
 """
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.errors import DeviceError, UsageError
+from mimics_app.lab.peer_harness import run_harness
 
 __all__ = ["HarnessRow", "run_harnesses"]
 
 _GAP = 0.02
-"""Between two bodies of `bodies_on_a_floor` [m]; a harness may measure other scenes too."""
-
-_LONGEST_S = 600.0
+"""Gap between two bodies of `bodies_on_a_floor` [m]; a harness may also measure other scenes."""
 
 
 @dataclass(frozen=True, slots=True)
 class HarnessRow:
-    """What a harness measured of one workload.
+    """Measurement of one workload by a harness.
 
     Attributes:
         engine: Name and version of the peer.
-        kind: Of its bodies.
-        count: Of its bodies.
+        kind: Kind of the bodies.
+        count: Number of bodies.
         us: Cost of a step [us].
         steps: Steps of a round.
-        rounds: Rounds, of which the shortest counts.
+        rounds: Number of rounds, of which the shortest counts.
     """
 
     engine: str
@@ -48,10 +43,10 @@ class HarnessRow:
 
 
 def run_harnesses(folder: Path, report: Callable[[str], None]) -> list[HarnessRow]:
-    """Run every harness of a folder; one that fails (its peer is not installed) is reported and left out.
+    """Run every harness of a folder; one that fails, as without its peer, is reported and left out.
 
     Raises:
-        UsageError: there is none in the folder.
+        UsageError: There is none in the folder.
     """
     programs = sorted((folder / "haptics").glob("bench_*.py"))
     programs = [program for program in programs if program.name != "bench_common.py"]
@@ -62,21 +57,15 @@ def run_harnesses(folder: Path, report: Callable[[str], None]) -> list[HarnessRo
 
 def _run(program: Path, report: Callable[[str], None]) -> list[HarnessRow]:
     report(f"peer: {program.stem}")
-    with tempfile.TemporaryDirectory(prefix="mimics-peer-") as scratch:
-        out = Path(scratch) / "rows.json"
-        try:
-            done = subprocess.run(
-                [sys.executable, str(program), str(out)], capture_output=True, timeout=_LONGEST_S, check=False
-            )
-            rows = json.loads(out.read_text(encoding="utf-8"))["rows"] if done.returncode == 0 else []
-            return [_row(row) for row in rows if _is_ours(row)]
-        except (OSError, subprocess.TimeoutExpired, ValueError, KeyError, TypeError) as failure:
-            report(f"peer: {program.stem} is not measured: {failure}")
-            return []
+    try:
+        return [_row(row) for row in run_harness(program)["rows"] if _is_ours(row)]
+    except (DeviceError, ValueError, KeyError, TypeError) as failure:
+        report(f"peer: {program.stem} is not measured: {failure}")
+        return []
 
 
 def _is_ours(row: dict[str, Any]) -> bool:
-    """Whether it is the scene that ours is: bodies apart, awake, by the peer's default for contacts."""
+    """Whether it is the scene measured here: separate bodies, awake, with the peer's default contacts."""
     return row["gap"] == _GAP and not row.get("sleep") and row.get("integrator", "implicitfast") == "implicitfast"
 
 

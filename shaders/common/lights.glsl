@@ -33,11 +33,30 @@ vec3 shine_of_sky(Surface s, float roughness) {
 vec3 shine(Surface s, float roughness, vec3 position_eye, float sun_share, float occlusion) {
     vec3 light = sun_share * sun_colour.rgb * reflect_light(s, sun_direction.xyz);
 #ifdef PLACED_LIGHTS
-    // A shader variant, not a loop of count 0: software renderers execute a loop's body at least once.
-    int count = int(ambient.w);
-    for (int i = 0; i < count; ++i) {
-        light += shine_of_light(i, position_eye, s);
-    }
+    // PLACED_LIGHTS is their number. With a loop's variable, software renderers gather every uniform of a light from
+    // memory per pixel, and they execute a loop's body at least once.
+    light += shine_of_light(0, position_eye, s);
+#if PLACED_LIGHTS > 1
+    light += shine_of_light(1, position_eye, s);
+#endif
+#if PLACED_LIGHTS > 2
+    light += shine_of_light(2, position_eye, s);
+#endif
+#if PLACED_LIGHTS > 3
+    light += shine_of_light(3, position_eye, s);
+#endif
+#if PLACED_LIGHTS > 4
+    light += shine_of_light(4, position_eye, s);
+#endif
+#if PLACED_LIGHTS > 5
+    light += shine_of_light(5, position_eye, s);
+#endif
+#if PLACED_LIGHTS > 6
+    light += shine_of_light(6, position_eye, s);
+#endif
+#if PLACED_LIGHTS > 7
+    light += shine_of_light(7, position_eye, s);
+#endif
 #endif
     return light + occlusion * shine_of_sky(s, roughness);
 }

@@ -7,7 +7,7 @@ layout(binding = 1) uniform sampler2D shadow_map;
 // mean of four bilinear comparisons one texel apart. All four have the same f, so that their texels are added before
 // weighting. Even and odd texels have equal total weight: the 2 x 2 dither of translucent casters is not visible.
 float filtered_shadow(vec2 at, float depth) {
-    vec2 low = floor(at), high = at - low, corner = low * shadow.z;
+    vec2 low = floor(at), high = at - low, corner = low * shadow.y;
     float found = min(depth, 1.0);      // below the map counts as at its bottom
     vec4 lit = step(found, textureGather(shadow_map, corner));
     lit += step(found, textureGatherOffset(shadow_map, corner, ivec2(1, 0)));
@@ -32,17 +32,15 @@ float sun_visibility(vec3 position_eye, vec3 normal) {
 #ifdef SUN_SHADOW
     // The count is a constant: with a variable, software renderers gather every uniform from memory per pixel.
     mat3 sun_from_eye = transpose(mat3(sun_right.xyz, sun_up.xyz, sun_direction.xyz));
-    vec3 at = sun_from_eye * position_eye;
-    vec4 map = vec4(0.0, 0.0, -1.0, 0.0);       // the innermost map that covers the point, and its number
+    vec3 at = sun_from_eye * position_eye, out_of_surface = sun_from_eye * normal;
+    vec4 map = vec4(0.0);       // place in the innermost map that covers the point [texel], its half texel [m], and 1
     for (int i = SUN_MAPS - 1; i >= 0; --i) {
-        vec2 away = abs(at.xy - sun_map[i].xy);
-        map = max(away.x, away.y) < sun_map[i].z ? vec4(sun_map[i].xyz, i) : map;
+        vec2 place = at.xy * sun_map[i].z + sun_map[i].xy, away = abs(place - sun_tile[i].xy);
+        map = max(away.x, away.y) < sun_right.w ? vec4(place, sun_map[i].w, 1.0) : map;
     }
-    at += sun_from_eye * normal * (map.z * shadow.y);
-    float row = floor((map.w + 0.5) / shadow.w);
-    vec2 tile = vec2(map.w - row * shadow.w, row);
-    vec2 place = (tile + 0.5) * sun_up.w + (at.xy - map.xy) * (sun_right.w / map.z);
-    return map.z > 0.0 ? filtered_shadow(place, sun_colour.w + sun_direction.w * at.z) : 1.0;
+    // Half a texel along the normal, against self-shadowing.
+    float depth = sun_colour.w + sun_direction.w * (at.z + map.z * out_of_surface.z);
+    return map.w > 0.0 ? filtered_shadow(map.xy + 0.5 * out_of_surface.xy, depth) : 1.0;
 #else
     return 1.0;
 #endif

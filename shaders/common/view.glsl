@@ -10,8 +10,9 @@
 layout(std140, binding = 0) uniform ViewBlock {
     mat4 clip_from_eyes[2];     // of the eye; of the other one too where one pass draws both
     vec4 sun_right;             // across the sun's rays, unit; w: half the width of a map to be sampled [texel]
-    vec4 sun_up;                // across both, unit; w: width of a map's tile in the atlas [texel]
-    vec4 sun_map[4];            // centre along these two axes, half the width to be sampled [m]; w unused
+    vec4 sun_up;                // across both, unit; w: unused
+    vec4 sun_map[4];            // place of the eye in the atlas [texel], texels per metre, half a texel [m]
+    vec4 sun_tile[4];           // centre of the map in the atlas [texel]; zw: unused
     mat4 spot_from_eye[4];      // tile coordinates and depth of spot lights, before the division by w
     vec4 spot_tile[4];          // corner and width in the atlas [texel], width of a texel at 1 m [m]
     vec4 tangents;              // left, right, bottom, top
@@ -25,8 +26,7 @@ layout(std140, binding = 0) uniform ViewBlock {
     vec4 sky_ground;            // w: 1 for the neutral tone map, 0 for none
     vec4 sky_light[3];          // ambient irradiance: coefficients of 1, of the normal's height, of its square
     vec4 ambient;               // rgb: factor on the sky's light on surfaces; w: number of lights below
-    vec4 shadow;                // tone of modulative shadows or 0; half a texel over half the sampled width of a map;
-                                // texel of the atlas [uv]; its tiles along a side
+    vec4 shadow;                // tone of modulative shadows or 0; texel of the atlas [uv]; zw: unused
     vec4 fog_colour;            // linear; w: unused
     vec4 fog_figures;           // density [1/m], start [m], kind: 0 squared, 1 exponential, 2 linear
     vec4 light_position[MAX_LIGHTS];   // eye frame; w: range [m], 0 for unlimited

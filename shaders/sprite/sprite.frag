@@ -1,10 +1,10 @@
 // Sprites: alpha-tested, or blended with premultiplied alpha, so that covering and additive sprites share one state.
-#ifdef LIT
+#ifdef ROUND
 #define MATT
 #endif
 #include "common/view.glsl"
 #include "common/output.glsl"
-#ifdef LIT
+#ifdef ROUND
 #include "common/sky.glsl"
 #include "common/shadow.glsl"
 #include "common/brdf.glsl"
@@ -17,18 +17,18 @@ layout(binding = 0) uniform sampler2DArray pictures;    // display values
 
 in vec2 corner;
 flat in vec4 sprite_style;
-#ifdef LIT
+#ifdef ROUND
 in vec3 position_eye;
 flat in vec4 sprite_tint;
 #else
-flat in vec4 sprite_white;
+SHADE in vec4 sprite_white;
 #ifdef HAZE
-flat in vec3 sprite_black;
+SHADE in vec3 sprite_black;
 #endif
 #endif
 out vec4 colour;
 
-#ifdef LIT
+#ifdef ROUND
 // Normal of a ball, mixed by the sprite's roundness; the sprite's axes come from screen-space derivatives.
 vec3 sprite_normal(vec3 view) {
     mat2x3 axes = mat2x3(dFdx(position_eye), dFdy(position_eye)) * inverse(mat2(dFdx(corner), dFdy(corner)));

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import msgspec
 import numpy as np
@@ -10,8 +11,10 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
+from mimics_app.rendering.visual.effects import sprites
+from mimics_app.rendering.visual.effects.outlines import outline_of
 from mimics_app.rendering.visual.kernels.particles import SPRITE
-from mimics_app.rendering.visual.kernels.sprites import SPRITE_VERTEX, write_sprites
+from mimics_app.rendering.visual.kernels.sprites import MAX_PIECES, MIN_OUTLINED, SPRITE_VERTEX, write_sprites
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
@@ -61,7 +64,8 @@ def axes_of(facing: int, place: F8, eye: F8, right: F8) -> F8:
     """Half of width and height as vectors: from the lower left corner to the others."""
     sprites, out = np.zeros(1, SPRITE), np.zeros((1, 4), SPRITE_VERTEX)
     sprites["place"], sprites["half"], sprites["turn"], sprites["facing"] = place, 1.0, (1.0, 0.0, 0.0, 0.0), facing
-    write_sprites(sprites, np.zeros(1, np.int32), 1, 0, eye, right, np.zeros((2, 3)), out)
+    rows = np.arange(2, dtype=np.int32)
+    write_sprites(sprites, rows, 1, rows, eye, right, np.zeros((3, 3)), np.zeros((1, 1, MAX_PIECES + 1, 2)), out)
     corners = out["position"][0].astype(np.float64)
     return 0.5 * (corners[[1, 2]] - corners[0])
 
@@ -179,8 +183,9 @@ def test_bodies_hide_sprites_and_sprites_hide_no_bodies():
     assert back.tolist() == [255, 255, 255]
 
 
+@pytest.mark.parametrize("particle_light", ["pixel", "vertex"])
 @pytest.mark.parametrize("lean", [0.0, 0.6, 1.2])
-def test_lit_paper_follows_lambert(lean):
+def test_lit_paper_follows_lambert(lean, particle_light):
     """One piece, lying flat, under a sun that leans: albedo times cosine."""
     world = make_world()
     flight = Particles(shape="paper", trigger="start", count=1, speed=(0.0, 0.0), gravity=(0.0, -9.81, 0.0), floor=-0.1)
@@ -202,8 +207,63 @@ def test_lit_paper_follows_lambert(lean):
     view = View(
         compose_look_at((0.0, 2.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)), compute_tangents(0.5, SIZE), (0, 0, *SIZE)
     )
-    picture = draw_offscreen(world, [view], SIZE, PLAIN)[32, 48, :3]
+    picture = draw_offscreen(world, [view], SIZE, replace(PLAIN, particle_light=particle_light))[32, 48, :3]
     assert picture == pytest.approx([encode(0.9 * math.cos(lean) * albedo) for albedo in (0.6, 0.3, 0.1)], abs=CODE)
+
+
+def test_light_at_the_vertices_of_smoke_is_near_that_of_its_pixels():
+    """In haze, and in the light of a lamp that is farther away than the smoke is wide."""
+    world = make_world(Sky((0.2, 0.3, 0.4), (0.2,) * 3, (0.1,) * 3, 0.5, Fog("exponential", 0.2, 0.0, (0.3, 0.3, 0.3))))
+    smoke = Particles(shape="puff", rate=20.0, lifetime=(2.0, 2.0), size=(0.6, 0.9), box=(1.0, 0.5, 1.0), lit=True)
+    world.effects.add(world.root.create_child("smoke").index, smoke)
+    world.root.create_child("lamp", (0.0, 0.5, 4.0)).create_light("point", colour=(1.0, 0.5, 0.2), intensity=8.0)
+    world.effects.time = 3.0
+    world.update()
+    toned = replace(PLAIN, tone_map="neutral")
+    seen = [view_from((0.0, 0.2, 3.0))]
+    pixel, vertex = (
+        draw_offscreen(world, seen, SIZE, replace(toned, particle_light=each))[..., :3].astype(int)
+        for each in ("pixel", "vertex")
+    )
+    assert 0 < np.abs(pixel - vertex).max() <= 6.0 * CODE and pixel.max() > 100
+
+
+@pytest.mark.parametrize("facing", ["free", "upright"])
+def test_what_is_cut_off_along_the_outline_is_nothing(facing, monkeypatch):
+    """A dagger: narrow below, wide in the middle, nothing at the top; from near, aside and above."""
+    shape = np.zeros((64, 64, 4), np.uint8)
+    shape[..., :3] = (250, 120, 60)
+    shape[24:60, 28:36, 3] = shape[30:36, 8:56, 3] = 255
+    world = make_world()
+    world.textures["dagger"] = TextureData(shape, wrap=("clamp", "clamp"))
+    spec = Billboard(texture="dagger", size=(1.0, 1.2), facing=facing, lit=True)
+    world.effects.add(world.root.create_child("dagger").index, spec)
+    world.root.create_child("lamp", (0.5, 0.5, 1.0)).create_light("point")
+    world.update()
+    size, drawn = (320, 240), []
+    for place in ((0.0, 0.0, 1.2), (0.7, 0.2, 1.0), (0.1, 0.9, 1.0)):
+        for least in (MIN_OUTLINED, math.inf):
+            monkeypatch.setattr(sprites, "MIN_OUTLINED", least)
+            view = View(compose_look_at(place, (0.0, 0.0, 0.0)), compute_tangents(0.8, size), (0, 0, *size))
+            with create_surface("egl", size) as surface:
+                renderer = Renderer(surface, world, PLAIN)
+                drawn.append((renderer.draw([view]).triangles, read_pixels(surface).astype(int)))
+                renderer.release()
+    assert [triangles for triangles, _ in drawn] == [2 * MAX_PIECES, 2] * 3
+    for (_, cut), (_, whole) in zip(drawn[::2], drawn[1::2], strict=True):
+        assert np.abs(cut - whole).max() <= 2.0 * CODE and whole.max() > 100
+
+
+def test_an_outline_holds_its_shape_and_a_full_picture_has_none():
+    shape = np.zeros((64, 32, 4), np.uint8)
+    shape[40:, 12:20, 3] = 1
+    outline = outline_of(TextureData(shape, wrap=("clamp", "clamp")))
+    assert outline is not None
+    assert (outline[:3, 0] <= -0.25).all() and (outline[:3, 1] >= 0.25).all(), "the lower 24 rows, at 12 to 20 of 32"
+    assert np.ptp(outline[5:], axis=1).max() == 0.0
+    assert outline_of(TextureData(shape)) is None, "it repeats"
+    shape[..., 3] = 1
+    assert outline_of(TextureData(shape, wrap=("clamp", "clamp"))) is None
 
 
 def test_haze_covers_what_covers_and_dims_what_adds():

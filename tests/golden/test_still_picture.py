@@ -16,7 +16,8 @@ from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
-from mimics_app.world.components.effects import Billboard
+from mimics_app.world.components.effects import Billboard, Projector
+from mimics_app.world.cords import Cord
 from mimics_app.world.materials.material import Material
 from mimics_app.world.meshes.primitives import box, icosphere, plane
 from mimics_app.world.world import World
@@ -26,7 +27,7 @@ PLAIN = RenderSettings(msaa=0, shadow_size=256)
 
 
 def make_world() -> World:
-    """Twelve boxes on a floor, one of glass, a ball, a lamp without a shadow, a sun, a sprite and a small sheet."""
+    """Twelve boxes on a floor, one of glass, a ball, a sprite, a small sheet, what is drawn over them, and lights."""
     world = World()
     world.set_material(Material("glass", "glass", (0.4, 0.6, 0.8, 0.3), alpha_mode="blend"))
     world.set_material(Material("red", base_colour=(0.8, 0.1, 0.1, 1.0)))
@@ -39,12 +40,22 @@ def make_world() -> World:
     world.root.create_child("ball", (0.0, 0.9, 0.3)).create_entity("ball", "default")
     world.root.create_child("sheet", (1.3, 0.7, 0.4)).create_entity("sheet", "red")
     world.effects.add(world.root.create_child("word", (-1.4, 0.8, 0.2)).index, Billboard(size=(0.3, 0.2)))
+    overlay(world)
     sun = world.root.create_child("sun", (0.5, 2.0, 0.7))
     sun.look_at((0.0, 0.0, 0.0))
     sun.create_light("directional", casts_shadow=1)
     world.root.create_child("lamp", (-1.0, 1.5, 1.0)).create_light("point", intensity=0.4)
     world.update()
     return world
+
+
+def overlay(world: World) -> None:
+    """A mark on the floor, a slide that shines on it, and a cord."""
+    down = np.array([-(0.5**0.5), 0.0, 0.0, 0.5**0.5])
+    mark, slide = Projector(size=(0.4, 0.4)), Projector(kind="slide", fov=0.3, depth=3.0, blend="light")
+    world.effects.add(world.root.create_child("mark", (0.5, 0.0, 0.5), down).index, mark)
+    world.effects.add(world.root.create_child("slide", (-0.9, 2.0, 0.0), down).index, slide)
+    world.cords["cord"] = Cord(np.array([[-1.6, 0.9, -0.2], [-0.8, 0.9, -0.2]]), 1.0)
 
 
 def view(x: float = 0.0) -> View:
@@ -69,6 +80,11 @@ CHANGES: dict[int, Callable[[World], object]] = {
     9: lambda world: setattr(world.find("box7"), "visible", True),
     10: lambda world: dress(world, "box8", "red"),
     11: lambda world: world.find("word").set_position((-1.2, 0.9, 0.2)),
+    6: lambda world: world.find("mark").set_position((0.6, 0.0, 0.6)),
+    8: lambda world: setattr(world.find("slide"), "visible", False),
+    13: lambda world: setattr(world.cords["cord"], "length", 1.3),
+    16: lambda world: world.cords["cord"].tap(0.4, 0.5, world.effects.time, 0.01),
+    18: lambda world: setattr(world.cords["cord"], "visible", False),
     12: lambda world: world.find("lamp").set_position((-0.8, 1.5, 1.0)),
     14: lambda world: world.set_material(Material("red", base_colour=(0.1, 0.1, 0.8, 1.0))),
     15: lambda world: world.find("sun").look_at((0.3, 0.0, 0.1)),
@@ -134,6 +150,7 @@ def test_a_picture_drawn_in_parts_is_the_one_drawn_as_a_whole(settings, drawn_pa
         for step in range(27):
             world.find("ball").set_position((0.6 * np.sin(0.3 * step), 0.9, 0.3))
             CHANGES.get(step, lambda world: None)(world)
+            world.effects.time = step / 60.0
             world.update()
             seen, before = view(0.1 if step >= 24 else 0.0), len(drawn_parts)
             steady.draw([seen])

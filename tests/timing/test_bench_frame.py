@@ -20,8 +20,7 @@ STAGES = {"inputs", "tasks", "scenario", "world update", "watch", "board", "cull
 
 
 def test_a_live_session_is_timed_stage_by_stage():
-    tried = (main(Path("scenes/wavy_tunnel.json"), (64, 36), "egl", seconds, "full") for seconds in (1.5, 6.0, 20.0))
-    row = next(row for row in tried if row["ms"])  # a busy machine may draw no whole frame in a second
+    row = main(Path("scenes/wavy_tunnel.json"), (64, 36), "egl", 1.5, "full")
     assert row["stages"].keys() >= STAGES
     assert 0.0 < row["ms"]["p50"] <= row["ms"]["p95"] and row["fps"] > 1.0 and row["cpu_ms"] > 0.0
     assert row["triangles"] > 1000 and row["draw_calls"] > 1 and row["whole_ms"] > 0.0
@@ -44,8 +43,10 @@ def test_without_peers_the_reference_is_a_loop_of_this_run(monkeypatch):
     assert any("OGRE is not measured" in line for line in reported)
 
 
-def test_all_shipped_scenes_are_measured_where_none_is_named():
-    names = {scene.stem for scene in frame_bench.shipped_scenes()}
+def test_all_shipped_scenes_are_measured_where_none_is_named(monkeypatch):
+    monkeypatch.setattr(frame_bench, "_measure_apart", lambda scene, *_: {"scene": scene.stem})
+    answer = frame_bench.measure_frames([], (64, 36), "egl", 1.0, lambda _: None)
+    names = {row["scene"] for row in answer["scenes"]}
     assert names >= {"wavy_tunnel", "pick_and_place", "guided_walk", "tower", "city_walk", "kicking"}
 
 

@@ -11,7 +11,7 @@ import pytest
 from mimics_app.contracts.errors import SceneError
 from mimics_app.rendering.visual.effects.captions import caption_key, caption_picture
 from mimics_app.rendering.visual.kernels.particles import SPRITE
-from mimics_app.rendering.visual.kernels.sprites import SPRITE_VERTEX, write_sprites
+from mimics_app.rendering.visual.kernels.sprites import MAX_PIECES, SPRITE_VERTEX, write_sprites
 from mimics_app.scenarios.next_station import NextStation
 from mimics_app.world.scene.file import build_world, load_scene
 
@@ -44,9 +44,8 @@ def test_words_are_level_on_the_screen_and_pictures_look_at_the_eye():
     rows, out = np.zeros(2, SPRITE), np.zeros((2, 4), SPRITE_VERTEX)
     rows["place"], rows["half"], rows["turn"] = (1.0, -1.0, -1.0), (0.5, 0.25), (1.0, 0.0, 0.0, 0.0)
     rows["facing"] = (3, 0)
-    write_sprites(
-        rows, np.arange(2, dtype=np.int32), 2, 0, np.zeros(3), np.array([1.0, 0.0, 0.0]), np.zeros((2, 3)), out
-    )
+    order, right, whole = np.arange(3, dtype=np.int32), np.array([1.0, 0.0, 0.0]), np.zeros((1, 1, MAX_PIECES + 1, 2))
+    write_sprites(rows, order, 2, order, np.zeros(3), right, np.zeros((3, 3)), whole, out)
     corners = out["position"].astype(float)
     across, up = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     np.testing.assert_allclose(across[0], (1.0, 0.0, 0.0), atol=1e-6)

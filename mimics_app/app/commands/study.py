@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 from mimics_app.app.terminal.arguments import positive_time, random_seed, whole_number
+from mimics_app.app.terminal.output import answer, say
 from mimics_app.contracts.errors import PartialDataError
 
 __all__ = ["add_arguments", "run"]
@@ -38,19 +38,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run or join, and write; exit code 6 where a subject's run is incomplete."""
     from mimics_app.app.scenes.finding import find_scene
+    from mimics_app.app.scenes.loading import load_checked_scene
     from mimics_app.app.study.page import write_page
     from mimics_app.app.study.subjects import find_run, run_subject
     from mimics_app.app.study.tables import ANSWER_COLUMNS, TAP_COLUMNS, read_study, write_table
-    from mimics_app.app.terminal.output import say, write_object
 
     scene = find_scene(args.scene)
-    args.out.mkdir(parents=True, exist_ok=True)
     if args.of:
         runs = [find_run(number, folder) for number, folder in enumerate(args.of, start=1)]
     else:
+        load_checked_scene(scene)
         extra = ["--pictures", "0", "--sound", "off", *(["--seconds", str(args.seconds)] if args.seconds else [])]
         numbers = range(1, args.subjects + 1)
         runs = [run_subject(scene, each, args.seed + each - 1, args.out / "runs", extra, say) for each in numbers]
+    args.out.mkdir(parents=True, exist_ok=True)
     trials, taps, answers = read_study(runs)
     write_table(args.out / "trials.csv", trials)
     write_table(args.out / "taps.csv", taps, TAP_COLUMNS)
@@ -60,9 +61,7 @@ def run(args: argparse.Namespace) -> int:
     for problem in problems:
         say(problem)
     counts = {"subjects": len(runs), "trials": len(trials), "taps": len(taps), "answers": len(answers)}
-    if args.json:
-        write_object("study", {**counts, "folder": args.out, "report": args.out / "study.html", "problems": problems})
-    else:
-        sys.stdout.write(f"{counts['trials']} trials, {counts['taps']} taps, {counts['answers']} answers\n")
-        sys.stdout.write(f"{args.out / 'study.html'}\n")
+    report = args.out / "study.html"
+    lines = [f"{counts['trials']} trials, {counts['taps']} taps, {counts['answers']} answers", str(report)]
+    answer(args, {**counts, "folder": args.out, "report": report, "problems": problems}, lines)
     return PartialDataError.exit_code if problems else 0

@@ -1,10 +1,11 @@
-"""Plug-ins of other packages: entry points of our groups, and whether each can be had."""
+"""Plug-ins of other packages: entry points of our groups, and whether each can be loaded."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from mimics_app.contracts.plugins import load_plugin
 from mimics_app.world.components.plugins import ENTRY_POINT_GROUP as COMPONENTS
 from mimics_app.world.components.plugins import fault_of_type
 from mimics_app.world.scene.method_plugins import ENTRY_POINT_GROUP as METHODS
@@ -15,17 +16,18 @@ if TYPE_CHECKING:
 
 __all__ = ["GROUPS", "PluginReport", "list_plugins"]
 
+TASK_KINDS = "mimics_app.task_kinds"
 GROUPS = (
     "mimics_app.devices",
     COMPONENTS,
     "mimics_app.scenarios",
-    "mimics_app.task_kinds",
+    TASK_KINDS,
     "mimics_app.force_fields",
     "mimics_app.policies",
     "mimics_app.signal_sources",
     METHODS,
 )
-"""The groups of entry points a package may offer something in: each is loaded by the stage that has a place for it."""
+"""The groups of entry points; each is loaded by the stage that uses its plug-ins."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,11 +35,11 @@ class PluginReport:
     """One entry point.
 
     Attributes:
-        group: Which of `GROUPS`.
-        name: Its name, as a scene or an option uses it.
+        group: One of `GROUPS`.
+        name: Name, as used in scenes and options.
         target: "module:attribute".
-        package: The distribution that brings it, with its version; "" where unknown.
-        error: Why it cannot be had; "" when it can.
+        package: Distribution with version; "" where unknown.
+        error: Why it cannot be loaded; "" where it can.
         loaded: The object itself; None after an error.
     """
 
@@ -50,7 +52,7 @@ class PluginReport:
 
 
 def list_plugins(*groups: str) -> list[PluginReport]:
-    """The entry points of these groups (all of `GROUPS` when none is given), imported one by one.
+    """Return the entry points of these groups, of all `GROUPS` where none is given; each is imported.
 
     A plug-in that fails to import is reported, never fatal.
     """
@@ -62,11 +64,19 @@ def list_plugins(*groups: str) -> list[PluginReport]:
 def _report(group: str, point: EntryPoint) -> PluginReport:
     package = f"{point.dist.name} {point.dist.version}" if point.dist else ""
     try:
-        loaded = point.load()
-    except BaseException as error:  # also of a plug-in that calls sys.exit() while it is imported
-        if isinstance(error, KeyboardInterrupt):
-            raise
-        return PluginReport(group, point.name, point.value, package, f"{type(error).__name__}: {error}")
-    fault = fault_of_type(point.name, loaded) if group == COMPONENTS else ""
-    fault = fault_of_method(loaded) if group == METHODS else fault
-    return PluginReport(group, point.name, point.value, package, fault, loaded)
+        loaded = load_plugin(point)
+    except ValueError as fault:
+        return PluginReport(group, point.name, point.value, package, str(fault))
+    return PluginReport(group, point.name, point.value, package, _fault(group, point.name, loaded), loaded)
+
+
+def _fault(group: str, name: str, loaded: object) -> str:
+    if group == COMPONENTS:
+        return fault_of_type(name, loaded)
+    if group == METHODS:
+        return fault_of_method(loaded)
+    if group == TASK_KINDS:
+        from mimics_app.tasks.kinds.registry import fault_of_kind
+
+        return fault_of_kind(loaded)
+    return "" if callable(loaded) else "its plug-in cannot be called"

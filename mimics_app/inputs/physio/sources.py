@@ -13,8 +13,9 @@ from pathlib import Path
 
 from mimics_app.contracts.errors import DeviceError, UsageError, nearest
 from mimics_app.contracts.input_port import SignalSource
+from mimics_app.contracts.plugins import load_plugin
 
-__all__ = ["ENTRY_POINT_GROUP", "KINDS", "look_for_source", "open_source"]
+__all__ = ["ENTRY_POINT_GROUP", "KINDS", "look_for_source", "open_source", "source_kinds"]
 
 ENTRY_POINT_GROUP = "mimics_app.signal_sources"
 
@@ -57,6 +58,11 @@ KINDS: dict[str, _Opener] = {"sim": _simulated, "file": _file, "lsl": _lsl, "ser
 """Built-in kinds of sources."""
 
 
+def source_kinds() -> set[str]:
+    """Return the kinds of sources: the built-in ones, and those of installed packages."""
+    return {*KINDS, *_installed()}
+
+
 def open_source(address: str, seed: int) -> SignalSource:
     """Open the source of an address.
 
@@ -68,7 +74,10 @@ def open_source(address: str, seed: int) -> SignalSource:
     kind, rest = _split(address)
     if kind in KINDS:
         return KINDS[kind](rest, seed)
-    opener: _Opener = _installed()[kind].load()
+    try:
+        opener: _Opener = load_plugin(_installed()[kind])
+    except ValueError as fault:
+        raise DeviceError(f'there is no source "{kind}": {fault}') from fault
     return opener(rest, seed)
 
 
@@ -130,6 +139,6 @@ def _split(address: str) -> tuple[str, str]:
     kind, _, rest = address.partition(":")
     if kind in KINDS and kind != "sim" and not rest:
         raise UsageError(f'"{address}" names no {kind} source', f"write {kind}:NAME")
-    if kind not in KINDS and kind not in _installed():
+    if kind not in source_kinds():
         raise UsageError(f'"{address}" is no source of body signals', nearest(kind, [*KINDS, *_installed()]))
     return kind, rest

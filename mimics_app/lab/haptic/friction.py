@@ -1,8 +1,7 @@
-"""Rival friction laws with their cost and the drift of an object they should hold.
+"""Friction laws with their cost and the drift of an object that they should hold; importing this module registers them.
 
-Importing this module registers them. Probe: a body of 0.5 kg slides at 0.5 m/s, is stopped by friction of 4 N, and from
-0.5 s on carries a load of 1 N that shakes by 0.5 N at 5 Hz, well inside the cone, for 62 s at 1 ms. The hand on it
-damps with 5 N s/m.
+Probe: a body of 0.5 kg slides at 0.5 m/s, is stopped by friction of 4 N, and from 0.5 s on carries a load of 1 N that
+oscillates by 0.5 N at 5 Hz, well inside the cone, for 62 s at 1 ms, damped with 5 N s/m by the hand.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ from mimics_app.rendering.haptic.kernels.friction import (
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import FrictionRecord, Table
 
-__all__ = ["GROUP", "LAWS", "Hold", "hold"]
+__all__ = ["GROUP", "KARNOPP", "LAWS", "NUMBERS", "Hold", "friction_by", "hold"]
 
 
 GROUP = "friction"
@@ -46,15 +45,17 @@ LAWS: dict[str, Callable[..., None]] = {
     "LuGre explicit": lugre_explicit,
     "LuGre implicit": lugre_implicit,
 }
-"""The rivals in the order of their numbers in the compiled loops."""
+"""The laws by name, in the order of their numbers in the compiled loops."""
 
-_NUMBERS = {name: number for number, name in enumerate(LAWS)}
+NUMBERS = {name: number for number, name in enumerate(LAWS)}
+
+KARNOPP, _LUGRE_EXPLICIT = 2, 4
+"""Numbers of two laws."""
 
 _MASS = 0.5  # [kg]
 _NORMAL = 10.0  # [N]
 _MU = 0.4
 _THRESHOLD = 0.01  # [m/s]
-_STRIBECK = 0.01  # [m/s]
 _BRISTLES = 1e5  # [N/m]
 _HAND = 5.0  # [N s/m]
 _SPEED = 0.5  # [m/s]
@@ -66,24 +67,21 @@ _TICKS = _SETTLED + _HELD + 1
 _CALLS = 20_000
 _FAILED = 1.01  # of the cone: what has left it by more holds nothing
 
-_LUGRE_EXPLICIT = 4
-"""Number of the law."""
-
 _SHAKE_HZ = 5.0
-"""Of the load."""
+"""Frequency of the load."""
 
-_TO_AND_FRO = 100.0
-"""Square of the rate of the slide, 10 rad/s."""
+_SQUARE_RATE = 100.0
+"""Square of the angular frequency of a sliding oscillation [rad^2/s^2]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """What a law makes of an object it should hold.
+    """Motion of an object that a law should hold.
 
     Attributes:
-        drift: Distance between its places 2 s and 62 s after the load came on, at equal load [m].
-        cone: Greatest friction force over mu F_N; 1 is on the cone.
-        stop: Where it came to rest before the load came on [m].
+        drift: Distance between its positions 2 s and 62 s after the start of the load, at equal load [m].
+        cone: Largest friction force over mu F_N; 1 is on the cone.
+        stop: Position at rest before the load [m].
     """
 
     drift: float
@@ -92,19 +90,48 @@ class Hold:
 
 
 @kernel
-def _friction(number: int, x: F8, v: F8, load: F8, state: FrictionRecord, out: F8) -> None:
+def friction_by(
+    number: int,
+    x: F8,
+    v: F8,
+    load: F8,
+    normal: float,
+    mu: float,
+    threshold: float,
+    stiffness: float,
+    damping: float,
+    dt: float,
+    state: FrictionRecord,
+    out: F8,
+) -> None:
+    """Compute the friction force [N] by the law of a number in `LAWS`; vectors in the plane of the contact, shape [n].
+
+    Args:
+        number: Number of the law.
+        x: Position of the body [m].
+        v: Its velocity [m/s].
+        load: Tangential load on it [N].
+        normal: Normal force [N].
+        mu: Coefficient of friction, static and dynamic.
+        threshold: Velocity of the law's transition to rest, and Stribeck velocity [m/s].
+        stiffness: Stiffness of anchor or bristles [N/m].
+        damping: Damping of the bristles [N s/m].
+        dt: Tick [s].
+        state: State of the law.
+        out: Receives the force on the body.
+    """
     if number == 0:
-        regularised_printed(v, _NORMAL, _MU, _THRESHOLD, out)
+        regularised_printed(v, normal, mu, threshold, out)
     elif number == 1:
-        regularised(v, _NORMAL, _MU, _THRESHOLD, out)
-    elif number == 2:
-        karnopp(v, load, _NORMAL, _MU, _MU, _THRESHOLD, state, out)
+        regularised(v, normal, mu, threshold, out)
+    elif number == KARNOPP:
+        karnopp(v, load, normal, mu, mu, threshold, state, out)
     elif number == 3:
-        hayward_armstrong(x, _NORMAL, _MU, _BRISTLES, state, out)
+        hayward_armstrong(x, normal, mu, stiffness, state, out)
     elif number == _LUGRE_EXPLICIT:
-        lugre_explicit(v, _NORMAL, _MU, _MU, _STRIBECK, _BRISTLES, 0.0, _DT, state, out)
+        lugre_explicit(v, normal, mu, mu, threshold, stiffness, damping, dt, state, out)
     else:
-        lugre_implicit(v, _NORMAL, _MU, _MU, _STRIBECK, _BRISTLES, 0.0, _DT, state, out)
+        lugre_implicit(v, normal, mu, mu, threshold, stiffness, damping, dt, state, out)
 
 
 @kernel
@@ -114,40 +141,40 @@ def _load_at(tick: int) -> float:
 
 @kernel
 def _hold(number: int, ticks: int, states: Table[FrictionRecord], vectors: F8, path: F8) -> float:
-    """Place [m] at every tick into path; returns the greatest friction force [N]."""
+    """Write the position at every tick to `path` [m] and return the largest friction force [N]."""
     x, v, load, force = vectors[0], vectors[1], vectors[2], vectors[3]
     state = states[0]
     greatest = 0.0
     for tick in range(ticks):
         path[tick] = x[0]
         load[0] = _load_at(tick) - _HAND * v[0]
-        _friction(number, x, v, load, state, force)
+        friction_by(number, x, v, load, _NORMAL, _MU, _THRESHOLD, _BRISTLES, 0.0, _DT, state, force)
         greatest = max(greatest, abs(force[0]))
         v[0] += _DT * (load[0] + force[0]) / _MASS
-        if number == 2 and state.sticking:
+        if number == KARNOPP and state.sticking:
             v[0] = 0.0
         x[0] += _DT * v[0]
     return greatest
 
 
 def _fresh() -> tuple[NDArray[Any], F8]:
-    """(state, rows of position, velocity, load and force along one axis) of the probe body."""
+    """Return the law's state, and rows of position, velocity, load and force of the probe body along one axis."""
     vectors = np.zeros((4, 1))
     vectors[1, 0] = _SPEED
     return np.zeros(1, FRICTION), vectors
 
 
 def hold(law: str) -> Hold:
-    """Slide, stop and hold the probe body under one law."""
+    """Simulate slide, stop and hold of the probe body under a law."""
     states, vectors = _fresh()
     path = np.empty(_TICKS)
-    greatest = _hold(_NUMBERS[law], _TICKS, states, vectors, path)
+    greatest = _hold(NUMBERS[law], _TICKS, states, vectors, path)
     drift = abs(path[_SETTLED + _HELD] - path[_SETTLED])
     return Hold(float(drift), float(greatest / (_MU * _NORMAL)), float(path[_LOADED]))
 
 
 def _error(law: str) -> float:
-    """Drift [m] in 60 s; infinite for a law that left its cone by more than 1 %: it holds nothing."""
+    """Return the drift in 60 s [m]; infinite for a law whose force exceeds its cone by more than 1 %."""
     held = hold(law)
     return held.drift if held.cone <= _FAILED else math.inf
 
@@ -157,9 +184,9 @@ def _slide(number: int, ticks: int, states: Table[FrictionRecord], x: F8, v: F8,
     for i in range(x.shape[0]):
         x_i, v_i, load_i, state_i, out_i = x[i], v[i], load[i], states[i], out[i]
         for _ in range(ticks):
-            v_i[0] -= _DT * _TO_AND_FRO * x_i[0]
+            v_i[0] -= _DT * _SQUARE_RATE * x_i[0]
             x_i[0] += _DT * v_i[0]
-            _friction(number, x_i, v_i, load_i, state_i, out_i)
+            friction_by(number, x_i, v_i, load_i, _NORMAL, _MU, _THRESHOLD, _BRISTLES, 0.0, _DT, state_i, out_i)
 
 
 def _cost_us(law: str, contacts: int) -> float:
@@ -167,7 +194,7 @@ def _cost_us(law: str, contacts: int) -> float:
     x, v, load, out = np.zeros((4, contacts, 2))
     v[:, 0] = 0.1
     states = np.zeros(contacts, FRICTION)
-    return shortest_us(lambda: _slide(_NUMBERS[law], ticks, states, x, v, load, out), ticks)
+    return shortest_us(lambda: _slide(NUMBERS[law], ticks, states, x, v, load, out), ticks)
 
 
 compare(

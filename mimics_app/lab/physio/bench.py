@@ -1,11 +1,7 @@
-"""The physiological loop in figures: detector, cost, latency, policies on simulated people, guided walk, rivals."""
+"""`mimics bench physio`: detector, cost, latency, policies on simulated people, guided walk, and peers."""
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
-import tempfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -13,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.lab.peer_harness import run_harness
 from mimics_app.lab.physio.cohort import play_cohort
 from mimics_app.lab.physio.detection import (
     NOISE_DB,
@@ -32,17 +30,16 @@ __all__ = ["measure_noise", "measure_physio"]
 
 _SIMULATED = "simulated people; a simulation is no clinical evidence"
 _NOISY_MINUTES = 5.0
-_PEERS_LIMIT_S = 900.0
 _GAPS = (0.08, 0.15, 0.22)
-"""Demand off the best in a trial that is too easy or too hard."""
+"""Deviation of the demand from the best one in a trial that is too easy or too hard."""
 
 
 def measure_physio(folder: Path | None, peers: Path | None) -> dict[str, Any]:
-    """Everything.
+    """Return the object of `mimics bench physio`.
 
     Args:
-        folder: Of annotated records; None: simulated ones.
-        peers: Folder whose physio/bench_rpeaks.py runs released detectors on the same records; None: not measured.
+        folder: Folder of annotated records; None: simulated ones.
+        peers: Folder whose physio/bench_rpeaks.py runs other detectors on the same records; None: not measured.
     """
     records = list(annotated_records(folder))
     clean = [_row(record) for record in records]
@@ -65,7 +62,7 @@ def measure_physio(folder: Path | None, peers: Path | None) -> dict[str, Any]:
 
 
 def measure_noise(folder: Path | None) -> list[dict[str, Any]]:
-    """F1, missed and invented beats by kind of record and noise; none where no folder of records is named."""
+    """Return F1, missed and false beats by kind of record and noise; [] without a folder of records."""
     rows = noise_rows(folder) if folder is not None else ()
     return [{**asdict(row), "f1": row.f1} for row in rows]
 
@@ -86,14 +83,14 @@ def _p95(values: NDArray[np.float64]) -> float:
 
 
 def _head(record: Annotated) -> Annotated:
-    """The first minutes of a record."""
+    """Return the first minutes of a record."""
     n = min(len(record.values), round(60.0 * _NOISY_MINUTES * record.rate))
     beats = record.beats[record.beats < n / record.rate]
     return Annotated(record.name, record.rate, record.values[:n], beats)
 
 
 def _load(gap: float) -> dict[str, dict[str, float]]:
-    """Shares of trials whose load was estimated right, with 95 % intervals over people and calibration."""
+    """Return the share of trials estimated right, with 95 % interval and calibration, by estimator."""
     scores = state_study(draw_load_people(2, gap)).items()
     return {
         name: {"share": score.share, "half_width": score.half_width, "calibration": score.calibration}
@@ -108,20 +105,14 @@ def _regret(name: str) -> dict[str, float]:
 
 
 def _peers(folder: Path | None, peers: Path | None) -> list[dict[str, Any]] | str:
-    """Rivals by their own harness, in a process of its own."""
+    """Return what the peers' own harness measures on the same records, or why it does not."""
     harness = None if peers is None else peers / "physio" / "bench_rpeaks.py"
     if folder is None or harness is None or not harness.exists():
         return "not measured"
-    with tempfile.TemporaryDirectory() as scratch:
-        out = Path(scratch) / "peers.json"
-        command = [sys.executable, str(harness), str(folder), "--out", str(out)]
-        try:
-            done = subprocess.run(command, capture_output=True, timeout=_PEERS_LIMIT_S, check=False)
-        except subprocess.TimeoutExpired:
-            return f"not measured: not done after {_PEERS_LIMIT_S:g} s"
-        if done.returncode != 0 or not out.exists():
-            return f"not measured: the harness ended with {done.returncode}"
-        rows = json.loads(out.read_text())["summary"]
+    try:
+        rows = run_harness(harness, str(folder.absolute()), "--out")["summary"]
+    except DeviceError as failure:
+        return f"not measured: {failure}"
     found = [
         {"name": row["detector"], "f1": row["f1"], "seconds_per_hour": 3.6e6 / row["median_samples_per_s"]}
         for row in rows

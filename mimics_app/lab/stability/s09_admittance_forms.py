@@ -1,6 +1,6 @@
-"""S9: equations (6) and (7) leave out the coupling of polar axes; a free mass turns a corner and gains energy.
+"""S9: equations (6) and (7) omit the coupling of polar axes; a free mass leaves its line and gains energy.
 
-Printed, r' and phi' of a free mass stay as they are, so that after a time t it is at r0 + r' t instead of on its line:
+As printed, r' and phi' of a free mass are constant, so that after a time t it is at r0 + r' t instead of on its line:
 
     energy gained    m phi'^2 (r^2 - r0^2) / 2
     off the line     |(r cos phi't - r0 - r' t, r sin phi't - r0 phi't)|
@@ -11,14 +11,14 @@ The corrected forms keep the energy: the Cartesian one to the last digit, the po
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
 
 import numpy as np
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import AdmittanceForm
 from mimics_app.contracts.kernel import kernel
-from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
 from mimics_app.rendering.haptic.control.admittance import admit
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian, forward
 from mimics_app.rendering.haptic.kernels.vectors import copy, norm
@@ -43,7 +43,7 @@ _KEPT = {AdmittanceForm.CARTESIAN: 1e-12, AdmittanceForm.POLAR: 5e-3}
 
 @kernel
 def _fly(form: int, ticks: int, dt: float, q: Vec, v: Vec, dq: Vec, out: Vec) -> None:
-    """Fly free for `ticks`; out: energy gained [J], place in the robot frame [m] (3), greatest false force [N]."""
+    """Simulate a free mass; out: energy gained [J], position in the robot frame [m] (3), largest spurious force [N]."""
     none = np.zeros(3)
     scratch = np.zeros(3)
     place = np.zeros(3)
@@ -57,7 +57,7 @@ def _fly(form: int, ticks: int, dt: float, q: Vec, v: Vec, dq: Vec, out: Vec) ->
         for k in range(3):
             q[k] += dt * dq[k]
             last[k] = now[k]
-        # What the Cartesian form carries is the velocity itself; of the others it is where the joints are by now.
+        # The state of the Cartesian form is the velocity; that of the others is evaluated at the present joints.
         if form == _CARTESIAN:
             copy(v, now)
         else:
@@ -72,7 +72,7 @@ def _fly(form: int, ticks: int, dt: float, q: Vec, v: Vec, dq: Vec, out: Vec) ->
 
 
 def fly(form: AdmittanceForm, turn: float, dt: float = _DT) -> tuple[float, float, float]:
-    """What a form makes of half a second of free flight that starts at r = 0.46 m with r' = 0.2 m/s.
+    """Simulate half a second of free motion from r = 0.46 m with r' = 0.2 m/s by a form.
 
     Args:
         form: Form of the admittance controller.
@@ -80,7 +80,7 @@ def fly(form: AdmittanceForm, turn: float, dt: float = _DT) -> tuple[float, floa
         dt: Tick [s].
 
     Returns:
-        (energy gained [J], distance from where the straight line ends [m], greatest false force [N]).
+        (energy gained [J], distance from the end of the straight line [m], largest spurious force [N]).
     """
     q, dq, v = np.zeros(3), np.array([_RADIAL_SPEED, turn, 0.0]), np.zeros(3)
     apply_jacobian(q, _D1, dq, v)
@@ -91,7 +91,7 @@ def fly(form: AdmittanceForm, turn: float, dt: float = _DT) -> tuple[float, floa
 
 
 def exact_flight(turn: float) -> tuple[float, float, float]:
-    """The same of the printed form in closed form; the force where it is greatest, at the end."""
+    """Return the same values of the printed form in closed form; the force is largest at the end."""
     r = _D1 + _RADIAL_SPEED * _SECONDS
     phi = turn * _SECONDS
     energy = 0.5 * _MASS * turn**2 * (r**2 - _D1**2)
@@ -100,8 +100,8 @@ def exact_flight(turn: float) -> tuple[float, float, float]:
     return energy, float(off), float(force)
 
 
-def _row(turn: float) -> dict[str, Any]:
-    row: dict[str, Any] = {"turn_rad_s": turn}
+def _row(turn: float) -> Row:
+    row: Row = {"turn_rad_s": turn}
     for form in (AdmittanceForm.SEED, AdmittanceForm.POLAR, AdmittanceForm.CARTESIAN):
         energy, off, force = fly(form, turn)
         name = form.name.lower()
@@ -114,10 +114,7 @@ def _row(turn: float) -> dict[str, Any]:
 def _simulate_grid(points: int) -> Outcome:
     turns = sorted({*np.linspace(0.2, 2.0, points).tolist(), 1.0})
     rows = [_row(float(turn)) for turn in turns]
-
-    def curve(column: str, scale: float = 1.0) -> list[tuple[float, float]]:
-        return [(row["turn_rad_s"], scale * row[column]) for row in rows]
-
+    curve = partial(points_of, rows, "turn_rad_s")
     simulated, exact = curve("seed_off_line_m", 1e3), curve("exact_off_line_m", 1e3)
     disagreement = max(
         largest_disagreement(simulated, exact),

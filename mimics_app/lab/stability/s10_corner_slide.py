@@ -1,4 +1,4 @@
-"""S10: sliding round the corner of a cube (Figure 27): the nearest face jumps, the held face does not.
+"""S10: slide over the edge of a cube (Figure 27): the nearest face jumps, the face of entry does not.
 
 A point presses `depth` into the top and slides to the side. The nearest face changes where both are equally near, and
 the force turns by a right angle within one tick: sqrt(2) k d. With the face of entry held nothing happens until the
@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import from_dtype, types
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
 from mimics_app.lab.stability.laws import SHAPE
 from mimics_app.rendering.haptic.kernels.contact import cube, cube_nearest_face, rate_of_depth
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
@@ -29,7 +30,7 @@ __all__ = ["EXPERIMENT", "slide"]
 
 
 Shape = Callable[[Vec, Vec, Vec, "ContactRecord"], None]
-"""Nearest surface of a shape: place, velocity, dimensions, contact."""
+"""Surface of a shape: function of position, velocity, dimensions, contact."""
 
 _EDGE = 0.1
 _STIFFNESS = 2000.0
@@ -39,7 +40,7 @@ _RUN_UP = 0.005
 _UNFELT = 0.1
 
 _ABOVE = 1e-3
-"""Where the slide begins, over the top [m]."""
+"""Start of the slide above the top [m]."""
 
 
 @kernel
@@ -52,7 +53,7 @@ def nearest(p: Vec, v: Vec, dimensions: Vec, contact: ContactRecord) -> None:
     types.void(SHAPE, types.float64, types.int64, types.float64[::1], from_dtype(CONTACT)[::1], types.float64[::1])
 )
 def _slide(shape: Shape, depth: float, ticks: int, dimensions: Vec, contacts: Table[ContactRecord], out: Vec) -> None:
-    """out: greatest change of the force in one tick inside [N], on leaving [N], ticks pushed by another face."""
+    """out: largest change of the force in one tick inside [N], on leaving [N], number of ticks with another face."""
     contact = contacts[0]
     p = np.array([0.5 * dimensions[0] - depth - _RUN_UP, 0.0, 0.5 * dimensions[2] + _ABOVE])
     v = np.array([0.0, 0.0, -1.0])
@@ -80,10 +81,10 @@ def _slide(shape: Shape, depth: float, ticks: int, dimensions: Vec, contacts: Ta
 
 
 def slide(shape: Shape, depth: float) -> tuple[float, float, int]:
-    """Press `depth` [m] into the top of a cube and slide out of its side at 10 mm/s.
+    """Simulate a slide at a depth [m] under the top of a cube, out of its side at 10 mm/s.
 
     Returns:
-        (greatest change of the force within one tick while inside [N], the same on leaving [N], ticks in which the
+        (largest change of the force within one tick while inside [N], the same on leaving [N], ticks in which the
         force pushed anywhere but up).
     """
     out = np.zeros(3)
@@ -92,7 +93,7 @@ def slide(shape: Shape, depth: float) -> tuple[float, float, int]:
     return float(out[0]), float(out[1]), int(out[2])
 
 
-def _row(depth: float) -> dict[str, Any]:
+def _row(depth: float) -> Row:
     jump, _, wrong = slide(nearest, depth)
     held_jump, falls, held_wrong = slide(cube, depth)
     return {
@@ -109,10 +110,7 @@ def _row(depth: float) -> dict[str, Any]:
 
 def _simulate_grid(points: int) -> Outcome:
     rows = [_row(float(depth)) for depth in sorted({*np.linspace(1e-3, 6e-3, points).tolist(), 3e-3})]
-
-    def curve(column: str) -> list[tuple[float, float]]:
-        return [(row["depth_mm"], row[column]) for row in rows]
-
+    curve = partial(points_of, rows, "depth_mm")
     simulated, exact = curve("nearest_jump_N"), curve("exact_jump_N")
     disagreement = max(
         largest_disagreement(simulated, exact),

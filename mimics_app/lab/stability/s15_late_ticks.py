@@ -1,14 +1,14 @@
-"""S15: ticks that come late: how much damping a wall needs so that it gives no energy away.
+"""S15: late ticks: the damping that a wall needs to generate no energy.
 
-Every 50 ms one tick wakes late and the ones behind it follow back to back, so that the mean period stays 1 ms and a
-rule with the mean sees nothing. What counts is the mean hold weighted by its own length. Policy on, the late tick's
-output is held until the loop has caught up, 10 us a tick: hardly worse. From 10 ms on the policy ramps the force down
-instead, and no wall is left that could give anything. The lateness of a live loop is replayed likewise.
+Every 50 ms one tick is late and the next ones follow back to back, so that the mean period remains 1 ms and a rule with
+the mean has no effect. The mean period weighted by its length counts. With the policy on, the output of the late tick
+is held until the loop has caught up, 10 us a tick: a small difference. From 10 ms on the policy ramps the force down
+instead, and the wall generates nothing. The lateness of a live loop is replayed in the same way.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Points, Row, largest_disagreement, points_of
 from mimics_app.lab.stability.replayed_wall import (
     PERIOD,
     STIFFNESS,
@@ -47,13 +47,13 @@ _LIVE_POINTS = 5
 
 
 def stalls(length: float) -> Wakes:
-    """A loop in which every 50th tick wakes `length` [s] late, beside ones in time."""
+    """Return the ticks of a loop in which every 50th one is late by `length` [s]."""
     pattern = np.zeros(_BETWEEN)
     pattern[-1] = length
     return wakes_with(pattern, _STROKE.seconds)
 
 
-def _row(source: str, length: float, wakes: Wakes) -> dict[str, Any]:
+def _row(source: str, length: float, wakes: Wakes) -> Row:
     return {
         "source": source,
         "late_ms": 1e3 * length,
@@ -66,7 +66,7 @@ def _row(source: str, length: float, wakes: Wakes) -> dict[str, Any]:
     }
 
 
-def _note(times: float, down: dict[str, Any]) -> str:
+def _note(times: float, down: Row) -> str:
     return (
         f"K = {STIFFNESS:.0f} N/m. One tick in 50 late by 9 ms needs {times:.1f} times the damping of a loop "
         f"in time, though the mean period is the same. At 12 ms and 2 N s/m the wall generates "
@@ -80,10 +80,7 @@ def _simulate_grid(points: int) -> Outcome:
     rows = [_row("every 50th tick", length, stalls(length)) for length in lengths]
     held: Points = [(1e3 * length, needed_damping(stalls(length), True)) for length in lengths]
     held_exact: Points = [(1e3 * length, exact_needed(stalls(length), True)) for length in lengths]
-
-    def curve(column: str) -> Points:
-        return [(row["late_ms"], row[column]) for row in rows]
-
+    curve = partial(points_of, rows, "late_ms")
     simulated, exact, live = curve("needed_N_s_m"), curve("exact_N_s_m"), curve("live_limit_N_s_m")
     down = _row("every 50th tick", _RAMPED_DOWN, stalls(_RAMPED_DOWN))
     rows.append(down)
@@ -131,7 +128,7 @@ EXPERIMENT = Experiment(
 
 
 def measure_lateness(seconds: float) -> Vec:
-    """Lateness [s] of every tick of the live loop with the simulated robot, for at most 8 s."""
+    """Return the lateness of every tick of the live loop with the simulated robot, for at most 8 s [s]."""
     memory = SessionMemory()
     robot = Robot()
     engine = HapticEngine(memory, build_device(robot))

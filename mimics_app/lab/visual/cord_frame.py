@@ -1,7 +1,7 @@
-"""Methods to carry a frame along a cord: what each costs for the drawn rings, and by how much it twists the surface.
+"""Frames along a cord, with the cost for the drawn rings and the twist of the surface.
 
-Importing this module registers them, each on a hanging cord, on one that bends to both sides, and on a helix. Error:
-the largest angle to a frame that does not turn about the cord at all, followed in steps 32 times finer.
+Importing this module registers them, each on a hanging cord, on one with an inflection, and on a helix. Error: the
+largest angle to the rotation-minimising frame, computed in steps 32 times finer.
 """
 
 from __future__ import annotations
@@ -15,12 +15,18 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.maths.cord import hang
+from mimics_app.maths.frames import (
+    frenet_normals,
+    plane_normal,
+    projected_up_normals,
+    rotation_minimising_normals,
+)
 from mimics_app.rendering.visual.passes.cord import RINGS
 
 __all__ = ["CURVES", "FRAMES", "GROUP", "twist_error"]
 
 Frame = Callable[[F8, F8], F8]
-"""Places and unit tangents of rings, [n, 3] each -> unit normals, [n, 3]."""
+"""Function of positions and unit tangents of rings, [n, 3] each, that returns unit normals, [n, 3]."""
 
 GROUP = "cord frame"
 _FINER = 32
@@ -41,40 +47,28 @@ def _helix(t: F8) -> F8:
 
 
 CURVES: dict[str, Callable[[F8], F8]] = {"hanging": _hanging, "bent to both sides": _both_sides, "helix": _helix}
-"""Places of a cord at shares of its length [m], [n] -> [n, 3]."""
+"""Functions of shares of a cord's length [n] that return positions [m], [n, 3], by name."""
 
 
 def constant_binormal(places: F8, tangents: F8) -> F8:
-    """The binormal of the plane that the cord lies in, as far as it lies in one."""
-    _, _, axes = np.linalg.svd(places - places.mean(axis=0), full_matrices=False)
-    return _unit(np.cross(axes[2], tangents))
+    """Return normals whose binormal is the normal of the plane of best fit."""
+    return _unit(np.cross(plane_normal(places), tangents))
 
 
 def frenet(places: F8, tangents: F8) -> F8:
-    """Towards the middle of the circle that fits the bend: none where the cord is straight (Serret 1851)."""
-    change = np.gradient(tangents, axis=0)
-    return _unit(change - tangents * (change * tangents).sum(axis=1, keepdims=True))
+    """Return principal normals from the differences of the tangents."""
+    return frenet_normals(tangents, np.gradient(tangents, axis=0))
 
 
 def projected_up(places: F8, tangents: F8) -> F8:
-    """As near to upwards as the cord lets it."""
-    return _unit(_UP - tangents * (tangents @ _UP)[:, None])
+    """Return normals as near to upwards as the cord allows."""
+    return projected_up_normals(tangents, _UP)
 
 
 def double_reflection(places: F8, tangents: F8) -> F8:
-    """From ring to ring by two reflections, which turn it least (Wang et al. 2008)."""
-    normals = np.empty_like(places)
+    """Return the rotation-minimising normals."""
     side = np.eye(3)[np.argmin(np.abs(tangents[0]))]
-    normals[0] = np.cross(tangents[0], side) / np.linalg.norm(np.cross(tangents[0], side))
-    for k in range(len(places) - 1):
-        chord = places[k + 1] - places[k]
-        share = 2.0 / (chord @ chord)
-        normal = normals[k] - share * (chord @ normals[k]) * chord
-        tangent = tangents[k] - share * (chord @ tangents[k]) * chord
-        second = tangents[k + 1] - tangent
-        square = second @ second
-        normals[k + 1] = normal if square < 1e-24 else normal - 2.0 / square * (second @ normal) * second
-    return normals
+    return rotation_minimising_normals(places, tangents, _unit(np.cross(tangents[:1], side))[0])
 
 
 FRAMES: dict[str, tuple[Frame, str, str]] = {
@@ -91,7 +85,7 @@ def _unit(vectors: F8) -> F8:
 
 @cache
 def _rings(curve: str) -> tuple[F8, F8, F8]:
-    """Places, tangents and normals that do not turn about the cord, of the drawn rings."""
+    """Return positions, tangents and rotation-minimising normals of the drawn rings."""
     t = np.linspace(0.0, 1.0, (RINGS - 1) * _FINER + 1)
     places = CURVES[curve](t)
     tangents = _unit(np.gradient(places, t, axis=0, edge_order=2))
@@ -100,7 +94,7 @@ def _rings(curve: str) -> tuple[F8, F8, F8]:
 
 
 def twist_error(frame: Frame, curve: str) -> float:
-    """Largest angle by which a frame has turned about the cord from where it began [rad]."""
+    """Return the largest rotation of a frame around the cord since its start [rad]."""
     places, tangents, still = _rings(curve)
     normals = frame(places, tangents)
     across = np.cross(tangents, still)

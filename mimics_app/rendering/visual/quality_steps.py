@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mimics_app.rendering.visual.renderer import Renderer
-    from mimics_app.rendering.visual.settings import Shading
+    from mimics_app.rendering.visual.settings import ParticleLight, Shading
     from mimics_app.rendering.visual.view import View
 
 __all__ = ["PictureStep", "quality_steps", "rehearse_steps"]
@@ -49,6 +49,8 @@ def quality_steps(renderer: Renderer) -> list[PictureStep]:
     steps += [_ambient(renderer)] if settings.ambient_occlusion else []
     steps += [_mirrors(renderer)] if renderer.world.mirrors and settings.mirror_scale == 1.0 else []
     steps += [_detail(renderer)] if len(renderer.world.content.levels.column("count")) else []
+    lit = any(emitter.lit for emitter in renderer.world.effects.emitters.values())
+    steps += [_particles(renderer)] if lit and settings.particle_light == "pixel" else []
     steps += _shadow_steps(renderer) if settings.shadow_size >= 8 else []
     steps += [_edges(renderer)] if settings.msaa or settings.fxaa else []
     steps += [_shading(renderer)] if settings.shading != "plain" else []
@@ -90,6 +92,11 @@ def _detail(renderer: Renderer) -> PictureStep:
         lambda level: renderer.set_quality(detail=details[level]),
         compiles=False,
     )
+
+
+def _particles(renderer: Renderer) -> PictureStep:
+    levels: tuple[ParticleLight, ...] = ("pixel", "vertex")
+    return PictureStep("particle light", 4, levels, lambda level: renderer.set_quality(particle_light=levels[level]))
 
 
 def _shadow_steps(renderer: Renderer) -> list[PictureStep]:

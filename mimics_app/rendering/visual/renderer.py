@@ -293,8 +293,9 @@ class Renderer:
             opaque, blended, away = self._list.batch_views(
                 self._frame, [seen], view.eye_world, [part[2:]], self._picture.samples, 0
             )
-            mixed = blended if scene.effects is None else scene.effects.mix(seen, blended, away)
-            drawn.append(ViewDraws(view, place, opaque, mixed, part=part))
+            projected = [] if scene.effects is None else scene.effects.meet([seen], self._list, self._frame)
+            mixed = blended if scene.effects is None else scene.effects.mix(seen, part[3], blended, away)
+            drawn.append(ViewDraws(view, place, opaque, mixed, projected=projected, part=part))
         return drawn
 
     def _prepare(self, views: Sequence[View]) -> FrameScene:
@@ -322,7 +323,7 @@ class Renderer:
             from mimics_app.rendering.visual.stages.effect_stage import EffectStage
 
             self._effects = EffectStage(self._surface.ctx, self._shaders, self._longest_texture)
-        self._effects.prepare(self.world, lights)
+        self._effects.prepare(self.world, lights, self.settings.particle_light)
         return self._effects
 
     def _batch(
@@ -331,8 +332,7 @@ class Renderer:
         """Queue what is visible in a view, or in both views of a stereo pair."""
         eyes = list(views) if len(views) == 1 else see_from_between(*views)
         sizes, samples = [place[2:] for place in places], self._picture.samples
-        queue = self._list.batch_views(self._frame, views, eyes[0].eye_world, sizes, samples, key)
-        opaque, blended, away = queue
+        opaque, blended, away = self._list.batch_views(self._frame, views, eyes[0].eye_world, sizes, samples, key)
         passes = self._pair_up([*opaque, *blended], places)
         at_once = passes in AT_ONCE
         if at_once:
@@ -347,7 +347,9 @@ class Renderer:
             for beam in projected:
                 self._frame.double(beam.runs)
         return [
-            replace(each, transparent=scene.effects.mix(each.view, blended, away), projected=projected)
+            replace(
+                each, transparent=scene.effects.mix(each.view, each.rectangle[3], blended, away), projected=projected
+            )
             for each in drawn
         ]
 

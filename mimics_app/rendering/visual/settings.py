@@ -12,6 +12,7 @@ __all__ = [
     "BendBy",
     "Culling",
     "Occlusion",
+    "ParticleLight",
     "QualityChanges",
     "RenderSettings",
     "Shading",
@@ -26,6 +27,9 @@ without point and spot lights, or the cheapest, lit per vertex in display values
 
 BendBy = Literal["processor", "feedback"]
 """Where skinned meshes are deformed: in compiled loops on the processor, or on the GPU by transform feedback."""
+
+ParticleLight = Literal["pixel", "vertex"]
+"""Where the light of lit particles is computed: at each pixel, or at their vertices and interpolated."""
 
 Culling = Literal["auto", "flat", "tree"]
 """Frustum culling: test every item, test groups of the scene graph first, or choose by the number of items."""
@@ -69,6 +73,7 @@ class RenderSettings:
         detail: Factor on the distances at which levels of detail change, 0.25 to 4.
         mirror_scale: Resolution of mirrors over that of the picture, 0.1 to 1.
         shading: Techniques of opaque surfaces, see `Shading`.
+        particle_light: Where the light of lit particles is computed, see `ParticleLight`.
         profile: Purpose of the picture; techniques that exclude it are replaced by their fallbacks.
         occlusion: Occluder boxes in use; the picture is the same with derived ones and without any.
         culling: Method of frustum culling; the picture is the same.
@@ -96,6 +101,7 @@ class RenderSettings:
     detail: float = 1.0
     mirror_scale: float = 1.0
     shading: Shading = "full"
+    particle_light: ParticleLight = "pixel"
     profile: Profile = "training"
     occlusion: Occlusion = "all"
     culling: Culling = "auto"
@@ -124,7 +130,7 @@ class RenderSettings:
 
 
 class QualityChanges(TypedDict, total=False):
-    """Fields of `RenderSettings` that may change between two frames; only `shading` compiles shaders."""
+    """Fields of `RenderSettings` that may change between two frames; `shading` and `particle_light` compile shaders."""
 
     shadow_size: int
     scale: float
@@ -135,3 +141,4 @@ class QualityChanges(TypedDict, total=False):
     ambient_occlusion: float
     detail: float
     shading: Shading
+    particle_light: ParticleLight

@@ -31,6 +31,7 @@ VIEW_BLOCK = np.dtype(
         ("sun_right", "f4", (4,)),
         ("sun_up", "f4", (4,)),
         ("sun_map", "f4", (MAX_CASCADES, 4)),
+        ("sun_tile", "f4", (MAX_CASCADES, 4)),
         ("spot_from_eye", "f4", (MAX_SPOT_MAPS, 4, 4)),
         ("spot_tile", "f4", (MAX_SPOT_MAPS, 4)),
         ("tangents", "f4", (4,)),
@@ -59,6 +60,8 @@ VIEW_BLOCK = np.dtype(
 _BINDING = 0
 _FILTER_MARGIN = 2.0
 """Texels along a map's edge that are not sampled, since the filter reaches over them."""
+_OUTSIDE = 1e9
+"""Place of a map that covers nothing [texel]."""
 _FOG_KINDS: tuple[FogKind, ...] = ("squared", "exponential", "linear")
 """Kinds of fog in the order of their numbers in shaders/common/output.glsl."""
 
@@ -123,19 +126,20 @@ class ViewBlock:
 
     def _fill_shadows(self, plan: ShadowPlan, eye: F8) -> None:
         data, settings = self._data, self.settings
-        data["sun_map"][:, 2] = -1.0
+        data["sun_map"][:] = (_OUTSIDE, _OUTSIDE, 0.0, 0.0)
         tile = settings.shadow_size / plan.grid
         for number, shadow in enumerate(plan.sun):
             clip = shadow.clip_from_world
             radius = 1.0 / float(np.linalg.norm(clip[0, :3]))
-            sampled = radius * (1.0 - 2.0 * _FILTER_MARGIN / tile)
-            centre = -radius * (clip[:2, :3] @ eye + clip[:2, 3])
-            data["sun_map"][number] = (*centre, sampled, 0.0)
+            scale = 0.5 * tile / radius
+            from_eye = -radius * (clip[:2, :3] @ eye + clip[:2, 3])
+            middle = tile * (np.array([number % plan.grid, number // plan.grid]) + 0.5)
+            data["sun_map"][number] = (*(middle - scale * from_eye), scale, 0.5 / scale)
+            data["sun_tile"][number, :2] = middle
         if plan.sun:
             self._fill_sun(plan.sun[0], tile, eye)
         tone = settings.shadow_tone if settings.shadows == "texture_modulative" else 0.0
-        half_texel = 1.0 / max(tile - 2.0 * _FILTER_MARGIN, 1.0)
-        data["shadow"] = (tone, half_texel, 1.0 / max(settings.shadow_size, 1), plan.grid)
+        data["shadow"] = (tone, 1.0 / max(settings.shadow_size, 1), 0.0, 0.0)
         self._fill_spots(plan, eye)
 
     def _fill_sun(self, shadow: ShadowMap, tile: float, eye: F8) -> None:
@@ -143,7 +147,7 @@ class ViewBlock:
         data, clip = self._data, shadow.clip_from_world
         axes = clip[:2, :3] / np.linalg.norm(clip[:2, :3], axis=1, keepdims=True)
         data["sun_right"] = (*axes[0], 0.5 * tile - _FILTER_MARGIN)
-        data["sun_up"] = (*axes[1], tile)
+        data["sun_up"] = (*axes[1], 0.0)
         data["sun_direction"][3] = -0.5 * np.linalg.norm(clip[2, :3])
         data["sun_colour"][3] = 0.5 * (clip[2, :3] @ eye + clip[2, 3]) + 0.5
 

@@ -70,12 +70,12 @@ class ProjectorField:
     """All projectors of a world.
 
     Attributes:
-        beams: The projectors of this frame whose nodes are shown.
+        beams: The projectors of this frame whose nodes are shown, by the node's index.
         issues: Missing textures, each reported once; the caller removes what it reports.
     """
 
     def __init__(self) -> None:
-        self.beams: list[Beam] = []
+        self.beams: dict[int, Beam] = {}
         self._reported: set[Issue] = set()
         self.issues: list[Issue] = []
 
@@ -83,11 +83,11 @@ class ProjectorField:
         """Update the projectors from the world."""
         shown = world.transforms.shown
         rows = {index: world.transforms.row(index) for index in world.effects.projectors}
-        self.beams = [
-            self._beam(world, spec, world.transforms.world[rows[index]])
+        self.beams = {
+            index: self._beam(world, spec, world.transforms.world[rows[index]])
             for index, spec in world.effects.projectors.items()
             if shown[rows[index]]
-        ]
+        }
 
     def _beam(self, world: World, spec: Projector, world_from_node: F8) -> Beam:
         pose = world_from_node.copy()

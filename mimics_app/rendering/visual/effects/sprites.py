@@ -14,9 +14,16 @@ from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
 from mimics_app.rendering.visual.effects.captions import caption_key, caption_picture
 from mimics_app.rendering.visual.effects.emitters import Emitter, SpriteRows
+from mimics_app.rendering.visual.effects.outlines import outline_of, whole_outline
 from mimics_app.rendering.visual.kernels.order import sort_by_key
 from mimics_app.rendering.visual.kernels.particles import SPRITE
-from mimics_app.rendering.visual.kernels.sprites import SPRITE_VERTEX, see_sprites, write_sprites
+from mimics_app.rendering.visual.kernels.sprites import (
+    MIN_OUTLINED,
+    SPRITE_VERTEX,
+    cut_sprites,
+    see_sprites,
+    write_sprites,
+)
 from mimics_app.rendering.visual.materials.picture_arrays import PictureArray, PictureArrays
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.components.effects import Billboard, Particles, SpriteShape
@@ -44,18 +51,20 @@ class SpriteState:
         pictures: Texture array; each sprite selects a layer.
         masked: True for alpha test instead of blending.
         lit: True for sprites lit by sun, lights and sky.
+        flat: True for lit sprites without roundness: their light may be computed at their vertices.
         dots: True where all of them show the dot, for which the shader has a formula.
     """
 
     pictures: PictureArray
     masked: bool
     lit: bool
+    flat: bool = False
     dots: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class SpriteRun:
-    """Sprites of one draw call: their state, the number of the first, and how many."""
+    """Sprites of one draw call: their state, the number of their first piece, and how many pieces they have."""
 
     state: SpriteState
     first: int
@@ -63,7 +72,7 @@ class SpriteRun:
 
     @property
     def triangles(self) -> int:
-        """Triangles of the run, two per sprite."""
+        """Triangles of the run, two per piece."""
         return 2 * self.count
 
 
@@ -72,7 +81,7 @@ class SpriteField:
 
     Attributes:
         vertices: Vertices of all views, SPRITE_VERTEX [>= count, 4].
-        count: Sprites written to it since the last update.
+        count: Pieces of sprites written to it since the last update.
         issues: Missing textures, each reported once; the caller removes what it reports.
     """
 
@@ -82,12 +91,14 @@ class SpriteField:
         self._pictures: dict[str, TextureData | None] = {}
         self._states: list[SpriteState] = []
         self._shown: dict[SpriteState, set[str]] = {}
+        self._cut: dict[tuple[int, int], F8 | None] = {}
         self._rows = SpriteRows()
         self._billboards = np.zeros(0, SPRITE)
         self._emitters: dict[int, Emitter] = {}
         self._reported: set[Issue] = set()
         self._scratch(0)
-        self._axes = np.zeros((2, 3))
+        self._axes = np.zeros((3, 3))
+        self._take_outlines()
         self.vertices = np.zeros((256, 4), SPRITE_VERTEX)
         self.count = 0
         self.issues: list[Issue] = []
@@ -121,32 +132,37 @@ class SpriteField:
         every = [np.asarray(rows[name], np.float64).reshape(len(rows), -1) for name in rows.dtype.names or ()]
         return np.concatenate([rows["place"], reach[:, None], *every], axis=1)
 
-    def batch(self, view: View, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
+    def batch(self, view: View, height: int, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
         """Queue the sprites in a view.
 
         Args:
             view: The view.
+            height: Height of its picture as drawn [px].
             surfaces: Blended runs of this view, one item each, far to near.
             away: Their distances [m], [surfaces].
 
         Returns:
             Masked sprites; then blended sprites and surfaces together, far to near.
         """
-        rows, eye = self._rows, np.ascontiguousarray(view.eye_world)
+        eye = np.ascontiguousarray(view.eye_world)
         solid, blended = self._pick(view, eye)
-        order = self._order
-        self.vertices = grown(self.vertices, self.count + solid + blended)
-        first = self.count
-        right = np.ascontiguousarray(view.world_from_eye[:3, 0])
-        write_sprites(rows.rows, order, solid + blended, first, eye, right, self._axes, self.vertices)
-        self.count += solid + blended
-        runs: list[DrawRun | SpriteRun] = [*self._runs(first, 0, solid)]
+        self._write(view, eye, height, solid + blended)
+        runs: list[DrawRun | SpriteRun] = [*self._runs(0, solid)]
         cuts = self._cuts(blended, away) + solid
         done = solid
         for surface, cut in zip(surfaces, cuts.tolist(), strict=True):
-            runs += [*self._runs(first, done, cut), surface]
+            runs += [*self._runs(done, cut), surface]
             done = cut
-        return [*runs, *self._runs(first, done, solid + blended)]
+        return [*runs, *self._runs(done, solid + blended)]
+
+    def _write(self, view: View, eye: F8, height: int, count: int) -> None:
+        """Write the vertices of the sprites in `_order`, and the first row of each into `_places`."""
+        sprites, least = self._rows.rows, MIN_OUTLINED * (view.tangents[3] - view.tangents[2]) / height
+        end = cut_sprites(sprites, self._order, count, self.count, eye, least, self._outlined, self._places)
+        self.vertices = grown(self.vertices, end)
+        right = np.ascontiguousarray(view.world_from_eye[:3, 0])
+        write_sprites(sprites, self._order, count, self._places, eye, right, self._axes, self._outlines, self.vertices)
+        self.count = end
 
     def _pick(self, view: View, eye: F8) -> tuple[int, int]:
         """Fill `_order` with masked sprites by state, then blended ones far to near, with their `_keys`."""
@@ -173,26 +189,28 @@ class SpriteField:
     def _sort(self, numbers: I4, count: int) -> None:
         sort_by_key(self._keys, numbers, count, self._spare_keys, self._spare, self._digits)
 
-    def _runs(self, first: int, begin: int, end: int) -> Iterator[SpriteRun]:
-        """Yield the runs of equal state in `_order[begin:end]`; `_order[0]` is sprite `first` of the frame."""
+    def _runs(self, begin: int, end: int) -> Iterator[SpriteRun]:
+        """Yield the runs of equal state in `_order[begin:end]`."""
         if begin >= end:
             return
-        if len(self._states) == 1:
-            yield SpriteRun(self._states[0], first + begin, end - begin)
-            return
-        states = self._rows.rows["state"][self._order[begin:end]]
-        starts = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), end - begin]
+        starts = [begin, end]
+        if len(self._states) > 1:
+            states = self._rows.rows["state"][self._order[begin:end]]
+            starts = [begin, *(begin + 1 + np.flatnonzero(np.diff(states))).tolist(), end]
         for start, stop in pairwise(starts):
-            yield SpriteRun(self._states[states[start]], first + begin + start, stop - start)
+            state = self._states[self._rows.rows["state"][self._order[start]]]
+            first, last = int(self._places[start]), int(self._places[stop])
+            yield SpriteRun(state, first, last - first)
 
     def _scratch(self, size: int) -> None:
         self._order, self._blended, self._spare = (np.zeros(size, np.int32) for _ in range(3))
+        self._places = np.zeros(size + 1, np.int32)
         self._keys, self._spare_keys = np.zeros(size, np.uint64), np.zeros(size, np.uint64)
         self._away, self._digits = np.zeros(size), np.zeros((8, 256), np.int32)
 
     def _take_structure(self, world: World) -> None:
         effects = world.effects
-        self._shown, self._pictures = dict[SpriteState, set[str]](), {}
+        self._shown, self._pictures, self._cut = dict[SpriteState, set[str]](), {}, {}
         self._billboards = np.zeros(len(effects.billboards), SPRITE)
         for row, spec in zip(self._billboards, effects.billboards.values(), strict=True):
             state, layer = self._state(world, spec, spec.text)
@@ -205,6 +223,15 @@ class SpriteField:
             state, layer = self._state(world, emitter)
             self._emitters[index] = Emitter(emitter, effects.seed_of(index), state, layer)
         self._states = [replace(state, dots=shown == {_DOT}) for state, shown in self._shown.items()]
+        self._take_outlines()
+
+    def _take_outlines(self) -> None:
+        layers = 1 + max((layer for _, layer in self._cut), default=0)
+        self._outlined = np.zeros((len(self._states), layers), np.uint8)
+        self._outlines = np.tile(whole_outline(), (len(self._states), layers, 1, 1))
+        for place, outline in self._cut.items():
+            if outline is not None:
+                self._outlined[place], self._outlines[place] = 1, outline
 
     def _place_billboards(self, world: World) -> None:
         count = len(self._billboards)
@@ -227,9 +254,12 @@ class SpriteField:
         else:
             key, picture = self._picture(world, spec.texture, spec.shape)
         array, layer = self._arrays.place(key, picture)
-        state = SpriteState(array, spec.blend == "mask", spec.lit)
+        state = SpriteState(array, spec.blend == "mask", spec.lit, spec.lit and isinstance(spec, Particles))
         self._shown.setdefault(state, set()).add(key)
-        return list(self._shown).index(state), layer
+        number = list(self._shown).index(state)
+        if (number, layer) not in self._cut:
+            self._cut[number, layer] = None if key == _DOT else outline_of(picture)
+        return number, layer
 
     def _picture(self, world: World, texture: str | None, shape: SpriteShape) -> tuple[str, TextureData]:
         if texture is None:

@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F4, F8, I4, U1, Records
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["SPRITE_VERTEX", "see_sprites", "write_sprites"]
+__all__ = ["MAX_PIECES", "MIN_OUTLINED", "SPRITE_VERTEX", "cut_sprites", "see_sprites", "write_sprites"]
 
 
 SPRITE_VERTEX = np.dtype(
@@ -17,11 +17,18 @@ SPRITE_VERTEX = np.dtype(
         ("position", "f4", (3,)),  # eye frame [m]
         ("tint", "f4", (4,)),  # linear RGBA
         ("style", "u2", (4,)),  # layer; opacity, roundness and alpha cutoff as shares of 65535
+        ("at", "i2", (2,)),  # place on the sprite, -1 to 1 as shares of 32767
+        ("normal", "i1", (4,)),  # unit, towards the camera, as shares of 127; the last one unused
     ]
 )
-"""One vertex as the shader reads it; four per sprite: lower left, lower right, upper left, upper right."""
+"""One vertex as the shader reads it; four per piece of a sprite: lower left, lower right, upper left, upper right."""
 
-_WHOLE = 65535.0
+MAX_PIECES = 8
+"""Pieces of equal height that a sprite is cut into along the outline of its texture."""
+MIN_OUTLINED = 128.0
+"""Width and height as seen from which a sprite is cut [px]: for smaller ones its vertices cost more than its pixels."""
+
+_WHOLE, _HALF, _BYTE = 65535.0, 32767.0, 127.0
 
 _FREE, _UPRIGHT, _OWN, _LEVEL = 0, 1, 2, 3
 _STEEPEST = 1e-4
@@ -109,8 +116,57 @@ def _turned_axes(q: F4, out: F8) -> None:
 
 
 @kernel
+def _normal_of(place: F8, eye: F8, axes: F8) -> None:
+    """Write the unit normal of a sprite, on the camera's side, into the third row of its axes."""
+    towards = 0.0
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        axes[2, k] = axes[0, i] * axes[1, j] - axes[0, j] * axes[1, i]
+        towards += axes[2, k] * (eye[k] - place[k])
+    if towards < 0.0:
+        for k in range(3):
+            axes[2, k] = -axes[2, k]
+
+
+@kernel
+def cut_sprites(
+    sprites: Records, order: I4, count: int, first: int, eye: F8, least: float, outlined: U1, rows: I4
+) -> int:
+    """Decide into how many pieces sprites are cut.
+
+    Args:
+        sprites: SPRITE.
+        order: Numbers of sprites in draw order, [>= count].
+        count: Number of sprites.
+        first: Row of the first piece.
+        eye: Position of the camera, world [m], [3].
+        least: Width and height as seen from which a sprite with an outline is cut, as a tangent.
+        outlined: 1 for a texture with an outline, by state and layer, [states, layers].
+        rows: Written: row of each sprite's first piece, and the row after the last one, [>= count + 1].
+
+    Returns:
+        The row after the last one.
+    """
+    row = first
+    for i in range(count):
+        n = order[i]
+        rows[i] = row
+        row += 1
+        if not outlined[sprites[n]["state"], int(sprites[n]["style"][0])] or sprites[n]["facing"] == _OWN:
+            continue
+        place, half = sprites[n]["place"], sprites[n]["half"]
+        x, y, z = place[0] - eye[0], place[1] - eye[1], place[2] - eye[2]
+        flat, away = x * x + z * z, math.sqrt(x * x + y * y + z * z)
+        upright = math.sqrt(flat) / away if sprites[n]["facing"] == _UPRIGHT and away > 0.0 else 1.0
+        if 2.0 * min(half[0], half[1] * upright) >= least * away:
+            row += MAX_PIECES - 1
+    rows[count] = row
+    return row
+
+
+@kernel
 def write_sprites(
-    sprites: Records, order: I4, count: int, first: int, eye: F8, right_of_eye: F8, axes: F8, out: Records
+    sprites: Records, order: I4, count: int, rows: I4, eye: F8, right_of_eye: F8, axes: F8, outlines: F8, out: Records
 ) -> None:
     """Write the vertices of sprites as the shader reads them, relative to the camera, subtracted in float64.
 
@@ -118,11 +174,12 @@ def write_sprites(
         sprites: SPRITE.
         order: Numbers of sprites in draw order, [>= count].
         count: Number of sprites.
-        first: Row of the first sprite in `out`.
+        rows: Row of each sprite's first piece in `out`, and the row after the last one, [>= count + 1].
         eye: Position of the camera, world [m], [3].
         right_of_eye: Right axis of the camera, unit, world, [3]: of text, and of sprites seen from straight above.
-        axes: Scratch, [2, 3].
-        out: SPRITE_VERTEX, [>= first + count, 4].
+        axes: Scratch, [3, 3].
+        outlines: Left and right at the heights between pieces, by state and layer, [states, layers, MAX_PIECES + 1, 2].
+        out: SPRITE_VERTEX, [>= rows[count], 4].
     """
     for i in range(count):
         n = order[i]
@@ -135,19 +192,30 @@ def write_sprites(
             _axes_before_eye(place, eye, right_of_eye, facing, axes)
             c, s = float(turn[0]), float(turn[1])
         wide, high = float(sprites[n]["half"][0]), float(sprites[n]["half"][1])
-        lift = float(sprites[n]["lift"])
+        _normal_of(place, eye, axes)
         for k in range(3):
-            across, along = wide * (axes[0, k] * c + axes[1, k] * s), high * (axes[1, k] * c - axes[0, k] * s)
-            centre = place[k] - eye[k] + lift * along
-            out[first + i, 0]["position"][k] = centre - across - along
-            out[first + i, 1]["position"][k] = centre + across - along
-            out[first + i, 2]["position"][k] = centre - across + along
-            out[first + i, 3]["position"][k] = centre + across + along
-        style = sprites[n]["style"]
-        for number in range(_VERTICES):
-            vertex = out[first + i, number]
-            for k in range(_NUMBERS):
-                vertex["tint"][k] = sprites[n]["tint"][k]
-            vertex["style"][0] = np.uint16(style[0])
-            for k in range(1, _NUMBERS):
-                vertex["style"][k] = np.uint16(style[k] * _WHOLE + 0.5)
+            right, up = axes[0, k], axes[1, k]
+            axes[0, k], axes[1, k] = wide * (right * c + up * s), high * (up * c - right * s)
+        pieces = rows[i + 1] - rows[i]
+        layer = int(sprites[n]["style"][0])
+        for piece in range(pieces):
+            for number in range(_VERTICES):
+                level = piece + number // 2
+                x, y = 2.0 * (number % 2) - 1.0, 2.0 * level / pieces - 1.0
+                if pieces > 1:
+                    x = outlines[sprites[n]["state"], layer, level, number % 2]
+                _write_vertex(sprites[n], eye, axes, x, y, out[rows[i] + piece, number])
+
+
+@kernel
+def _write_vertex(sprite: Records, eye: F8, axes: F8, x: float, y: float, out: Records) -> None:
+    """Write the vertex at a place on a sprite, -1 to 1, given half its width and height as vectors and its normal."""
+    for k in range(3):
+        out["position"][k] = sprite["place"][k] - eye[k] + x * axes[0, k] + (y + sprite["lift"]) * axes[1, k]
+        out["normal"][k] = np.int8(round(axes[2, k] * _BYTE))
+    out["at"][0], out["at"][1] = np.int16(round(x * _HALF)), np.int16(round(y * _HALF))
+    for k in range(_NUMBERS):
+        out["tint"][k] = sprite["tint"][k]
+    out["style"][0] = np.uint16(sprite["style"][0])
+    for k in range(1, _NUMBERS):
+        out["style"][k] = np.uint16(sprite["style"][k] * _WHOLE + 0.5)

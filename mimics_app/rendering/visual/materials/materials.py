@@ -39,7 +39,7 @@ LIGHT_FEATURES = (
     "HAZE",
     "TONED",
 )
-"""Shader features that depend on the light."""
+"""Shader features that depend on the light, each "NAME" or "NAME=VALUE"."""
 
 _BINDINGS = {"base": 0, "normal": 5, "surface": 6, "occlusion": 7, "emission": 8}
 """Bindings of the maps' samplers in shaders/common/material.glsl."""
@@ -101,7 +101,7 @@ class MaterialStore:
 
         Args:
             world: The world.
-            light_features: Those of `LIGHT_FEATURES` that the frame has; shaders leave out the rest.
+            light_features: Those of `LIGHT_FEATURES` that the frame has, with their values; shaders leave out the rest.
             shading: Techniques of opaque surfaces.
             profile: Purpose of the picture, which techniques may exclude.
 
@@ -175,7 +175,7 @@ class MaterialStore:
         features = self._features(material, pictures, coloured)
         passes = []
         for spec in choice.spec.passes:
-            defines = (*spec.defines, *(each for each in features if each in spec.features))
+            defines = (*spec.defines, *(each for each in features if _name_of(each) in spec.features))
             passes.append(make_pass(spec, self._shaders.program(spec.vertex, spec.fragment, defines), material))
         read = {feature for spec in choice.spec.passes for feature in spec.features}
         textures = tuple(
@@ -205,9 +205,9 @@ class MaterialStore:
             textures = ((_BINDINGS["base"], array),)
             sides = zip(picture.wrap, ("MIRROR_U", "MIRROR_V"), strict=True)
             features += ["TEXTURED", *(feature for wrap, feature in sides if wrap == "mirror")]
-        features += [each for each in LIGHT_FEATURES if each in self._variant.light_features]
+        features += self._light_features
         first = spec.passes[0]
-        defines = (*first.defines, *(each for each in features if each in first.features))
+        defines = (*first.defines, *(each for each in features if _name_of(each) in first.features))
         drawn = make_pass(first, self._shaders.program(first.vertex, first.fragment, defines), material)
         state = (drawn.shader.defines, id(array), drawn.cull, drawn.blend)
         red, green, blue = encode_srgb(np.array(material.base_colour[:3])).tolist()
@@ -228,13 +228,18 @@ class MaterialStore:
     def _chain(self, material: Material) -> list[str]:
         return technique_chain(material.technique, self._techniques) or ["lit", _PLAIN]
 
+    @property
+    def _light_features(self) -> list[str]:
+        """The features of the frame's light, in a fixed order."""
+        return sorted(self._variant.light_features, key=lambda each: LIGHT_FEATURES.index(_name_of(each)))
+
     def _features(self, material: Material, pictures: _Pictures, coloured: bool) -> list[str]:
         """Return the shader features of a material, in a fixed order."""
         has = {
             "COLOURED": coloured,
             **{_feature_of(which): which in pictures for which in MAPS},
             "MASKED": material.alpha_mode == "mask",
-            **{each: each in self._variant.light_features for each in LIGHT_FEATURES},
+            **dict.fromkeys(self._light_features, True),
             "MATT": material.roughness >= _MATT and material.metallic == 0.0 and "surface" not in pictures,
             "SOFT": material.softness > 0.0,
             "GRID": material.grid > 0.0,
@@ -269,6 +274,11 @@ class MaterialStore:
         if issue not in self._reported:
             self._reported.add(issue)
             self.issues.append(issue)
+
+
+def _name_of(feature: str) -> str:
+    """Return a feature without its value."""
+    return feature.partition("=")[0]
 
 
 def _feature_of(which: str) -> str:

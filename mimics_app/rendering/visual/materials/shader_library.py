@@ -95,7 +95,7 @@ class ShaderLibrary:
         Args:
             vertex: Path below the shaders folder, e.g. "lit/lit.vert".
             fragment: Path of the fragment shader.
-            defines: Names to `#define`, e.g. ("TEXTURED",).
+            defines: Names to `#define`, e.g. ("TEXTURED",), as 1 unless "NAME=VALUE".
 
         Raises:
             SceneError: a file is missing or does not compile.
@@ -183,7 +183,7 @@ class _Source:
         self._places: list[tuple[Path, int]] = []
         self._lines: list[str] = []
         self.files: list[Path] = []
-        for line in (_VERSION, *(f"#define {define} 1" for define in defines)):
+        for line in (_VERSION, *map(_define, defines)):
             self._add(line, folder / name, 1)
         self._paste(name, name)
         self.text = "\n".join(self._lines) + "\n"
@@ -211,6 +211,11 @@ class _Source:
     def _add(self, line: str, path: Path, number: int) -> None:
         self._lines.append(line)
         self._places.append((path, number))
+
+
+def _define(feature: str) -> str:
+    name, _, value = feature.partition("=")
+    return f"#define {name} {value or 1}"
 
 
 def _stamp(path: Path) -> int:

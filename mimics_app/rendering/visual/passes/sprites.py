@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 from mimics_app.rendering.visual.effects.sprites import SpriteRun, SpriteState
 from mimics_app.rendering.visual.kernels.sprites import SPRITE_VERTEX
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.settings import ParticleLight
 
 if TYPE_CHECKING:
     import moderngl
 
 __all__ = ["SpritePass"]
 
-_FORMATS = {"position": "3f4", "tint": "4f4", "style": "4u2"}
+_FORMATS = {"position": "3f4", "tint": "4f4", "style": "4u2", "at": "2i2", "normal": "4i1"}
 """Fields of SPRITE_VERTEX in order, in moderngl's notation."""
 
 _TWO_TRIANGLES = np.array([0, 1, 2, 2, 1, 3], np.uint32)
@@ -30,9 +31,13 @@ class SpritePass:
     """Buffers and shaders of sprites, created with the first visible sprite.
 
     Vertices are computed on the processor: software drivers take half as long for them as for as many instances.
+
+    Attributes:
+        particle_light: Where the light of lit particles is computed.
     """
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
+        self.particle_light: ParticleLight = "pixel"
         self._ctx = ctx
         self._shaders = shaders
         self._vertices: moderngl.Buffer | None = None
@@ -90,10 +95,12 @@ class SpritePass:
         defines = ["MASKED"] if state.masked else []
         if state.dots:
             defines.append("DOTS")
+        flat = state.flat and self.particle_light == "vertex"
         if state.lit:
-            defines += ["LIT", *sorted(lights)]
+            defines += ["FLAT" if flat else "ROUND", *sorted(lights)]
         else:
             defines += sorted(lights & _OF_DISPLAY)
+        defines.append("SHADE=smooth" if flat else "SHADE=flat")
         return self._shaders.program("sprite/sprite.vert", "sprite/sprite.frag", tuple(defines))
 
     def _array(self, shader: ShaderProgram) -> moderngl.VertexArray:
@@ -103,7 +110,10 @@ class SpritePass:
         if known is not None:
             known[1].release()
         assert self._vertices is not None and self._indices is not None, "runs are drawn after upload"
-        content = (self._vertices, " ".join(_FORMATS.values()), *(SPRITE_VERTEX.names or ()))
+        # A program does not list a field that it does not read: its bytes are skipped.
+        read = [name for name in _FORMATS if name in shader.program]
+        fields = [_FORMATS[name] if name in read else f"{SPRITE_VERTEX[name].itemsize}x" for name in _FORMATS]
+        content = (self._vertices, " ".join(fields), *read)
         array = self._ctx.vertex_array(shader.program, [content], self._indices)
         self._arrays[shader] = (shader.revision, array)
         return array

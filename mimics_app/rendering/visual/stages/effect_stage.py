@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from mimics_app.contracts.arrays import F8
@@ -10,13 +10,14 @@ from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
-from mimics_app.rendering.visual.effects.projectors import BeamRuns, ProjectorField
+from mimics_app.rendering.visual.effects.projectors import Beam, BeamRuns, ProjectorField
 from mimics_app.rendering.visual.effects.sprites import SpriteField, SpriteRun
 from mimics_app.rendering.visual.materials.picture_arrays import PictureArrays
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.projector import ProjectorPass
 from mimics_app.rendering.visual.passes.sprites import SpritePass
 from mimics_app.rendering.visual.passes.states import draw_runs
+from mimics_app.rendering.visual.settings import ParticleLight
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
 
@@ -37,14 +38,16 @@ class EffectStage:
         self._projecting = ProjectorPass(ctx, shaders, longest_texture)
         self._lights: frozenset[str] = frozenset()
 
-    def prepare(self, world: World, lights: frozenset[str]) -> None:
+    def prepare(self, world: World, lights: frozenset[str], particle_light: ParticleLight) -> None:
         """Update the effects from the world, at its time.
 
         Args:
             world: The world, updated.
             lights: Shader features that the frame's light needs.
+            particle_light: Where the light of lit particles is computed.
         """
         self._lights = lights
+        self._sprites.particle_light = particle_light
         self._field.update(world)
         self._projectors.update(world)
 
@@ -53,15 +56,20 @@ class EffectStage:
         """All sprites, one row each: bounding sphere [m], then all other fields; float64 [n, m]."""
         return self._field.figures
 
-    def mix(self, view: View, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
+    @property
+    def beams(self) -> Mapping[int, Beam]:
+        """The projectors that are shown, by the index of their node."""
+        return self._projectors.beams
+
+    def mix(self, view: View, height: int, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
         """Queue the sprites of a view among its blended surfaces, see `SpriteField.batch`."""
-        return self._field.batch(view, surfaces, away)
+        return self._field.batch(view, height, surfaces, away)
 
     def meet(self, views: Sequence[View], listed: DrawList, frame: FrameBuffers) -> list[BeamRuns]:
         """Queue the opaque surfaces that projectors hit, of the views that were batched last."""
         met = [
             BeamRuns(beam, listed.batch_meeting(frame, views[0], beam.planes, beam.onto))
-            for beam in self._projectors.beams
+            for beam in self._projectors.beams.values()
             if any(beam.is_seen(view.frustum_planes) for view in views)
         ]
         return [each for each in met if each.runs]

@@ -2,26 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
+from mimics_app.rendering.visual.effects.projectors import Beam
+from mimics_app.rendering.visual.passes.cord import CORD_BLOCK, fill_cord_block
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap
 from mimics_app.rendering.visual.stages.world_stage import FrameScene
 from mimics_app.rendering.visual.view import Rect, View
+from mimics_app.world.cords import Cord
 from mimics_app.world.materials.material import TextureData
 from mimics_app.world.render_list import RenderList
 
-__all__ = ["SeenFrame", "capture_frame", "may_keep"]
+__all__ = ["Overlaid", "SeenFrame", "capture_frame", "may_keep"]
 
 
 _MIN_PIXELS = 10_000
 """Number of pixels from which the search for changes costs less than drawing all of them."""
 
 _NO_SPRITES = np.zeros((0, 4))
+
+_PIECES = 16
+"""Pieces of a cord: rectangles around pieces cover fewer pixels than one around all of it."""
+_SWELL = 1.5
+"""Largest radius of a rippled cord over its radius (see world/cords.py)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Overlaid:
+    """A projected texture or a cord: it changes the pixels within a place of its own.
+
+    Attributes:
+        state: Everything its pixels depend on, apart from light and surfaces.
+        hulls: Convex hulls of points that it lies in, world [m], float64 [m, k, 3].
+        reach: Distance around them [m].
+    """
+
+    state: object
+    hulls: F8
+    reach: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +59,7 @@ class SeenFrame:
         listed: Its draw list.
         subentities: The world's render list that the draw list was built from.
         sprites: All fields of its sprites, one row each, float64 [n, m]; bounding spheres in the first four columns.
+        overlaid: Projected textures and cords that are shown, by index or name.
         sun: Unit vector towards the sun, [3]; None where it has no shadow map.
         maps: Shadow maps of the sun.
         cones: True where spot lights have shadow maps.
@@ -48,6 +72,7 @@ class SeenFrame:
     listed: DrawList
     subentities: RenderList
     sprites: F8
+    overlaid: Mapping[int | str, Overlaid]
     sun: F8 | None
     maps: list[ShadowMap]
     cones: bool
@@ -56,7 +81,7 @@ class SeenFrame:
 def may_keep(scene: FrameScene, views: Sequence[View], rectangle: Rect) -> bool:
     """Whether parts of the last picture may be reused: one large view, without content `capture_frame` leaves out."""
     world = scene.world
-    living = world.mirrors or world.screens or world.insets or world.cords or world.effects.projectors
+    living = world.mirrors or world.screens or world.insets
     plain = scene.settings.ambient_occlusion == 0.0 and not scene.by_stencil
     return len(views) == 1 and rectangle[2] * rectangle[3] >= _MIN_PIXELS and plain and not living
 
@@ -85,7 +110,32 @@ def capture_frame(scene: FrameScene, view: View, rectangle: Rect, listed: DrawLi
         listed=listed,
         subentities=world.subentities(),
         sprites=_NO_SPRITES if scene.effects is None else scene.effects.sprites,
+        overlaid=_overlaid(scene),
         sun=lighting.sun_direction if plan.sun else None,
         maps=plan.sun,
         cones=bool(plan.spots),
     )
+
+
+def _overlaid(scene: FrameScene) -> dict[int | str, Overlaid]:
+    found: dict[int | str, Overlaid] = {}
+    if scene.effects is not None:
+        found |= {index: _of_beam(beam) for index, beam in scene.effects.beams.items()}
+    time_s, sun = scene.world.effects.time, scene.lighting.sun_direction
+    return found | {name: _of_cord(cord, sun, time_s) for name, cord in scene.world.cords.items() if cord.visible}
+
+
+def _of_beam(beam: Beam) -> Overlaid:
+    onto = None if beam.onto is None else beam.onto.tobytes()
+    state = (beam.spec, beam.key, beam.texture_from_world.tobytes(), beam.towards.tobytes(), onto)
+    return Overlaid(state, beam.corners[None], 0.0)
+
+
+def _of_cord(cord: Cord, sun: F8, time_s: float) -> Overlaid:
+    block = np.zeros((), CORD_BLOCK)
+    fill_cord_block(block, cord, np.zeros(3), sun, time_s)
+    curve = cord.curve
+    points = curve.point(np.linspace(0.0, curve.length, _PIECES + 1))
+    # An arc leaves the hull of its ends by at most its curvature times an eighth of its squared length.
+    sag = 0.125 * curve.bend * (curve.length / _PIECES) ** 2
+    return Overlaid(block.tobytes(), np.stack([points[:-1], points[1:]], axis=1), _SWELL * cord.shown_radius + sag)

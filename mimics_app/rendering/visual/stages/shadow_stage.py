@@ -41,7 +41,7 @@ def light_features(lighting: Lighting, settings: RenderSettings) -> frozenset[st
     """Return the shader features that a frame's light needs (`materials.LIGHT_FEATURES`)."""
     maps = _sun_maps(lighting, settings)
     wanted = {
-        "PLACED_LIGHTS": lighting.place_count > 0,
+        f"PLACED_LIGHTS={lighting.place_count}": lighting.place_count > 0,
         "SUN_SHADOW": maps > 0,
         f"SUN_MAPS_{maps}": maps > 1,
         "SPOT_SHADOWS": settings.shadow_size > 0 and bool(_spots(lighting)),

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.stages.screen_places import box_corners, cover_of, screen_bounds
-from mimics_app.rendering.visual.stages.seen_frame import SeenFrame
+from mimics_app.rendering.visual.stages.seen_frame import Overlaid, SeenFrame
 from mimics_app.rendering.visual.view import Rect
 
 __all__ = ["StillPicture"]
@@ -102,7 +102,7 @@ class StillPicture:
         was, now = changed & before.shown, changed & shown
         touched = np.concatenate([before.boxes.corners(was), boxes.corners(now)])
         casting = np.concatenate([listed.items.casting[was], listed.items.casting[now]])
-        return self._places(seen, touched, touched[casting], sprites)
+        return self._places(seen, touched, touched[casting], sprites, _changed_overlaid(before.seen, seen))
 
     def _count(self, *, alike: bool) -> None:
         """Update `keeps`, which starts after some comparable frames and ends after many others."""
@@ -113,13 +113,16 @@ class StillPicture:
         elif self._restless >= _RESTLESS_FRAMES:
             self.keeps = False
 
-    def _places(self, seen: SeenFrame, touched: F8, casters: F8, sprites: F8) -> list[Rect] | None:
-        """Return rectangles around boxes (by their corners), their shadows, and sprites (by spheres)."""
+    def _places(
+        self, seen: SeenFrame, touched: F8, casters: F8, sprites: F8, overlaid: list[Overlaid]
+    ) -> list[Rect] | None:
+        """Return rectangles around boxes (by corners), their shadows, sprites (by spheres) and what is overlaid."""
         view, (x, y, width, height) = seen.view, seen.rectangle
         if len(casters) and (seen.cones or (seen.sun is not None and seen.sun[1] < _LOWEST_SUN)):
             return None
         bounds = [screen_bounds(view, touched, np.zeros(len(touched)))]
         bounds.append(screen_bounds(view, sprites[:, None, :3], sprites[:, 3].copy()))
+        bounds += [screen_bounds(view, each.hulls, np.full(len(each.hulls), each.reach)) for each in overlaid]
         if seen.sun is not None and seen.maps and len(casters):
             reach = _REACH_TEXELS * max(each.texel for each in seen.maps)
             ends = self._shadow_ends(seen.sun, casters)
@@ -164,6 +167,13 @@ def _changed_sprites(last: SeenFrame | None, seen: SeenFrame) -> F8:
         return np.concatenate([before[:, :4], now[:, :4]])
     other = (before != now).any(axis=1)
     return np.concatenate([before[other, :4], now[other, :4]])
+
+
+def _changed_overlaid(last: SeenFrame, seen: SeenFrame) -> list[Overlaid]:
+    """Return the projected textures and cords that changed, before and after."""
+    was, now = last.overlaid, seen.overlaid
+    kept = {name for name in was.keys() & now.keys() if was[name].state == now[name].state}
+    return [each for overlaid in (was, now) for name, each in overlaid.items() if name not in kept]
 
 
 def _boxes_of(listed: DrawList) -> _Boxes:
