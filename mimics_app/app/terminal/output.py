@@ -136,10 +136,14 @@ def errors_of(issues: Sequence[Issue]) -> dict[str, Any]:
     return {"errors": rows, **counts}
 
 
+_CONTROLS = {code: f"\\x{code:02x}" for code in (*range(9), *range(11, 32), *range(127, 160))}
+"""What a name from a file or an argument must not do to a terminal: colour it, clear it, retitle it."""
+
+
 def issue_lines(issues: Sequence[Issue]) -> list[str]:
     """Return issues as lines for a terminal: the first ones, and the number of the rest."""
     more = more_issues(issues)
-    lines = [f"mimics: {with_line(issue)}\n" for issue in listed_issues(issues)[0]]
+    lines = [f"mimics: {with_line(issue).translate(_CONTROLS)}\n" for issue in listed_issues(issues)[0]]
     return [*lines, f"mimics: {more}\n"] if more else lines
 
 

@@ -138,6 +138,6 @@ def _split(address: str) -> tuple[str, str]:
     kind, _, rest = address.partition(":")
     if kind in KINDS and kind != "sim" and not rest:
         raise UsageError(f'"{address}" names no {kind} source', f"write {kind}:NAME")
-    if kind not in source_kinds():
-        raise UsageError(f'"{address}" is no source of body signals', nearest(kind, source_kinds()))
+    if kind not in (known := source_kinds()):
+        raise UsageError(f'"{address}" is no source of body signals', nearest(kind, known))
     return kind, rest
