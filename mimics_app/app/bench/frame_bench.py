@@ -30,7 +30,12 @@ def shipped_scenes() -> list[Path]:
 
 
 def measure_frames(
-    scenes: Sequence[Path], size: tuple[int, int], surface: str, seconds: float, report: Report
+    scenes: Sequence[Path],
+    size: tuple[int, int],
+    surface: str,
+    seconds: float,
+    report: Report,
+    scale: float | None = None,
 ) -> dict[str, Any]:
     """A reference, what pixels alone take, and for every scene a row as well as it may look and one at full quality.
 
@@ -40,10 +45,12 @@ def measure_frames(
         surface: "window" or "egl".
         seconds: Length of each measurement [s].
         report: Called with what is measured next.
+        scale: One more row: the quality at which the governor lowers the resolution to it, fixed; None: no such row.
     """
     rows = []
+    qualities = [*QUALITIES, *([] if scale is None else [f"{scale:g}"])]
     for scene in [path if path == PEOPLE else find_scene(path) for path in scenes] or [*shipped_scenes(), PEOPLE]:
-        for quality in QUALITIES:
+        for quality in qualities:
             report(f"frame: {scene.stem}, quality {quality}")
             rows.append({**_measure_apart(scene, size, surface, seconds, quality), "asked": quality})
     report("frame: the pixels alone")
