@@ -2,7 +2,7 @@
 # The targets of the Makefile, for any machine with a POSIX shell:
 #
 #   sh .ci/dev.sh run [arguments of mimics run]      install what is missing, then run the wavy tunnel
-#   sh .ci/dev.sh setup | test | test-long | nightly | check | bench | clean | pins
+#   sh .ci/dev.sh setup | test | test-long | nightly | check | bench | docs | clean | pins
 #
 # It is never interactive. Python packages are installed into .venv, pinned and verified by hash (requirements.txt). System
 # packages are installed by apt if this user is root or may use sudo without a password; otherwise the command is printed.
@@ -105,6 +105,20 @@ peers_of_pypi() {
     # shellcheck disable=SC2086
     "$vpython" -m pip install --quiet --disable-pip-version-check --only-binary :all: $peers ||
         say "rivals of PyPI ($peers) cannot be installed: what is missing is not measured"
+}
+
+# The pages as a website (the extra "docs"). Links between them are relative to the checkout, so it is mirrored.
+docs() {
+    builder=$("$vpython" -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["docs"])')
+    # shellcheck disable=SC2086
+    "$vpython" -m pip install --quiet --disable-pip-version-check --only-binary :all: $builder >&2 ||
+        { say "$builder cannot be installed; the pages can be read as they are, in docs/"; exit 69; }
+    rm -rf build/pages build/site
+    mkdir -p build/pages/assets
+    for page in README.md SECURITY.md CHANGELOG.md LICENSE CITATION.cff docs; do ln -s "$root/$page" build/pages/; done
+    ln -s "$root/assets/pictures" build/pages/assets/
+    NO_MKDOCS_2_WARNING=1 "$venv/bin/mkdocs" build --quiet --config-file .ci/mkdocs.yml "$@"
+    printf '%s\n' "$root/build/site/index.html"
 }
 
 # --- Python ------------------------------------------------------------------------------------------------------
@@ -296,6 +310,10 @@ case $word in
         peers_of_pypi
         exec "$venv/bin/mimics" bench all "$@"
         ;;
+    docs)
+        prepare run
+        docs "$@"
+        ;;
     clean) # never runs/: that is data
         lock
         rm -rf "$venv" build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache .setup.log
@@ -311,7 +329,7 @@ case $word in
         rm requirements.txt.new
         ;;
     *)
-        say "sh .ci/dev.sh setup | run | test | test-long | nightly | check | bench | clean | pins"
+        say "sh .ci/dev.sh setup | run | test | test-long | nightly | check | bench | docs | clean | pins"
         exit 2
         ;;
 esac

@@ -34,6 +34,7 @@ COMMANDS: dict[str, str] = {
     "check": "validate scene files and report every error",
     "schema": "print the JSON Schema of scene files",
     "explain": "say what a scene runs, by which methods, at which cost and error",
+    "config": "show the values a run would begin with, and where each comes from",
     "doctor": "say what this machine has, what it lacks and how to get it",
     "devices": "list devices, simulators, displays, gamepads and serial ports",
     "replay": "simulate a recorded run again and compare every output",

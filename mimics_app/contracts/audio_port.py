@@ -19,6 +19,7 @@ __all__ = [
     "AudioStatus",
     "Heard",
     "Mixer",
+    "OnDemandMixer",
     "SoundRow",
     "Start",
     "Timing",
@@ -161,6 +162,12 @@ class Mixer(Protocol):
         ...
 
 
+class OnDemandMixer(Mixer, Protocol):
+    """A mixer that renders as many frames as are asked for; whoever plays them sets its timing."""
+
+    timing: Timing
+
+
 @dataclass(frozen=True, slots=True)
 class AudioStatus:
     """Status of the opened audio output.
@@ -233,6 +240,9 @@ class AudioReport:
         blocks: Blocks rendered (file) or polls (device).
         late_blocks: Blocks or polls that began more than one block late.
         underruns: Underruns of a live device that plays blocks mixed here.
+        queue: Queue of such a device: its length `ms` at the end, `longest_ms` and `changes` (s, ms) in the session,
+            `least_left_ms` at a refill (negative: silence), `near_misses`, and `latency_ms`, the upper bound from
+            contact to output at the end; {} for other outputs.
         block_us: Duration of a mixed block: p50, p99 and max [us], in steps of 10, and `count`; empty for a live device
             that mixes itself.
         clipped: Samples of a file beyond full scale, which were soft-clipped.
@@ -251,6 +261,7 @@ class AudioReport:
     blocks: int = 0
     late_blocks: int = 0
     underruns: int = 0
+    queue: Mapping[str, Any] = field(default_factory=dict)
     block_us: Mapping[str, float] = field(default_factory=dict)
     clipped: int = 0
     file: str = ""
@@ -288,6 +299,7 @@ class AudioReport:
             "blocks": self.blocks,
             "late_blocks": self.late_blocks,
             "underruns": self.underruns,
+            "queue": dict(self.queue),
             "block_us": dict(self.block_us),
             "clipped": self.clipped,
             "crashed": self.crashed,

@@ -37,6 +37,11 @@ class Segment:
         weakref.finalize(self, os.close, self._fd)  # the map has its own duplicate
         self._map = mmap.mmap(self._fd, size)
 
+    @property
+    def descriptor(self) -> int:
+        """File descriptor of the memory in this process."""
+        return self._fd
+
     def __reduce__(self) -> tuple[Callable[..., Segment], tuple[int, Any]]:
         return _attach, (self.size, reduction.DupFd(self._fd))
 

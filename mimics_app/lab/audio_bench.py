@@ -8,11 +8,7 @@ MIMICS_SOFA or a Debian package (libmysofa1) gives one, and the computed one. PE
 
 from __future__ import annotations
 
-import json
 import os
-import subprocess
-import sys
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -20,11 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.probe import reference_us
-from mimics_app.lab.audio.hearing import compare
+from mimics_app.lab.audio.hearing import hearing_errors
 from mimics_app.lab.audio.rendered import render_clicks
 from mimics_app.lab.audio.spatialiser import measure_block_us, own_head_errors
+from mimics_app.lab.peer_harness import run_harness
 from mimics_app.rendering.audio.live_latency import measure_live_latency, pulse_missing
 from mimics_app.rendering.audio.spectral.sofa import read_sofa
 
@@ -35,7 +31,6 @@ _MOST_OPENAL = 200
 _BLOCKS = 80
 _KEMAR = Path("/usr/share/libmysofa/MIT_KEMAR_normal_pinna.sofa")  # of Debian's libmysofa1: 710 directions, 512 taps
 _RATE = 48_000
-_PEER_LIMIT_S = 600.0
 
 Report = Callable[[str], None]
 
@@ -48,12 +43,15 @@ def find_measured_head() -> Path | None:
 
 
 def measure_audio(report: Report, seconds: float, peers: Path | None) -> dict[str, Any]:
-    """Everything.
+    """Measure cost, accuracy and live latency: the object of `mimics bench audio`.
 
     Args:
-        report: Says what is measured now.
-        seconds: Length of the live measurement.
+        report: Called with what is measured next.
+        seconds: Length of the live measurement [s].
         peers: Folder with the peers' harnesses, None for none.
+
+    Raises:
+        DeviceError: The peers' harness failed.
     """
     answer: dict[str, Any] = {"reference_ns": round(1e3 * reference_us(), 1), "rows": _cost_rows(report)}
     answer["accuracy"] = _accuracy_rows(report)
@@ -62,7 +60,8 @@ def measure_audio(report: Report, seconds: float, peers: Path | None) -> dict[st
     answer.update({"skipped": missing} if missing else measure_live_latency(seconds))
     if peers is not None:
         report("peers")
-        answer["peers"] = _peers_accuracy(peers)
+        script = peers / "audio" / "hrtf_accuracy.py"
+        answer["peers"] = run_harness(script) if script.is_file() else {"skipped": f"no {script}"}
     return answer
 
 
@@ -95,31 +94,6 @@ def _accuracy_rows(report: Report) -> list[dict[str, Any]]:
         return render_clicks(directions, "openal")
 
     for method, render in (("spectral", ours), ("openal, its own head", openal)):
-        errors = compare(render(head.directions), _RATE, head, render)
+        errors = hearing_errors(render(head.directions), _RATE, head, render)
         rows.append({"method": f"{method}, against {path.stem}", **errors.as_dict()})
     return rows
-
-
-def _peers_accuracy(peers: Path) -> dict[str, Any]:
-    """What the peers' own harness says of the libraries it finds.
-
-    Raises:
-        DeviceError: It failed.
-    """
-    script = peers / "audio" / "hrtf_accuracy.py"
-    if not script.is_file():
-        return {"skipped": f"no {script}"}
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "out.json"
-        done = subprocess.run(
-            [sys.executable, str(script), str(out)],
-            cwd=script.parent,
-            capture_output=True,
-            text=True,
-            timeout=_PEER_LIMIT_S,
-            check=False,
-        )
-        if done.returncode != 0:
-            raise DeviceError(f"{script}: {done.stderr.strip().splitlines()[-1:]}", "see what it needs in its README")
-        answer: dict[str, Any] = json.loads(out.read_text("utf-8"))
-        return answer

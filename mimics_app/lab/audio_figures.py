@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,8 @@ from mimics_app.lab.figure import Figure, write_figure
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.drawing import document, legend
 from mimics_app.plotting.panel import Panel
+from mimics_app.rendering.audio.settings import AudioSettings, MixerName
+from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
 from mimics_app.rendering.audio.spectral.computed_head import compute_head
 from mimics_app.rendering.audio.spectral.head import HeadResponses, delays_between_ears
 from mimics_app.rendering.audio.spectral.sofa import read_sofa
@@ -31,11 +34,13 @@ _COMMAND = "mimics bench audio --charts DIR"
 _RATE = 48_000
 _BAND = 4000  # Hz
 _LEVEL = 0.02  # of a unit vector: 1 degree about the plane of the ears
+_MIXERS: Mapping[MixerName, str] = {"openal": "OpenAL", "spectral": "spectral"}
 _VOICES = (1, 4, 16, 64, 128, 192, 256)
 _MOST_OPENAL = 200
 _BLOCKS = 120
 _WIDTH, _HEIGHT = 1000.0, 300.0
-_LIVE = 80  # frames of a live block: 1.7 ms
+_SHOWN = 480  # frames whose cost is shown: 10 ms
+_FILE = AudioSettings().block
 
 
 def draw_figures(folder: Path) -> list[Path]:
@@ -73,11 +78,11 @@ def heard_around_the_head() -> Figure:
 
 
 def cost_of_voices() -> Figure:
-    """Cost of 10 ms of moving voices, the mixers by turns: what a live block of half the length costs is seen, too."""
-    measures: Mapping[str, Callable[[int], float]] = {
-        "OpenAL, blocks of 5 ms": lambda n: 2.0 * measure_block_us(True, _BLOCKS, n),
-        "spectral, blocks of 5 ms": lambda n: 2.0 * measure_block_us(True, _BLOCKS, n, "spectral"),
-        "spectral, blocks of 1.7 ms": lambda n: 6.0 * measure_block_us(True, _BLOCKS, n, "spectral", _LIVE),
+    """Cost of 10 ms of moving voices, the mixers by turns, in the blocks of a live session and of a file."""
+    measures = {
+        f"{label}, {use} ({frames / _RATE * 1e3:.2g} ms)": partial(_cost_us, mixer, frames)
+        for mixer, label in _MIXERS.items()
+        for use, frames in (("live blocks", LIVE_BLOCK), ("file blocks", _FILE))
     }
     costs: dict[str, Points] = {name: [] for name in measures}
     for voices in _VOICES:
@@ -89,6 +94,11 @@ def cost_of_voices() -> Figure:
     x = Axis.around("moving voices with head-related filters", [float(n) for n in _VOICES], log=True)
     panel = _panel(0, x, "us for 10 ms of sound", costs, Axis.around("us for 10 ms of sound", every, log=True))
     return _figure("cost of voices", "What voices cost", [panel], list(costs), rows)
+
+
+def _cost_us(mixer: MixerName, frames: int, voices: int) -> float:
+    """Cost of the shown time in blocks of `frames` [us]."""
+    return _SHOWN / frames * measure_block_us(True, _BLOCKS, voices, mixer, frames)
 
 
 def _differences(responses: NDArray[np.float64], rate: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -1,4 +1,4 @@
-"""The chart of a group: cost against error with its Pareto front, and cost against the size of the work."""
+"""Chart of a group of methods: cost against error with the Pareto front, and cost against the size of the work."""
 
 from __future__ import annotations
 
@@ -8,11 +8,14 @@ from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
 
+from markupsafe import Markup
+
 from mimics_app.contracts.machine import describe_machine
 from mimics_app.lab.figure import Figure
 from mimics_app.lab.measure import Measured, MeasuredGroup
 from mimics_app.plotting.axis import Axis, format_number
-from mimics_app.plotting.drawing import SERIES, document, legend
+from mimics_app.plotting.drawing import SERIES, document, legend, wrapped
+from mimics_app.plotting.marks import word
 from mimics_app.plotting.panel import Label, Panel
 
 __all__ = ["draw_chart", "pareto_front"]
@@ -20,21 +23,26 @@ __all__ = ["draw_chart", "pareto_front"]
 _WIDTH = 1000.0
 _PANELS = 370.0
 _HEAD = 66.0
-_FOOT = 44.0
+_FOOT = 14.0
+_FOOT_LINE = 15.0
 _CROWDED = 480.0
 _BESIDE = 9
-"""Methods of a group from which on the growth is drawn below, not beside."""
+"""Largest number of methods with the growth beside, not below."""
+_NAMED = 20
+"""Largest number of methods whose points carry their names; beyond, they carry numbers, with a list beside."""
+_KEY = 340.0
+"""Width of that list [px]."""
 
 _LIST_LINE = 16.0
 _RING = 9.0
-"""Radius of the ring about the default's point [px]."""
+"""Radius of the ring around the point of the default [px]."""
 
 _LEAST_ERROR = 1e-17
-"""Smaller errors, 0 among them, stand at the lower edge of their axis."""
+"""Smaller errors, 0 among them, are drawn at the lower end of their axis."""
 
 
 def draw_chart(measured: MeasuredGroup) -> Figure:
-    """The figure of a measured group."""
+    """Return the figure of a measured group."""
     rows = measured.rows
     chosen_from = [row for row in rows if row.method.runnable]
     front = [chosen_from[i].method.name for i in pareto_front([(row.cost_us, row.error) for row in chosen_from])]
@@ -91,27 +99,45 @@ def _draw(measured: MeasuredGroup, front: list[str], foot: str) -> str:
     grows = any(row.growth for row in measured.rows)
     crowded = len(measured.rows) > _BESIDE
     high = _CROWDED if crowded else _PANELS
-    panels = [_error_panel(measured, front, 0.56 * _WIDTH if grows and not crowded else _WIDTH - 20.0, high)]
+    numbered = len(measured.rows) > _NAMED
+    wide = 0.56 * _WIDTH if grows and not crowded else _WIDTH - 20.0 - _KEY * numbered
+    panels = [_error_panel(measured, front, wide, high, numbered=numbered)]
     if grows and crowded:
         panels.append(_growth_panel(measured, 6.0, _HEAD + high + 6.0, _WIDTH - 20.0))
         high += 6.0 + _PANELS
     elif grows:
         panels.append(_growth_panel(measured, 0.56 * _WIDTH + 6.0, _HEAD, 0.44 * _WIDTH - 20.0))
     parts = [legend(20.0, 48.0, _entries(measured)), *(panel.svg() for panel in panels)]
+    parts += _key(measured, wide + 14.0, _HEAD + 20.0) if numbered else []
     title = f"{measured.group.name}: cost against error"
-    what = "; ".join(filter(None, (measured.group.what, measured.group.few)))
-    return document(_WIDTH, _HEAD + high + _FOOT, title, parts, [what, foot])
+    words = [*wrapped("; ".join(filter(None, (measured.group.what, measured.group.few)))), foot]
+    return document(_WIDTH, _HEAD + high + _FOOT + _FOOT_LINE * len(words), title, parts, words)
+
+
+def _key(measured: MeasuredGroup, left: float, top: float) -> list[Markup]:
+    """Return the list of the methods with the numbers of their points."""
+    lines = [(top + _LIST_LINE * i, str(i + 1), name) for i, name in enumerate(_names(measured))]
+    numbers = [word(left + 16.0, y, number, "name strong", "end") for y, number, _ in lines]
+    return numbers + [word(left + 24.0, y, name, "name", "start") for y, _, name in lines]
+
+
+def _names(measured: MeasuredGroup) -> list[str]:
+    """Return the names of the methods, with a remark where one fails or, unlike others, has no error."""
+    differ = any(row.error for row in measured.rows)
+    remarks = {row.method.name: " (error 0)" if differ and row.error < _LEAST_ERROR else "" for row in measured.rows}
+    failed = {row.method.name: " (fails)" for row in measured.rows if row.error == math.inf}
+    return [name + remark for name, remark in (remarks | failed).items()]
 
 
 def _entries(measured: MeasuredGroup) -> list[tuple[str, str, str]]:
-    """The legend."""
+    """Return the entries of the legend."""
     entries = [
         ("dot", "dot", "on the Pareto front"),
-        ("dot", "open", "beaten by another"),
+        ("dot", "open", "dominated: another is cheaper and as accurate"),
         ("ring", "dot", "default"),
     ]
     if any(not row.method.runnable for row in measured.rows):
-        entries.append(("dot", "open yardstick", "yardstick: drawn, never chosen"))
+        entries.append(("dot", "open yardstick", "yardstick, not part of the product"))
     if any(not math.isfinite(row.error) for row in measured.rows):
         entries.append(("cross", "cross", "fails"))
     return entries
@@ -119,36 +145,36 @@ def _entries(measured: MeasuredGroup) -> list[tuple[str, str, str]]:
 
 @dataclass(frozen=True, slots=True)
 class _Unit:
-    """The unit of costs: its name, and how many nanoseconds it has."""
+    """A unit of costs, and its length [ns]."""
 
     name: str
     ns: float
 
     def of(self, cost_us: float) -> float:
-        """A cost in this unit."""
+        """Return a cost in this unit."""
         return cost_us * 1e3 / self.ns
 
     def text(self, cost_us: float) -> str:
-        """A cost with its unit."""
+        """Return a cost with its unit."""
         return f"{format_number(self.of(cost_us))} {self.name}"
 
     @property
     def label(self) -> str:
-        """Of an axis."""
+        """Label of an axis."""
         return f"cost [{self.name} per call]"
 
 
 def _unit_for(costs_us: Sequence[float]) -> _Unit:
-    """The largest in which the middle one of the costs is at least 1."""
+    """Return the largest unit in which the median of the costs is at least 1."""
     middle_ns = 1e3 * median(costs_us)
-    return next((unit for unit in (_Unit("ms", 1e6), _Unit("us", 1e3)) if middle_ns >= unit.ns), _Unit("ns", 1.0))
+    return next((unit for unit in (_Unit("ms", 1e6), _Unit("µs", 1e3)) if middle_ns >= unit.ns), _Unit("ns", 1.0))
 
 
 def _error_scale(measured: MeasuredGroup) -> Axis:
     unit = measured.group.unit
     errors = [row.error for row in measured.rows]
     if not any(errors):
-        return Axis(f"error [{unit}]: none has any", -1.0, 1.0, at=(0.0,))
+        return Axis(f"error [{unit}]: 0 for all", -1.0, 1.0, at=(0.0,))
     positive = [max(error, _LEAST_ERROR) for error in errors if 0.0 < error < math.inf]
     scale = Axis.around(f"error [{unit}]", positive, log=True)
     low = scale.low / 10.0 if any(error < _LEAST_ERROR for error in errors) else scale.low
@@ -156,7 +182,7 @@ def _error_scale(measured: MeasuredGroup) -> Axis:
     return Axis(scale.label, low, high, True)
 
 
-def _error_panel(measured: MeasuredGroup, front: list[str], width: float, height: float) -> Panel:
+def _error_panel(measured: MeasuredGroup, front: list[str], width: float, height: float, *, numbered: bool) -> Panel:
     unit = _unit_for([row.cost_us for row in measured.rows])
     costs = [cost for row in measured.rows for cost in (row.cost_us, row.spread_us[1]) if cost > 0.0]
     x = Axis.around(unit.label, [unit.of(cost) for cost in costs], log=True)
@@ -164,14 +190,16 @@ def _error_panel(measured: MeasuredGroup, front: list[str], width: float, height
     if panel.y.log:
         of_front = [row for row in measured.rows if row.method.name in front]
         drawn = sorted((unit.of(row.cost_us), max(row.error, panel.y.low)) for row in of_front)
-        panel.line(_steps(drawn, panel), "front", "Pareto front: nothing is cheaper and as accurate")
-    for row in sorted(measured.rows, key=lambda row: row.method.name in front):  # nothing lies over the front's own
-        _mark(panel, row, unit, row.method.name in front)
+        panel.line(_steps(drawn, panel), "front", "Pareto front: no method is both cheaper and as accurate")
+    labels = [str(i + 1) if numbered else name for i, name in enumerate(_names(measured))]
+    marked = [(row.method.name in front, row, label) for row, label in zip(measured.rows, labels, strict=True)]
+    for on_front, row, label in sorted(marked, key=lambda mark: mark[0]):  # the front is drawn last, on top
+        _mark(panel, row, unit, label, on_front=on_front)
     return panel
 
 
 def _steps(points: list[tuple[float, float]], panel: Panel) -> list[tuple[float, float]]:
-    """The front as a staircase: what lies above and right of it is beaten."""
+    """Return the front as a staircase: what is above and right of it is dominated."""
     if not points:
         return []
     stairs = [(points[0][0], panel.y.high)]
@@ -180,7 +208,7 @@ def _steps(points: list[tuple[float, float]], panel: Panel) -> list[tuple[float,
     return [*stairs, points[-1], (panel.x.high, points[-1][1])]
 
 
-def _mark(panel: Panel, row: Measured, unit: _Unit, on_front: bool) -> None:
+def _mark(panel: Panel, row: Measured, unit: _Unit, label: str, *, on_front: bool) -> None:
     name, cost, method = row.method.name, unit.of(row.cost_us), row.method
     error_text = "fails" if row.error == math.inf else f"{format_number(row.error)} {method.unit}"
     hover = (
@@ -189,7 +217,7 @@ def _mark(panel: Panel, row: Measured, unit: _Unit, on_front: bool) -> None:
     )
     if row.error == math.inf:
         panel.cross(cost, panel.y.high, hover)
-        panel.label(Label(cost, panel.y.high, f"{name} (fails)", "bad"))
+        panel.label(Label(cost, panel.y.high, label, "bad"))
         return
     error = max(row.error, panel.y.low)
     least, most = (unit.of(each) for each in row.spread_us)
@@ -199,9 +227,8 @@ def _mark(panel: Panel, row: Measured, unit: _Unit, on_front: bool) -> None:
     if method.default:
         panel.dot(cost, error, "ring", hover, _RING)
     panel.dot(cost, error, "dot" if on_front else "open" if method.runnable else "open yardstick", hover)
-    exact = " (error 0)" if row.error < panel.y.low else ""
     kind, clear = ("name strong", _RING - 4.0) if method.default else ("name", 0.0)
-    panel.label(Label(cost, error, name + exact, kind, clear))
+    panel.label(Label(cost, error, label, kind, clear))
 
 
 def _growth_panel(measured: MeasuredGroup, left: float, top: float, width: float) -> Panel:
@@ -225,9 +252,9 @@ def _growth_panel(measured: MeasuredGroup, left: float, top: float, width: float
 
 
 def pareto_front(points: Sequence[tuple[float, float]]) -> list[int]:
-    """Indices of the (cost, error) points that none other beats, cheapest first.
+    """Return the indices of the (cost, error) points that no other dominates, cheapest first.
 
-    A point that is not finite is never on it; of equal points the first one is.
+    Points that are not finite are never among them; of equal points the first one is.
     """
     finite = [i for i, point in enumerate(points) if all(math.isfinite(value) for value in point)]
     front: list[int] = []

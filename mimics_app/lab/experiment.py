@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-__all__ = ["Experiment", "Outcome", "Points", "largest_disagreement"]
+__all__ = ["Experiment", "Outcome", "Points", "Row", "largest_disagreement", "points_of"]
 
 Points = list[tuple[float, float]]
+
+Row = dict[str, Any]
+"""Row of an experiment's table: values by name, with the unit in the name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +29,7 @@ class Outcome:
         passed: It holds, and the disagreement is within the experiment's tolerance; set by `Experiment.run`.
     """
 
-    rows: list[dict[str, Any]]
+    rows: list[Row]
     simulated: Points
     exact: Points
     rules: dict[str, Points] = field(default_factory=dict)
@@ -70,6 +73,11 @@ class Experiment:
         """
         found = self.simulate(points)
         return replace(found, passed=found.holds and found.disagreement <= self.tolerance)
+
+
+def points_of(rows: Iterable[Mapping[str, Any]], x: str, y: str, scale: float = 1.0) -> Points:
+    """Return two columns of a table as points; `scale` multiplies y."""
+    return [(row[x], scale * row[y]) for row in rows]
 
 
 def largest_disagreement(simulated: Points, exact: Points) -> float:

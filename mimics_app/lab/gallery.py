@@ -1,4 +1,4 @@
-"""The gallery: every figure of a folder on one page that needs no network, with its numbers as tables."""
+"""Gallery: one page with every figure of a folder, its numbers as tables; nothing is fetched from a network."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from mimics_app.plotting.axis import format_number
 from mimics_app.plotting.drawing import STYLE
@@ -21,7 +21,7 @@ Data = dict[str, Any]
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _MOST_ROWS = 120
-"""Of a table that the page shows; the others are in the figure's JSON file."""
+"""Largest number of rows of a table on the page; the others are in the figure's JSON file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,17 +37,17 @@ class _Shown:
 
     @property
     def exponents(self) -> dict[str, float]:
-        """Of the growth, by method."""
+        """Exponent of the growth of the cost, by method."""
         return {growth["method"]: growth["exponent"] for growth in self.data["growth"]}
 
     @property
-    def said(self) -> dict[str, tuple[str, str]]:
-        """What a method is and where it is valid, by its name."""
+    def described(self) -> dict[str, tuple[str, str]]:
+        """Source and range of validity of a method, by its name."""
         return {method["method"]: (method["source"], method["valid_range"]) for method in self.data["methods"]}
 
     @property
     def follows(self) -> str:
-        """What follows from a chart for the default; "" where it has none."""
+        """Conclusion of a chart on its default; "" where it has none."""
         name = self.data["default"]
         rows = {row["method"]: row for row in self.data["rows"]}
         if name not in rows:
@@ -55,10 +55,10 @@ class _Shown:
         own = rows[name]
         better = [rows[rival] for rival in self.data["front"] if rival != name and _is_no_worse(rows[rival], own)]
         if not better:
-            return f"Nothing that runs is cheaper and as accurate as the default, {name}."
+            return f'No method of the product is both cheaper and as accurate as the default, "{name}".'
         saved = ", ".join(f"{row['method']} costs {1.0 - row['cost_ns'] / own['cost_ns']:.0%} less" for row in better)
         why = self.data.get("why_default")
-        return f"{saved} at no greater error than the default, {name}." + (f" Why it stays: {why}." if why else "")
+        return f'{saved} at no greater error than the default, "{name}".' + (f" Why it stays: {why}." if why else "")
 
 
 def _is_no_worse(row: Data, own: Data) -> bool:
@@ -66,17 +66,17 @@ def _is_no_worse(row: Data, own: Data) -> bool:
 
 
 _UNITS = (("ns", 1.0), ("µs", 1e3), ("ms", 1e6), ("s", 1e9))
-"""Units of time, and how many nanoseconds they have."""
+"""Units of time, and their lengths [ns]."""
 _ROUNDED_UP = 999.5
-"""From here on three digits would be four."""
+"""Value that three digits round up to the next unit."""
 
 Limits = Mapping[str, Mapping[str, float]]
-"""By profile: the largest error it accepts, by the unit of the error."""
+"""Largest error that a profile accepts, by profile and unit of the error."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Line:
-    """A chart in the table at the head of the page: its default, and what each profile takes by error alone."""
+    """Row of the table at the head of the page: a chart, its default, and the method of each profile by error alone."""
 
     one: _Shown
     default: Data | None
@@ -87,8 +87,8 @@ def write_gallery(folder: Path, limits: Limits | None = None) -> Path:
     """Write `index.html` with every figure whose two files lie in a folder: charts, S1, S2 and so on, then the rest.
 
     Args:
-        folder: Of the figures.
-        limits: Of each profile, for the table of what it takes; None for no such columns.
+        folder: Folder of the figures.
+        limits: Limits of each profile, for the columns with its methods; None: no such columns.
 
     Raises:
         OSError: The folder cannot be read or written.
@@ -98,7 +98,7 @@ def write_gallery(folder: Path, limits: Limits | None = None) -> Path:
     figures = [one for one in shown if one.data["kind"] == "figure"]
     maps = sorted((one for one in shown if one.data["kind"] == "stability"), key=_number_of)
     page = folder / "index.html"
-    environment = load_templates(_TEMPLATES, number=_number, cell=_cell, time=_time)
+    environment = load_templates(_TEMPLATES, number=_number, cell=_cell, time=_time, code=_code)
     text = environment.get_template("gallery.html.j2").render(
         lines=[_line_of(one, limits or {}) for one in charts],
         profiles=list(limits or {}),
@@ -108,7 +108,7 @@ def write_gallery(folder: Path, limits: Limits | None = None) -> Path:
         most_rows=_MOST_ROWS,
         drawing_style=Markup(STYLE),
     )
-    page.write_text(text, encoding="utf-8")
+    page.write_text(text.lstrip(), encoding="utf-8")
     return page
 
 
@@ -116,12 +116,13 @@ def _line_of(one: _Shown, limits: Limits) -> _Line:
     rows = one.data["rows"]
     default = next((row for row in rows if row["method"] == one.data["default"]), None)
     unit, of_profiles = one.data["unit"], one.data["default"] in limits  # a chart of whole scenes compares profiles
-    taken = {name: "" if of_profiles else _cheapest(rows, within.get(unit)) for name, within in limits.items()}
+    runs = [row for row in rows if row["method"] in one.data["front"]]  # where the cheapest of any error limit is
+    taken = {name: "" if of_profiles else _cheapest(runs, within.get(unit)) for name, within in limits.items()}
     return _Line(one, default, taken)
 
 
 def _cheapest(rows: list[Data], limit: float | None) -> str:
-    """The cheapest method whose error a limit allows; "" where no profile has one for such errors."""
+    """Return the cheapest method within a limit of the error; "" where the profile has no limit in this unit."""
     if limit is None:
         return ""
     right = [row for row in rows if row["valid"] and row["error"] is not None and row["error"] <= limit]
@@ -129,7 +130,7 @@ def _cheapest(rows: list[Data], limit: float | None) -> str:
 
 
 def _inline(numbers: Path) -> Markup:
-    """The drawing without its own style sheet, which the page has once, and without the line the caption repeats."""
+    """Return a drawing without its style sheet, which the page has once, and the line that its caption repeats."""
     drawing = numbers.with_suffix(".svg").read_text(encoding="utf-8")
     drawing = re.sub(r'<text class="small made"[^>]*>[^<]*</text>', "", drawing)
     return Markup(re.sub(r"<style>.*?</style>\n?", "", drawing, count=1, flags=re.DOTALL))
@@ -145,7 +146,7 @@ def _number(value: float | None) -> str:
 
 
 def _time(ns: float | None) -> str:
-    """A cost with the unit that gives it one to three digits before the point; "" for none."""
+    """Format a cost with the unit that gives it one to three digits before the point; "" for none."""
     if ns is None:
         return ""
     unit, factor = next((each for each in _UNITS if ns < _ROUNDED_UP * each[1]), _UNITS[-1])
@@ -156,3 +157,8 @@ def _cell(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return _number(value) if isinstance(value, (int, float)) else str("" if value is None else value)
+
+
+def _code(text: str) -> Markup:
+    """Return a text with its parts in backticks as code."""
+    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text))))

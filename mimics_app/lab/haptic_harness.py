@@ -7,23 +7,18 @@ of so many rounds of so many steps of 1 ms called from Python. Ours is timed by 
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.errors import DeviceError, UsageError
+from mimics_app.lab.peer_harness import run_harness
 
 __all__ = ["HarnessRow", "run_harnesses"]
 
 _GAP = 0.02
 """Between two bodies of `bodies_on_a_floor` [m]; a harness may measure other scenes too."""
-
-_LONGEST_S = 600.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,17 +57,11 @@ def run_harnesses(folder: Path, report: Callable[[str], None]) -> list[HarnessRo
 
 def _run(program: Path, report: Callable[[str], None]) -> list[HarnessRow]:
     report(f"peer: {program.stem}")
-    with tempfile.TemporaryDirectory(prefix="mimics-peer-") as scratch:
-        out = Path(scratch) / "rows.json"
-        try:
-            done = subprocess.run(
-                [sys.executable, str(program), str(out)], capture_output=True, timeout=_LONGEST_S, check=False
-            )
-            rows = json.loads(out.read_text(encoding="utf-8"))["rows"] if done.returncode == 0 else []
-            return [_row(row) for row in rows if _is_ours(row)]
-        except (OSError, subprocess.TimeoutExpired, ValueError, KeyError, TypeError) as failure:
-            report(f"peer: {program.stem} is not measured: {failure}")
-            return []
+    try:
+        return [_row(row) for row in run_harness(program)["rows"] if _is_ours(row)]
+    except (DeviceError, ValueError, KeyError, TypeError) as failure:
+        report(f"peer: {program.stem} is not measured: {failure}")
+        return []
 
 
 def _is_ours(row: dict[str, Any]) -> bool:

@@ -1,14 +1,12 @@
-"""The map of a stability experiment: simulated points, the exact boundary, and the rules people use beside it."""
+"""Chart of a stability experiment: simulated points, the exact boundary, and simplified rules beside it."""
 
 from __future__ import annotations
 
-from typing import Any
-
 from mimics_app.contracts.machine import describe_machine
-from mimics_app.lab.experiment import Experiment, Outcome, Points
+from mimics_app.lab.experiment import Experiment, Outcome, Points, Row
 from mimics_app.lab.figure import Figure
 from mimics_app.plotting.axis import Axis, format_number
-from mimics_app.plotting.drawing import SERIES, document, legend, text_width
+from mimics_app.plotting.drawing import SERIES, document, legend, text_width, wrapped
 from mimics_app.plotting.panel import Panel
 
 __all__ = ["draw_outcome"]
@@ -21,7 +19,7 @@ _RULES = ("dashed", "dotted")
 
 
 def draw_outcome(experiment: Experiment, outcome: Outcome, points: int) -> Figure:
-    """The figure of an experiment that was run with `points` points."""
+    """Return the figure of an outcome on a grid of `points` points along each axis."""
     machine = str(describe_machine())
     command = f"mimics lab stability {experiment.name} --points {points}"
     return Figure(
@@ -51,8 +49,8 @@ def draw_outcome(experiment: Experiment, outcome: Outcome, points: int) -> Figur
     )
 
 
-def _rows(outcome: Outcome) -> list[dict[str, Any]]:
-    """One row a point; the error of a simulated one is its relative difference from the exact one at the same x."""
+def _rows(outcome: Outcome) -> list[Row]:
+    """Return a row for each point; its error is the relative difference from the exact point at the same x."""
     exact = {x: y for x, y in outcome.exact} if len({x for x, _ in outcome.exact}) == len(outcome.exact) else {}
     rows = []
     for method, points in (("simulated", outcome.simulated), ("exact", outcome.exact), *outcome.rules.items()):
@@ -68,7 +66,7 @@ def _draw(experiment: Experiment, outcome: Outcome, foot: str) -> str:
     x = Axis.around(experiment.x_label, [p[0] for s in series for p in s], log=experiment.log_x)
     y = Axis.around(experiment.y_label, [p[1] for s in series for p in s], log=experiment.log_y)
     entries = _entries(experiment, outcome)
-    legends = _wrapped(entries)
+    legends = _legend_rows(entries)
     top = _HEAD + _LINE * (len(legends) - 1)
     panel = Panel(6.0, top, _WIDTH - 20.0, _PANEL, x, y)
     for i, (name, points) in enumerate(outcome.rules.items()):
@@ -79,7 +77,7 @@ def _draw(experiment: Experiment, outcome: Outcome, foot: str) -> str:
     for x_, y_ in outcome.simulated:
         hover = f"simulated: {format_number(x_)}, {format_number(y_)}"
         panel.dot(x_, y_, "open s1", hover, 4.0)
-    words = [*_lines(outcome.note), _verdict(experiment, outcome), foot]
+    words = [*wrapped(outcome.note), _verdict(experiment, outcome), foot]
     height = top + _PANEL + 15.0 * len(words) + 12.0
     parts = [*(legend(20.0, 46.0 + _LINE * i, row) for i, row in enumerate(legends)), panel.svg()]
     return document(_WIDTH, height, f"{experiment.name}: {experiment.title}", parts, words)
@@ -105,8 +103,8 @@ def _entries(experiment: Experiment, outcome: Outcome) -> list[tuple[str, str, s
     return entries + [("line", _rule_kind(i), name) for i, name in enumerate(outcome.rules)]
 
 
-def _wrapped(entries: list[tuple[str, str, str]]) -> list[list[tuple[str, str, str]]]:
-    """The legend in rows that fit the drawing."""
+def _legend_rows(entries: list[tuple[str, str, str]]) -> list[list[tuple[str, str, str]]]:
+    """Return the legend in rows that fit the drawing."""
     rows: list[list[tuple[str, str, str]]] = [[]]
     used = 0.0
     for entry in entries:
@@ -120,7 +118,7 @@ def _wrapped(entries: list[tuple[str, str, str]]) -> list[list[tuple[str, str, s
 
 
 def _runs(points: Points) -> list[Points]:
-    """A list of points as curves: they may stand one behind the other, or take turns at every x."""
+    """Return a list of points as curves, which follow one another or alternate at every x."""
     runs: list[Points] = []
     for point in points:
         if not runs or point[0] < runs[-1][-1][0]:
@@ -130,7 +128,7 @@ def _runs(points: Points) -> list[Points]:
 
 
 def _unravelled(run: Points) -> list[Points]:
-    """Points of ascending x with as many at every x as there are curves; all others are one curve."""
+    """Return points of ascending x as curves where there are equally many at every x, else as one curve."""
     by_x: dict[float, Points] = {}
     for point in run:
         by_x.setdefault(point[0], []).append(point)
@@ -138,14 +136,3 @@ def _unravelled(run: Points) -> list[Points]:
     if len(by_x) < 2 or len(counts) > 1:
         return [run]
     return [list(curve) for curve in zip(*by_x.values(), strict=True)]
-
-
-def _lines(text: str, letters: int = 150) -> list[str]:
-    """A text in lines of at most so many letters."""
-    lines: list[str] = []
-    for word in text.split():
-        if lines and len(lines[-1]) + 1 + len(word) <= letters:
-            lines[-1] += " " + word
-        else:
-            lines.append(word)
-    return lines

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from importlib.metadata import entry_points
 
 from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.plugins import load_plugin
 from mimics_app.learning.bandits import LinUcb, Thompson
 from mimics_app.learning.policy import Policy
 from mimics_app.learning.rules import Fixed, KalmanSkill, Proportional, RandomLevel, Staircase
@@ -55,5 +56,8 @@ def build_policy(name: str) -> Policy:
     if name in POLICIES:
         return POLICIES[name]()
     (point,) = entry_points(group=ENTRY_POINT_GROUP, name=name)
-    policy: Policy = point.load()()
-    return policy
+    try:
+        builder: Callable[[], Policy] = load_plugin(point)
+    except ValueError as fault:
+        raise UsageError(f'there is no policy "{name}": {fault}') from fault
+    return builder()

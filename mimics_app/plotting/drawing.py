@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 
 from markupsafe import Markup
 
 from mimics_app.plotting.marks import circle, cross, element, joined, path, word
 
-__all__ = ["SERIES", "STYLE", "document", "legend", "swatch", "text_width"]
+__all__ = ["SERIES", "STYLE", "document", "legend", "swatch", "text_width", "wrapped"]
 
 SERIES = 8
 """Number of colours for series, repeated beyond."""
@@ -47,6 +48,11 @@ def text_width(text: str, bold: bool = False) -> float:
     return _LETTER * (1.09 if bold else 1.0) * len(text)
 
 
+def wrapped(text: str, letters: int = 150) -> list[str]:
+    """Return a text in lines of at most so many letters, unless a word is longer: 150 small ones fill 1000 px."""
+    return textwrap.wrap(text, letters, break_long_words=False, break_on_hyphens=False)
+
+
 def legend(left: float, top: float, entries: Sequence[tuple[str, str, str]]) -> Markup:
     """Return a legend in a row, of entries (shape "line" | "dot" | "ring" | "cross", classes, text)."""
     parts: list[Markup] = []
@@ -58,7 +64,7 @@ def legend(left: float, top: float, entries: Sequence[tuple[str, str, str]]) -> 
 
 
 def swatch(shape: str, kind: str, left: float, top: float) -> Markup:
-    """A sample of a line or a mark beside its words; its left end and its middle line [px]."""
+    """Return a sample of a line or a mark at the left end and the centre line of an entry [px]."""
     if shape == "line":
         return path(kind, f"M{left:g} {top:g}h26")
     if shape == "cross":
@@ -68,14 +74,14 @@ def swatch(shape: str, kind: str, left: float, top: float) -> Markup:
 
 
 def document(width: float, height: float, title: str, parts: Sequence[Markup], foot: Sequence[str] = ()) -> Markup:
-    """A whole SVG file.
+    """Return a whole SVG file.
 
     Args:
-        width: [px].
-        height: [px].
-        title: Above the drawing, and for people who cannot see it.
-        parts: What is drawn.
-        foot: Small lines below the drawing; the last one says how it was made.
+        width: Width of the drawing [px].
+        height: Height of the drawing [px].
+        title: Title above the drawing, and its description for people who cannot see it.
+        parts: Elements of the drawing.
+        foot: Small lines below the drawing; the last one is the command that reproduces it, and the machine.
     """
     kinds = ["small"] * (len(foot) - 1) + ["small made"]
     lines = [word(14, height - 10 - 15 * (len(foot) - 1 - i), line, kinds[i], "start") for i, line in enumerate(foot)]

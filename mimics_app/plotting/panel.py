@@ -131,9 +131,9 @@ class Panel:
         left, top, right, bottom = self._frame
         yield rect("frame", (left, top, right - left, bottom - top))
         columns, rows = self.x.ticks(), self.y.ticks()
-        for value, number in zip(columns, format_ticks(columns), strict=True):
-            px = self.place(value, self.y.low)[0]
-            yield path("grid", f"M{px:.1f} {top:g}V{bottom:g}")
+        places = [self.place(value, self.y.low)[0] for value in columns]
+        yield from (path("grid", f"M{px:.1f} {top:g}V{bottom:g}") for px in places)
+        for px, number in _apart(places, format_ticks(columns)):
             yield word(px, bottom + 17, number, "small", "middle")
         for value, number in zip(rows, format_ticks(rows), strict=True):
             py = self.place(self.x.low, value)[1]
@@ -173,6 +173,16 @@ class Panel:
         own = 1.5 * math.dist(_nearest_in(box, (px, py)), (px, py)) + 4.0
         others = (math.dist(_nearest_in(box, mark), mark) for mark in self._marks if mark != (px, py))
         return max(0.0, 1.0 - min(others, default=math.inf) / own)
+
+
+def _apart(places: Sequence[float], numbers: Sequence[str]) -> Iterable[tuple[float, str]]:
+    """Yield the numbers of an axis that do not touch each other; powers of ten come first."""
+    taken: list[tuple[float, float]] = []
+    for px, number in sorted(zip(places, numbers, strict=True), key=lambda each: each[1].strip("0.") != "1"):
+        half = 0.5 * text_width(number) + 3.0
+        if all(px + half <= left or right <= px - half for left, right in taken):
+            taken.append((px - half, px + half))
+            yield px, number
 
 
 def _candidates(px: float, py: float, label: Label) -> Iterable[Box]:

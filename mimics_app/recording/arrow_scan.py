@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.regular_file import open_regular, read_regular
 from mimics_app.recording.arrow_format import END_OF_STREAM, INDEX_ROW, Block, schema_bytes
 
-__all__ = ["Damage", "Found", "last_block", "read_index", "read_schema", "scan_stream"]
+__all__ = ["Damage", "Found", "last_block", "read_index", "read_schema", "scan_stream", "sorted_scan"]
 
 _CONTINUATION = END_OF_STREAM[:4]
 _ALIGNMENT = 8
@@ -46,6 +46,10 @@ class Damage:
     offset: int
     length: int
     why: str
+
+    def sentence(self, name: str) -> str:
+        """Return the damage of a file in a sentence."""
+        return f"{name}: {self.length} bytes at {self.offset} are no good block: {self.why}"
 
 
 def read_index(path: Path) -> NDArray[Any]:
@@ -89,17 +93,18 @@ def scan_stream(
             yield from _read_span(view, span, decode)
 
 
+def sorted_scan(
+    path: Path, decode: Callable[[memoryview], Block], schema: pa.Schema, index: NDArray[Any] | None = None
+) -> tuple[list[Found], list[Damage]]:
+    """Return the valid blocks and the damaged parts of a stream, see `scan_stream`."""
+    pieces = list(scan_stream(path, decode, schema, index))
+    return [each for each in pieces if isinstance(each, Found)], [each for each in pieces if isinstance(each, Damage)]
+
+
 def last_block(
     path: Path, decode: Callable[[memoryview], Block], schema: pa.Schema, index: NDArray[Any] | None = None
 ) -> Found | None:
-    """Return the last valid block of a stream, None where it has none. No block before it is decoded.
-
-    Args:
-        path: An Arrow stream, possibly incomplete.
-        decode: `decode_samples`, `decode_parameters` or `decode_signals`.
-        schema: Schema it was written with.
-        index: Rows of the sidecar, if any.
-    """
+    """Return the last valid block of a stream, see `scan_stream`; None where it has none. None before it is decoded."""
     with _opened(path, schema, index) as (view, spans):
         for span in reversed(list(spans)):
             for piece in _read_span(view, span, decode):

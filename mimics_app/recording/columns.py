@@ -21,6 +21,7 @@ __all__ = [
     "field_columns",
     "name_of",
     "present_columns",
+    "row_norms",
     "rows_of",
     "samples_of",
     "whole",
@@ -104,6 +105,11 @@ def rows_of(samples: NDArray[Any]) -> NDArray[np.float64]:
 def samples_of(rows: NDArray[np.float64]) -> NDArray[Any]:
     """Return a view of float64 rows [n, ROW] as SAMPLE records [n]."""
     return np.ascontiguousarray(rows, np.float64).reshape(-1, ROW).view(SAMPLE).reshape(-1)
+
+
+def row_norms(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the Euclidean norm of each row [n, k], shape [n]."""
+    return np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
 
 
 def whole(values: NDArray[np.float64]) -> NDArray[np.int64]:

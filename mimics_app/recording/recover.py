@@ -21,12 +21,13 @@ from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
     END_OF_STREAM,
     INDEX_ROW,
+    Block,
     decode_parameters,
     decode_samples,
     parameters_schema,
     schema_bytes,
 )
-from mimics_app.recording.arrow_scan import Damage, Found, read_index, read_schema, scan_stream
+from mimics_app.recording.arrow_scan import Damage, read_index, read_schema, scan_stream, sorted_scan
 from mimics_app.recording.event_log import split_lines
 from mimics_app.recording.layout import SampleLayout, layout_of
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
@@ -203,22 +204,20 @@ def _copy_blocks(path: Path, file: AppendFile, layout: SampleLayout) -> tuple[li
 def _repair_parameters(folder: Path) -> list[str]:
     path = folder / FILES["parameters"]
     schema = read_schema(path) or parameters_schema()
-    data = read_or_nothing(path)
-    pieces = list(scan_stream(path, lambda part: decode_parameters(part, schema), schema))
-    good = [data[piece.offset : piece.offset + piece.length] for piece in pieces if isinstance(piece, Found)]
-    damaged = any(isinstance(piece, Damage) for piece in pieces)
-    return _write_if_other(path, b"".join([schema_bytes(schema), *good, END_OF_STREAM]), keep=damaged)
+    return _repair_stream(path, schema, lambda part: decode_parameters(part, schema))
 
 
 def _repair_signals(folder: Path) -> list[str]:
     path = folder / FILES["signals"]
-    if not os.path.lexists(path):
-        return []
+    return _repair_stream(path, signals_schema(), decode_signals) if os.path.lexists(path) else []
+
+
+def _repair_stream(path: Path, schema: Any, decode: Callable[[memoryview], Block]) -> list[str]:
+    """Rewrite a stream that fits in memory with its valid blocks only."""
     data = read_or_nothing(path)
-    pieces = list(scan_stream(path, decode_signals, signals_schema()))
-    good = [data[piece.offset : piece.offset + piece.length] for piece in pieces if isinstance(piece, Found)]
-    damaged = any(isinstance(piece, Damage) for piece in pieces)
-    return _write_if_other(path, b"".join([schema_bytes(signals_schema()), *good, END_OF_STREAM]), keep=damaged)
+    found, damages = sorted_scan(path, decode, schema)
+    good = [data[each.offset : each.offset + each.length] for each in found]
+    return _write_if_other(path, b"".join([schema_bytes(schema), *good, END_OF_STREAM]), keep=bool(damages))
 
 
 def _repair_events(folder: Path) -> list[str]:

@@ -20,6 +20,7 @@ from mimics_app.contracts.trial_counts import COUNTED_TRIALS, count_trials
 from mimics_app.contracts.trips import TripReader
 from mimics_app.plotting.plot import Plot
 from mimics_app.recording.attempts import Attempt, find_attempts
+from mimics_app.recording.columns import row_norms
 from mimics_app.recording.report_figures import draw_lateness, draw_path, draw_states, draw_traces
 from mimics_app.recording.report_front import Front, front_of
 from mimics_app.recording.report_page import render_page
@@ -258,7 +259,7 @@ def _local_time(utc: object) -> str:
 
 def _cards(run: Run, attempts: list[Attempt], section: ReportSection) -> dict[str, str]:
     task = session_totals(run.summary, run.trials)
-    felt = [_largest(attempt.samples[attempt.free]["f_user_world"]) for attempt in attempts]
+    felt = [row_norms(attempt.samples[attempt.free]["f_user_world"]).max(initial=0.0) for attempt in attempts]
     return {
         **_trial_cards(run),
         "score of 100": _points(task.get("score")),
@@ -266,7 +267,7 @@ def _cards(run: Run, attempts: list[Attempt], section: ReportSection) -> dict[st
         **{name: _card(*figure) for name, figure in section.tiles(task).items()},
         section.path_error: one(scaled(task.get("path_error_m"), 1000.0), "mm"),
         section.contacts: shown(task.get("contacts")),
-        "largest force felt": one(max(felt, default=0.0) or None, "N"),
+        "largest force felt": one(float(max(felt, default=0.0)) or None, "N"),
         "safety stops": shown(_stops_and_holds(run)["safety stops"]),
     }
 
@@ -317,10 +318,6 @@ def _stops_and_holds(run: Run) -> dict[str, int]:
 
 def _card(figure: object, unit: str) -> str:
     return one(figure, unit) if unit else shown(figure)
-
-
-def _largest(vectors: NDArray[np.float64]) -> float:
-    return float(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)).max()) if len(vectors) else 0.0
 
 
 def _section_of(sections: Sequence[ReportSection], facts: Mapping[str, Any], attempts: list[Attempt]) -> ReportSection:

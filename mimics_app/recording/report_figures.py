@@ -14,7 +14,7 @@ from mimics_app.contracts.report_section import Marks, ReportSection, Traces, Wo
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.recording.attempts import Attempt
-from mimics_app.recording.columns import whole
+from mimics_app.recording.columns import row_norms, whole
 from mimics_app.recording.report_stability import stability_lines
 
 __all__ = ["draw_lateness", "draw_path", "draw_states", "draw_traces"]
@@ -75,10 +75,10 @@ def draw_traces(section: ReportSection, attempt: Attempt, facts: Mapping[str, An
     if len(samples) < 2:
         return []
     force = {
-        "measured": ("force of the person on the handle", _norm(samples["f_meas"])),
-        "felt": ("virtual force on the person", _norm(samples["f_user_world"])),
+        "measured": ("force of the person on the handle", row_norms(samples["f_meas"])),
+        "felt": ("virtual force on the person", row_norms(samples["f_user_world"])),
     }
-    speed = {"robot": ("speed of the robot", _norm(samples["v_world"]))}
+    speed = {"robot": ("speed of the robot", row_norms(samples["v_world"]))}
     touching = section.touching
     return [
         _trace_plot(attempt, "force [N]", force, touching),
@@ -127,10 +127,6 @@ def _runs(inside: NDArray[np.bool_]) -> list[slice]:
     edges = np.diff(np.concatenate([[0], inside.astype(np.int8), [0]]))
     pairs = zip(np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist(), strict=True)
     return [slice(start, end) for start, end in pairs]
-
-
-def _norm(vectors: F8) -> F8:
-    return np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
 
 
 def _stretches(t: F8, inside: NDArray[np.bool_]) -> tuple[F8, F8]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.haptic import EventKind, SafetyState
 from mimics_app.contracts.plural import counted
 from mimics_app.contracts.trips import TripReader
+from mimics_app.recording.columns import row_norms
 from mimics_app.recording.report_values import Seconds, mapping, number, scaled
 from mimics_app.recording.run import Run
 
@@ -205,7 +206,7 @@ def contact_rows(run: Run) -> list[dict[str, Any]]:
 def _peaks(samples: NDArray[Any], begins: NDArray[Any]) -> list[tuple[float | None, float | None, int | None]]:
     """Return peak force on the person [N], peak depth [mm] and duration [ms] of each contact."""
     ticks = samples["tick"]
-    force = np.sqrt(np.einsum("ij,ij->i", samples["f_user_world"], samples["f_user_world"]))
+    force = row_norms(samples["f_user_world"])
     apart = np.append(np.flatnonzero(samples["penetration"] <= 0.0), len(samples))
     found: list[tuple[float | None, float | None, int | None]] = []
     for tick in begins["tick"]:

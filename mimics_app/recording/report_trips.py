@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.plot import Plot
+from mimics_app.recording.columns import row_norms
 from mimics_app.recording.report_values import Seconds
 from mimics_app.recording.run import Run
 from mimics_app.recording.trip_log import FOLDER, complete_trips, read_trip
@@ -47,8 +48,8 @@ def _before(samples: NDArray[Any]) -> NDArray[np.float64]:
 
 
 def _forces(samples: NDArray[Any]) -> Plot:
-    when, felt = _before(samples), _size(samples["f_user_world"])
-    wanted, measured = _size(samples["f_virt_world"]), _size(samples["f_meas"])
+    when, felt = _before(samples), row_norms(samples["f_user_world"])
+    wanted, measured = row_norms(samples["f_virt_world"]), row_norms(samples["f_meas"])
     x, y = Axis.of("before the trip [ms]", when, margin=0.0), Axis.of("force [N]", felt, wanted, measured, zero=True)
     plot = Plot(x, y, "Forces before the trip", height=170.0)
     plot.line(when, measured, "measured", "of the person on the handle")
@@ -58,14 +59,10 @@ def _forces(samples: NDArray[Any]) -> Plot:
 
 
 def _speeds(samples: NDArray[Any]) -> Plot:
-    when, speed = _before(samples), _size(samples["v_world"])
-    step = np.append(0.0, _size(np.diff(samples["hip_world"], axis=0)) / np.diff(samples["t"]))
+    when, speed = _before(samples), row_norms(samples["v_world"])
+    step = np.append(0.0, row_norms(np.diff(samples["hip_world"], axis=0)) / np.diff(samples["t"]))
     x, y = Axis.of("before the trip [ms]", when, margin=0.0), Axis.of("speed [m/s]", speed, step, zero=True)
     plot = Plot(x, y, "Speed before the trip", height=150.0)
     plot.line(when, step, "measured", "by the reported positions")
     plot.line(when, speed, "robot", "as reported")
     return plot
-
-
-def _size(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(np.sqrt(np.sum(vectors * vectors, axis=1)), np.float64)

@@ -24,7 +24,7 @@ from mimics_app.recording.arrow_format import (
     decode_samples,
     parameters_schema,
 )
-from mimics_app.recording.arrow_scan import Damage, Found, read_index, read_schema, scan_stream
+from mimics_app.recording.arrow_scan import Damage, read_index, read_schema, sorted_scan
 from mimics_app.recording.event_log import events_of, missing_events, read_lines
 from mimics_app.recording.layout import layout_of
 from mimics_app.recording.manifest import hash_files, read_manifest
@@ -109,16 +109,10 @@ class Run:
 
     @cached_property
     def _scan(self) -> tuple[list[Block], list[Damage]]:
-        path = self.folder / FILES["haptic"]
-        blocks: list[Block] = []
-        damages: list[Damage] = []
         layout, index = self.layout, read_index(self.folder / FILES["index"])
-        for piece in scan_stream(path, lambda data: decode_samples(data, layout), layout.schema, index):
-            if isinstance(piece, Found):
-                blocks.append(piece.block)
-            else:
-                damages.append(piece)
-        return blocks, damages
+        path = self.folder / FILES["haptic"]
+        found, damages = sorted_scan(path, lambda data: decode_samples(data, layout), layout.schema, index)
+        return [each.block for each in found], damages
 
     @cached_property
     def haptic(self) -> NDArray[Any]:
@@ -182,30 +176,20 @@ class Run:
     def _parameter_scan(self) -> tuple[dict[int, Block], list[Damage]]:
         path = self.folder / FILES["parameters"]
         schema = read_schema(path) or parameters_schema()
-        blocks: dict[int, Block] = {}
-        damages: list[Damage] = []
-        for piece in scan_stream(path, lambda data: decode_parameters(data, schema), schema):
-            if isinstance(piece, Found):
-                blocks[int(piece.block.records["sequence"][0])] = piece.block
-            else:
-                damages.append(piece)
-        return blocks, damages
-
-    @property
-    def _parameter_blocks(self) -> dict[int, Block]:
-        return self._parameter_scan[0]
+        found, damages = sorted_scan(path, lambda data: decode_parameters(data, schema), schema)
+        return {int(each.block.records["sequence"][0]): each.block for each in found}, damages
 
     @cached_property
     def parameters(self) -> dict[int, NDArray[Any]]:
         """Parameter blocks by sequence, each a record of the dtype it was recorded with, shape [1]."""
-        return {number: block.records for number, block in self._parameter_blocks.items()}
+        return {number: block.records for number, block in self._parameter_scan[0].items()}
 
     @cached_property
     def rows(self) -> dict[int, Rows]:
         """Tables of haptic objects by sequence of their parameter block, rows in use only; empty ones are left out."""
         return {
             number: block.rows
-            for number, block in self._parameter_blocks.items()
+            for number, block in self._parameter_scan[0].items()
             if block.rows and any(map(len, block.rows))
         }
 
@@ -300,7 +284,7 @@ class Run:
             found.append(f"{name}: {self._layout_problem}; it is read as this version writes it")
         if self.layout.missing and len(self.haptic):
             found.append(f"{name}: recorded without {', '.join(self.layout.missing)}")
-        found += [f"{name}: {d.length} bytes at {d.offset} are no good block: {d.why}" for d in self.damages]
+        found += [damage.sentence(name) for damage in self.damages]
         found += [f"{gap.ticks} ticks are missing after tick {gap.after_tick}: {gap.why}" for gap in self.gaps]
         if ticks := self._seen_after_end():
             seconds = ticks / TICKS_PER_SECOND
@@ -314,7 +298,7 @@ class Run:
         name = FILES["parameters"]
         blocks, damages = self._parameter_scan
         found = _trouble_of(self.folder / name)
-        found += [f"{name}: {d.length} bytes at {d.offset} are no good block: {d.why}" for d in damages]
+        found += [damage.sentence(name) for damage in damages]
         if self.manifest and self.manifest.parameters > len(blocks):
             found.append(f"{name}: {self.manifest.parameters - len(blocks)} parameter blocks are missing")
         return found

@@ -146,5 +146,5 @@ def read_signals(folder: Path) -> tuple[list[SignalRow], list[str]]:
                 )
             rows += list(piece.block.records)
         else:
-            faults.append(f"{path.name}: {piece.length} bytes at {piece.offset} are no good block: {piece.why}")
+            faults.append(piece.sentence(path.name))
     return rows, faults

@@ -22,7 +22,7 @@ from mimics_app.recording.arrow_format import (
     encode_samples,
     schema_bytes,
 )
-from mimics_app.recording.arrow_scan import Found, read_schema, scan_stream
+from mimics_app.recording.arrow_scan import read_schema, sorted_scan
 from mimics_app.recording.columns import HAPTICMASTER
 from mimics_app.recording.layout import layout_of, samples_schema
 from mimics_app.recording.run import Run
@@ -138,6 +138,6 @@ def complete_trips(run: Run) -> list[tuple[int, Path]]:
 def read_trip(path: Path) -> Records:
     """SAMPLE records of a trip's log, shape [n]; [0] where it is damaged."""
     layout = layout_of(read_schema(path))[0]
-    found = scan_stream(path, lambda data: decode_samples(data, layout), layout.schema)
-    pieces = [piece.block.records for piece in found if isinstance(piece, Found)]
+    found, _ = sorted_scan(path, lambda data: decode_samples(data, layout), layout.schema)
+    pieces = [each.block.records for each in found]
     return np.concatenate(pieces) if pieces else np.empty(0, SAMPLE)

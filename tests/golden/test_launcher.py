@@ -208,6 +208,24 @@ def test_a_field_is_filled_where_it_is_lit_and_shown_where_it_matters(grouped):
     type_in(grouped, "0")
     assert grouped.values == {"who": "robot", "port": "/dev/ttyUSB0"}
     assert len(titles(grouped)) == 3, "the search has heard nothing"
+    grouped.handle(keys("enter"))
+    assert grouped._focus == ("start", 0), "Enter ends the typing"
+    grouped.handle(keys("enter"))
+    assert grouped.choice.settings == grouped.values
+
+
+def test_the_caret_stands_where_the_next_letter_goes(grouped, monkeypatch):
+    drawn: list[str] = []
+    monkeypatch.setattr(grouped._hud, "text", lambda _x, _y, text, *_, **__: drawn.append(text) or 0.0)
+    click(grouped, "option", 0, 1)
+    type_in(grouped, "rol")
+    grouped.draw()
+    assert [text for text in drawn if text.endswith("|")] == ["rol|"]
+    drawn.clear()
+    click(grouped, "option", 1, 1)
+    type_in(grouped, "/dev")
+    grouped.draw()
+    assert [text for text in drawn if text.endswith("|")] == ["/dev|"]
 
 
 def test_the_last_choice_is_taken_over_as_far_as_it_is_there():

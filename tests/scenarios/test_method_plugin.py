@@ -20,6 +20,7 @@ ENTRY_POINTS = """
 guessing = lab_of_guesses:GUESSES
 broken = lab_of_guesses:no_such_thing
 wrong = lab_of_guesses:Guesser
+odd = lab_of_guesses:ODD
 [mimics_app.scenarios]
 guesses = lab_of_guesses:Guesser
 """
@@ -65,6 +66,8 @@ GUESSES = MethodPlugin(
     GROUP, register,
     rows=(Row("1 steps", 0.0, 0.1, 0.0858, "m", {"steps": 1}), Row("6 steps", 0.0, 0.4, 2e-16, "m", {"steps": 6})),
     use=Use("square roots", lambda scene: scene.has(Robot)))
+
+ODD = MethodPlugin("odd", lambda registry: None, (Row("a", 0.0, 1.0, 0.0, "parsec", {}),), Use("x", lambda scene: True))
 
 
 class Guesser(TouchScene):
@@ -127,7 +130,12 @@ def test_the_planner_takes_the_cheapest_within_and_that_one_runs(answers: dict[o
         assert "square root" in json.dumps(session["plan"])
     assert roots[0.1] == 1.5 and roots[1e-9] == pytest.approx(2.0**0.5, abs=1e-12)
     said = "".join(answer.stderr for answer in answers.values())  # once in a process
-    assert 'methods "broken" cannot be imported' in said and 'methods "wrong" are left out' in said
+    for name, why in {
+        "broken": "its plug-in lab_of_guesses:no_such_thing cannot be imported: AttributeError",
+        "wrong": "its plug-in is not a mimics_app.world.scene.method_plugins.MethodPlugin",
+        "odd": 'no tolerance bounds an error in "parsec"',
+    }.items():
+        assert f'mimics: the methods "{name}" are left out: {why}' in said
 
 
 def test_explain_says_what_it_costs_and_errs(answers: dict[object, Answer]) -> None:

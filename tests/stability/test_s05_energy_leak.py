@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimics_app.lab.stability.s05_energy_leak import EXPERIMENT, closed_leak, observed_leak
+from mimics_app.lab.haptic.taps import observed_leak
+from mimics_app.lab.stability.s05_energy_leak import EXPERIMENT, closed_leak
 
 
 def test_small_grid_agrees_with_the_closed_form():

@@ -6,7 +6,7 @@ import pytest
 
 from mimics_app.app.bench.audio_soak import measure_soak
 from mimics_app.contracts.resources import root
-from mimics_app.rendering.audio.streamed_mixer import LIVE_BLOCK, queued_blocks
+from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
 from mimics_app.rendering.audio.work_times import WorkTimes
 
 
@@ -16,16 +16,6 @@ def test_work_times_are_percentiles_of_what_was_counted():
     for took in (*([205_000] * 98), 950_000, 60_000_000):
         times.count(took)
     assert times.percentiles_us() == {"p50": 210.0, "p99": 960.0, "max": 60_000.0, "count": 100}
-
-
-@pytest.mark.parametrize("period", [64, 128, 256])
-def test_a_live_queue_outlasts_two_periods_and_is_no_longer_than_that_takes(period):
-    """Whatever part of its first block is taken, it has what a device takes at once, and half a millisecond more."""
-
-    def ahead(blocks: int) -> int:
-        return min(blocks * LIVE_BLOCK - k * period % LIVE_BLOCK for k in range(LIVE_BLOCK))
-
-    assert ahead(queued_blocks(period)) >= 2 * period + 24 > ahead(queued_blocks(period) - 1)
 
 
 @pytest.mark.slow
@@ -38,4 +28,5 @@ def test_a_soak_counts_every_block(load):
     assert bool(reported["loop"]) == load
     if load:  # the figure beside which gaps are read
         assert set(reported["loop"]["lateness_us"]) == {"p50", "p99", "p99_9", "max"}
-    assert reported["missed"] >= 0 and reported["late_turns"] >= 0 and reported["voices"] == 64
+    assert reported["missed"] >= 0 and reported["queue"]["ms"] <= reported["queue"]["longest_ms"] <= 20.0
+    assert reported["late_turns"] >= 0 and reported["voices"] == 64

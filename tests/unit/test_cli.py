@@ -322,8 +322,8 @@ class _Terminal(io.StringIO):
 @pytest.mark.parametrize("stream", [io.StringIO(), _Terminal()], ids=["log", "terminal"])
 def test_compiling_says_how_far_it_is(stream: io.StringIO) -> None:
     """A function every half a second: nothing for two seconds, then in place, or a line every ten seconds."""
-    clock = VirtualClock()
-    line = CompileLine(stream, clock)
+    clock, told = VirtualClock(), list[str]()
+    line = CompileLine(stream, clock, told.append)
     for _ in range(400):
         line.count()
         clock.sleep_until_ns(clock.now_ns() + 500_000_000)
@@ -331,3 +331,5 @@ def test_compiling_says_how_far_it_is(stream: io.StringIO) -> None:
     assert "41 of about 350 functions, 20 s" in said and "381 functions, 190 s" in said
     assert said.count("\n") == (0 if stream.isatty() else 19)
     assert said.count("\r") == (396 if stream.isatty() else 0)
+    assert len(told) == 198, "the window that waits hears it every second"
+    assert told[0] == "Compiling, once for this version: 5 of about 350 functions"

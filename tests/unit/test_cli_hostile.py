@@ -126,6 +126,7 @@ def test_nohup_is_respected() -> None:
     [
         (["run", "--seed", "9" * 30], "is no seed"),
         (["run", "--seed", "1.5"], "1.5 is no seed"),
+        (["physio", "sim:healthy", "--seed", "-1"], "-1 is no seed from 0"),
         (["render", "scene.json", "--seed", str(2**63)], "is no seed"),
         (["bench", "realtime", "--seconds", "nan"], "nan is no time"),
         (["bench", "realtime", "--seconds", "-1"], "-1 is no time"),
@@ -135,11 +136,25 @@ def test_nohup_is_respected() -> None:
             "bench physio has no figure nonsense; it has noise, detectors",
         ),
         (["bench", "physio", "detectors"], "no folder for the figure detectors"),
+        (["physio", "sim:healthy", "--page", ""], 'argument --page: "" is a folder; name a file to write'),
+        (["render", "wavy_tunnel", "--audio", "."], 'argument --audio: "." is a folder; name a file to write'),
     ],
 )
 def test_value_beyond_reason_is_refused(arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(arguments) == 2
     assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("line", ["run", "run --headless", "check", "explain", "render", "view --headless", "study"])
+def test_a_file_nested_without_end_is_a_fault_of_the_file(
+    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Readers of the standard library raise RecursionError; a study refuses its scene before it runs anybody."""
+    monkeypatch.chdir(tmp_path)
+    Path("deep.json").write_text("[" * 100_000)
+    assert cli.main([*line.split(), "deep.json"]) == 3
+    assert capsys.readouterr().err == "mimics: deep.json: is nested deeper than 128 levels\n"
+    assert os.listdir() == ["deep.json"]
 
 
 @pytest.mark.parametrize("name", ["run", "check", "explain"])

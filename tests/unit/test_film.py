@@ -7,6 +7,7 @@ import stat
 import sys
 import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -82,12 +83,22 @@ def test_each_picture_is_seen_as_long_as_it_was(tmp_path, ffmpeg, live):
 
 def test_without_ffmpeg_frames_are_files_and_it_is_reported(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     film = shoot(tmp_path / "sub" / "out.mp4", [0.0, 1 / 60, 3 / 60])
     assert sorted(file.name for file in film.place.iterdir()) == [f"frame_{n:06d}.png" for n in (0, 1, 3)]
     picture = np.array(Image.open(film.place / "frame_000003.png"))
     assert picture.shape == (SIZE[1], SIZE[0], 3) and picture[0, 0, 0] == 30 and picture[-1, 0, 0] == 0
     said = capsys.readouterr().err
-    assert said == f"mimics: no ffmpeg for {tmp_path}/sub/out.mp4: frames go to {tmp_path}/sub/out/ as PNG\n"
+    assert said == f"mimics: no ffmpeg for {tmp_path}/sub/out.mp4: frames go to {tmp_path}/sub/out/ as PNG; " + (
+        "install ffmpeg, or the extra `video`\n"
+    )
+
+
+def test_the_ffmpeg_of_the_extra_is_used_where_the_system_has_none(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    brought = SimpleNamespace(get_ffmpeg_exe=lambda: "/brought/ffmpeg")
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", brought)
+    assert film_place(tmp_path / "out.mp4") == (tmp_path / "out.mp4", "/brought/ffmpeg")
 
 
 def test_a_folder_is_asked_for_without_a_word(tmp_path, capsys):

@@ -33,7 +33,7 @@ def test_unknown_device_names_the_nearest():
 
 
 def _entry(name: str, target) -> SimpleNamespace:
-    return SimpleNamespace(name=name, load=target)
+    return SimpleNamespace(name=name, value=f"lab:{name}", load=target)
 
 
 def test_a_plug_in_is_found_and_runs_in_the_loop(monkeypatch: pytest.MonkeyPatch):

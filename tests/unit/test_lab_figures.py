@@ -6,7 +6,9 @@ import json
 import math
 import re
 import sys
+from dataclasses import replace
 from html import unescape
+from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
 from xml.etree import ElementTree
@@ -145,12 +147,39 @@ def test_gallery_begins_with_what_is_chosen_and_what_each_profile_takes(chart, t
     ]  # fmt: skip
 
 
+def test_gallery_names_no_yardstick_as_the_method_of_a_profile(tmp_path):
+    """The product cannot run it, however cheap and accurate it is."""
+    yardstick = row("yardstick", 0.1, 0.0)
+    rows = [row("runs", 1.0, 1e-2, default=True), replace(yardstick, method=replace(yardstick.method, settings=None))]
+    write_figure(draw_chart(MeasuredGroup(Group("two <words>", "what", "m", "", lambda: 0.5), 0.5, rows)), tmp_path)
+    page = write_gallery(tmp_path, {"draft": {"m": 0.1}, "study": {"m": 1e-3}}).read_text(encoding="utf-8")
+    assert "<td>runs</td><td>no method</td>" in page[: page.index("<nav>")]
+
+
+def test_a_chart_of_many_methods_numbers_its_points_and_lists_them():
+    rows = [row(f"method {i}", 1.0 + i, 1.0 / (1.0 + i), default=i == 0) for i in range(25)]
+    figure = draw_chart(MeasuredGroup(Group("crowded", "what", "m", "", lambda: 0.5), 0.5, rows))
+    texts = [node.text for node in ElementTree.fromstring(figure.svg).iter("{http://www.w3.org/2000/svg}text")]
+    assert all(texts.count(str(i + 1)) >= 2 and texts.count(f"method {i}") == 1 for i in range(25))
+
+
+def test_long_captions_are_wrapped_and_numbers_of_an_axis_do_not_touch():
+    group = Group("two <words>", "many words " * 30, "m", "vertices", lambda: 0.5)
+    growth = Growth((1000, 10_000, 100_000), (1.0, 10.0, 100.0), 1.0)
+    figure = draw_chart(MeasuredGroup(group, 0.5, [row("one", 1.0, 0.1, default=True, growth=growth)]))
+    texts = [node for node in ElementTree.fromstring(figure.svg).iter("{http://www.w3.org/2000/svg}text")]
+    assert max(len(node.text or "") for node in texts if node.get("class") == "small") <= 150
+    numbers = [node for node in texts if node.get("class") == "small" and (node.text or "").isdigit()]
+    below = sorted((float(node.get("x", 0)), len(node.text or "")) for node in numbers if node.get("y") == "407.0")
+    assert all(b[0] - a[0] > 3.3 * (a[1] + b[1]) for a, b in pairwise(below)) and len(below) >= 3
+
+
 def test_a_default_that_loses_in_its_own_shipped_chart_says_why_it_stays():
     figures = [json.loads(file.read_text(encoding="utf-8")) for file in CHARTS.glob("*.json")]
     charts = [data for data in figures if data["kind"] == "chart"]
     losing = {data["name"]: data for data in charts if data["default"] and data["default"] not in data["front"]}
     assert len(charts) > 30 and all(data["why_default"] for data in losing.values())
-    page = unescape((CHARTS / "index.html").read_text(encoding="utf-8"))
+    page = re.sub("</?code>", "`", unescape((CHARTS / "index.html").read_text(encoding="utf-8")))
     assert "spatialiser" in losing and f"Why it stays: {losing['spatialiser']['why_default']}." in page
 
 
@@ -206,7 +235,7 @@ def test_a_word_beside_a_point_is_held_on_the_side_of_the_point():
 def test_methods_without_any_error_stand_on_one_line_and_frames_are_reported_in_milliseconds():
     rows = [row("off", 20_000.0, 0.0), row("all", 11_000.0, 0.0, default=True)]
     drawing = draw_chart(MeasuredGroup(Group("g", "w", "m", "", lambda: 0.5), 0.5, rows)).svg
-    assert "error [m]: none has any" in drawing and "(error 0)" not in drawing
+    assert "error [m]: 0 for all" in drawing and "(error 0)" not in drawing
     assert "cost [ms per call]" in drawing and "cost 20 ms" in drawing
     heights = re.findall(r'<circle class="(?:dot|open)" cx="[\d.]+" cy="([\d.]+)" r="4.5"><title>', drawing)
     assert len(heights) == 2 and len(set(heights)) == 1

@@ -14,7 +14,7 @@ import pytest
 from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.planner.explain import OF_OBJECTS, TICK_GROUP, describe_plan, explain_plan
 from mimics_app.app.planner.plan import choose, load_table, plan_scene, settle
-from mimics_app.app.planner.tolerances import BY_PROFILE, FIELD_OF_UNIT, tolerances_of
+from mimics_app.app.planner.tolerances import BY_PROFILE, tolerances_of
 from mimics_app.app.planner.uses import NOT_PLANNED, USES
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import PROFILES
@@ -29,6 +29,7 @@ from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.scenarios.robot_scene import robot_block
 from mimics_app.world.components.objects import HapticObject
 from mimics_app.world.components.systems import HapticSettings, Tolerances
+from mimics_app.world.components.tolerance_units import FIELD_OF_UNIT
 
 SCENE = root() / "scenes" / "wavy_tunnel.json"
 PART_KEYS = [

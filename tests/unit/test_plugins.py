@@ -11,6 +11,14 @@ import pytest
 from mimics_app.app import cli
 from mimics_app.app.installation import plugins, probes
 from mimics_app.app.installation.plugins import GROUPS, list_plugins
+from mimics_app.app.scenes.catalogue import open_scenario
+from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
+from mimics_app.contracts.resources import root
+from mimics_app.inputs.physio.sources import open_source
+from mimics_app.learning.registry import build_policy
+from mimics_app.rendering.haptic.devices.device_names import find_plugin
+from mimics_app.world.scene.file import load_scene
+from mimics_app.world.world import World
 
 _ENTRY_POINTS = """
 [mimics_app.devices]
@@ -21,6 +29,12 @@ lost_robot = lab_that_is_lost:build
 half = lab_of_somebody:no_such_thing
 [mimics_app.components]
 no_component = lab_of_somebody:build
+[mimics_app.task_kinds]
+no_kind = lab_of_somebody:build
+[mimics_app.policies]
+no_policy = lab_of_a_compiler:Policy
+[mimics_app.signal_sources]
+no_source = lab_of_a_compiler:open
 """
 
 
@@ -32,6 +46,7 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: lab-of-somebody\nVersion: 1.2\n")
     (folder / "entry_points.txt").write_text(_ENTRY_POINTS)
     (tmp_path / "lab_of_somebody.py").write_text('def build(request):\n    """A robot of somebody.\n\n    More."""\n')
+    (tmp_path / "lab_of_a_compiler.py").write_text("raise TypeError('it fails\\n  in line 3\\n    of the kernel')\n")
     (tmp_path / "lab_that_leaves.py").write_text("import sys\nsys.exit('no licence')\n")
     monkeypatch.syspath_prepend(str(tmp_path))
 
@@ -61,6 +76,21 @@ def test_each_plug_in_is_reported_with_its_package(installed: None) -> None:
     assert "lab_that_is_lost" in reports["lost_robot"].error
     assert "no_such_thing" in reports["half"].error
     assert "not a subclass of" in reports["no_component"].error
+    assert "not an object of mimics_app.tasks.kinds.kind.TaskKind" in reports["no_kind"].error
+
+
+def test_each_stage_names_a_plug_in_that_fails_in_one_line(installed: None) -> None:
+    why = "its plug-in lab_of_a_compiler:{} cannot be imported: TypeError: it fails in line 3 of the kernel"
+    with pytest.raises(UsageError, match=why.format("Policy")):
+        build_policy("no_policy")
+    with pytest.raises(DeviceError, match=why.format("open")):
+        open_source("no_source:x", 1)
+    with pytest.raises(DeviceError, match="its plug-in lab_that_leaves cannot be imported: SystemExit: no licence"):
+        find_plugin("left_robot")
+    scene = load_scene(root() / "scenes" / "wavy_tunnel.json")
+    scene.scenario = "half"
+    with pytest.raises(SceneError, match="#/scenario: its plug-in lab_of_somebody:no_such_thing cannot be imported"):
+        open_scenario(scene, World())
 
 
 def test_one_group_is_asked_alone(installed: None) -> None:

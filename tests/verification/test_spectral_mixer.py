@@ -11,7 +11,7 @@ import pytest
 from mimics_app.contracts.audio_port import Timing
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.messages import SoundEvent
-from mimics_app.lab.audio.hearing import compare, level_differences
+from mimics_app.lab.audio.hearing import hearing_errors, level_differences
 from mimics_app.lab.audio.rendered import render_clicks
 from mimics_app.lab.audio.spatialiser import heard_around
 from mimics_app.lab.audio_bench import find_measured_head
@@ -111,7 +111,7 @@ def test_a_mixed_block_is_the_convolution_with_the_head_s_response():
 
 
 def check_goals(head: HeadResponses, sofa) -> None:
-    errors = compare(
+    errors = hearing_errors(
         render_clicks(head.directions, sofa=sofa), RATE, head, lambda directions: render_clicks(directions, sofa=sofa)
     )
     assert errors.itd_median <= ITD_MEDIAN_US and errors.itd_max <= ITD_MAX_US, errors
@@ -146,7 +146,7 @@ def test_exchanged_ears_are_noticed():
     """The goals' test can fail: with left for right nothing of it holds."""
     head = some_head(RATE, 20, 0.152)
     rendered = render_clicks(head.directions)
-    errors = compare(rendered[:, ::-1], RATE, head)
+    errors = hearing_errors(rendered[:, ::-1], RATE, head)
     assert errors.itd_median > 100.0 and errors.ild_median > 3.0
     assert (
         np.sign(level_differences(rendered, RATE)[:, 5]).tolist()

@@ -25,7 +25,7 @@ from mimics_app.contracts.sound_scene import SOUND_SCENE, fill_defaults
 from mimics_app.rendering.audio.live_latency import private_pulse_server, pulse_missing
 from mimics_app.rendering.audio.process import AudioProcess
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
-from mimics_app.rendering.audio.streamed_mixer import LIVE_BLOCK
+from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -54,6 +54,7 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
     Returns:
         `seconds, voices, block_ms, turns`; `block_us` with p50, p99 and max of the work of a turn in which blocks were
         mixed, and their `count`; `missed`, how often the device wanted a block that was not there: a gap that is heard;
+        `queue`, its length over time and the latency it gives (contracts/audio_port.py: AudioReport);
         `late_turns`, those that began more than half a millisecond late, which the queue bears; `device`; `loop`, the
         row of the load's haptic loop, whose real-time thread runs before this process: its lateness is the machine's.
         OpenAL's null device takes several blocks at once where its own thread was held up, which counts as missed too.
@@ -73,6 +74,7 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
         "turns": report.blocks,
         "block_us": dict(report.block_us),
         "missed": report.underruns,
+        "queue": dict(report.queue),
         "late_turns": report.late_blocks,
         "device": report.status.device,
         "load": str(scene) if load else "none",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from mimics_app.app.terminal.arguments import real_number, whole_number
+from mimics_app.app.terminal.arguments import file_to_write, real_number, whole_number
 from mimics_app.contracts.plural import counted
 
 __all__ = ["add_arguments", "run"]
@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, default=Path("."), metavar="DIR", help="folder to write into")
     parser.add_argument(
         "--picture",
-        type=Path,
+        type=file_to_write,
         metavar="PNG",
         help="with build: draw each model from six directions, or the spectrograms of sounds; with thumbnails: draw "
         "all of them on one sheet",

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from mimics_app.app.terminal.arguments import picture_size, positive_time, real_number, whole_number
+from mimics_app.app.terminal.arguments import file_to_write, picture_size, positive_time, real_number, whole_number
 from mimics_app.contracts.errors import DeviceError, UsageError
 
 __all__ = ["add_arguments", "run"]
@@ -20,6 +20,9 @@ _SECONDS, _ALL_SECONDS, _AUDIO_SECONDS = 60.0, 10.0, 10.0
 _FRAME_SECONDS, _ALL_FRAME_SECONDS = 12.0, 6.0
 """Default lengths of measurements [s]; `_ALL...`: limits where everything is measured. Stages of frames are timed last:
 a measurement ends before the simulated patient has played its scene to the end."""
+
+_REPEATS = 5
+"""Default number of sessions per way to kill one and per fault."""
 
 WORKLOADS = ("city", "nodes", "crowd", "walk", "people", "people_full", "particles")
 
@@ -33,10 +36,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics bench`."""
     parser.add_argument(
         "what",
-        choices=("all", "realtime", "methods", "audio", "haptic", "physio", "frame", "displays", "render"),
+        choices=(
+            "all",
+            "realtime",
+            "methods",
+            "audio",
+            "haptic",
+            "physio",
+            "frame",
+            "displays",
+            "record",
+            "faults",
+            "render",
+        ),
         help="realtime: deadlines of the haptic loop under load; methods: cost and error of every method; audio: "
         "mixers and latency; haptic: cost of a tick; physio: R peaks and features; frame: frames of live sessions; "
-        "displays: stereo and headsets; render: the renderer beside OGRE; all: all but displays, physio and render",
+        "displays: stereo and headsets; record: what a killed session loses; faults: time from a fault to zero "
+        "force; render: the renderer beside OGRE; all: methods, audio, haptic, frame and realtime",
     )
     _add_render_arguments(parser)
     parser.add_argument(
@@ -60,7 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--scene",
         type=Path,
         default=Path("scenes/wavy_tunnel.json"),
-        help="scene that makes the load of realtime, displays and --soak",
+        help="scene of realtime, displays, record, faults and --soak",
     )
     parser.add_argument(
         "--seconds",
@@ -118,7 +134,8 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         "--n",
         type=_nodes,
         default=0,
-        help="with render: number of nodes, people or particles; 0: the default of the workload",
+        help="with render: number of nodes, people or particles, 0: the default of the workload; with record and "
+        "faults: number of sessions per way to kill it and per fault (default: 5)",
     )
     parser.add_argument(
         "--opt", default="", help="with render: options of the renderer, separated by commas, e.g. noocc,noshadow"
@@ -128,7 +145,7 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         type=_frame_rate,
         help="with render: lower the quality, as a run does, until this frame rate is held (default: never)",
     )
-    parser.add_argument("--shot", type=Path, help="with render: PNG file for the last frame")
+    parser.add_argument("--shot", type=file_to_write, help="with render: PNG file for the last frame")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -303,6 +320,22 @@ def _measure_displays(args: argparse.Namespace) -> dict[str, Any]:
     return measure_displays(args.scene, args.size, args.frames, _say)
 
 
+def _measure_record(args: argparse.Namespace) -> dict[str, Any]:
+    """Measure what the recording of a killed session lacks."""
+    from mimics_app.app.bench.record_bench import measure_record
+    from mimics_app.app.scenes.finding import find_scene
+
+    return measure_record(find_scene(args.scene), args.n or _REPEATS, _say)
+
+
+def _measure_faults(args: argparse.Namespace) -> dict[str, Any]:
+    """Measure the time from each fault of a device to zero force."""
+    from mimics_app.app.bench.fault_bench import measure_faults
+    from mimics_app.app.scenes.finding import find_scene
+
+    return measure_faults(find_scene(args.scene), args.n or _REPEATS, _say)
+
+
 def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
     """Measure R peaks on annotated records and under noise, cost and latency; PEERS is the folder of rivals' harnesses.
 
@@ -359,4 +392,6 @@ _MEASURES = {
     "audio": _measure_audio,
     "haptic": _measure_haptic,
     "physio": _measure_physio,
+    "record": _measure_record,
+    "faults": _measure_faults,
 }

@@ -207,7 +207,8 @@ def _write(args: argparse.Namespace, figures: list[Figure]) -> int:
 
 def _limits() -> dict[str, dict[str, float]]:
     """Return the largest error that each profile accepts, by unit."""
-    from mimics_app.app.planner.tolerances import BY_PROFILE, FIELD_OF_UNIT
+    from mimics_app.app.planner.tolerances import BY_PROFILE
+    from mimics_app.world.components.tolerance_units import FIELD_OF_UNIT
 
     return {
         profile: {unit: bounds[name] for unit, name in FIELD_OF_UNIT.items()} for profile, bounds in BY_PROFILE.items()

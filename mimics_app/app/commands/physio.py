@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mimics_app.app.terminal.arguments import positive_time, random_seed
+from mimics_app.app.terminal.arguments import file_to_write, positive_time, random_seed
 
 if TYPE_CHECKING:
     from mimics_app.app.physio.watch import Watch
@@ -32,13 +32,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--events",
-        type=Path,
+        type=file_to_write,
         metavar="CSV",
         help="write the events found, with the columns t_s,known_s,kind,value,quality",
     )
-    parser.add_argument("--features", type=Path, metavar="CSV", help="write the features, one row per second")
+    parser.add_argument("--features", type=file_to_write, metavar="CSV", help="write the features, one row per second")
     parser.add_argument(
-        "--page", type=Path, metavar="HTML", help="write a page of plots; refreshed while a live source runs"
+        "--page", type=file_to_write, metavar="HTML", help="write a page of plots; refreshed while a live source runs"
     )
     parser.add_argument(
         "--check",

@@ -7,7 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mimics_app.app.settings import PROFILES
-from mimics_app.app.terminal.arguments import add_display_argument, frame_count, picture_size, random_seed, real_number
+from mimics_app.app.terminal.arguments import (
+    add_display_argument,
+    file_to_write,
+    frame_count,
+    picture_size,
+    random_seed,
+    real_number,
+)
 from mimics_app.contracts.plural import counted
 
 if TYPE_CHECKING:
@@ -56,13 +63,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--audio",
-        type=Path,
+        type=file_to_write,
         metavar="FILE",
         help="write the sound of --seconds instead of pictures, e.g. play.wav",
     )
     parser.add_argument(
         "--sheet",
-        type=Path,
+        type=file_to_write,
         metavar="FILE",
         help="draw every scene of a folder on one picture, e.g. scenes.jpg, and print shares of dark and bright pixels",
     )

@@ -16,7 +16,7 @@ from mimics_app.app.terminal.arguments import (
     whole_number,
 )
 
-__all__ = ["add_arguments", "run"]
+__all__ = ["add_arguments", "check_names", "run"]
 
 _DEFAULT_SCENE = Path("scenes/wavy_tunnel.json")
 
@@ -176,7 +176,7 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.play.journey_log import JourneyLog
 
     with JourneyLog(args.journey).reporting():
-        _check_names(args)
+        check_names(args)
     from mimics_app.app.scenes.shipped import is_only_looked_at
 
     if is_only_looked_at(args.scene) and not args.headless:
@@ -209,7 +209,7 @@ def _play(settings: RunSettings, *, as_json: bool) -> int:
     log.doing("Reading the scene")
     with log.reporting():
         read = read_asked(settings)
-    say_if_cold()
+    say_if_cold(log.doing)
     from mimics_app.app.play.play import play
 
     return play(settings, as_json=as_json, read=read)
@@ -248,7 +248,7 @@ def _is_for_a_person(settings: RunSettings) -> bool:
     return not settings.headless and has_display() and settings.seconds is None and settings.journey is None
 
 
-def _check_names(args: argparse.Namespace) -> None:
+def check_names(args: argparse.Namespace) -> None:
     """Check that everything named exists, before compiled code and graphics are imported."""
     from mimics_app.app.scenes.finding import find_scene
     from mimics_app.app.terminal.named import check_adaptation, check_files

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from pathlib import Path
 
+from mimics_app.app.terminal.arguments import file_to_write
 from mimics_app.contracts.errors import UsageError
 
 __all__ = ["add_arguments", "run"]
@@ -14,7 +14,7 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--out", type=Path, metavar="FILE", help="write the schema to a file instead of stdout")
+    parser.add_argument("--out", type=file_to_write, metavar="FILE", help="file to write, instead of stdout")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mimics_app.app.terminal.arguments import whole_number
+from mimics_app.app.terminal.arguments import file_to_write, whole_number
 
 if TYPE_CHECKING:
     from mimics_app.app.sweep.worker import SweepJob
@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--list", action="store_true", help="list the experiments, their parameters and results")
     parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="Parquet file to write (default: runs/sweeps/NAME.parquet)"
+        "--out", type=file_to_write, metavar="FILE", help="Parquet file to write (default: runs/sweeps/NAME.parquet)"
     )
     parser.add_argument(
         "--workers",

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.settings import PROFILES
-from mimics_app.app.terminal.arguments import frame_count, picture_size
+from mimics_app.app.terminal.arguments import file_to_write, frame_count, picture_size
 from mimics_app.app.terminal.output import errors_of, issue_lines
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 
@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--sheet", type=Path, metavar="FOLDER", help="draw every model of a folder onto one PNG")
     parser.add_argument("--headless", action="store_true", help="no window: draw PNG files, to view.png or --output")
     parser.add_argument(
-        "--output", type=Path, metavar="PNG", help="file to draw to, without a window (default: view.png)"
+        "--output", type=file_to_write, metavar="PNG", help="file to draw to, without a window (default: view.png)"
     )
     parser.add_argument(
         "--frames",
@@ -55,7 +55,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--at", type=float, metavar="S", help="show the clip held at this time [s]")
     parser.add_argument(
-        "--vertices", type=Path, metavar="NPZ", help="write the world positions of all vertices, after morphs and skins"
+        "--vertices",
+        type=file_to_write,
+        metavar="NPZ",
+        help="write all vertices, in the world after morphs and skins",
     )
     parser.add_argument("--up", choices=("y", "z"), default="y", help="upward axis of a mesh file")
     parser.add_argument(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from mimics_app.contracts.plugins import load_plugin
 from mimics_app.world.components.plugins import ENTRY_POINT_GROUP as COMPONENTS
 from mimics_app.world.components.plugins import fault_of_type
 from mimics_app.world.scene.method_plugins import ENTRY_POINT_GROUP as METHODS
@@ -15,11 +16,12 @@ if TYPE_CHECKING:
 
 __all__ = ["GROUPS", "PluginReport", "list_plugins"]
 
+TASK_KINDS = "mimics_app.task_kinds"
 GROUPS = (
     "mimics_app.devices",
     COMPONENTS,
     "mimics_app.scenarios",
-    "mimics_app.task_kinds",
+    TASK_KINDS,
     "mimics_app.force_fields",
     "mimics_app.policies",
     "mimics_app.signal_sources",
@@ -62,11 +64,19 @@ def list_plugins(*groups: str) -> list[PluginReport]:
 def _report(group: str, point: EntryPoint) -> PluginReport:
     package = f"{point.dist.name} {point.dist.version}" if point.dist else ""
     try:
-        loaded = point.load()
-    except BaseException as error:  # also of a plug-in that calls sys.exit() while it is imported
-        if isinstance(error, KeyboardInterrupt):
-            raise
-        return PluginReport(group, point.name, point.value, package, f"{type(error).__name__}: {error}")
-    fault = fault_of_type(point.name, loaded) if group == COMPONENTS else ""
-    fault = fault_of_method(loaded) if group == METHODS else fault
-    return PluginReport(group, point.name, point.value, package, fault, loaded)
+        loaded = load_plugin(point)
+    except ValueError as fault:
+        return PluginReport(group, point.name, point.value, package, str(fault))
+    return PluginReport(group, point.name, point.value, package, _fault(group, point.name, loaded), loaded)
+
+
+def _fault(group: str, name: str, loaded: object) -> str:
+    if group == COMPONENTS:
+        return fault_of_type(name, loaded)
+    if group == METHODS:
+        return fault_of_method(loaded)
+    if group == TASK_KINDS:
+        from mimics_app.tasks.kinds.registry import fault_of_kind
+
+        return fault_of_kind(loaded)
+    return "" if callable(loaded) else "its plug-in cannot be called"

@@ -68,7 +68,7 @@ class HeldQuality:
     def _read(self) -> Mapping[str, Held]:
         if self._file is None:
             return {}
-        with suppress(OSError, ValueError):
+        with suppress(OSError, ValueError, RecursionError):
             return msgspec.convert(json.loads(self._file.read_bytes()), dict[str, Held])
         return {}
 

@@ -40,12 +40,24 @@ def film_place(wanted: Path) -> tuple[Path, str]:
     """
     if not wanted.suffix:
         return wanted, ""
-    program = shutil.which("ffmpeg")
+    program = shutil.which("ffmpeg") or _ffmpeg_of_extra()
     if program is None:
         folder = wanted.with_suffix("")
-        sys.stderr.write(f"mimics: no ffmpeg for {wanted}: frames go to {folder}/ as PNG\n")
+        sys.stderr.write(
+            f"mimics: no ffmpeg for {wanted}: frames go to {folder}/ as PNG; install ffmpeg, or the extra `video`\n"
+        )
         return folder, ""
     return wanted, program
+
+
+def _ffmpeg_of_extra() -> str | None:
+    """Return the program that the extra `video` (imageio-ffmpeg) brings along, or None."""
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+
+        return str(get_ffmpeg_exe())
+    except (ImportError, RuntimeError):  # not installed; or a platform for which its wheel has no program
+        return None
 
 
 class _Sink(Protocol):

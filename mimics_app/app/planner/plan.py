@@ -14,11 +14,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from mimics_app.app.planner.tolerances import FIELD_OF_UNIT, tolerances_of
+from mimics_app.app.planner.tolerances import tolerances_of
 from mimics_app.app.planner.uses import uses
 from mimics_app.app.settings import Profile
 from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.methods import Settings
+from mimics_app.world.components.tolerance_units import FIELD_OF_UNIT
 from mimics_app.world.scene.method_plugins import Use, method_plugins
 from mimics_app.world.scene.scene import Scene
 
@@ -151,11 +152,16 @@ def plan_scene(scene: Scene, profile: Profile, table: Table | None = None, pixel
     room_ms = ROOM * tolerances["frame_ms"] if pixels and profile != "study" else math.inf
     choices = list[Choice]()
     for group, use in uses().items():
-        if group in table.groups and use.used(scene):
+        if _is_bounded(table.groups.get(group, ())) and use.used(scene):
             scale = pixels / use.pixels if use.pixels else 0.0
             choices.append(_choice(scene, group, use, table.groups[group], tolerances, _Budget(room_ms, scale)))
             room_ms = max(0.0, room_ms - choices[-1].more_ms)
     return Plan(profile, tolerances, table, origin, tuple(choices), pixels)
+
+
+def _is_bounded(rows: Sequence[Row]) -> bool:
+    """Whether a tolerance bounds the errors of a group; of one that this machine measured for a plug-in it may not."""
+    return bool(rows) and rows[0].unit in FIELD_OF_UNIT
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,25 +10,25 @@ from mimics_app.app.settings import PROFILES, Profile
 from mimics_app.world.components.systems import Tolerances
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["BY_PROFILE", "FIELD_OF_UNIT", "tolerances_of"]
+__all__ = ["BY_PROFILE", "tolerances_of"]
 
-_BOUNDS: Mapping[str, tuple[str, tuple[float, float, float]]] = {
-    "force_N": ("N", (0.5, 0.05, 1e-3)),
-    "position_m": ("m", (1e-3, 1e-6, 1e-8)),
-    "angle_rad": ("rad", (2e-2, 1e-3, 1e-4)),
-    "restitution": ("restitution", (0.03, 0.02, 0.02)),
-    "itd_us": ("us of interaural delay", (700.0, 40.0, 30.0)),
-    "frame_ms": ("ms", (34.0, 17.0, 17.0)),
-    "edge_px": ("px", (0.5, 0.1, 0.1)),
-    "shadow_m": ("m of a shadow's edge", (1e-3, 2e-4, 1.5e-4)),
-    "pixel_share": ("share of pixels", (0.1, 0.03, 0.005)),
-    "colour_levels": ("levels of 255", (40.0, 2.0, 1.0)),
-    "effect_share": ("of the effect", (1.0, 0.1, 0.05)),
+_BOUNDS: Mapping[str, tuple[float, float, float]] = {
+    "force_N": (0.5, 0.05, 1e-3),
+    "position_m": (1e-3, 1e-6, 1e-8),
+    "angle_rad": (2e-2, 1e-3, 1e-4),
+    "restitution": (0.03, 0.02, 0.02),
+    "itd_us": (700.0, 40.0, 30.0),
+    "frame_ms": (34.0, 17.0, 17.0),
+    "edge_px": (0.5, 0.1, 0.1),
+    "shadow_m": (1e-3, 2e-4, 1.5e-4),
+    "pixel_share": (0.1, 0.03, 0.005),
+    "colour_levels": (40.0, 2.0, 1.0),
+    "effect_share": (1.0, 0.1, 0.05),
 }
-"""Tolerance: the unit of the errors it bounds, and the bound of a draft, a training and a study."""
+"""Tolerance: the bound of a draft, a training and a study."""
 
 BY_PROFILE: Mapping[Profile, Mapping[str, float]] = {
-    profile: {name: bounds[k] for name, (_, bounds) in _BOUNDS.items()} for k, profile in enumerate(PROFILES)
+    profile: {name: bounds[k] for name, bounds in _BOUNDS.items()} for k, profile in enumerate(PROFILES)
 }
 """By profile and field of `systems.tolerances`.
 
@@ -41,9 +41,6 @@ training    a tenth of what a hand or the robot's encoder (10 um) distinguishes;
 study       what cannot be seen in the analysis of a recording: a thousandth of the training's, or rounding; far bodies
             keep their forms for longer
 """
-
-FIELD_OF_UNIT: Mapping[str, str] = {unit: name for name, (unit, _) in _BOUNDS.items()}
-"""Which tolerance bounds an error, by the unit of the error in the table of methods."""
 
 
 def tolerances_of(scene: Scene, profile: Profile) -> dict[str, float]:

@@ -140,7 +140,7 @@ def _is_scene(file: Path) -> bool:
     """Whether a JSON file says that it is a scene."""
     try:
         head = json.loads(file.read_bytes())
-    except ValueError:
+    except (ValueError, RecursionError):
         return False
     return isinstance(head, dict) and head.get("format") == "mimics-scene"
 

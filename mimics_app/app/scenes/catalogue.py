@@ -10,6 +10,7 @@ from importlib.metadata import entry_points
 
 from mimics_app.app.scenes.shipped import ONLY_LOOKED_AT
 from mimics_app.contracts.errors import SceneError, nearest
+from mimics_app.contracts.plugins import load_plugin
 from mimics_app.contracts.scenario_port import Scenario
 from mimics_app.scenarios.avatar_cord import AvatarCord
 from mimics_app.scenarios.guided_walk import GuidedWalk
@@ -72,7 +73,10 @@ def _find_builder(scene: Scene) -> _Builder:
         return BUILT_IN[scene.scenario]
     installed = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
     if scene.scenario in installed:
-        builder: _Builder = installed[scene.scenario].load()
+        try:
+            builder: _Builder = load_plugin(installed[scene.scenario])
+        except ValueError as fault:
+            raise SceneError(scene.issue("/scenario", str(fault))) from fault
         return builder
     if scene.scenario != scene.name:
         hint = nearest(scene.scenario, [*BUILT_IN, *installed])

@@ -93,7 +93,7 @@ def is_only_looked_at(file: Path) -> bool:
     """Whether a scene file says that nothing is to be done in it; False of one that cannot be read."""
     try:
         document = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return False
     return isinstance(document, dict) and document.get("scenario") == ONLY_LOOKED_AT
 

@@ -45,7 +45,7 @@ def find_run(subject: int, folder: Path) -> SubjectRun:
     try:
         session = json.loads((folder / "session.json").read_text(encoding="utf-8"))
         return SubjectRun(subject, int(session["seed"]), folder)
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return SubjectRun(subject, 0, None, f"{folder} is no run folder: it has no readable session.json")
 
 

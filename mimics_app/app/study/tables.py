@@ -96,5 +96,5 @@ def _events(file: Path) -> Iterator[Row]:
         for line in stream:
             try:
                 yield json.loads(line)
-            except json.JSONDecodeError:
+            except (ValueError, RecursionError):
                 continue

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import unicodedata
 from argparse import ArgumentParser, ArgumentTypeError
 from collections.abc import Callable
+from pathlib import Path
 
 from mimics_app.contracts.display_choice import DISPLAY_KINDS, parse_display
 from mimics_app.contracts.errors import UsageError
 
 __all__ = [
     "add_display_argument",
+    "file_to_write",
     "frame_count",
     "participant_code",
     "picture_size",
@@ -41,6 +44,13 @@ def whole_number(what: str, allowed: range) -> Callable[[str], int]:
         return int(text)
 
     return read
+
+
+def file_to_write(text: str) -> Path:
+    """A file that a command writes: no folder, nor an empty name, which is the working folder's."""
+    if not text or os.path.isdir(text):
+        raise ArgumentTypeError(f'"{text}" is a folder; name a file to write')
+    return Path(text)
 
 
 def participant_code(text: str) -> str:
@@ -74,7 +84,7 @@ def real_number(what: str, fits: Callable[[float], bool]) -> Callable[[str], flo
 positive_time = real_number("time between 0 and 1e6 s", lambda seconds: 0.0 < seconds < 1e6)
 """Reads a length of time [s]."""
 
-random_seed = whole_number("seed", range(1 - 10**18, 10**18))
+random_seed = whole_number("seed", range(10**18))
 """Reads a seed of everything random."""
 
 

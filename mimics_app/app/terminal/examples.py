@@ -25,6 +25,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     "check": (("mimics check my_scene.json", "all errors at once, with line and column"),),
     "schema": (("mimics schema --out scene.schema.json", "for an editor that completes JSON"),),
     "explain": (("mimics explain wavy_tunnel --profile study", "what would run"),),
+    "config": (("mimics config wavy_tunnel --profile study", "limits, options and tolerances with their origin"),),
     "doctor": (("mimics doctor", "what is there, what is missing"),),
     "devices": (
         ("mimics devices", "what a scene can run on"),

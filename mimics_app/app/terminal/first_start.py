@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TextIO
 
@@ -20,11 +21,15 @@ _LINE_NS = 10 * _NS
 """Time between two lines where nobody watches a terminal."""
 
 
-def say_if_cold() -> None:
-    """Say on stderr that kernels are about to be compiled, where no machine code is kept yet, and how far that is."""
+def say_if_cold(tell: Callable[[str], None] | None = None) -> None:
+    """Say on stderr that kernels are about to be compiled, where no machine code is kept yet, and how far that is.
+
+    Args:
+        tell: Called once a second with the same for the window that waits; None: none does.
+    """
     from mimics_app.contracts.kernel_cache import cache_folder, compile_listeners
 
-    line = CompileLine(sys.stderr, MonotonicClock())
+    line = CompileLine(sys.stderr, MonotonicClock(), tell)
     compile_listeners[:] = [line.count]
     if is_cold(cache_folder):
         sys.stderr.write("mimics: compiling the kernels, once for this version; a minute or two\n")
@@ -41,28 +46,41 @@ class CompileLine:
     Args:
         stream: Where to write.
         clock: Any.
+        tell: Called with the text at most once a second; None: nobody else waits.
     """
 
-    def __init__(self, stream: TextIO, clock: Clock) -> None:
+    def __init__(self, stream: TextIO, clock: Clock, tell: Callable[[str], None] | None = None) -> None:
         self._stream = stream
         self._clock = clock
+        self._tell = tell
         self._done = 0
-        self._begun_ns = self._said_ns = clock.now_ns()
+        self._begun_ns = self._said_ns = self._told_ns = clock.now_ns()
 
     def count(self) -> None:
         """One more function is compiled."""
         now_ns = self._clock.now_ns()
         if self._done == 0:
-            self._begun_ns = self._said_ns = now_ns
+            self._begun_ns = self._said_ns = self._told_ns = now_ns
         self._done += 1
+        if now_ns - self._begun_ns < _SOON_NS:
+            return
+        if self._tell is not None and now_ns - self._told_ns >= _NS:
+            self._told_ns = now_ns
+            self._tell(f"Compiling, once for this version: {self._text}")
+        self._write(now_ns)
+
+    @property
+    def _text(self) -> str:
+        return f"{self._done}{f' of about {_USUAL}' if self._done <= _USUAL else ''} functions"
+
+    def _write(self, now_ns: int) -> None:
         if self._stream.closed:  # by whoever reads a command's messages and had enough
             return
         watched = self._stream.isatty()
-        if now_ns - self._begun_ns < _SOON_NS or (not watched and now_ns - self._said_ns < _LINE_NS):
+        if not watched and now_ns - self._said_ns < _LINE_NS:
             return
         self._said_ns = now_ns
-        of = f" of about {_USUAL}" if self._done <= _USUAL else ""
         seconds = (now_ns - self._begun_ns) // _NS
-        text = f"mimics: compiling the kernels, once for this version: {self._done}{of} functions, {seconds} s"
+        text = f"mimics: compiling the kernels, once for this version: {self._text}, {seconds} s"
         self._stream.write(f"\r{text}\x1b[K" if watched else f"{text}\n")
         self._stream.flush()

@@ -24,7 +24,7 @@ def read_config(name: str) -> dict[str, object]:
     """What a file holds; {} where there is none, or none that can be read: it is nothing but a convenience."""
     try:
         content = json.loads((config_folder() / f"{name}.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError, RuntimeError):  # the last: an account without a home
+    except (OSError, ValueError, RuntimeError):  # the last: nested too deeply, or an account without a home
         return {}
     return content if isinstance(content, dict) else {}
 

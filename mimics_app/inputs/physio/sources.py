@@ -13,6 +13,7 @@ from pathlib import Path
 
 from mimics_app.contracts.errors import DeviceError, UsageError, nearest
 from mimics_app.contracts.input_port import SignalSource
+from mimics_app.contracts.plugins import load_plugin
 
 __all__ = ["ENTRY_POINT_GROUP", "KINDS", "look_for_source", "open_source"]
 
@@ -68,7 +69,10 @@ def open_source(address: str, seed: int) -> SignalSource:
     kind, rest = _split(address)
     if kind in KINDS:
         return KINDS[kind](rest, seed)
-    opener: _Opener = _installed()[kind].load()
+    try:
+        opener: _Opener = load_plugin(_installed()[kind])
+    except ValueError as fault:
+        raise DeviceError(f'there is no source "{kind}": {fault}') from fault
     return opener(rest, seed)
 
 

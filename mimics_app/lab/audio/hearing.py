@@ -14,7 +14,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.audio.spectral.head import HeadResponses, delays_between_ears
 
-__all__ = ["BAND_CENTRES", "HearingErrors", "compare", "level_differences"]
+__all__ = ["BAND_CENTRES", "HearingErrors", "hearing_errors", "level_differences"]
 
 
 BAND_CENTRES = (250, 500, 1000, 2000, 3150, 4000, 5000, 6300, 8000, 10000, 12500)
@@ -63,7 +63,7 @@ def level_differences(responses: F8, rate: float) -> F8:
     return np.asarray((right - left).T)
 
 
-def compare(
+def hearing_errors(
     rendered: F8, rate: float, reference: HeadResponses, sweep: Callable[[F8], F8] | None = None
 ) -> HearingErrors:
     """Return the errors of responses rendered for the directions of a reference.

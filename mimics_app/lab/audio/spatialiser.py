@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -11,11 +13,11 @@ from numpy.typing import NDArray
 from mimics_app.contracts.audio_port import Heard
 from mimics_app.contracts.clock import MonotonicClock, VirtualClock
 from mimics_app.contracts.messages import SoundEvent
-from mimics_app.contracts.methods import Group, Method, registry
-from mimics_app.contracts.probe import reference_us, shortest_us
+from mimics_app.contracts.probe import shortest_us
 from mimics_app.contracts.sound_scene import BANDS
-from mimics_app.lab.audio.hearing import HearingErrors, compare
+from mimics_app.lab.audio.hearing import HearingErrors, hearing_errors
 from mimics_app.lab.audio.rendered import render_clicks
+from mimics_app.lab.rivals import Rival, compare
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.engine import open_mixer
 from mimics_app.rendering.audio.offline import render_offline
@@ -45,15 +47,13 @@ _RATE = 48_000
 _BLOCK = 240
 _SOURCES = 16
 _SIZES = (4, 8, 16, 32)
-_UNIT = "us of interaural delay"
+_BLOCKS = 120
 _WIDTH = 0.152  # default width of the computed head [m]
 _CLICK = {"tick": SoundSpec(recipe="tick")}
 
 
-def measure_block_us(
-    hrtf: bool, blocks: int = 200, sources: int = _SOURCES, mixer: MixerName = "openal", frames: int = _BLOCK
-) -> float:
-    """Cost of a block (5 ms) with moving sources [us], median."""
+def measure_block_us(hrtf: bool, blocks: int, sources: int, mixer: MixerName = "openal", frames: int = _BLOCK) -> float:
+    """Cost of a block of `frames` with moving sources [us], median."""
     specs = {"rub": SoundSpec(recipe="scrape")}
     settings = AudioSettings(sounds=specs, triggers={}, scrape="", hrtf=hrtf, mixer=mixer, voices=max(32, sources))
     opened = open_mixer(settings, SoundBank(specs, _RATE), VirtualClock(), latency=0, origin_ns=0)
@@ -96,23 +96,23 @@ def measure_delay_error_us(hrtf: bool) -> float:
     return float(np.median(errors))
 
 
-def measure_own_head_error_us(taps: int = TAPS) -> float:
-    """Return the median ITD error of the spectral mixer against its own head [us].
-
-    Args:
-        taps: Length of the minimum-phase responses.
-    """
+def _own_head_error_us(taps: int = TAPS) -> float:
+    """Return the median ITD error of the spectral mixer against its own head [us]."""
     return own_head_errors(taps).itd_median
 
 
 def own_head_errors(taps: int = TAPS) -> HearingErrors:
-    """Return the errors of the spectral mixer against the computed head, at every tenth direction."""
+    """Return the errors of the spectral mixer against the computed head, at every tenth direction.
+
+    Args:
+        taps: Length of the minimum-phase responses.
+    """
     head = compute_head(_WIDTH)
     some = HeadResponses(head.directions[::10], head.responses[::10], head.rate, head.name)
     if taps == TAPS:
-        return compare(render_clicks(some.directions), _RATE, some, render_clicks)
+        return hearing_errors(render_clicks(some.directions), _RATE, some, render_clicks)
     table = build_head_table(head, _RATE, taps)
-    return compare(render_clicks(some.directions, table=table), _RATE, some)
+    return hearing_errors(render_clicks(some.directions, table=table), _RATE, some)
 
 
 def interaural_delay_us(near: NDArray[np.float64], far: NDArray[np.float64], rate: int) -> float:
@@ -136,7 +136,7 @@ def _rendered_delay_us(hrtf: bool, azimuth_deg: float) -> float:
     return interaural_delay_us(right, left, _RATE) if np.any(left) else 0.0
 
 
-def _measure_sphere_us(sources: int = _SOURCES) -> float:
+def _measure_sphere_us(sources: int) -> float:
     """Return the cost of a 5 ms block with moving sources by the spherical head [us]."""
     noise = np.random.default_rng(1).standard_normal(_RATE).astype(np.float32)
     mix = np.zeros((_BLOCK, 2), np.float32)
@@ -160,78 +160,78 @@ def _sphere_delay_error_us() -> float:
     return float(np.median(errors))
 
 
-registry.describe(
-    Group(
-        name=GROUP,
-        what=f"a block of 5 ms with {_SOURCES} moving sources; error: delay between the ears against the head it "
-        "renders (of OpenAL, which does not give its own, and of panning: against KEMAR)",
-        unit=_UNIT,
-        work="moving sources",
-        reference=reference_us,
-        why_default="a contact is heard sooner through OpenAL (`mimics bench audio`, latency_ms; the spectral mixer "
-        "keeps a constant 10 ms); the planner takes the spectral mixer where a tolerance of the delay between the ears "
-        "asks for it",
-    )
-)
-for _name, _hrtf, _source, _valid in (
-    ("hrtf", True, "OpenAL Soft, measured head, 32 taps, delays of whole samples", "headphones"),
-    ("stereo", False, "OpenAL Soft, panning of level only", "loudspeakers, and headphones without direction"),
-):
-    registry.register(
-        Method(
-            group=GROUP,
-            name=_name,
-            source=_source,
-            cost=partial(measure_block_us, _hrtf),
-            error=partial(measure_delay_error_us, _hrtf),
-            unit=_UNIT,
-            valid_range=_valid,
-            settings={"hrtf": _hrtf, "mixer": "openal"},
-            default=_hrtf,
-            growth=partial(measure_block_us, _hrtf, 60),
-            sizes=_SIZES,
-        )
-    )
-for _taps in (32, 64, TAPS):
-    registry.register(
-        Method(
-            group=GROUP,
-            name="spectral" if _taps == TAPS else f"spectral, {_taps} taps",
-            source=f"own, blocks of spectra, minimum phase of {_taps} taps and exact delay, compiled",
-            cost=partial(measure_block_us, True, 120, mixer="spectral"),
-            error=partial(measure_own_head_error_us, _taps),
-            unit=_UNIT,
-            valid_range="headphones, any head in SOFA",
-            settings={"hrtf": True, "mixer": "spectral"} if _taps == TAPS else None,
-            growth=partial(measure_block_us, True, 60, mixer="spectral") if _taps == TAPS else None,
-            sizes=(*_SIZES, 64, 128, 256) if _taps == TAPS else (),
-        )
-    )
-registry.register(
-    Method(
-        group=GROUP,
-        name="spectral, panned",
-        source="own, blocks of spectra, power shared by two loudspeakers (Pulkki 1997), compiled",
-        cost=partial(measure_block_us, False, 120, mixer="spectral"),
-        error=partial(measure_delay_error_us, False),
-        unit=_UNIT,
-        valid_range="loudspeakers: stereo, 5.1, 7.1, harmonics",
-        settings={"hrtf": False, "mixer": "spectral"},
-        growth=partial(measure_block_us, False, 60, mixer="spectral"),
-        sizes=_SIZES,
-    )
-)
-registry.register(
-    Method(
-        group=GROUP,
-        name="spherical head",
-        source="delay of a rigid sphere (Woodworth & Schlosberg 1954) and panning of level, compiled",
-        cost=_measure_sphere_us,
-        error=_sphere_delay_error_us,
-        unit=_UNIT,
-        valid_range="headphones, sources in front in the plane of the ears",
-        settings=None,
-        growth=_measure_sphere_us,
-        sizes=_SIZES,
-    )
+def _mixed(
+    name: str, source: str, valid: str, mixer: MixerName, error: Callable[[], float], *, hrtf: bool, runs: bool = True
+) -> Rival:
+    """A mixer of the product; `runs`: a scene can select it."""
+    settings = {"hrtf": hrtf, "mixer": mixer} if runs else None
+    probed = (partial(measure_block_us, hrtf, _BLOCKS, mixer=mixer), error)
+    return Rival(name, source, valid, settings, probed, None if runs else ())
+
+
+_SPECTRAL = "own, blocks of spectra, minimum phase of {} taps and exact delay, compiled"
+_HEADPHONES = "headphones, any head in SOFA"
+compare(
+    GROUP,
+    f"a block of 5 ms with {_SOURCES} moving sources; error: delay between the ears against the head it "
+    "renders (of OpenAL, which does not give its own, and of panning: against KEMAR)",
+    "us of interaural delay",
+    [
+        _mixed(
+            "hrtf",
+            "OpenAL Soft, measured head, 32 taps, delays of whole samples",
+            "headphones",
+            "openal",
+            partial(measure_delay_error_us, True),
+            hrtf=True,
+        ),
+        _mixed(
+            "stereo",
+            "OpenAL Soft, panning of level only",
+            "loudspeakers, and headphones without direction",
+            "openal",
+            partial(measure_delay_error_us, False),
+            hrtf=False,
+        ),
+        *(
+            _mixed(
+                f"spectral, {taps} taps",
+                _SPECTRAL.format(taps),
+                _HEADPHONES,
+                "spectral",
+                partial(_own_head_error_us, taps),
+                hrtf=True,
+                runs=False,
+            )
+            for taps in (32, 64)
+        ),
+        replace(
+            _mixed("spectral", _SPECTRAL.format(TAPS), _HEADPHONES, "spectral", _own_head_error_us, hrtf=True),
+            sizes=(*_SIZES, 64, 128, 256),
+        ),
+        _mixed(
+            "spectral, panned",
+            "own, blocks of spectra, power shared by two loudspeakers (Pulkki 1997), compiled",
+            "loudspeakers: stereo, 5.1, 7.1, harmonics",
+            "spectral",
+            partial(measure_delay_error_us, False),
+            hrtf=False,
+        ),
+        Rival(
+            "spherical head",
+            "delay of a rigid sphere (Woodworth & Schlosberg 1954) and panning of level, compiled",
+            "headphones, sources in front in the plane of the ears",
+            None,
+            (_measure_sphere_us, _sphere_delay_error_us),
+        ),
+    ],
+    cost=lambda cost, error, sources: cost(sources),
+    error=lambda cost, error: error(),
+    default="hrtf",
+    work="moving sources",
+    sizes=_SIZES,
+    typical=_SOURCES,
+    why_default="OpenAL builds no tables of a head at the start, and a contact is heard 0.6 ms sooner (`mimics bench "
+    "audio`, latency_ms); the planner takes the spectral mixer where a tolerance of the delay between the ears "
+    "requires it",
 )

@@ -33,7 +33,7 @@ from mimics_app.rendering.haptic.kernels.friction import (
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import FrictionRecord, Table
 
-__all__ = ["GROUP", "LAWS", "Hold", "hold"]
+__all__ = ["GROUP", "KARNOPP", "LAWS", "NUMBERS", "Hold", "friction_by", "hold"]
 
 
 GROUP = "friction"
@@ -48,13 +48,15 @@ LAWS: dict[str, Callable[..., None]] = {
 }
 """The rivals in the order of their numbers in the compiled loops."""
 
-_NUMBERS = {name: number for number, name in enumerate(LAWS)}
+NUMBERS = {name: number for number, name in enumerate(LAWS)}
+
+KARNOPP, _LUGRE_EXPLICIT = 2, 4
+"""Numbers of two laws."""
 
 _MASS = 0.5  # [kg]
 _NORMAL = 10.0  # [N]
 _MU = 0.4
 _THRESHOLD = 0.01  # [m/s]
-_STRIBECK = 0.01  # [m/s]
 _BRISTLES = 1e5  # [N/m]
 _HAND = 5.0  # [N s/m]
 _SPEED = 0.5  # [m/s]
@@ -65,9 +67,6 @@ _HELD = 60_000  # ticks: whole periods of the shaking load
 _TICKS = _SETTLED + _HELD + 1
 _CALLS = 20_000
 _FAILED = 1.01  # of the cone: what has left it by more holds nothing
-
-_LUGRE_EXPLICIT = 4
-"""Number of the law."""
 
 _SHAKE_HZ = 5.0
 """Of the load."""
@@ -92,19 +91,48 @@ class Hold:
 
 
 @kernel
-def _friction(number: int, x: F8, v: F8, load: F8, state: FrictionRecord, out: F8) -> None:
+def friction_by(
+    number: int,
+    x: F8,
+    v: F8,
+    load: F8,
+    normal: float,
+    mu: float,
+    threshold: float,
+    stiffness: float,
+    damping: float,
+    dt: float,
+    state: FrictionRecord,
+    out: F8,
+) -> None:
+    """Compute the friction force [N] by the law of a number in `LAWS`; vectors in the plane of the contact, shape [n].
+
+    Args:
+        number: Number of the law.
+        x: Position of the body [m].
+        v: Its velocity [m/s].
+        load: Tangential load on it [N].
+        normal: Normal force [N].
+        mu: Coefficient of friction, static and dynamic.
+        threshold: Velocity of the law's transition to rest, and Stribeck velocity [m/s].
+        stiffness: Stiffness of anchor or bristles [N/m].
+        damping: Damping of the bristles [N s/m].
+        dt: Tick [s].
+        state: State of the law.
+        out: Receives the force on the body.
+    """
     if number == 0:
-        regularised_printed(v, _NORMAL, _MU, _THRESHOLD, out)
+        regularised_printed(v, normal, mu, threshold, out)
     elif number == 1:
-        regularised(v, _NORMAL, _MU, _THRESHOLD, out)
-    elif number == 2:
-        karnopp(v, load, _NORMAL, _MU, _MU, _THRESHOLD, state, out)
+        regularised(v, normal, mu, threshold, out)
+    elif number == KARNOPP:
+        karnopp(v, load, normal, mu, mu, threshold, state, out)
     elif number == 3:
-        hayward_armstrong(x, _NORMAL, _MU, _BRISTLES, state, out)
+        hayward_armstrong(x, normal, mu, stiffness, state, out)
     elif number == _LUGRE_EXPLICIT:
-        lugre_explicit(v, _NORMAL, _MU, _MU, _STRIBECK, _BRISTLES, 0.0, _DT, state, out)
+        lugre_explicit(v, normal, mu, mu, threshold, stiffness, damping, dt, state, out)
     else:
-        lugre_implicit(v, _NORMAL, _MU, _MU, _STRIBECK, _BRISTLES, 0.0, _DT, state, out)
+        lugre_implicit(v, normal, mu, mu, threshold, stiffness, damping, dt, state, out)
 
 
 @kernel
@@ -121,10 +149,10 @@ def _hold(number: int, ticks: int, states: Table[FrictionRecord], vectors: F8, p
     for tick in range(ticks):
         path[tick] = x[0]
         load[0] = _load_at(tick) - _HAND * v[0]
-        _friction(number, x, v, load, state, force)
+        friction_by(number, x, v, load, _NORMAL, _MU, _THRESHOLD, _BRISTLES, 0.0, _DT, state, force)
         greatest = max(greatest, abs(force[0]))
         v[0] += _DT * (load[0] + force[0]) / _MASS
-        if number == 2 and state.sticking:
+        if number == KARNOPP and state.sticking:
             v[0] = 0.0
         x[0] += _DT * v[0]
     return greatest
@@ -141,7 +169,7 @@ def hold(law: str) -> Hold:
     """Slide, stop and hold the probe body under one law."""
     states, vectors = _fresh()
     path = np.empty(_TICKS)
-    greatest = _hold(_NUMBERS[law], _TICKS, states, vectors, path)
+    greatest = _hold(NUMBERS[law], _TICKS, states, vectors, path)
     drift = abs(path[_SETTLED + _HELD] - path[_SETTLED])
     return Hold(float(drift), float(greatest / (_MU * _NORMAL)), float(path[_LOADED]))
 
@@ -159,7 +187,7 @@ def _slide(number: int, ticks: int, states: Table[FrictionRecord], x: F8, v: F8,
         for _ in range(ticks):
             v_i[0] -= _DT * _TO_AND_FRO * x_i[0]
             x_i[0] += _DT * v_i[0]
-            _friction(number, x_i, v_i, load_i, state_i, out_i)
+            friction_by(number, x_i, v_i, load_i, _NORMAL, _MU, _THRESHOLD, _BRISTLES, 0.0, _DT, state_i, out_i)
 
 
 def _cost_us(law: str, contacts: int) -> float:
@@ -167,7 +195,7 @@ def _cost_us(law: str, contacts: int) -> float:
     x, v, load, out = np.zeros((4, contacts, 2))
     v[:, 0] = 0.1
     states = np.zeros(contacts, FRICTION)
-    return shortest_us(lambda: _slide(_NUMBERS[law], ticks, states, x, v, load, out), ticks)
+    return shortest_us(lambda: _slide(NUMBERS[law], ticks, states, x, v, load, out), ticks)
 
 
 compare(

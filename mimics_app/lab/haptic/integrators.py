@@ -27,7 +27,7 @@ from mimics_app.rendering.haptic.kernels.integrators import (
     step_semi_implicit,
 )
 
-__all__ = ["GROUP", "RATES_KHZ", "STEPS", "contact_error", "follow_contact"]
+__all__ = ["GROUP", "RATES_KHZ", "STEPS", "contact_error", "follow_contact", "step_by"]
 
 
 GROUP = "integrator"
@@ -61,18 +61,19 @@ _RK4 = 4
 
 
 @kernel
-def _step(number: int, x: float, v: float, dt: float) -> tuple[float, float]:
+def step_by(number: int, x: float, v: float, f: float, m: float, b: float, k: float, dt: float) -> tuple[float, float]:
+    """Return x [m] and v [m/s] after one step of m x'' + b x' + k x = f by the integrator of a number in `STEPS`."""
     if number == 0:
-        return step_explicit(x, v, _PUSH, _MASS, _DAMPING, _STIFFNESS, dt)
+        return step_explicit(x, v, f, m, b, k, dt)
     if number == 1:
-        return step_semi_implicit(x, v, _PUSH, _MASS, _DAMPING, _STIFFNESS, dt)
+        return step_semi_implicit(x, v, f, m, b, k, dt)
     if number == 2:
-        return step_implicit(x, v, _PUSH, _MASS, _DAMPING, _STIFFNESS, dt)
+        return step_implicit(x, v, f, m, b, k, dt)
     if number == 3:
-        return step_midpoint(x, v, _PUSH, _MASS, _DAMPING, _STIFFNESS, dt)
+        return step_midpoint(x, v, f, m, b, k, dt)
     if number == _RK4:
-        return step_rk4(x, v, _PUSH, _MASS, _DAMPING, _STIFFNESS, dt)
-    return step_exact(x, v, _PUSH, _MASS, _DAMPING, _STIFFNESS, dt)
+        return step_rk4(x, v, f, m, b, k, dt)
+    return step_exact(x, v, f, m, b, k, dt)
 
 
 @kernel
@@ -82,7 +83,7 @@ def _walk(number: int, ticks: int, steps: int, x: F8, v: F8) -> None:
     for _ in range(ticks):
         for i in range(x.shape[0]):
             for _ in range(steps):
-                x[i], v[i] = _step(number, x[i], v[i], dt)
+                x[i], v[i] = step_by(number, x[i], v[i], _PUSH, _MASS, _DAMPING, _STIFFNESS, dt)
 
 
 def follow_contact(name: str, steps: int, ticks: int = _TICKS) -> F8:

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
-import tempfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -13,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.lab.peer_harness import run_harness
 from mimics_app.lab.physio.cohort import play_cohort
 from mimics_app.lab.physio.detection import (
     NOISE_DB,
@@ -32,7 +30,6 @@ __all__ = ["measure_noise", "measure_physio"]
 
 _SIMULATED = "simulated people; a simulation is no clinical evidence"
 _NOISY_MINUTES = 5.0
-_PEERS_LIMIT_S = 900.0
 _GAPS = (0.08, 0.15, 0.22)
 """Demand off the best in a trial that is too easy or too hard."""
 
@@ -108,20 +105,14 @@ def _regret(name: str) -> dict[str, float]:
 
 
 def _peers(folder: Path | None, peers: Path | None) -> list[dict[str, Any]] | str:
-    """Rivals by their own harness, in a process of its own."""
+    """Return what the peers' own harness measures on the same records, or why it does not."""
     harness = None if peers is None else peers / "physio" / "bench_rpeaks.py"
     if folder is None or harness is None or not harness.exists():
         return "not measured"
-    with tempfile.TemporaryDirectory() as scratch:
-        out = Path(scratch) / "peers.json"
-        command = [sys.executable, str(harness), str(folder), "--out", str(out)]
-        try:
-            done = subprocess.run(command, capture_output=True, timeout=_PEERS_LIMIT_S, check=False)
-        except subprocess.TimeoutExpired:
-            return f"not measured: not done after {_PEERS_LIMIT_S:g} s"
-        if done.returncode != 0 or not out.exists():
-            return f"not measured: the harness ended with {done.returncode}"
-        rows = json.loads(out.read_text())["summary"]
+    try:
+        rows = run_harness(harness, str(folder.absolute()), "--out")["summary"]
+    except DeviceError as failure:
+        return f"not measured: {failure}"
     found = [
         {"name": row["detector"], "f1": row["f1"], "seconds_per_hour": 3.6e6 / row["median_samples_per_s"]}
         for row in rows

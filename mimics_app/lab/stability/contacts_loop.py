@@ -15,8 +15,17 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.stability.growth import dies_away, note_peak
-from mimics_app.lab.stability.linear import find_limit, hold, spectral_radius
-from mimics_app.lab.stability.wall_loop import APART, DEPTH, LARGE, LONGEST, PRECISION, SHORTEST, SOFT
+from mimics_app.lab.stability.linear import find_limit, spectral_radius
+from mimics_app.lab.stability.wall_loop import (
+    APART,
+    DEPTH,
+    LARGE,
+    LONGEST,
+    PRECISION,
+    SHORTEST,
+    SOFT,
+    delayed_loop,
+)
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.directions import SPAN, add_contact, begin_span, needed_damping
 from mimics_app.rendering.haptic.kernels.directions import worst_direction as find_worst_direction
@@ -144,9 +153,7 @@ def press_contacts(
             last[j] = x[j]
             x[j], v[j] = step_free(x[j], v[j], line[(i + 1) % (delay + 1), j], m, b, dt)
             size += x[j] * x[j]
-        note_peak(np.sqrt(size), i, ticks, peaks)
-        if not size < LARGE * LARGE:
-            peaks[3] = np.inf
+        if note_peak(np.sqrt(size), i, ticks, LARGE, peaks):
             return
 
 
@@ -171,30 +178,13 @@ def simulated_limit(device: Device, contacts: Contacts) -> float:
 
 
 def exact_matrix(device: Device, contacts: Contacts) -> Mat:
-    """One tick of the loop as a matrix, in the directions that are stiff at all: a free one never comes to rest.
-
-    Place, velocity, last place and the forces under way in r directions, shape [(3 + n) r, (3 + n) r].
-    """
+    """Return one tick of the loop as a matrix, see `delayed_loop`, in the directions with any stiffness."""
     normals = np.array([contact.normal for contact in contacts])
     _, sizes, span = np.linalg.svd(normals)
     normals = normals @ span[: int((sizes > 1e-9).sum())].T
-    r, n, dt = normals.shape[1], device.delay, 1.0 / device.rate
     K = sum(c.stiffness * np.outer(u, u) for c, u in zip(contacts, normals, strict=True))
     B = sum(c.damping * np.outer(u, u) for c, u in zip(contacts, normals, strict=True))
-    one, none = np.eye(r), np.zeros((r, r))
-    A, held = hold(np.block([[none, one], [none, -device.damping / device.mass * one]]), np.vstack([none, one]), dt)
-    held /= device.mass
-    law = np.hstack([-(K + B / dt), none, B / dt])
-    step = np.zeros(((3 + n) * r, (3 + n) * r))
-    step[: 2 * r, : 2 * r] = A
-    step[2 * r : 3 * r, :r] = one
-    if n == 0:
-        step[: 2 * r] += held @ law
-        return step
-    step[: 2 * r, (2 + n) * r :] = held
-    step[3 * r : 4 * r, : 3 * r] = law
-    step[4 * r :, 3 * r : (2 + n) * r] = np.eye((n - 1) * r)
-    return step
+    return delayed_loop(np.asarray(K), np.asarray(B), device.mass, device.damping, 1.0 / device.rate, device.delay)
 
 
 def exact_limit(device: Device, contacts: Contacts) -> float:

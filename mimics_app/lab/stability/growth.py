@@ -1,8 +1,8 @@
 """Deciding by simulation whether a motion dies away, and how fast it grows.
 
-Two methods. Peaks: how far the motion swings in the second and in the fourth quarter of a run; the run is made longer
-until the answer is plain. Exponents: two neighbours of a motion are followed and kept square to each other (Benettin
-et al. 1980); each tick's stretching adds up to the growth per tick, exact also where the motion turns as it grows.
+Two methods. Peaks: the amplitude of the motion in the quarters of a run is compared; the run is lengthened until the
+result is clear. Lyapunov exponents: two perturbations of a motion are advanced and kept orthogonal (Benettin et al.
+1980); the logarithms of their growth per tick add up to the exponents, also for an oscillating motion.
 """
 
 from __future__ import annotations
@@ -13,74 +13,82 @@ from collections.abc import Callable
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["dies_away", "largest_exponent", "note_peak", "square_up"]
+__all__ = ["LENGTHEN", "QUARTERS", "decay_sign", "dies_away", "largest_exponent", "note_peak", "orthonormalise"]
 
 
-_PLAIN = 0.4
-"""Logarithm of a ratio of peaks that needs no longer run."""
+_CLEAR = 0.4
+"""Logarithm of a ratio of peaks that is decisive without a longer run."""
 
 _GONE = 1e-6
-"""A motion that has shrunk this much has died; what is left may be rounding, which never does."""
+"""Ratio of the last to the first peak at which a motion has died away; what remains may be rounding."""
 
-_LENGTHEN = 4
+LENGTHEN = 4
+"""Factor by which an indecisive run is lengthened."""
 
-_QUARTERS = 4
-"""Of a run."""
+QUARTERS = 4
+"""Parts of a run whose peaks are compared."""
 
-_OVERFLOWS = 1e200
-"""A motion that far from rest counts as infinite: its square must stay finite."""
+_INDEPENDENT = 30.0
+"""Difference of the sums of two perturbations from which their directions differ."""
 
 
 @kernel
-def note_peak(size: float, tick: int, ticks: int, peaks: Vec) -> None:
-    """Keep the largest size of each quarter of a run.
+def note_peak(size: float, tick: int, ticks: int, large: float, peaks: Vec) -> bool:
+    """Record the peak of each quarter of a run; return whether the motion has diverged.
 
     Args:
-        size: How far the motion is from where it should rest, >= 0; NaN counts as infinite.
+        size: Distance of the motion from rest, >= 0; NaN has diverged.
         tick: This tick, 0 .. ticks - 1.
         ticks: Length of the run.
+        large: Distance from which the motion does not return; the peaks from this quarter on become infinite.
         peaks: Shape [4], zero at the start.
     """
-    quarter = min(3, _QUARTERS * tick // ticks)
-    if not size < _OVERFLOWS:
-        for i in range(quarter, _QUARTERS):
-            peaks[i] = math.inf
-    elif size > peaks[quarter]:
-        peaks[quarter] = size
+    quarter = min(QUARTERS - 1, QUARTERS * tick // ticks)
+    if not size < large:
+        peaks[quarter:] = math.inf
+        return True
+    peaks[quarter] = max(peaks[quarter], size)
+    return False
+
+
+@kernel
+def decay_sign(peaks: Vec, last: bool) -> int:
+    """Return 1 for a motion that dies away, -1 for one that does not, 0 where a longer run must decide.
+
+    A motion is a sum of decaying modes and possibly of one that grows from a small amplitude: it must have decayed
+    since the second quarter and still be decaying in the last.
+
+    Args:
+        peaks: See `note_peak`.
+        last: No longer run follows: the last two quarters decide.
+    """
+    if not peaks[3] < math.inf:
+        return -1
+    if peaks[3] < _GONE * peaks[0]:
+        return 1
+    since_second, since_third = math.log(peaks[3] / peaks[1]), math.log(peaks[3] / peaks[2])
+    if last or (abs(since_second) > _CLEAR and since_second * since_third > 0.0):
+        return 1 if since_third < 0.0 else -1
+    return 0
 
 
 def dies_away(run: Callable[[int], Vec], shortest: int, longest: int) -> bool:
-    """Whether a motion shrinks in the second half of a run.
-
-    A motion is made of parts that die and perhaps one that grows from little: it must have shrunk since the second
-    quarter and still be shrinking in the last, else the run is made longer.
+    """Whether a motion dies away, see `decay_sign`.
 
     Args:
-        run: Simulates so many ticks and returns the peaks, shape [4].
-        shortest: Ticks of the first try.
-        longest: Ticks of the last try, whose answer is taken however close it is.
+        run: Simulates a number of ticks and returns the peaks, shape [4].
+        shortest: Ticks of the first run.
+        longest: Ticks of the last run, which decides in any case.
     """
     ticks = shortest
-    while True:
-        peaks = run(ticks)
-        if not math.isfinite(peaks[3]):
-            return False
-        if peaks[3] < _GONE * peaks[0]:
-            return True
-        since_second = math.log(peaks[3] / peaks[1])
-        since_third = math.log(peaks[3] / peaks[2])
-        if ticks >= longest:
-            return since_third < 0.0
-        if since_second < -_PLAIN and since_third < 0.0:
-            return True
-        if since_second > _PLAIN and since_third > 0.0:
-            return False
-        ticks = min(longest, _LENGTHEN * ticks)
+    while not (sign := decay_sign(run(ticks), ticks >= longest)):
+        ticks = min(longest, LENGTHEN * ticks)
+    return sign > 0
 
 
 @kernel
-def square_up(first: Vec, second: Vec, sums: Vec) -> None:
-    """Add the logarithms of the stretching of two neighbours, shape [2] each, to sums, and make them square again."""
+def orthonormalise(first: Vec, second: Vec, sums: Vec) -> None:
+    """Make two perturbations, shape [2] each, orthonormal and add the logarithms of their growth to sums, shape [2]."""
     length = math.sqrt(first[0] * first[0] + first[1] * first[1])
     first[0] /= length
     first[1] /= length
@@ -95,11 +103,11 @@ def square_up(first: Vec, second: Vec, sums: Vec) -> None:
 
 
 def largest_exponent(sums: Vec, ticks: int) -> float:
-    """Growth per tick, ln |lambda|, from the sums of `square_up`.
+    """Growth per tick, ln |lambda|, from the sums of `orthonormalise`.
 
-    Where both neighbours grow alike (a turning motion) the mean is exact to rounding; else the first is taken, which
-    errs by the logarithm of how slanted the two directions are, over the ticks.
+    Where both perturbations grow alike (an oscillation) their mean is exact to rounding; else the larger is taken, with
+    an error of the logarithm of the angle between the two modes, divided by the ticks.
     """
-    if abs(sums[0] - sums[1]) < 30.0:
+    if abs(sums[0] - sums[1]) < _INDEPENDENT:
         return float(0.5 * (sums[0] + sums[1]) / ticks)
     return float(max(sums[0], sums[1]) / ticks)

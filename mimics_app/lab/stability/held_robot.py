@@ -122,9 +122,7 @@ def _hold_rigidly(machine: Vec, hand: Vec, mass: float, damping: float, ticks: i
         step_robot(machine)
         command_robot(machine, dq)
         size = max(abs(machine[robot.Q + _AXIS]), _SPEED_SHARE * abs(v[_AXIS]))
-        note_peak(size, i, ticks, peaks)
-        if not size < _LARGE:
-            peaks[3] = np.inf
+        if note_peak(size, i, ticks, _LARGE, peaks):
             return
 
 
@@ -146,9 +144,7 @@ def _hold_softly(machine: Vec, person: Vec, mass: float, damping: float, ticks: 
         admit(_CARTESIAN, q, force, mass, damping, _FREE, _FREE, 1.0, dt, scratch, v, dq)
         command_robot(machine, dq)
         size = max(abs(machine[robot.Q + _AXIS]), _SPEED_SHARE * abs(v[_AXIS]))
-        note_peak(size, i, ticks, peaks)
-        if not size < _LARGE:
-            peaks[3] = np.inf
+        if note_peak(size, i, ticks, _LARGE, peaks):
             return
 
 

@@ -13,22 +13,16 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
-from mimics_app.lab.experiment import Experiment, Outcome, Points
-from mimics_app.lab.stability.growth import largest_exponent, square_up
+from mimics_app.lab.experiment import Experiment, Outcome, Row, points_of
+from mimics_app.lab.haptic.integrators import step_by
+from mimics_app.lab.stability.growth import largest_exponent, orthonormalise
 from mimics_app.lab.stability.linear import exponential, find_limit, spectral_radius
-from mimics_app.rendering.haptic.kernels.integrators import (
-    step_exact,
-    step_explicit,
-    step_implicit,
-    step_midpoint,
-    step_rk4,
-    step_semi_implicit,
-)
 
 __all__ = ["EXPERIMENT", "METHODS", "exact_growth", "exact_limit", "simulated_growth", "simulated_limit"]
 
 
 METHODS = ("explicit", "semi-implicit", "implicit", "midpoint", "rk4", "exact")
+"""In the order of `integrators.STEPS`."""
 
 _TICKS = 20_000
 _NEUTRAL = 1e-9
@@ -39,34 +33,16 @@ _SMALLEST_GROWTH = 1e-6
 _BREAKING = {"explicit": 0.05, "semi-implicit": 0.0, "rk4": 0.0}
 """Methods with a largest step, and the least damping ratio for which they have one."""
 
-_RK4 = 4
-"""Number of the method."""
-
-
-@kernel
-def _step(method: int, x: float, v: float, b: float, h: float) -> tuple[float, float]:
-    """One step of x'' + b x' + x = 0."""
-    if method == 0:
-        return step_explicit(x, v, 0.0, 1.0, b, 1.0, h)
-    if method == 1:
-        return step_semi_implicit(x, v, 0.0, 1.0, b, 1.0, h)
-    if method == 2:
-        return step_implicit(x, v, 0.0, 1.0, b, 1.0, h)
-    if method == 3:
-        return step_midpoint(x, v, 0.0, 1.0, b, 1.0, h)
-    if method == _RK4:
-        return step_rk4(x, v, 0.0, 1.0, b, 1.0, h)
-    return step_exact(x, v, 0.0, 1.0, b, 1.0, h)
-
 
 @kernel
 def _follow(method: int, b: float, h: float, ticks: int, sums: Vec) -> None:
+    """Advance two perturbations of x'' + b x' + x = 0 and add up their growth."""
     first = np.array([1.0, 0.0])
     second = np.array([0.0, 1.0])
     for _ in range(ticks):
-        first[0], first[1] = _step(method, first[0], first[1], b, h)
-        second[0], second[1] = _step(method, second[0], second[1], b, h)
-        square_up(first, second, sums)
+        for x in (first, second):
+            x[0], x[1] = step_by(method, x[0], x[1], 0.0, 1.0, b, 1.0, h)
+        orthonormalise(first, second, sums)
 
 
 def simulated_growth(method: str, zeta: float, h_w: float, ticks: int = _TICKS) -> float:
@@ -109,9 +85,7 @@ def exact_limit(method: str, zeta: float) -> float:
     return find_limit(lambda h: exact_growth(method, zeta, h) < _NEUTRAL, 0.08, 20.0)
 
 
-def _row(
-    method: str, what: str, zeta: float, h_w: float, simulated: float, exact: float, error: float
-) -> dict[str, Any]:
+def _row(method: str, what: str, zeta: float, h_w: float, simulated: float, exact: float, error: float) -> Row:
     return {
         "method": method,
         "what": what,
@@ -123,7 +97,7 @@ def _row(
     }
 
 
-def _growth_rows(points: int) -> list[dict[str, Any]]:
+def _growth_rows(points: int) -> list[Row]:
     rows = []
     for method in METHODS:
         for h_w in np.geomspace(0.02, 4.0, points):
@@ -134,7 +108,7 @@ def _growth_rows(points: int) -> list[dict[str, Any]]:
     return rows
 
 
-def _limit_rows(points: int) -> list[dict[str, Any]]:
+def _limit_rows(points: int) -> list[Row]:
     rows = []
     for method, least in _BREAKING.items():
         for zeta in np.linspace(least, 0.9, max(3, points // 3)):
@@ -147,8 +121,8 @@ def _limit_rows(points: int) -> list[dict[str, Any]]:
 def _simulate_grid(points: int) -> Outcome:
     growth = _growth_rows(points)
     rows = growth + _limit_rows(points)
-    simulated: Points = [(row["h_w"], row["simulated"]) for row in growth]
-    exact: Points = [(row["h_w"], row["exact"]) for row in growth]
+    simulated = points_of(growth, "h_w", "simulated")
+    exact = points_of(growth, "h_w", "exact")
     low, high = min(y for _, y in exact), max(y for _, y in exact)
     return Outcome(
         rows=rows,

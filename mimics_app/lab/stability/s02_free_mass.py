@@ -9,14 +9,13 @@ Where damping makes it stable is S3.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
-from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
-from mimics_app.lab.stability.growth import largest_exponent, square_up
+from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
+from mimics_app.lab.stability.growth import largest_exponent, orthonormalise
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.integrators import step_free
 
@@ -52,7 +51,7 @@ def _follow(m: float, k: float, b: float, dt: float, ticks: int, sums: Vec) -> N
             x, v = _tick(_DEPTH + _APART * neighbour[0], _APART * w * neighbour[1], m, k, b, dt)
             neighbour[0] = (x - _DEPTH) / _APART
             neighbour[1] = v / (_APART * w)
-        square_up(first, second, sums)
+        orthonormalise(first, second, sums)
 
 
 def simulated_growth_rate(stiffness: float, rate: float, damping: float = 0.0, mass: float = _MASS) -> float:
@@ -67,7 +66,7 @@ def exact_growth_rate(stiffness: float, rate: float, mass: float = _MASS) -> flo
     return 0.5 * rate * math.log1p(stiffness / (2.0 * mass * rate**2))
 
 
-def _row(stiffness: float, rate: float) -> dict[str, Any]:
+def _row(stiffness: float, rate: float) -> Row:
     simulated, exact = simulated_growth_rate(stiffness, rate), exact_growth_rate(stiffness, rate)
     return {
         "stiffness_n_m": stiffness,
@@ -83,8 +82,8 @@ def _row(stiffness: float, rate: float) -> dict[str, Any]:
 def _simulate_grid(points: int) -> Outcome:
     rates = np.geomspace(_LOWEST_RATE, _HIGHEST_RATE, points)
     rows = [_row(stiffness, float(rate)) for stiffness in _STIFFNESSES for rate in rates]
-    simulated: Points = [(row["rate_hz"], row["simulated_1_s"]) for row in rows]
-    exact: Points = [(row["rate_hz"], row["exact_1_s"]) for row in rows]
+    simulated = points_of(rows, "rate_hz", "simulated_1_s")
+    exact = points_of(rows, "rate_hz", "exact_1_s")
     low, high = min(y for _, y in exact), max(y for _, y in exact)
     first_order = [(float(rate), 2000.0 / (4.0 * _MASS * float(rate))) for rate in rates]
     return Outcome(

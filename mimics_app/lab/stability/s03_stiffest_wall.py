@@ -8,11 +8,9 @@ damping (the hand's adds to it) and over its mass too.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from mimics_app.lab.experiment import Experiment, Outcome, Points
+from mimics_app.lab.experiment import Experiment, Outcome, Row, points_of
 from mimics_app.lab.stability.wall_loop import Wall, exact_limit, rule_limit, simulated_limit
 
 __all__ = ["EXPERIMENT", "compare"]
@@ -22,7 +20,7 @@ _MOST_WALL_DAMPING = {0: 100.0, 1: 60.0, 2: 45.0, 3: 35.0, 5: 20.0}
 """Largest B [N s/m] drawn by delay [ticks]; some further on no stiffness is stable at all."""
 
 
-def compare(sweep: str, wall: Wall) -> dict[str, Any]:
+def compare(sweep: str, wall: Wall) -> Row:
     """One row: simulated, exact and the rule's limit of a wall [N/m]."""
     simulated, exact, rule = simulated_limit(wall), exact_limit(wall), rule_limit(wall)
     return {
@@ -57,12 +55,12 @@ def _walls(points: int) -> list[tuple[str, Wall]]:
 def _simulate_grid(points: int) -> Outcome:
     rows = [compare(sweep, wall) for sweep, wall in _walls(points)]
     drawn = [row for row in rows if row["sweep"] == "wall damping"]
-    simulated: Points = [(row["wall_damping_ns_m"], row["simulated_n_m"]) for row in drawn]
-    exact: Points = [(row["wall_damping_ns_m"], row["exact_n_m"]) for row in drawn]
+    simulated = points_of(drawn, "wall_damping_ns_m", "simulated_n_m")
+    exact = points_of(drawn, "wall_damping_ns_m", "exact_n_m")
     rules = {
-        f"(b + B)/(T/2 + nT), n = {n}": [
-            (row["wall_damping_ns_m"], row["rule_n_m"]) for row in drawn if row["delay_ticks"] == n
-        ]
+        f"(b + B)/(T/2 + nT), n = {n}": points_of(
+            (row for row in drawn if row["delay_ticks"] == n), "wall_damping_ns_m", "rule_n_m"
+        )
         for n in _MOST_WALL_DAMPING
     }
     return Outcome(

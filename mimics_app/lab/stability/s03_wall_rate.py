@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.lab.experiment import Experiment, Outcome, Points
+from mimics_app.lab.experiment import Experiment, Outcome, Points, points_of
 from mimics_app.lab.stability.s03_stiffest_wall import compare
 from mimics_app.lab.stability.wall_loop import Wall
 
@@ -23,12 +23,12 @@ _HIGHEST_RATE = 4000.0
 def _simulate_grid(points: int) -> Outcome:
     rates = [float(rate) for rate in np.geomspace(_LOWEST_RATE, _HIGHEST_RATE, points)]
     rows = [compare("rate", Wall(device_damping=b, rate=rate)) for b in _DAMPINGS for rate in rates]
-    simulated: Points = [(row["rate_hz"], row["simulated_n_m"]) for row in rows]
-    exact: Points = [(row["rate_hz"], row["exact_n_m"]) for row in rows]
+    simulated = points_of(rows, "rate_hz", "simulated_n_m")
+    exact = points_of(rows, "rate_hz", "exact_n_m")
     rules: dict[str, Points] = {
-        f"2 b/T, b = {b:g} N s/m": [
-            (row["rate_hz"], row["rule_n_m"]) for row in rows if row["device_damping_ns_m"] == b
-        ]
+        f"2 b/T, b = {b:g} N s/m": points_of(
+            (row for row in rows if row["device_damping_ns_m"] == b), "rate_hz", "rule_n_m"
+        )
         for b in _DAMPINGS
     }
     rules["500 Hz (D2.1 4.3.1)"] = [(500.0, min(y for _, y in exact)), (500.0, max(y for _, y in exact))]

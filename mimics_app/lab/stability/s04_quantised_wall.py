@@ -11,14 +11,14 @@ must then come to rest from everywhere; beyond, it may swing for ever.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.loop_ports import DATA_LENGTH, DATA_Q
-from mimics_app.lab.experiment import Experiment, Outcome, Points
+from mimics_app.lab.experiment import Experiment, Outcome, Row, points_of
 from mimics_app.lab.stability.linear import find_limit
 from mimics_app.rendering.haptic.kernels import robot
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
@@ -184,7 +184,7 @@ def largest_swing(device: Device, stiffness: float) -> float:
     return float(max(swings))
 
 
-def _row(device: Device) -> dict[str, Any]:
+def _row(device: Device) -> Row:
     simulated, exact = simulated_limit(device), closed_limit(device)
     return {
         "quantum_m": device.quantum,
@@ -201,8 +201,8 @@ def _row(device: Device) -> dict[str, Any]:
 def _simulate_grid(points: int) -> Outcome:
     quanta = [float(quantum) for quantum in np.geomspace(2e-6, 5e-4, points)]
     rows = [_row(Device(quantum, friction)) for friction in (0.01, 0.05, 0.25) for quantum in quanta]
-    simulated: Points = [(row["quantum_m"], row["simulated_n_m"]) for row in rows]
-    exact: Points = [(row["quantum_m"], row["exact_n_m"]) for row in rows]
+    simulated = points_of(rows, "quantum_m", "simulated_n_m")
+    exact = points_of(rows, "quantum_m", "exact_n_m")
     rests = all(row["swing_inside_quanta"] < _NEGLIGIBLE for row in rows)
     return Outcome(
         rows=rows,

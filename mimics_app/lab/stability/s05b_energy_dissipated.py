@@ -8,12 +8,12 @@ out it acts in the last part, where the spring would give what the hold has made
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
 from mimics_app.lab.stability.s05_energy_leak import closed_leak
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe
@@ -86,7 +86,7 @@ def given_by_taps(
     return float(given.mean()), float(given.max()), taken
 
 
-def _row(speed: float) -> dict[str, Any]:
+def _row(speed: float) -> Row:
     off = given_by_taps(speed, _DEPTH, OFF)[0]
     on, worst, taken = given_by_taps(speed, _DEPTH, UNLIMITED)
     return {
@@ -102,15 +102,15 @@ def _row(speed: float) -> dict[str, Any]:
 
 def _simulate_grid(points: int) -> Outcome:
     rows = [_row(float(speed)) for speed in np.geomspace(0.02, 0.5, points)]
-    simulated: Points = [(row["speed_m_s"], row["off_j"]) for row in rows]
-    exact: Points = [(row["speed_m_s"], row["exact_j"]) for row in rows]
+    simulated = points_of(rows, "speed_m_s", "off_j")
+    exact = points_of(rows, "speed_m_s", "exact_j")
     worst = max(row["on_worst_phase_j"] for row in rows)
     share = 100.0 * max(row["force_taken_n"] / row["force_at_depth_n"] for row in rows)
     return Outcome(
         rows=rows,
         simulated=simulated,
         exact=exact,
-        rules={"controller on": [(row["speed_m_s"], row["on_j"]) for row in rows]},
+        rules={"controller on": points_of(rows, "speed_m_s", "on_j")},
         disagreement=largest_disagreement(simulated, exact),
         holds=worst <= _ROUNDING,
         note=f"2000 N/m, 3 mm, 1 kHz. With the controller no tap of any phase draws energy; the controller took "

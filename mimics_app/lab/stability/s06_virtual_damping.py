@@ -7,11 +7,9 @@ limit k_h (T + n T + 1/w_p). Virtual damping is the cure for co-contraction, mas
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
 from mimics_app.lab.stability.held_robot import Hold
 from mimics_app.lab.stability.s06_virtual_mass import ARMS, damping_rule, least_damping
 
@@ -22,7 +20,7 @@ _DELAYS = (4, 20)
 _ARM = ARMS["stiff, little damped"]
 
 
-def _row(mass: float, delay: int) -> dict[str, Any]:
+def _row(mass: float, delay: int) -> Row:
     loop = Hold(_ARM, delay=delay)
     simulated, exact = least_damping(loop, mass)
     return {
@@ -40,8 +38,8 @@ def _simulate_grid(points: int) -> Outcome:
     rows = [_row(mass, n) for mass in _MASSES for n in delays]
     lost = any(row["simulated_ns_m"] is None or row["exact_ns_m"] is None for row in rows)
     found = [row for row in rows if row["simulated_ns_m"] is not None and row["exact_ns_m"] is not None]
-    simulated: Points = [(row["delay_ticks"], row["simulated_ns_m"]) for row in found]
-    exact: Points = [(row["delay_ticks"], row["exact_ns_m"]) for row in found]
+    simulated = points_of(found, "delay_ticks", "simulated_ns_m")
+    exact = points_of(found, "delay_ticks", "exact_ns_m")
     return Outcome(
         rows=rows,
         simulated=simulated,

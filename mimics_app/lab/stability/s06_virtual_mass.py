@@ -13,11 +13,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from mimics_app.lab.experiment import Experiment, Outcome, Points
+from mimics_app.lab.experiment import Experiment, Outcome, Points, Row, points_of
 from mimics_app.lab.stability.held_robot import Arm, Hold, is_exactly_stable, is_stable
 from mimics_app.lab.stability.linear import find_limit
 
@@ -110,7 +109,7 @@ _WHAT: dict[str, Callable[[Hold], tuple[float | None, float | None]]] = {
 }
 
 
-def _row(sweep: str, who: str, loop: Hold, what: str = "mass") -> dict[str, Any]:
+def _row(sweep: str, who: str, loop: Hold, what: str = "mass") -> Row:
     simulated, exact = _WHAT[what](loop)
     difference = 0.0 if simulated is exact else 1.0
     if simulated is not None and exact is not None:
@@ -132,7 +131,7 @@ def _row(sweep: str, who: str, loop: Hold, what: str = "mass") -> dict[str, Any]
     }
 
 
-def _rows(points: int) -> list[dict[str, Any]]:
+def _rows(points: int) -> list[Row]:
     few = max(2, points // 6)
     delays = sorted({round(float(n)) for n in np.linspace(0.0, _LONGEST_DELAY, max(3, points // 2))})
     stiff = ARMS["stiff, little damped"]
@@ -159,8 +158,8 @@ def _rows(points: int) -> list[dict[str, Any]]:
 def _simulate_grid(points: int) -> Outcome:
     rows = _rows(points)
     drawn = [row for row in rows if row["sweep"] == "delay" and row["exact"] is not None]
-    simulated: Points = [(row["delay_ticks"], row["simulated"]) for row in drawn]
-    exact: Points = [(row["delay_ticks"], row["exact"]) for row in drawn]
+    simulated = points_of(drawn, "delay_ticks", "simulated")
+    exact = points_of(drawn, "delay_ticks", "exact")
     ends = (0.0, float(_LONGEST_DELAY))
     rules: dict[str, Points] = {"at least 3 kg (D2.1 4.2.7)": [(x, _SEED_MASS) for x in ends]}
     for who in _DRAWN:

@@ -6,13 +6,11 @@ sign (Kp < 0 here) is stable nowhere. A servo that follows one tick later still 
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.kernel import kernel
-from mimics_app.lab.experiment import Experiment, Outcome, Points
+from mimics_app.lab.experiment import Experiment, Outcome, Points, Row
 from mimics_app.lab.stability.growth import dies_away, note_peak
 from mimics_app.lab.stability.linear import find_limit, is_contracting
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd, joint_pd_as_printed
@@ -50,9 +48,7 @@ def _follow(kp: float, kd: float, dt: float, delay: int, printed: bool, ticks: i
         for j in range(3):
             dq[j] = oldest[j]
             q[j] += dt * dq[j]
-        note_peak(max(abs(q[0]), dt * abs(dq[0])), i, ticks, peaks)
-        if not abs(q[0]) < _LARGE:
-            peaks[3] = np.inf
+        if note_peak(max(abs(q[0]), dt * abs(dq[0])), i, ticks, _LARGE, peaks):
             return
 
 
@@ -97,7 +93,7 @@ def closed_limit(kd: float) -> float:
     return 2.0 * (1.0 - kd) * _RATE
 
 
-def _row(kd: float, delay: int) -> dict[str, Any]:
+def _row(kd: float, delay: int) -> Row:
     simulated, exact = simulated_limit(kd, delay), exact_limit(kd, delay)
     return {
         "kd": kd,

@@ -13,14 +13,14 @@ simulated motion without a model of it: the two multipliers that explain every t
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import types
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
 from mimics_app.lab.stability import s12_rotation_drift as rotations
 from mimics_app.lab.stability.laws import NORMAL_LAW, NormalLaw, identified_rate
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd, joint_pd_as_printed
@@ -142,7 +142,7 @@ def _root_rate(trace: float, product: float) -> float:
     return float(np.log(np.max(np.abs(np.roots([1.0, -trace, product])))) / _DT)
 
 
-def _row(equation: int, setting: str, printed: float, exact: float, corrected: float) -> dict[str, Any]:
+def _row(equation: int, setting: str, printed: float, exact: float, corrected: float) -> Row:
     return {
         "equation": equation,
         "setting": setting,
@@ -152,19 +152,19 @@ def _row(equation: int, setting: str, printed: float, exact: float, corrected: f
     }
 
 
-def _pd_row(kp: float) -> dict[str, Any]:
+def _pd_row(kp: float) -> Row:
     exact = _root_rate(1.0 + kp * _DT - _KD, -_KD)
     return _row(5, f"Kp = {kp:.3g} 1/s", pd_rate(joint_pd_as_printed, kp), exact, pd_rate(joint_pd, kp))
 
 
-def _object_row(b: float) -> dict[str, Any]:
+def _object_row(b: float) -> Row:
     mass = 1.0
     exact = _root_rate(2.0 - _DT**2 * _STIFFNESS / mass + _DT * b / mass, 1.0 + _DT * b / mass)
     printed = pressed_rate(object_law_printed, b, np.inf, mass)
     return _row(9, f"b = {b:.3g} N s/m on 1 kg", printed, exact, pressed_rate(spring_damper, b, np.inf, mass))
 
 
-def _rotation_row(speed: float) -> dict[str, Any]:
+def _rotation_row(speed: float) -> Row:
     omega = speed * rotations.DIRECTION
 
     def rate(drift_deg: float) -> float:
@@ -176,13 +176,13 @@ def _rotation_row(speed: float) -> dict[str, Any]:
     return _row(12, f"|omega| = {speed:.3g} rad/s", printed, exact, corrected)
 
 
-def _sphere_row(mass: float) -> dict[str, Any]:
+def _sphere_row(mass: float) -> Row:
     b = 10.0
     exact = _root_rate(2.0 + _DT**2 * _STIFFNESS / mass - _DT * b / mass, 1.0 - _DT * b / mass)
     return _row(13, f"m = {mass:.3g} kg", sphere_rate(True, mass, b), exact, sphere_rate(False, mass, b))
 
 
-def _pair_row(b: float) -> dict[str, Any]:
+def _pair_row(b: float) -> Row:
     m1, m2 = 0.5, 1.5
     reduced = m1 * m2 / (m1 + m2)
     exact = _root_rate(2.0 - _DT**2 * _STIFFNESS / reduced + _DT * b / reduced, 1.0 + _DT * b / reduced)
@@ -200,7 +200,7 @@ def _simulate_grid(points: int) -> Outcome:
         *(_pair_row(float(b)) for b in np.geomspace(1.3, 25.0, points)),
     ]
     rows_of = {n: [row for row in rows if row["equation"] == n] for n in (5, 9, 12, 13, 17)}
-    simulated = [(row["exact_1_s"], row["printed_1_s"]) for row in rows]
+    simulated = points_of(rows, "exact_1_s", "printed_1_s")
     exact = [(row["exact_1_s"], row["exact_1_s"]) for row in sorted(rows, key=lambda row: float(row["exact_1_s"]))]
     ordered = sorted(simulated)
     dies = all(row["corrected_1_s"] < (_EXACT_TURN if row["equation"] == 12 else 0.0) for row in rows)

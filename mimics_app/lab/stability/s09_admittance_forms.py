@@ -11,14 +11,14 @@ The corrected forms keep the energy: the Cartesian one to the last digit, the po
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
 
 import numpy as np
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic import AdmittanceForm
 from mimics_app.contracts.kernel import kernel
-from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
 from mimics_app.rendering.haptic.control.admittance import admit
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian, forward
 from mimics_app.rendering.haptic.kernels.vectors import copy, norm
@@ -100,8 +100,8 @@ def exact_flight(turn: float) -> tuple[float, float, float]:
     return energy, float(off), float(force)
 
 
-def _row(turn: float) -> dict[str, Any]:
-    row: dict[str, Any] = {"turn_rad_s": turn}
+def _row(turn: float) -> Row:
+    row: Row = {"turn_rad_s": turn}
     for form in (AdmittanceForm.SEED, AdmittanceForm.POLAR, AdmittanceForm.CARTESIAN):
         energy, off, force = fly(form, turn)
         name = form.name.lower()
@@ -114,10 +114,7 @@ def _row(turn: float) -> dict[str, Any]:
 def _simulate_grid(points: int) -> Outcome:
     turns = sorted({*np.linspace(0.2, 2.0, points).tolist(), 1.0})
     rows = [_row(float(turn)) for turn in turns]
-
-    def curve(column: str, scale: float = 1.0) -> list[tuple[float, float]]:
-        return [(row["turn_rad_s"], scale * row[column]) for row in rows]
-
+    curve = partial(points_of, rows, "turn_rad_s")
     simulated, exact = curve("seed_off_line_m", 1e3), curve("exact_off_line_m", 1e3)
     disagreement = max(
         largest_disagreement(simulated, exact),

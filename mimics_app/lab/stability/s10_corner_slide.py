@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import from_dtype, types
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel, typed_kernel
-from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
 from mimics_app.lab.stability.laws import SHAPE
 from mimics_app.rendering.haptic.kernels.contact import cube, cube_nearest_face, rate_of_depth
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
@@ -92,7 +93,7 @@ def slide(shape: Shape, depth: float) -> tuple[float, float, int]:
     return float(out[0]), float(out[1]), int(out[2])
 
 
-def _row(depth: float) -> dict[str, Any]:
+def _row(depth: float) -> Row:
     jump, _, wrong = slide(nearest, depth)
     held_jump, falls, held_wrong = slide(cube, depth)
     return {
@@ -109,10 +110,7 @@ def _row(depth: float) -> dict[str, Any]:
 
 def _simulate_grid(points: int) -> Outcome:
     rows = [_row(float(depth)) for depth in sorted({*np.linspace(1e-3, 6e-3, points).tolist(), 3e-3})]
-
-    def curve(column: str) -> list[tuple[float, float]]:
-        return [(row["depth_mm"], row[column]) for row in rows]
-
+    curve = partial(points_of, rows, "depth_mm")
     simulated, exact = curve("nearest_jump_N"), curve("exact_jump_N")
     disagreement = max(
         largest_disagreement(simulated, exact),

@@ -10,13 +10,14 @@ drops what is left.
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
-from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement, points_of
 from mimics_app.rendering.haptic.kernels.contact import rate_of_depth
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
 from mimics_app.rendering.haptic.kernels.contact_records import CONTACT
@@ -83,10 +84,7 @@ def _simulate_grid(points: int) -> Outcome:
     rows = [
         {"rounding_mm": 1e3 * r, "change_N": leaving_change(r), "exact_N": exact_change(r)} for r in map(float, radii)
     ]
-
-    def curve(column: str) -> Points:
-        return [(row["rounding_mm"], row[column]) for row in rows]
-
+    curve = partial(points_of, rows, "rounding_mm")
     felt = max(row["change_N"] for row in rows if row["rounding_mm"] >= 1e3 * _ROUNDED)
     return Outcome(
         rows=rows,

@@ -15,14 +15,8 @@ import numpy as np
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.haptic.friction import KARNOPP, NUMBERS, friction_by
 from mimics_app.rendering.haptic.kernels.contact_records import FRICTION
-from mimics_app.rendering.haptic.kernels.friction import (
-    hayward_armstrong,
-    karnopp,
-    lugre_explicit,
-    lugre_implicit,
-    regularised,
-)
 from mimics_app.rendering.haptic.kernels.integrators import step_semi_implicit
 
 if TYPE_CHECKING:
@@ -53,22 +47,13 @@ _PUSH_BACK = 1e3
 
 
 @kernel
-def _friction(model: int, x: Vec, v: Vec, load: Vec, dt: float, state: FrictionRecord, out: Vec) -> None:
-    """One of `MODELS`, by its place, with the coefficients of this experiment."""
-    if model == 0:
-        regularised(v, _NORMAL, _MU, _THRESHOLD, out)
-    elif model == 1:
-        karnopp(v, load, _NORMAL, _MU, _MU, _THRESHOLD, state, out)
-    elif model == 2:
-        hayward_armstrong(x, _NORMAL, _MU, _STIFFNESS, state, out)
-    elif model == 3:
-        lugre_explicit(v, _NORMAL, _MU, _MU, _THRESHOLD, _STIFFNESS, _BRISTLE_DAMPING, dt, state, out)
-    else:
-        lugre_implicit(v, _NORMAL, _MU, _MU, _THRESHOLD, _STIFFNESS, _BRISTLE_DAMPING, dt, state, out)
+def _friction(number: int, x: Vec, v: Vec, load: Vec, dt: float, state: FrictionRecord, out: Vec) -> None:
+    """Force of a law with the coefficients of this experiment."""
+    friction_by(number, x, v, load, _NORMAL, _MU, _THRESHOLD, _STIFFNESS, _BRISTLE_DAMPING, dt, state, out)
 
 
 @kernel
-def _hold(model: int, share: float, seconds: float, dt: float, states: Table[FrictionRecord], out: Vec) -> None:
+def _hold(number: int, share: float, seconds: float, dt: float, states: Table[FrictionRecord], out: Vec) -> None:
     """out: mean place in the last second less that in the first after settling [m], largest friction / cone - 1."""
     x, v, load, force = np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1)
     settled = round(_SETTLED / dt)
@@ -80,9 +65,9 @@ def _hold(model: int, share: float, seconds: float, dt: float, states: Table[Fri
         rise = 0.5 * (1.0 - math.cos(math.pi * t / _SETTLED)) if i < settled else 1.0
         tremor = _TREMOR * math.sin(2.0 * math.pi * _TREMOR_HZ * t) if i >= settled else 0.0
         load[0] = share * _CONE * (rise + tremor)
-        _friction(model, x, v, load, dt, states[0], force)
+        _friction(number, x, v, load, dt, states[0], force)
         out[1] = max(out[1], abs(force[0]) / _CONE - 1.0)
-        if model == 1 and states[0].sticking:
+        if number == KARNOPP and states[0].sticking:
             v[0] = 0.0
         x[0], v[0] = step_semi_implicit(x[0], v[0], load[0] + force[0], _MASS, 0.0, 0.0, dt)
         if i >= ticks - window:
@@ -93,14 +78,14 @@ def _hold(model: int, share: float, seconds: float, dt: float, states: Table[Fri
 
 
 @kernel
-def _excess(model: int, ticks: int, dt: float, path: Vec, states: Table[FrictionRecord]) -> float:
+def _excess(number: int, ticks: int, dt: float, path: Vec, states: Table[FrictionRecord]) -> float:
     """Largest friction as a share of the cone - 1 along a prescribed path [m]."""
     v, load, force = np.zeros(1), np.zeros(1), np.zeros(1)
     worst = -1.0
     for i in range(1, ticks):
         v[0] = (path[i] - path[i - 1]) / dt
         load[0] = _PUSH_BACK * v[0]
-        _friction(model, path[i : i + 1], v, load, dt, states[0], force)
+        _friction(number, path[i : i + 1], v, load, dt, states[0], force)
         worst = max(worst, abs(force[0]) / _CONE - 1.0)
     return worst
 
@@ -113,7 +98,7 @@ def hold(model: str, share: float, seconds: float = _SECONDS) -> tuple[float, fl
         most, as a share of mu F_N).
     """
     out = np.array([0.0, -1.0])
-    _hold(MODELS.index(model), share, seconds, _DT, np.zeros(1, FRICTION), out)
+    _hold(NUMBERS[model], share, seconds, _DT, np.zeros(1, FRICTION), out)
     return float(out[0]), max(0.0, float(out[1]))
 
 
@@ -121,7 +106,7 @@ def cone_excess(model: str) -> float:
     """How far friction leaves its cone along a path of many reversals of up to 0.5 m/s, as a share of mu F_N."""
     t = _DT * np.arange(20_000)
     path = 0.05 * np.sin(2.0 * np.pi * 1.0 * t) + 0.01 * np.sin(2.0 * np.pi * 3.7 * t)
-    return max(0.0, float(_excess(MODELS.index(model), len(path), _DT, path, np.zeros(1, FRICTION))))
+    return max(0.0, float(_excess(NUMBERS[model], len(path), _DT, path, np.zeros(1, FRICTION))))
 
 
 def exact_creep(share: float, seconds: float) -> float:

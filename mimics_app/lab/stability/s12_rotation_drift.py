@@ -7,14 +7,14 @@ turn about z at all. The exponential map is exact while omega is constant, RK4 t
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
 
 import numpy as np
 from numba import types
 
 from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.lab.experiment import Experiment, Outcome, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
 from mimics_app.lab.stability.laws import ROTATION, Rotation
 from mimics_app.rendering.haptic.kernels.rotation import (
     rotate_axes,
@@ -85,7 +85,7 @@ def _angle_deg(a: Mat, b: Mat) -> float:
     return float(np.degrees(np.arctan2(sine, 0.5 * (np.trace(away) - 1.0))))
 
 
-def _row(speed: float) -> dict[str, Any]:
+def _row(speed: float) -> Row:
     omega = speed * DIRECTION
     return {
         "speed_rad_s": speed,
@@ -102,10 +102,7 @@ def _row(speed: float) -> dict[str, Any]:
 def _simulate_grid(points: int) -> Outcome:
     seed = float(np.sqrt(50.0))
     rows = [_row(speed) for speed in sorted({*np.geomspace(1.0, 20.0, points).tolist(), seed, 2.0 * seed})]
-
-    def curve(column: str) -> list[tuple[float, float]]:
-        return [(row["speed_rad_s"], row[column]) for row in rows]
-
+    curve = partial(points_of, rows, "speed_rad_s")
     simulated, exact = curve("axis_product_deg"), curve("axis_product_exact_deg")
     disagreement = max(
         largest_disagreement(simulated, exact),

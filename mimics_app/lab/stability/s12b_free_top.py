@@ -11,14 +11,12 @@ constant in every rival, for L itself is the state. With the constant inertia of
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numba import types
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import typed_kernel
-from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Points, Row, largest_disagreement
 from mimics_app.lab.stability.laws import ROTATION, Rotation
 from mimics_app.rendering.haptic.kernels.rotation import (
     angular_velocity,
@@ -108,7 +106,7 @@ def exact_interval() -> float:
 _RIVALS = ("start of step", "axis product", "RK4", "(12) as printed")
 
 
-def _rows(tick_ms: float) -> list[dict[str, Any]]:
+def _rows(tick_ms: float) -> list[Row]:
     rivals = dict(zip(_RIVALS, (rotate_start, rotate_axes, rotate_rk4, rotate_printed), strict=True))
     rows = []
     for name, rotate in {"half step": rotate_exponential, **rivals}.items():

@@ -9,14 +9,14 @@ The inflections are the roots of x'y'' - y'x'' of every piece, computed apart fr
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.haptic_objects import TUNNEL
 from mimics_app.contracts.kernel import kernel
-from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Points, Row, largest_disagreement
 from mimics_app.rendering.haptic.kernels.tunnel import tunnel_force
 from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE
 from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
@@ -99,7 +99,7 @@ def _turns(arc: F8, force: F8) -> F8:
     return 0.5 * (arc[i] + arc[i + 1])
 
 
-def _row(height: float) -> tuple[dict[str, Any], F8, F8]:
+def _row(height: float) -> tuple[Row, F8, F8]:
     """One row, and where the force along Frenet's n turns over and the bisector its bend: arc lengths [m]."""
     curve = wavy_tunnel(height)
     arc, own, frenet = walk_wall(curve)
@@ -118,7 +118,7 @@ def _row(height: float) -> tuple[dict[str, Any], F8, F8]:
     return row, turns, exact
 
 
-def _by_number(rows: list[dict[str, Any]], places: list[F8]) -> Points:
+def _by_number(rows: list[Row], places: list[F8]) -> Points:
     """Points of the map, all first ones of every tunnel, then all second ones: one line each."""
     most = max(len(arcs) for arcs in places)
     return [

@@ -8,7 +8,7 @@ instead, and no wall is left that could give anything. The lateness of a live lo
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.session_memory import SessionMemory
-from mimics_app.lab.experiment import Experiment, Outcome, Points, largest_disagreement
+from mimics_app.lab.experiment import Experiment, Outcome, Points, Row, largest_disagreement, points_of
 from mimics_app.lab.stability.replayed_wall import (
     PERIOD,
     STIFFNESS,
@@ -53,7 +53,7 @@ def stalls(length: float) -> Wakes:
     return wakes_with(pattern, _STROKE.seconds)
 
 
-def _row(source: str, length: float, wakes: Wakes) -> dict[str, Any]:
+def _row(source: str, length: float, wakes: Wakes) -> Row:
     return {
         "source": source,
         "late_ms": 1e3 * length,
@@ -66,7 +66,7 @@ def _row(source: str, length: float, wakes: Wakes) -> dict[str, Any]:
     }
 
 
-def _note(times: float, down: dict[str, Any]) -> str:
+def _note(times: float, down: Row) -> str:
     return (
         f"K = {STIFFNESS:.0f} N/m. One tick in 50 late by 9 ms needs {times:.1f} times the damping of a loop "
         f"in time, though the mean period is the same. At 12 ms and 2 N s/m the wall generates "
@@ -80,10 +80,7 @@ def _simulate_grid(points: int) -> Outcome:
     rows = [_row("every 50th tick", length, stalls(length)) for length in lengths]
     held: Points = [(1e3 * length, needed_damping(stalls(length), True)) for length in lengths]
     held_exact: Points = [(1e3 * length, exact_needed(stalls(length), True)) for length in lengths]
-
-    def curve(column: str) -> Points:
-        return [(row["late_ms"], row[column]) for row in rows]
-
+    curve = partial(points_of, rows, "late_ms")
     simulated, exact, live = curve("needed_N_s_m"), curve("exact_N_s_m"), curve("live_limit_N_s_m")
     down = _row("every 50th tick", _RAMPED_DOWN, stalls(_RAMPED_DOWN))
     rows.append(down)

@@ -10,11 +10,10 @@ than the rule for one contact is at the same damping.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
-from mimics_app.lab.experiment import Experiment, Outcome, Points
+from mimics_app.lab.experiment import Experiment, Outcome, Row, points_of
 from mimics_app.lab.stability.contacts_loop import (
     Contact,
     Device,
@@ -32,7 +31,7 @@ _SOFT = 100.0
 _DAMPINGS = (10.0, 30.0, 60.0)
 
 
-def compare(sweep: str, others: tuple[Contact, ...], device: Device = _DEVICE) -> dict[str, Any]:
+def compare(sweep: str, others: tuple[Contact, ...], device: Device = _DEVICE) -> Row:
     """One row: simulated, exact and both rules' limits [N/m] of an undamped contact beside others."""
     contacts = (_PLATE, *others)
     simulated, exact = simulated_limit(device, contacts), exact_limit(device, contacts)
@@ -55,7 +54,7 @@ def compare(sweep: str, others: tuple[Contact, ...], device: Device = _DEVICE) -
     }
 
 
-def _rows(points: int) -> list[dict[str, Any]]:
+def _rows(points: int) -> list[Row]:
     angles = [float(angle) for angle in np.radians(np.linspace(0.0, 90.0, max(2, points)))]
     rows = [compare("one block", (Contact(angle, _SOFT, B),)) for B in _DAMPINGS for angle in angles]
     few = angles[:: max(1, len(angles) // 4)]
@@ -66,26 +65,22 @@ def _rows(points: int) -> list[dict[str, Any]]:
     return rows
 
 
-def _points(rows: list[dict[str, Any]], key: str) -> Points:
-    return [(row["angle_deg"], row[key]) for row in rows]
-
-
 def _simulate_grid(points: int) -> Outcome:
     rows = _rows(points)
     blocks = [[row for row in rows if row["contacts"] == 2 and row["other_damping_ns_m"] == B] for B in _DAMPINGS]
     drawn = [row for block in blocks for row in block]
     rules = {
-        f"worst direction, B = {B:g} N s/m": _points(block, "worst_direction_n_m")
+        f"worst direction, B = {B:g} N s/m": points_of(block, "angle_deg", "worst_direction_n_m")
         for B, block in zip(_DAMPINGS, blocks, strict=True)
     }
-    rules["sum of all, B = 60 N s/m"] = _points(blocks[-1], "sum_n_m")
+    rules["sum of all, B = 60 N s/m"] = points_of(blocks[-1], "angle_deg", "sum_n_m")
     alone = min(row["exact_above_rule"] for row in rows if row["angle_deg"] == 0.0)
     least = min(row["exact_above_rule"] for row in rows)
     promised = blocks[-1][-1]["sum_n_m"] / blocks[-1][-1]["exact_n_m"]
     return Outcome(
         rows=rows,
-        simulated=_points(drawn, "simulated_n_m"),
-        exact=_points(drawn, "exact_n_m"),
+        simulated=points_of(drawn, "angle_deg", "simulated_n_m"),
+        exact=points_of(drawn, "angle_deg", "exact_n_m"),
         rules=rules,
         disagreement=max(row["difference"] for row in rows),
         holds=least >= alone,

@@ -26,6 +26,7 @@ __all__ = [
     "SHORTEST",
     "SOFT",
     "Wall",
+    "delayed_loop",
     "exact_limit",
     "exact_matrix",
     "is_stable",
@@ -100,10 +101,7 @@ def press_wall(
         line[i % (delay + 1)] = spring_damper(x, (x - last) / dt, k, B)
         last = x
         x, v = step_free(x, v, k * DEPTH - line[(i + 1) % (delay + 1)], m, b, dt)
-        size = abs(x - DEPTH)
-        note_peak(size, i, ticks, peaks)
-        if not size < LARGE:
-            peaks[3] = np.inf
+        if note_peak(abs(x - DEPTH), i, ticks, LARGE, peaks):
             return
 
 
@@ -125,24 +123,39 @@ def simulated_limit(wall: Wall, extra_delay: int = 0) -> float:
     return find_limit(lambda stiffness: is_stable(late, stiffness), SOFT, _HARD, PRECISION)
 
 
-def exact_matrix(wall: Wall, stiffness: float) -> Mat:
-    """One tick of the loop as a matrix: depth, velocity, last depth and the forces under way, shape [3 + n, 3 + n]."""
-    m, b, B, n = wall.mass, wall.device_damping, wall.wall_damping, wall.delay
-    dt = 1.0 / wall.rate
-    A, held = hold(np.array([[0.0, 1.0], [0.0, -b / m]]), np.array([[0.0], [1.0 / m]]), dt)
-    law = np.zeros(3 + n)
-    law[0], law[2] = -(stiffness + B / dt), B / dt
-    step = np.zeros((3 + n, 3 + n))
-    step[:2, :2] = A
-    step[2, 0] = 1.0
+def delayed_loop(K: Mat, B: Mat, m: float, b: float, dt: float, n: int) -> Mat:
+    """Return one tick of a mass in sampled, delayed contacts as a matrix, shape [(3 + n) r, (3 + n) r].
+
+    The state is position, velocity, last position and the forces under way, newest first, in r directions.
+
+    Args:
+        K: Stiffness of the contacts [N/m], shape [r, r].
+        B: Damping of the contacts [N s/m], shape [r, r].
+        m: Mass of the device [kg].
+        b: Damping of the device [N s/m].
+        dt: Tick [s].
+        n: Delay between sampling and acting [ticks].
+    """
+    r = len(K)
+    one, none = np.eye(r), np.zeros((r, r))
+    A, held = hold(np.block([[none, one], [none, -b / m * one]]), np.vstack([none, one / m]), dt)
+    law = np.hstack([-(K + B / dt), none, B / dt])
+    step = np.zeros(((3 + n) * r, (3 + n) * r))
+    step[: 2 * r, : 2 * r] = A
+    step[2 * r : 3 * r, :r] = one
     if n == 0:
-        step[:2] += np.outer(held[:, 0], law)
-    else:
-        step[:2, 2 + n] += held[:, 0]
-        step[3] = law
-        for i in range(4, 3 + n):
-            step[i, i - 1] = 1.0
+        step[: 2 * r] += held @ law
+        return step
+    step[: 2 * r, (2 + n) * r :] = held
+    step[3 * r : 4 * r, : 3 * r] = law
+    step[4 * r :, 3 * r : (2 + n) * r] = np.eye((n - 1) * r)
     return step
+
+
+def exact_matrix(wall: Wall, stiffness: float) -> Mat:
+    """Return one tick of the loop as a matrix, see `delayed_loop`."""
+    K, B = np.array([[stiffness]]), np.array([[wall.wall_damping]])
+    return delayed_loop(K, B, wall.mass, wall.device_damping, 1.0 / wall.rate, wall.delay)
 
 
 def exact_limit(wall: Wall) -> float:

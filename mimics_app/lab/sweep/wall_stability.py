@@ -6,7 +6,6 @@ force from depth and differenced depth, and that force acts, held, some ticks la
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.kernel import kernel
+from mimics_app.lab.stability.growth import LENGTHEN, QUARTERS, decay_sign
 from mimics_app.lab.stability.wall_loop import press_wall
 from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
 
@@ -21,36 +21,24 @@ __all__ = ["EXPERIMENT"]
 
 
 _MOST_DELAY = 64
-_PLAIN = 0.4
-_GONE = 1e-6
-_SHORTEST = 2_000
-_LONGEST = 128_000
+"""Largest delay [ticks]."""
 
-_QUARTERS, _LENGTHEN = 4, 4
-"""Of a run; and how much longer it is made when the answer is not plain."""
+_SHORTEST, _LONGEST = 2_000, 128_000
+"""Lengths of the first and of the last run [ticks]."""
 
 
 @kernel
 def _decide(k: Vec, B: Vec, m: Vec, b: Vec, dt: Vec, delay: NDArray[np.int64], stable: NDArray[np.uint8]) -> None:
-    """Whether each point's motion dies away: runs are made longer until the answer is plain (see growth.dies_away)."""
+    """Whether the motion of each point dies away, as `growth.dies_away`."""
     line = np.zeros(_MOST_DELAY + 1)
-    peaks = np.zeros(_QUARTERS)
+    peaks = np.zeros(QUARTERS)
     for i in range(k.shape[0]):
-        ticks = _SHORTEST
-        while True:
+        ticks, sign = _SHORTEST, 0
+        while sign == 0:
             press_wall(k[i], B[i], m[i], b[i], dt[i], delay[i], ticks, line, peaks)
-            if not peaks[3] < np.inf:
-                stable[i] = 0
-                break
-            if peaks[3] < _GONE * peaks[0]:
-                stable[i] = 1
-                break
-            grown = math.log(peaks[3] / peaks[1])
-            still = math.log(peaks[3] / peaks[2])
-            if ticks >= _LONGEST or (abs(grown) > _PLAIN and grown * still > 0.0):
-                stable[i] = 1 if still < 0.0 else 0
-                break
-            ticks *= _LENGTHEN
+            sign = decay_sign(peaks, ticks >= _LONGEST)
+            ticks *= LENGTHEN
+        stable[i] = 1 if sign > 0 else 0
 
 
 def _run(values: Columns, folder: Path) -> Columns:

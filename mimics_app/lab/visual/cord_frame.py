@@ -15,6 +15,12 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.rivals import Rival, compare
 from mimics_app.maths.cord import hang
+from mimics_app.maths.frames import (
+    frenet_normals,
+    plane_normal,
+    projected_up_normals,
+    rotation_minimising_normals,
+)
 from mimics_app.rendering.visual.passes.cord import RINGS
 
 __all__ = ["CURVES", "FRAMES", "GROUP", "twist_error"]
@@ -45,36 +51,24 @@ CURVES: dict[str, Callable[[F8], F8]] = {"hanging": _hanging, "bent to both side
 
 
 def constant_binormal(places: F8, tangents: F8) -> F8:
-    """The binormal of the plane that the cord lies in, as far as it lies in one."""
-    _, _, axes = np.linalg.svd(places - places.mean(axis=0), full_matrices=False)
-    return _unit(np.cross(axes[2], tangents))
+    """Return normals whose binormal is the normal of the plane of best fit."""
+    return _unit(np.cross(plane_normal(places), tangents))
 
 
 def frenet(places: F8, tangents: F8) -> F8:
-    """Towards the middle of the circle that fits the bend: none where the cord is straight (Serret 1851)."""
-    change = np.gradient(tangents, axis=0)
-    return _unit(change - tangents * (change * tangents).sum(axis=1, keepdims=True))
+    """Return principal normals from the differences of the tangents."""
+    return frenet_normals(tangents, np.gradient(tangents, axis=0))
 
 
 def projected_up(places: F8, tangents: F8) -> F8:
-    """As near to upwards as the cord lets it."""
-    return _unit(_UP - tangents * (tangents @ _UP)[:, None])
+    """Return normals as near to upwards as the cord allows."""
+    return projected_up_normals(tangents, _UP)
 
 
 def double_reflection(places: F8, tangents: F8) -> F8:
-    """From ring to ring by two reflections, which turn it least (Wang et al. 2008)."""
-    normals = np.empty_like(places)
+    """Return the rotation-minimising normals."""
     side = np.eye(3)[np.argmin(np.abs(tangents[0]))]
-    normals[0] = np.cross(tangents[0], side) / np.linalg.norm(np.cross(tangents[0], side))
-    for k in range(len(places) - 1):
-        chord = places[k + 1] - places[k]
-        share = 2.0 / (chord @ chord)
-        normal = normals[k] - share * (chord @ normals[k]) * chord
-        tangent = tangents[k] - share * (chord @ tangents[k]) * chord
-        second = tangents[k + 1] - tangent
-        square = second @ second
-        normals[k + 1] = normal if square < 1e-24 else normal - 2.0 / square * (second @ normal) * second
-    return normals
+    return rotation_minimising_normals(places, tangents, _unit(np.cross(tangents[:1], side))[0])
 
 
 FRAMES: dict[str, tuple[Frame, str, str]] = {

@@ -10,17 +10,20 @@ Where the requested output is not available, the session continues and one line 
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from mimics_app.contracts.audio_port import AudioStatus, Mixer, Timing
+from mimics_app.contracts.audio_port import AudioStatus, Mixer, OnDemandMixer, Timing
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import DeviceError, SceneError
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.openal_context import OpenALContext, measure_pipeline
-from mimics_app.rendering.audio.openal_library import OpenALLibrary, load_library
+from mimics_app.rendering.audio.openal_library import load_library
 from mimics_app.rendering.audio.openal_mixer import OpenALMixer
 from mimics_app.rendering.audio.settings import AudioSettings
+from mimics_app.rendering.audio.sound_stream import SoundStream
+from mimics_app.rendering.audio.streamed_mixer import StreamedMixer
 from mimics_app.rendering.audio.wav_file import WavWriter
 
 __all__ = ["Engine", "fall_back", "open_device", "open_engine", "open_engine_in_step", "open_mixer"]
@@ -143,7 +146,7 @@ def open_engine_in_step(
     return Engine(_status(settings, mixer, "loopback", sink, latency_ms), bank, mixer, writer)
 
 
-def open_mixer(settings: AudioSettings, bank: SoundBank, clock: Clock, latency: int, origin_ns: int) -> Mixer:
+def open_mixer(settings: AudioSettings, bank: SoundBank, clock: Clock, latency: int, origin_ns: int) -> OnDemandMixer:
     """Open the mixer that the settings name, rendering on demand.
 
     Raises:
@@ -166,36 +169,48 @@ def _status(settings: AudioSettings, mixer: Mixer, device: str, sink: str, laten
 
 
 def open_device(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
-    """Open a live device.
+    """Open a live device: a stream to the sound server, or else a device of OpenAL, which knows those of every system.
 
     Raises:
         DeviceError: There is none, or it cannot be opened.
     """
-    library = load_library(settings)
+    if settings.driver in ("", "pulse"):
+        with suppress(DeviceError):
+            from mimics_app.rendering.audio.pulse_stream import PulseStream
+
+            return _play_on(PulseStream(settings.rate, settings.period, clock), settings, bank, clock)
     if settings.mixer == "spectral":
-        return _open_stream(settings, bank, clock, library)
+        from mimics_app.rendering.audio.openal_stream import OpenALStream
+
+        context = OpenALContext(load_library(settings), settings.rate, False, 1, loopback=False)
+        return _play_on(OpenALStream(context), settings, bank, clock)
+    return _open_openal(settings, bank, clock)
+
+
+def _play_on(stream: SoundStream, settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
+    """Open the mixer that the settings name and play its blocks on a stream, which is closed where that fails."""
+    try:
+        mixer = open_mixer(settings, bank, clock, 0, 0)
+        if mixer.channels != 2:
+            raise DeviceError(f"a live device has two channels here, not {mixer.channels}")
+        if mixer.rate != stream.rate:
+            raise DeviceError(f"the device runs at {stream.rate} Hz, not at {mixer.rate}")
+        streamed = StreamedMixer(mixer, stream, clock)
+    except DeviceError:
+        stream.close()
+        raise
+    status = _status(settings, mixer, stream.name, "device", streamed.latency / mixer.rate * 1e3)
+    return Engine(status, bank, streamed, None)
+
+
+def _open_openal(settings: AudioSettings, bank: SoundBank, clock: Clock) -> Engine:
+    """Open a device that the library mixes for in its own thread."""
+    library = load_library(settings)
     context = OpenALContext(library, settings.rate, settings.hrtf, settings.sources, loopback=False)
     pipeline = measure_pipeline(library, context.rate, context.hrtf)
     mixer = OpenALMixer(context, bank, settings, clock, Timing(clock.now_ns(), 0, pipeline))
     latency_ms = context.buffered_ms + pipeline / context.rate * 1e3
     return Engine(_status(settings, mixer, context.name, "device", latency_ms), bank, mixer, None)
-
-
-def _open_stream(settings: AudioSettings, bank: SoundBank, clock: Clock, library: OpenALLibrary) -> Engine:
-    """Open the spectral mixer on a live device."""
-    from mimics_app.rendering.audio.spectral.mixer import SpectralMixer
-    from mimics_app.rendering.audio.streamed_mixer import StreamedMixer
-
-    context = OpenALContext(library, settings.rate, False, 1, loopback=False)
-    try:
-        if context.rate != settings.rate:
-            raise DeviceError(f"the device runs at {context.rate} Hz, not at {settings.rate}")
-        mixer = StreamedMixer(SpectralMixer(bank, settings, Timing()), context, clock)
-    except DeviceError:
-        context.close()
-        raise
-    latency = (mixer.timing.latency + mixer.timing.pipeline) / mixer.rate * 1e3 + context.buffered_ms
-    return Engine(_status(settings, mixer, context.name, "device", latency), bank, mixer, None)
 
 
 def _warm_spectral(settings: AudioSettings, bank: SoundBank) -> None:

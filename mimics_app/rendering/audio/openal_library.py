@@ -71,6 +71,7 @@ class AL:
     SOURCE_STATE = 0x1010
     PLAYING = 0x1012
     BUFFERS_PROCESSED = 0x1016
+    SAMPLE_OFFSET = 0x1025
     DIRECT_CHANNELS = 0x1033
     STOPPED = 0x1014
     REFERENCE_DISTANCE = 0x1020
@@ -192,7 +193,6 @@ def load_library(settings: AudioSettings) -> OpenALLibrary:
     """
     if settings.library not in _loaded:
         path = settings.library or _find()
-        os.environ.update(settings.environment)
         with _configuration(settings), quiet_stderr():
             try:
                 library = OpenALLibrary(path)

@@ -19,7 +19,7 @@ import numpy as np
 
 from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.atomics import scratch
-from mimics_app.contracts.audio_port import AudioReport, AudioStatus, frame_at
+from mimics_app.contracts.audio_port import AudioReport, AudioStatus, Mixer, frame_at
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.contact_force import CONTACT_FORCE
 from mimics_app.contracts.errors import DeviceError
@@ -31,14 +31,15 @@ from mimics_app.rendering.audio.director import SoundDirector
 from mimics_app.rendering.audio.engine import fall_back, open_device, open_engine
 from mimics_app.rendering.audio.kernels import wait_for_records
 from mimics_app.rendering.audio.settings import AudioSettings
-from mimics_app.rendering.audio.streamed_mixer import LIVE_BLOCK, StreamedMixer
+from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
+from mimics_app.rendering.audio.streamed_mixer import StreamedMixer
 from mimics_app.rendering.audio.wav_file import unused_name
 from mimics_app.rendering.audio.work_times import WorkTimes
 
 __all__ = ["FIFO_PRIORITY", "ask_for_fifo", "run"]
 
 _LIVE_WAIT_NS = 4_000_000
-_STREAM_WAIT_NS = 500_000  # the queue of three blocks of 1.7 ms is polled
+_STREAM_WAIT_NS = 500_000  # the queue of a stream is polled
 _LIVE_STEP_NS = 1_000_000
 _IDLE_WAIT_NS = 20_000_000
 _CHECK_DEVICE_NS = 1_000_000_000
@@ -53,6 +54,7 @@ def run(memory: SessionMemory, settings: AudioSettings, orders: Connection, resu
     for name in ("SIGINT", "SIGHUP"):  # sent to the whole process group; the application decides
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
+    os.environ.update(settings.environment)
     _tell_of_crashes()
     _die_with_parent()
     session = _LiveSession(memory, settings, orders, results, MonotonicClock())
@@ -113,11 +115,19 @@ class _LiveSession:
             self._director.ring_out()
         if mixer is not None and self.engine.live:
             mixer.master(0.0)
-            self._clock.sleep_until_ns(self._clock.now_ns() + _FADE_NS)
+            self._fade_out(mixer)
         elif mixer is not None:
             with suppress(DeviceError):  # a file that cannot be written any further keeps what it has
                 self.engine.render_to(mixer.position + self._settings.rate * 3 // 2, self._settings.block)
         return self.report()
+
+    def _fade_out(self, mixer: Mixer) -> None:
+        """Play on for the time of a fade."""
+        end = self._clock.now_ns() + _FADE_NS
+        with suppress(DeviceError):
+            while self._clock.now_ns() < end:
+                mixer.render(LIVE_BLOCK)
+                self._clock.sleep_until_ns(self._clock.now_ns() + _STREAM_WAIT_NS)
 
     def send(self, message: object) -> None:
         """Send a message to the application; a closed pipe ends the session."""
@@ -138,7 +148,8 @@ class _LiveSession:
             refused=mixer.refused if mixer else 0,
             blocks=self._blocks,
             late_blocks=self._late_blocks,
-            underruns=mixer.underruns if isinstance(mixer, StreamedMixer) else 0,
+            underruns=mixer.queue.underruns if isinstance(mixer, StreamedMixer) else 0,
+            queue=mixer.report_queue() if isinstance(mixer, StreamedMixer) else {},
             block_us=self._times.percentiles_us(),
             clipped=writer.clipped if writer else 0,
             file=str(writer.path) if writer else "",
@@ -179,7 +190,7 @@ class _LiveSession:
         if self.engine.live:
             driving = self._director is not None and self._director.driving
             openal_ns = _LIVE_STEP_NS if driving else _LIVE_WAIT_NS
-            allowed = openal_ns if self._settings.mixer == "openal" else _STREAM_WAIT_NS
+            allowed = _STREAM_WAIT_NS if isinstance(mixer, StreamedMixer) else openal_ns
             due = now + allowed
             wait_for_records(self._memory.audio_event_words, self._timespec, due, min(allowed, _LIVE_STEP_NS))
         else:

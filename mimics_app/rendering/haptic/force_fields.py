@@ -7,18 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib.metadata import entry_points
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.loop_ports import FIELD, FIELD_PARAMETERS
+from mimics_app.contracts.plugins import load_plugin
 from mimics_app.world.components.objects import ForceField
 from mimics_app.world.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
 
 __all__ = ["ENTRY_POINT_GROUP", "Field", "add_field", "check_field", "field_names", "find_field"]
 
@@ -62,7 +60,7 @@ def find_field(name: str) -> Field:
         points = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
         if name not in points:
             raise KeyError(f'no force field "{name}"; {nearest(name, field_names())}')
-        _FIELDS[name] = _tried(_loaded(points[name]))
+        _FIELDS[name] = _tried(load_plugin(points[name]))
     return _FIELDS[name]
 
 
@@ -84,13 +82,6 @@ def _built_in(name: str) -> Field:
     from mimics_app.rendering.haptic import standard_fields
 
     return getattr(standard_fields, name)
-
-
-def _loaded(point: EntryPoint) -> object:
-    try:
-        return point.load()
-    except Exception as error:
-        raise ValueError(f'the plug-in of "{point.name}" cannot be loaded: {type(error).__name__}: {error}') from error
 
 
 def _tried(field: Any) -> Field:

@@ -6,11 +6,12 @@ import sys
 from functools import cache
 from importlib.metadata import entry_points
 
+from mimics_app.contracts.plugins import load_plugin
 from mimics_app.contracts.report_section import ReportSection
 from mimics_app.tasks.kinds import avatar_cord, carry, guided_walk, tunnel
 from mimics_app.tasks.kinds.kind import TaskKind
 
-__all__ = ["ENTRY_POINT_GROUP", "report_sections", "task_kinds"]
+__all__ = ["ENTRY_POINT_GROUP", "fault_of_kind", "report_sections", "task_kinds"]
 
 ENTRY_POINT_GROUP = "mimics_app.task_kinds"
 
@@ -21,21 +22,26 @@ _BUILT_IN: tuple[TaskKind, ...] = (tunnel.KIND, carry.KIND, avatar_cord.KIND, gu
 def task_kinds() -> tuple[TaskKind, ...]:
     """Return all kinds, the built-in ones first, then plug-ins by name.
 
-    A plug-in that cannot be imported, or has the name of another kind, is left out and reported on stderr once; scenes
+    A plug-in that cannot be imported, or has a fault (`fault_of_kind`), is left out and reported on stderr once; scenes
     that need it then fail with its name.
     """
     kinds = {kind.name: kind for kind in _BUILT_IN}
     for point in sorted(entry_points(group=ENTRY_POINT_GROUP)):
         try:
-            kind = point.load()
-        except Exception as error:  # noqa: BLE001  any error of a plug-in
-            sys.stderr.write(f'mimics: the task kind "{point.name}" cannot be imported: {error}\n')
-            continue
-        if point.name in kinds:
-            sys.stderr.write(f'mimics: there is a task kind "{point.name}" already; {point.value} is left out\n')
-            continue
-        kinds[point.name] = kind
+            kind = load_plugin(point)
+            fault = fault_of_kind(kind) or ("another kind has that name" if point.name in kinds else "")
+        except ValueError as error:
+            fault = str(error)
+        if fault:
+            sys.stderr.write(f'mimics: the task kind "{point.name}" is left out: {fault}\n')
+        else:
+            kinds[point.name] = kind
     return tuple(kinds.values())
+
+
+def fault_of_kind(loaded: object) -> str:
+    """Return why an object is not a kind of task; "" where it is one."""
+    return "" if isinstance(loaded, TaskKind) else f"its plug-in is not an object of {TaskKind.__module__}.TaskKind"
 
 
 def report_sections() -> tuple[ReportSection, ...]:

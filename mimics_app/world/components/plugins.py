@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from importlib.metadata import EntryPoint, entry_points
 
+from mimics_app.contracts.plugins import load_plugin
 from mimics_app.world.components.registry import Component, component_types, register_component
 
 __all__ = ["ENTRY_POINT_GROUP", "fault_of_plugin", "fault_of_type", "register_plugins"]
@@ -32,15 +33,9 @@ def register_plugins() -> None:
 
 def _load(point: EntryPoint) -> type[Component]:
     """Return the component type of a plug-in; raise ValueError where it has none."""
-    try:
-        loaded = point.load()
-    except Exception as error:  # a third-party module may raise anything on import
-        what = f"its plug-in {point.value} cannot be imported: {type(error).__name__}: {error}"
-        raise ValueError(what) from error
-    fault = fault_of_type(point.name, loaded)
-    if fault:
+    component: type[Component] = load_plugin(point)
+    if fault := fault_of_type(point.name, component):
         raise ValueError(fault)
-    component: type[Component] = loaded
     return component
 
 

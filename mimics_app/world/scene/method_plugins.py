@@ -14,8 +14,11 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import entry_points
 
+from mimics_app.contracts.errors import nearest
 from mimics_app.contracts.method_table import Row
 from mimics_app.contracts.methods import Registry, Settings
+from mimics_app.contracts.plugins import load_plugin
+from mimics_app.world.components.tolerance_units import FIELD_OF_UNIT
 from mimics_app.world.scene.scene import Scene
 
 __all__ = ["ENTRY_POINT_GROUP", "MethodPlugin", "Use", "fault_of_method", "method_plugins"]
@@ -69,7 +72,8 @@ class MethodPlugin:
             it, so compiled code is imported inside it.
         rows: Measurements by the package's author, which the planner uses until this machine has its own
             (`mimics lab measure --save`). Costs are relative to the reference loop.
-        use: Use of a new group. None: the planner knows the group, or does not choose in it.
+        use: Use of a new group, whose errors are in a unit that a tolerance bounds (`FIELD_OF_UNIT`). None: the planner
+            knows the group, or does not choose in it.
     """
 
     group: str
@@ -82,22 +86,27 @@ class MethodPlugin:
 def method_plugins() -> tuple[MethodPlugin, ...]:
     """Return the method plug-ins of installed packages, by name of the entry point.
 
-    One that cannot be imported, or is not a `MethodPlugin`, is skipped and reported on stderr once.
+    One that cannot be imported, or has a fault (`fault_of_method`), is left out and reported on stderr once.
     """
     found = list[MethodPlugin]()
     for point in sorted(entry_points(group=ENTRY_POINT_GROUP)):
         try:
-            plugin = point.load()
-        except Exception as error:  # noqa: BLE001  a third-party module may raise anything on import
-            sys.stderr.write(f'mimics: the methods "{point.name}" cannot be imported: {error}\n')
-            continue
-        if fault := fault_of_method(plugin):
+            plugin = load_plugin(point)
+            fault = fault_of_method(plugin)
+        except ValueError as error:
+            fault = str(error)
+        if fault:
             sys.stderr.write(f'mimics: the methods "{point.name}" are left out: {fault}\n')
-            continue
-        found.append(plugin)
+        else:
+            found.append(plugin)
     return tuple(found)
 
 
 def fault_of_method(loaded: object) -> str:
     """Return why an object is not a method plug-in; "" where it is one."""
-    return "" if isinstance(loaded, MethodPlugin) else f"its plug-in is not a {__name__}.MethodPlugin"
+    if not isinstance(loaded, MethodPlugin):
+        return f"its plug-in is not a {__name__}.MethodPlugin"
+    for row in loaded.rows:
+        if loaded.use is not None and row.unit not in FIELD_OF_UNIT:
+            return f'no tolerance bounds an error in "{row.unit}"; {nearest(row.unit, FIELD_OF_UNIT)}'
+    return ""

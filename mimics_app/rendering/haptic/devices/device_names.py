@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.contracts.errors import DeviceError, nearest
+from mimics_app.contracts.plugins import load_plugin
 from mimics_app.rendering.haptic.devices.address import split_device
 
 if TYPE_CHECKING:
@@ -66,10 +67,9 @@ def find_plugin(name: str) -> DeviceBuilder:
     if name not in installed:
         raise DeviceError(f'there is no device "{name}"', nearest(name, [*ADDRESSES, *installed]))
     try:
-        builder: DeviceBuilder = installed[name].load()
-    except Exception as failure:
-        what = f'the plug-in of device "{name}" cannot be loaded: {type(failure).__name__}: {failure}'
-        raise DeviceError(what) from failure
+        builder: DeviceBuilder = load_plugin(installed[name])
+    except ValueError as fault:
+        raise DeviceError(f'there is no device "{name}": {fault}') from fault
     return builder
 
 

@@ -259,7 +259,9 @@ class Launcher:
 
     def _choose(self) -> None:
         kind, index = self._focus
-        if kind == "option":
+        if self._page.state.is_filling_field:
+            self._step_focus()
+        elif kind == "option":
             self._change(index, 1)
         elif kind == "tab":
             self._open_tab(index)

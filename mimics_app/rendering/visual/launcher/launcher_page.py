@@ -101,6 +101,12 @@ class PageState:
     notice: str = ""
     scroll: float = 0.0
 
+    @property
+    def is_filling_field(self) -> bool:
+        """Whether what is typed goes to a setting, and not to the search."""
+        kind, index = self.focus
+        return kind == "option" and index < len(self.settings) and self.settings[index].typed
+
 
 class LauncherPage:
     """The page as boxes; independent of events.
@@ -210,7 +216,8 @@ class LauncherPage:
                 hud.box(*box, ACCENT, radius=0.5 * _TAB_HEIGHT, border=2.5)
         x, width = self._side_x, self._side_width
         hud.box(x, CANVAS_HEIGHT - 80.0, width, 40.0, PANEL_LIT if state.search else PANEL, radius=12.0)
-        text = f"{state.search}|" if state.search else "Type to search"
+        caret = "" if state.is_filling_field else "|"
+        text = f"{state.search}{caret}" if state.search else "Type to search"
         hud.text(x + 18.0, CANVAS_HEIGHT - 66.0, text, 17.0, INK if state.search else FAINT, width=width - 36.0)
         hud.text(x, CANVAS_HEIGHT - _HEAD + 12.0, "Settings", 16.0, FAINT, bold=True)
 

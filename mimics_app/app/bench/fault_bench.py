@@ -1,0 +1,167 @@
+"""`mimics bench faults`: faults during contact, and the time until the person feels no force.
+
+The whole session runs on the virtual clock with the simulated robot and person, so that every time is exact: the state
+machine, limiter and reports are those of a live session.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mimics_app.app.session.core import SessionCore, open_core
+from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.preparation import prepare
+from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.arrays import Records
+from mimics_app.contracts.clock import FRAMES_PER_SECOND
+from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.haptic import SAMPLE, SafetyState, TripCause
+from mimics_app.contracts.ring_reader import RingReader
+from mimics_app.lab.haptic.faulted_device import DeviceFault, FaultedDevice
+from mimics_app.rendering.haptic.devices.device_names import SIMULATED
+
+__all__ = ["FAULTS", "Fault", "measure_faults"]
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One fault.
+
+    Attributes:
+        name: What happens, in words.
+        cause: Cause that the loop must latch; NONE: it must go on, with the force within its limits.
+        bound_ms: Time in which the force must be zero [ms].
+        begin: Makes it happen at the next tick.
+    """
+
+    name: str
+    cause: TripCause
+    bound_ms: float
+    begin: Callable[[SessionCore, FaultedDevice], None]
+
+
+def _of_device(fault: DeviceFault) -> Callable[[SessionCore, FaultedDevice], None]:
+    return lambda core, device: device.begin(fault, core.haptics.ticks)
+
+
+FAULTS = (
+    Fault("position not a number", TripCause.NOT_FINITE, 0.0, _of_device(DeviceFault.NOT_FINITE_POSITION)),
+    Fault("force infinite", TripCause.NOT_FINITE, 0.0, _of_device(DeviceFault.NOT_FINITE_FORCE)),
+    Fault("stop key", TripCause.STOP_KEY, 2.0, lambda core, device: core.haptics.stop_key()),
+    Fault("stop button of the device", TripCause.DEVICE_BUTTON, 2.0, _of_device(DeviceFault.BUTTON)),
+    Fault("no data from the device", TripCause.STALE_DEVICE, 21.0, _of_device(DeviceFault.SILENT)),
+    Fault("drive fault", TripCause.DEVICE_FAULT, 1.0, _of_device(DeviceFault.DRIVE_FAULT)),
+    Fault("position jumps by 10 mm", TripCause.JUMP, 1.0, _of_device(DeviceFault.JUMP)),
+    Fault("velocity of 3 m/s", TripCause.VELOCITY, 1.0, _of_device(DeviceFault.TOO_FAST)),
+    Fault("spike of 400 N at the sensor", TripCause.NONE, 0.0, _of_device(DeviceFault.SENSOR_SPIKE)),
+)
+
+_PRESSED_N = 1.0
+"""Force on the person above which a fault begins [N]."""
+_SEARCHED_S = 60.0
+"""Time in which a contact must occur [s]."""
+_AFTER_FRAMES = 20
+"""Frames that are examined from the fault on, a third of a second."""
+
+
+def measure_faults(scene: Path, repeats: int, report: Callable[[str], None]) -> dict[str, Any]:
+    """Let every fault happen while the person presses against something.
+
+    Args:
+        scene: Scene with something to touch.
+        repeats: Number of sessions per fault, each with its own seed.
+        report: Called with what is done next.
+
+    Raises:
+        UsageError: The simulated person touches nothing in the scene.
+    """
+    rows = []
+    for fault in FAULTS:
+        report(f"faults: {fault.name}, {repeats} times")
+        rows.append(_row(fault, [_measure(scene, fault, seed) for seed in range(1, repeats + 1)]))
+    return {"rows": rows}
+
+
+@dataclass(frozen=True, slots=True)
+class _Outcome:
+    """What one fault did.
+
+    Attributes:
+        t_safe_ms: Time from the first tick of the fault to the last one with a force [ms].
+        force_n: Largest force on the person from the fault on [N].
+        latched: Cause of the stop.
+        told: Whether the person got a message about it.
+        within: Whether force and its rise stayed within the limits of the scene.
+    """
+
+    t_safe_ms: float
+    force_n: float
+    latched: TripCause
+    told: bool
+    within: bool
+
+
+def _measure(scene: Path, fault: Fault, seed: int) -> _Outcome:
+    settings = RunSettings(scene, headless=True, seed=seed, patient="severe", device=SIMULATED, sound="off")
+    parts = prepare(settings, live=False)
+    device = FaultedDevice(parts.plugin)
+    messages: list[str] = []
+    with open_core(replace(parts, plugin=device.plugin)) as core:
+        core.report = messages.append
+        frames = Frames(core)
+        reader = RingReader(core.memory.sample_words, core.memory.samples)
+        _press(frames, scene)
+        fault.begin(core, device)
+        samples = np.concatenate([_samples_of_frame(frames, reader) for _ in range(_AFTER_FRAMES)])
+        limit = float(core.parameter_store.block["force_limit"][0])
+    return _judge(samples, limit, messages)
+
+
+def _press(frames: Frames, scene: Path) -> None:
+    """Play until the person feels a force."""
+    while frames.number < _SEARCHED_S * FRAMES_PER_SECOND:
+        frames.play_on()
+        snapshot = frames.snapshot
+        if snapshot is not None and float(np.linalg.norm(snapshot.f_user_world)) > _PRESSED_N:
+            return
+    raise UsageError(f"the simulated person touches nothing in {scene}", "choose a scene with walls or objects")
+
+
+def _samples_of_frame(frames: Frames, reader: RingReader) -> Records:
+    """Play a frame, and return the samples of its ticks; without a recorder they are dropped with the next frame."""
+    frames.play_on()
+    samples = np.zeros(reader.waiting, SAMPLE)
+    reader.peek(samples)
+    return samples
+
+
+def _judge(samples: Records, limit: float, messages: list[str]) -> _Outcome:
+    force = np.linalg.norm(samples["f_user_world"].reshape(len(samples), -1), axis=1)
+    felt = np.flatnonzero(force)
+    latched = samples["state"][-1] in (SafetyState.SAFE_STOP, SafetyState.E_STOP)
+    return _Outcome(
+        t_safe_ms=float(felt[-1] + 1) if len(felt) else 0.0,
+        force_n=float(force.max()),
+        latched=TripCause(int(samples["cause"][-1])) if latched else TripCause.NONE,
+        told=any("stop" in text for text in messages),
+        within=bool(np.isfinite(force).all() and force.max() <= limit),
+    )
+
+
+def _row(fault: Fault, outcomes: list[_Outcome]) -> dict[str, Any]:
+    """Return a row of the answer; a fault that must not stop the session has no time to a stop."""
+    stops = fault.cause != TripCause.NONE
+    right = [each.latched == fault.cause and each.told == stops and each.within for each in outcomes]
+    in_time = [each.t_safe_ms <= fault.bound_ms or not stops for each in outcomes]
+    row: dict[str, Any] = {"fault": fault.name, "repeat": len(outcomes), "cause": fault.cause.name}
+    if stops:
+        times = [each.t_safe_ms for each in outcomes]
+        p50, p99 = np.percentile(times, (50, 99))
+        row |= {"t_safe_ms": {"p50": float(p50), "p99": float(p99), "max": max(times)}, "bound_ms": fault.bound_ms}
+    row["force_max_n"] = max(each.force_n for each in outcomes)
+    return row | {"told": all(each.told for each in outcomes), "passed": all(right) and all(in_time)}

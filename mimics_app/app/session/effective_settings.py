@@ -1,0 +1,119 @@
+"""Values with which a run would begin, each with its origin: default, profile, scene, command line or device."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, cast, get_type_hints
+
+import msgspec
+
+from mimics_app.app.session.preparation import Preparation
+from mimics_app.app.settings import RunSettings
+from mimics_app.app.touch.device_fit import device_values
+from mimics_app.rendering.haptic.scene_block import safety_of
+from mimics_app.world.components.robot import Safety
+from mimics_app.world.components.systems import Tolerances
+from mimics_app.world.components.tolerance_units import UNIT_OF_FIELD
+from mimics_app.world.scene.scene import Scene
+
+__all__ = ["EffectiveSetting", "effective_settings"]
+
+_DEFAULT = "default"
+
+
+@dataclass(frozen=True, slots=True)
+class EffectiveSetting:
+    """One value.
+
+    Attributes:
+        section: "run": an option of `mimics run`; "safety": a limit or threshold of the haptic loop; "tolerances": an
+            error that the planner accepts.
+        name: As it is written in the section.
+        value: In `unit`.
+        unit: "" for a number without unit, a word or a truth value.
+        origin: "default", "profile NAME", "command line", "device NAME", or the place in a scene file as
+            file#/json/pointer.
+        meaning: What it is, for a person.
+    """
+
+    section: str
+    name: str
+    value: bool | float | str | None
+    unit: str
+    origin: str
+    meaning: str
+
+
+def effective_settings(parts: Preparation, options: Mapping[str, str]) -> list[EffectiveSetting]:
+    """Return all values of a prepared run; the limits are read from the parameter block that the loop would get.
+
+    Args:
+        parts: The prepared run; its parameters are fitted to the device here.
+        options: Meaning of each option of `mimics run`, by the name of its field in `RunSettings`.
+    """
+    return [*_options(parts.settings, options), *_limits(parts), *_tolerances(parts)]
+
+
+def _options(settings: RunSettings, meanings: Mapping[str, str]) -> Iterator[EffectiveSetting]:
+    defaults = RunSettings(settings.scene)
+    for name in (field.name for field in fields(settings) if field.name in meanings):
+        value = getattr(settings, name)
+        origin = _DEFAULT if value == getattr(defaults, name) and name != "scene" else "command line"
+        meaning = meanings[name]
+        yield EffectiveSetting("run", name, _plain(value), _unit(meaning), origin, meaning)
+
+
+def _limits(parts: Preparation) -> Iterator[EffectiveSetting]:
+    """Limits and thresholds, with the origin of those that differ from the component's default."""
+    parts.parameter_store.fit(device_values(parts.plugin, parts.scene))
+    block, device = parts.parameter_store.block, f"device {parts.robot.device}"
+    scene = parts.scene
+    _, stated, pointer = next(iter(scene.components(Safety)), ("", Safety(), ""))
+    written = _written_at(scene, pointer) if pointer else {}
+    for name, value in msgspec.structs.asdict(safety_of(block)).items():
+        origin = scene.place(f"{pointer}/{name}") if name in written else _DEFAULT
+        meaning = _description(name)
+        origin = device if value != getattr(stated, name) else origin
+        yield EffectiveSetting("safety", name, value, _unit(meaning), origin, meaning)
+    latches = "Whether late ticks latch SAFE_STOP; of a simulated device they hold it"
+    yield EffectiveSetting("safety", "late_latches", bool(block["late_latches"][0]), "", device, latches)
+
+
+def _written_at(scene: Scene, pointer: str) -> Mapping[str, object]:
+    """Return what the files of a scene state at a pointer of its resolved document."""
+    value: Any = scene.document
+    for key in pointer.split("/")[1:]:
+        value = value[int(key) if isinstance(value, list) else key]
+    return cast("Mapping[str, object]", value)
+
+
+def _description(name: str) -> str:
+    """Return the description of a field of `Safety`, with its unit in brackets."""
+    annotation = get_type_hints(Safety, include_extras=True)[name]
+    return str(annotation.__metadata__[-1].description)
+
+
+def _tolerances(parts: Preparation) -> Iterator[EffectiveSetting]:
+    stated = parts.scene.system(Tolerances) or Tolerances()
+    for name, unit in UNIT_OF_FIELD.items():
+        given = getattr(stated, name)
+        origin = f"profile {parts.plan.profile}" if given is None else parts.scene.place(f"/systems/tolerances/{name}")
+        yield EffectiveSetting("tolerances", name, parts.plan.tolerances[name], unit, origin, "Largest accepted error")
+
+
+def _unit(meaning: str) -> str:
+    """Return the unit that a text states in brackets, "" where it states none."""
+    found = re.search(r"\[([^\]]+)\]", meaning)
+    return "" if found is None or found[1] == "-" else found[1]
+
+
+def _plain(value: object) -> bool | float | str | None:
+    if isinstance(value, tuple):
+        return "x".join(str(number) for number in value)
+    if isinstance(value, Path):
+        return str(value)
+    assert value is None or isinstance(value, bool | int | float | str)
+    return value

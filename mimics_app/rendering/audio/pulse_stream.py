@@ -1,0 +1,171 @@
+"""A stream to a PulseAudio or PipeWire server: one queue, in the server, filled from here without callbacks.
+
+The server grants the client bytes to write as it takes them (`writable`). The grant is that of the longest queue from
+the beginning; how much of it is filled is decided here, so that a change of the length needs no change in the server.
+An empty queue has no pause: the device plays silence for the missing frames, and the grant is larger than the queue.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+
+import numpy as np
+
+from mimics_app.contracts.arrays import F4
+from mimics_app.contracts.clock import Clock
+from mimics_app.contracts.errors import DeviceError
+from mimics_app.rendering.audio.openal_library import quiet_stderr
+from mimics_app.rendering.audio.pulse_library import PULSE, BufferSizes, SampleFormat, load_pulse
+
+__all__ = ["PulseStream"]
+
+_FRAME_BYTES = 8
+_GRANT_S = 0.02
+"""Length of the queue that the server grants [s]: the bound from contact to sound."""
+
+_PATIENCE_NS = 3_000_000_000
+"""Time-out for the connection [ns]."""
+
+_TURN_NS = 1_000_000
+_NO_SIZE = ctypes.c_size_t(-1).value
+_LATE_DEVICE_US = 500_000
+"""Latency of a device above which its figure is not believed [us]."""
+
+
+class PulseStream:
+    """See SoundStream.
+
+    Args:
+        rate: Frames per second.
+        period: Frames after which the server asks for more.
+        clock: Clock of the session, for the time-out.
+
+    Attributes:
+        rate: Frames per second.
+        ran_empty: See SoundStream.
+
+    Raises:
+        DeviceError: There is no library, no server, or no output.
+    """
+
+    def __init__(self, rate: int, period: int, clock: Clock) -> None:
+        self.rate = rate
+        self._call = load_pulse()
+        self.ran_empty = False
+        self._written = False
+        self._silence = -1  # the server's index of the last silence, -1: none
+        self._stream: int | None = None
+        self._loop = self._call.pa_mainloop_new()
+        self._context = self._call.pa_context_new(self._call.pa_mainloop_get_api(self._loop), b"mimics")
+        try:
+            with quiet_stderr():
+                self._connect(clock)
+                self._open(period, clock)
+        except DeviceError:
+            self.close()
+            raise
+        sizes = self._call.pa_stream_get_buffer_attr(self._stream).contents
+        self._grant = sizes.target // _FRAME_BYTES
+        self._period = max(1, sizes.request // _FRAME_BYTES)
+
+    @property
+    def name(self) -> str:
+        """The server's name of the output."""
+        return (self._call.pa_stream_get_device_name(self._stream) or b"unnamed").decode(errors="replace")
+
+    @property
+    def period(self) -> int:
+        """Frames that the device takes at once."""
+        return self._period
+
+    @property
+    def behind(self) -> int:
+        """Two periods, or the latency of the device where that is larger and credible."""
+        info = self._call.pa_stream_get_timing_info(self._stream)
+        us = info.contents.sink_us if info else 0
+        return max(2 * self._period, us * self.rate // 1_000_000 if us < _LATE_DEVICE_US else 0)
+
+    def left(self) -> int:
+        """Frames that the server has, as it last said."""
+        self._exchange()
+        left = self._grant - self._writable()
+        silence = self._call.pa_stream_get_underflow_index(self._stream)
+        self.ran_empty = left <= 0 or silence != self._silence
+        self._silence = silence
+        return left
+
+    def write(self, block: F4) -> int:
+        """Send a block at once; after an empty queue a period further on, as the server may take one meanwhile."""
+        left = self._grant - self._writable()
+        skipped = (self._period - left) * _FRAME_BYTES if left <= 0 and self._written else 0
+        content = np.ascontiguousarray(block, np.float32)
+        self._call.pa_stream_write(
+            self._stream, content.ctypes.data, content.nbytes, None, skipped, PULSE.SEEK_RELATIVE
+        )
+        self._written = True
+        self._exchange()
+        return self._grant - self._writable()
+
+    def flush(self) -> None:
+        """Nothing is held back: only that the output is still there."""
+        if not self.connected():
+            raise DeviceError("the audio device is gone")
+
+    def connected(self) -> bool:
+        """False once the server or the output has gone."""
+        return bool(
+            self._call.pa_context_get_state(self._context) == PULSE.CONTEXT_READY
+            and self._call.pa_stream_get_state(self._stream) == PULSE.STREAM_READY
+        )
+
+    def close(self) -> None:
+        """Close stream and connection; a second call does nothing."""
+        if self._stream:
+            self._call.pa_stream_disconnect(self._stream)
+            self._call.pa_stream_unref(self._stream)
+        if self._loop:
+            self._call.pa_context_disconnect(self._context)
+            self._call.pa_context_unref(self._context)
+            self._call.pa_mainloop_free(self._loop)
+        self._stream = self._loop = None
+
+    def _connect(self, clock: Clock) -> None:
+        if self._call.pa_context_connect(self._context, None, PULSE.NO_AUTOSPAWN, None) < 0:
+            raise DeviceError(f"no sound server: {self._error()}")
+        self._wait(clock, lambda: self._call.pa_context_get_state(self._context), PULSE.CONTEXT_READY, "sound server")
+
+    def _open(self, period: int, clock: Clock) -> None:
+        form = SampleFormat(PULSE.FLOAT32LE, self.rate, 2)
+        self._stream = self._call.pa_stream_new(self._context, b"session", ctypes.byref(form), None)
+        grant = round(_GRANT_S * self.rate)
+        sizes = BufferSizes(
+            longest=PULSE.SERVER_DEFAULT, target=grant * _FRAME_BYTES, prebuffer=0, request=period * _FRAME_BYTES,
+            fragment=PULSE.SERVER_DEFAULT,
+        )  # fmt: skip
+        flags = PULSE.EARLY_REQUESTS | PULSE.AUTO_TIMING_UPDATE | PULSE.INTERPOLATE_TIMING
+        if self._call.pa_stream_connect_playback(self._stream, None, ctypes.byref(sizes), flags, None, None) < 0:
+            raise DeviceError(f"no audio device: {self._error()}")
+        self._wait(clock, lambda: self._call.pa_stream_get_state(self._stream), PULSE.STREAM_READY, "audio device")
+
+    def _wait(self, clock: Clock, state: Callable[[], int], ready: int, what: str) -> None:
+        """Wait until a state is reached; one beyond it is that of a failure."""
+        deadline = clock.now_ns() + _PATIENCE_NS
+        while state() < ready and clock.now_ns() < deadline:
+            self._exchange()
+            clock.sleep_until_ns(clock.now_ns() + _TURN_NS)
+        if state() != ready:
+            raise DeviceError(f"no {what}: {self._error()}")
+
+    def _exchange(self) -> None:
+        """Send and receive what is there, without waiting."""
+        while self._call.pa_mainloop_iterate(self._loop, 0, None) > 0:
+            pass
+
+    def _writable(self) -> int:
+        """Frames granted and not yet written; none on a stream that has gone."""
+        size = self._call.pa_stream_writable_size(self._stream)
+        return 0 if size == _NO_SIZE else int(size) // _FRAME_BYTES
+
+    def _error(self) -> str:
+        return str(self._call.pa_strerror(self._call.pa_context_errno(self._context)).decode(errors="replace"))

@@ -1,0 +1,100 @@
+"""Length of the queue ahead of a live device, adapted to the delays that occur.
+
+A queue outlasts a stall of the machine that is shorter than itself. How long stalls are differs by a factor of ten
+between machines and between minutes, so the length follows what is left in the queue at each refill: after an underrun
+or a near-miss it grows by as many steps as were missing, and after a time in which less would have sufficed it gives
+up half of the spare ones.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+__all__ = ["CALM_S", "QueueLength"]
+
+CALM_S = 120.0
+"""Time without a near-miss, in either length, before the queue is shortened [s]."""
+
+_MOST_CHANGES = 200
+"""Changes kept for the report; later ones are counted in `ms` only."""
+
+
+class QueueLength:
+    """Target length of a queue [frames].
+
+    Args:
+        shortest: Length at the start [frames].
+        longest: Upper limit, from the latency allowed [frames].
+        step: Frames per change, one block.
+        margin: A reading of no more than this is a near-miss [frames].
+        rate: Frames per second.
+
+    Attributes:
+        frames: Present length.
+        underruns: Readings at which the queue was empty: audible gaps.
+        near_misses: Readings at which no more than `margin` was left.
+    """
+
+    def __init__(self, shortest: int, longest: int, step: int, margin: int, rate: int) -> None:
+        self.frames = shortest
+        self.underruns = 0
+        self.near_misses = 0
+        self._shortest, self._longest = shortest, max(shortest, longest)
+        self._step, self._margin, self._rate = step, margin, rate
+        self._longest_used = shortest
+        self._least = shortest
+        self._least_ever = shortest
+        self._since = 0
+        self._changes: list[tuple[float, float]] = []
+
+    def read(self, left: int, position: int, *, ran_empty: bool, steady: bool) -> None:
+        """Take what is left in the queue before a refill, and change the length where that is due.
+
+        Args:
+            left: Frames left; negative: the device has played so much silence.
+            position: Frames mixed so far, the time of the reading.
+            ran_empty: Whether the device found the queue empty.
+            steady: Whether only an underrun may lengthen the queue now: samples of a playing sound are still computed,
+                and would come too late for a mixer that works further ahead. A near-miss is then answered later.
+        """
+        self._least, self._least_ever = min(self._least, left), min(self._least_ever, left)
+        if ran_empty:
+            self.underruns += 1
+            self._change(self._missing(left), position)
+            return
+        self.near_misses += left <= self._margin
+        if steady:
+            return
+        if self._least <= self._margin:
+            self._change(self._missing(self._least), position)
+        elif position - self._since >= CALM_S * self._rate:
+            spare = (self._least - self._margin - 1) // self._step
+            self._change(-((spare + 1) // 2), position)
+
+    def report(self) -> Mapping[str, Any]:
+        """Return the present, longest and least filled length [ms], what happened, and `changes` as (s, ms)."""
+        return {
+            "ms": self._ms(self.frames),
+            "longest_ms": self._ms(self._longest_used),
+            "least_left_ms": self._ms(self._least_ever),
+            "near_misses": self.near_misses,
+            "changes": [list(change) for change in self._changes],
+        }
+
+    def _missing(self, left: int) -> int:
+        """Return the steps by which a longer queue would have kept its margin, at least one."""
+        return max(1, math.ceil((self._margin - left) / self._step))
+
+    def _change(self, steps: int, position: int) -> None:
+        """Change the length within its limits, and begin a new time of observation."""
+        before = self.frames
+        self.frames = min(max(before + steps * self._step, self._shortest), self._longest)
+        self._longest_used = max(self._longest_used, self.frames)
+        self._least, self._since = self.frames, position
+        if self.frames != before and len(self._changes) < _MOST_CHANGES:
+            self._changes.append((round(position / self._rate, 3), self._ms(self.frames)))
+
+    def _ms(self, frames: int) -> float:
+        return round(frames / self._rate * 1e3, 3)

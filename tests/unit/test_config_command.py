@@ -1,0 +1,49 @@
+"""`mimics config`: every value has the origin that set it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields
+
+from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.resources import root
+from mimics_app.world.components.robot import Safety
+from tests.support.command import mimics
+
+
+def _settings(*words: str) -> dict[tuple[str, str], dict[str, object]]:
+    answer = mimics("config", *words, "--headless", "--json")
+    assert answer.returncode == 0, answer.stderr
+    return {(row["section"], row["name"]): row for row in json.loads(answer.stdout)["settings"]}
+
+
+def test_every_value_names_what_set_it(tmp_path):
+    scene = json.loads((root() / "scenes" / "examples" / "free_objects.json").read_text())
+    safety = {"force_limit": 25.0, "ramp_force": Safety().ramp_force}
+    robot = next(k for k, entity in enumerate(scene["entities"]) if entity.get("prefab") == "robot")
+    scene["entities"][robot]["components"] = {"safety": safety}
+    scene["systems"] = {"tolerances": {"force_N": 0.2}}
+    file = tmp_path / "scene.json"
+    file.write_text(json.dumps(scene))
+    shown = _settings(str(file), "--profile", "study", "--seed", "7")
+    stated = f"{file}#/entities/{robot}/components/safety"
+    expected = {
+        ("run", "seed"): (7, "", "command line"),
+        ("run", "difficulty"): ("usual", "", "default"),
+        ("safety", "force_limit"): (25.0, "N", f"{stated}/force_limit"),
+        ("safety", "ramp_force"): (Safety().ramp_force, "N", f"{stated}/ramp_force"),
+        ("safety", "velocity_limit"): (Safety().velocity_limit, "m/s", "default"),
+        ("safety", "late_latches"): (False, "", "device simulated_hapticmaster"),
+        ("tolerances", "force_N"): (0.2, "N", f"{file}#/systems/tolerances/force_N"),
+        ("tolerances", "angle_rad"): (1e-4, "rad", "profile study"),
+    }
+    for key, (value, unit, origin) in expected.items():
+        assert (shown[key]["value"], shown[key]["unit"], shown[key]["origin"]) == (value, unit, origin), key
+    hidden = {"journey"}
+    assert {name for section, name in shown if section == "run"} == {f.name for f in fields(RunSettings)} - hidden
+    assert {name for section, name in shown if section == "safety"} >= set(Safety.__struct_fields__)
+
+
+def test_a_scene_that_cannot_be_read_is_refused_as_by_run(tmp_path):
+    answer = mimics("config", str(tmp_path / "none.json"), "--headless")
+    assert answer.returncode == 3 and "none.json" in answer.stderr
