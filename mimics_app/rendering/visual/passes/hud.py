@@ -36,7 +36,8 @@ _BEYOND = 1.05
 _GLYPH, _IMAGE = 1, 2
 _VARIANTS: tuple[tuple[str, ...], ...] = ((), ("GLYPHS",), ("IMAGES",))
 """Shader variants by the kind of a row; all kinds from `_IMAGE` on are images."""
-_CORNERS = 4
+_CORNERS, _COMMAND = 4, 5
+"""Vertices of a row, and words from one draw command to the next: moderngl leaves the fifth for indexed ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +171,7 @@ class HudPass:
         kinds = np.minimum(rows["style"][:, 0], _IMAGE).astype(int)
         starts = np.concatenate([[0], np.flatnonzero(np.diff(kinds)) + 1])
         self._kinds = kinds[starts].tolist()
-        commands = np.zeros((len(starts), 4), np.uint32)
+        commands = np.zeros((len(starts), _COMMAND), np.uint32)
         commands[:, 0], commands[:, 3] = _CORNERS, starts
         commands[:, 1] = np.diff(np.append(starts, len(rows)))
         if self._commands is not None:
