@@ -30,12 +30,12 @@ COMMANDS: dict[str, str] = {
     "render": "draw frames of a scene to PNG files",
     "scenes": "list the shipped scenes: name, group, what each takes and how long",
     "view": "look at a model or a scene from all sides; draw contact sheets",
-    "avatar": "say which joints of a person's model are which",
+    "avatar": "print which joint of a person's model is which bone",
     "check": "validate scene files and report every error",
     "schema": "print the JSON Schema of scene files",
-    "explain": "say what a scene runs, by which methods, at which cost and error",
-    "config": "show the values a run would begin with, and where each comes from",
-    "doctor": "say what this machine has, what it lacks and how to get it",
+    "explain": "print the parts of a scene: their methods, costs and errors",
+    "config": "print the values a run would begin with, and the source of each",
+    "doctor": "report what this machine has, what it lacks and how to install it",
     "devices": "list devices, simulators, displays, gamepads and serial ports",
     "replay": "simulate a recorded run again and compare every output",
     "report": "write the report of a run as one HTML file",
@@ -43,10 +43,10 @@ COMMANDS: dict[str, str] = {
     "record": "show what a recording holds, repair it, or verify it",
     "study": "run a scene for several subjects and join their trials, taps and answers in tidy tables",
     "sweep": "run an experiment over a grid or sample of parameters, scenes and simulated patients",
-    "bench": "measure the product against rivals on this machine",
+    "bench": "measure the product beside its peers on this machine",
     "lab": "chart speed against accuracy, and show where methods fail",
-    "assets": "build the shipped models and sounds anew, exactly",
-    "completion": "print what makes a shell complete commands, options and names of scenes",
+    "assets": "build the shipped models and sounds, bit for bit",
+    "completion": "print the script by which a shell completes commands, options and names of scenes",
     "warmup": "compile the kernels now instead of at the first run",
 }
 """Each is a module of `app.commands` with `add_arguments(parser)` and `run(args)`; with none given `launch` runs."""
@@ -54,8 +54,8 @@ COMMANDS: dict[str, str] = {
 _PROGRAM = "mimics"
 _LAUNCHER = "launch"
 _YOUNG_OBJECTS = 50_000
-"""New objects after which Python looks for rings of useless ones. A start makes 200,000 that all stay; at the usual 700
-they are looked through so often that it takes a tenth of the start."""
+"""Threshold of the garbage collector's youngest generation [objects]. A start makes 200,000 objects that all stay; at
+Python's own threshold of 700 their collections take a tenth of the start."""
 
 _EXIT_INTERNAL = 1
 _EXIT_BROKEN_PIPE = 128 + 13
@@ -63,7 +63,7 @@ _STDERR = 2
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser that raises instead of printing two lines and leaving, and takes no abbreviated option."""
+    """A parser that raises instead of printing two lines and exiting, and takes no abbreviated option."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings, allow_abbrev=False)
@@ -72,10 +72,12 @@ class _Parser(argparse.ArgumentParser):
         raise UsageError(message, f"see {self.prog} --help")
 
     def parse(self, words: Sequence[str]) -> argparse.Namespace:
-        """Read the words of a command, options before, between or after its other words."""
+        """Read the words of a command; options may come before, between or after its other words."""
         known = self._option_string_actions
         for word in takewhile(lambda word: word != "--", words):
-            option = word.partition("=")[0]
+            option, _, value = word.partition("=")
+            if value == "--":  # argparse would give its command an empty list
+                raise UsageError(f'"--" is no value of {option}', f"see {self.prog} --help")
             if option.startswith("--") and " " not in option and option not in known:
                 close = get_close_matches(option, known, n=1)
                 hint = f'did you mean "{close[0]}"' if close else f"see {self.prog} --help"
@@ -86,11 +88,11 @@ class _Parser(argparse.ArgumentParser):
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """Read a command line that is not empty; imports the module of its command alone.
+    """Read a command line that is not empty; only the module of its command is imported.
 
     Raises:
         UsageError: It cannot be read, or there is no such command.
-        SystemExit: --help or --version was answered.
+        SystemExit: After --help or --version.
     """
     command = _command_of(arguments)
     if command is None:
@@ -99,7 +101,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
 
 
 def _parser_of_all() -> _Parser:
-    """The parser of the words before a command; it imports none."""
+    """Return the parser of the words before a command; no command is imported."""
     parser = _Parser(
         prog=_PROGRAM,
         description="One scene rendered as touch (1 kHz), picture and sound. Without a command: the launcher.",
@@ -113,7 +115,7 @@ def _parser_of_all() -> _Parser:
 
 
 def _parser_of(command: str) -> _Parser:
-    """The parser of what follows one command."""
+    """Return the parser of the words after a command."""
     described = COMMANDS[command]
     parser = _Parser(
         prog=f"{_PROGRAM} {command}",
@@ -129,7 +131,7 @@ def _parser_of(command: str) -> _Parser:
 
 
 def _command_module(name: str) -> Any:
-    """The module of a command. The one place where a module is named by a string (tests/architecture knows it)."""
+    """Return the module of a command; the only place where a module is named by a string (see tests/architecture)."""
     return importlib.import_module(f"mimics_app.app.commands.{name}")
 
 
@@ -137,14 +139,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line.
 
     Args:
-        argv: Arguments without the program's name; None takes those of the process.
+        argv: Arguments without the program's name; None: those of the process.
 
     Returns:
         The exit code.
     """
     _open_missing_streams()
     gc.set_threshold(_YOUNG_OBJECTS)
-    if argv is None:  # what is left at the end goes with the process: no round looks through it for useless rings
+    if argv is None:  # the process ends: a last collection of all objects would only take time
         atexit.register(gc.freeze)
     arguments = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in arguments
@@ -163,7 +165,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _open_missing_streams() -> None:
-    """Lead stdin, stdout and stderr that came closed to nowhere: a file opened in their place would be written to."""
+    """Open closed standard streams to the null device, so that no file gets their descriptors."""
     while (descriptor := os.open(os.devnull, os.O_RDWR)) <= _STDERR:
         os.set_inheritable(descriptor, True)
     os.close(descriptor)
@@ -174,7 +176,7 @@ def _open_missing_streams() -> None:
 
 
 def _guarded(arguments: list[str], as_json: bool) -> int:
-    """Run the command and say its error, if any, in the form requested."""
+    """Run the command and report its error, if any, in the form requested."""
     try:
         return _dispatch(arguments)
     except MimicsError as error:
@@ -192,9 +194,9 @@ def _guarded(arguments: list[str], as_json: bool) -> int:
         _silence_stdout()
         return _EXIT_BROKEN_PIPE
     except Exception as error:
-        if _Terminated.came:  # its exception was lost, and this one is what was left behind
+        if _Terminated.came:  # a consequence of the signal, whose own exception was lost
             return 128 + _Terminated.came
-        if isinstance(error, OSError) and error.strerror:  # a folder that is a file, a full disk: nobody's bug
+        if isinstance(error, OSError) and error.strerror:  # a folder that is a file, a full disk: not our fault
             return _say_file_trouble(arguments, error, as_json)
         if not as_json:
             raise
@@ -204,7 +206,7 @@ def _guarded(arguments: list[str], as_json: bool) -> int:
 
 
 def _say_file_trouble(arguments: list[str], error: OSError, as_json: bool) -> int:
-    """One line that names the file, where the system does."""
+    """Report an error of the operating system in one line, with the file where the system names it."""
     file = os.fsdecode(error.filename) if isinstance(error.filename, str | bytes) else ""
     if not file:  # perhaps stdout itself
         _silence_stdout()
@@ -224,12 +226,12 @@ def _dispatch(arguments: list[str]) -> int:
     except SystemExit as leave:  # --help and --version
         return int(leave.code or 0)
     code = int(args.run(args))
-    sys.stdout.flush()  # while what goes wrong with it is still reported, and a signal still unwinds
+    sys.stdout.flush()  # here, where its errors are reported and a signal unwinds the stack
     return code
 
 
 def _command_of(arguments: Sequence[str]) -> str | None:
-    """The command requested, None where an option such as --help stands in its place."""
+    """Return the command requested; None where an option such as --help is in its place."""
     word = arguments[0]
     if word.startswith("-"):
         return None
@@ -239,13 +241,13 @@ def _command_of(arguments: Sequence[str]) -> str | None:
 
 
 def _say(arguments: list[str], issues: Sequence[Issue], as_json: bool) -> None:
-    """One line per issue on stderr, or one object on stdout; of very many the first ones, and how many more."""
+    """Report the first issues and the number of the others: a line each on stderr, or one object on stdout."""
     from mimics_app.app.terminal import output
 
     if not as_json:
         sys.stderr.writelines(output.issue_lines(issues))
         return
-    if output.object_written():  # the answer stands already; a second object would break its reader
+    if output.object_written():  # a second object would break the reader of the first
         _say(arguments, issues, as_json=False)
         return
     command = arguments[0] if arguments[0] in COMMANDS else ""
@@ -253,20 +255,20 @@ def _say(arguments: list[str], issues: Sequence[Issue], as_json: bool) -> None:
 
 
 class _Terminated:
-    """The signal that came, or 0: what was left behind when its exception unwound the stack is no error."""
+    """Number of the signal that ends the process, 0 before; errors after it are its consequences."""
 
     came = 0
 
 
 _AGAIN_S = 0.01
-"""A signal whose exception could not be raised where it came is raised again after this time [s]."""
+"""Delay after which a signal is raised again whose exception was dropped [s]."""
 
 
 @contextmanager
 def _terminated_by_exception() -> Iterator[None]:
     """Let SIGTERM, and SIGHUP of a closed terminal, unwind the stack like Ctrl-C, so that recordings are closed.
 
-    The exit code is 143 or 129. What nohup asked to be ignored is ignored. An exception cannot leave a callback of a
+    The exit code is 143 or 129. Signals that nohup ignores stay ignored. An exception cannot leave a callback of a
     compiler or a destructor: the interpreter would print it and go on; there it is dropped and raised again.
     """
     _Terminated.came = 0
@@ -281,7 +283,7 @@ def _terminated_by_exception() -> Iterator[None]:
     try:
         for number in ours:
             signal.signal(number, leave)
-    except ValueError:  # not the main thread: somebody embeds us and owns the signals
+    except ValueError:  # not the main thread: the embedding program owns the signals
         yield
         return
     try:
@@ -294,7 +296,7 @@ def _terminated_by_exception() -> Iterator[None]:
 
 @contextmanager
 def _raised_again(leave: Callable[[int, object], None]) -> Iterator[None]:
-    """Raise the exception of a signal once more where it was dropped (`sys.unraisablehook`)."""
+    """Raise the exception of a signal again where it was dropped (`sys.unraisablehook`)."""
     if not hasattr(signal, "setitimer"):
         yield
         return

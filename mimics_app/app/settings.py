@@ -1,4 +1,4 @@
-"""Settings of one run, from the command line or the launcher."""
+"""Settings of one run, from the command line or the launcher, and the values that they can take."""
 
 from __future__ import annotations
 
@@ -32,42 +32,42 @@ SOUNDS: tuple[SoundChoice, ...] = ("auto", "device", "file", "off")
 PATIENTS = ("healthy", "moderate", "severe")
 """Presets of the simulated patient, by impairment."""
 RECIPES = ("auto", "fifo", "ordinary", "plain")
-"""Recipes of `rendering.haptic.scheduler`, repeated here so that --help imports no haptics (a test compares them)."""
+"""Recipes of `rendering.haptic.scheduler`, repeated so that --help imports no haptic code (a test compares them)."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunSettings:
-    """One run.
+    """Settings of one run.
 
     Attributes:
         scene: Scene file.
-        headless: No window: virtual clock, simulated patient, as fast as the machine allows.
+        headless: True: no window, virtual clock, simulated patient, as fast as the machine allows.
         seconds: Simulated time after which the run ends [s]; None: when the task is done.
-        seed: Of everything random: trial order, patient, sensor noise.
+        seed: Seed of trial order, patient and sensor noise.
         profile: Accuracy of physics and picture, by the tolerances of the planner.
-        quality: "auto": a live picture is drawn as well as its frame time allows; "full": as the scene requests,
-            whatever time that takes.
-        device: Instead of the scene's robot device; "" keeps it (a window takes "pointer").
-        recording: Run folder whose sensors the device "replay" plays, or None.
+        quality: "auto": quality of a live picture as far as its frame time allows; "full": as the scene requests.
+        device: Device instead of the scene's; "" keeps it (in a window "pointer").
+        recording: Run folder whose samples the device "replay" plays, or None.
         patient: Preset instead of the scene's; "" keeps it.
-        sound: "auto": the device when live, nothing kept when headless; "file": sound.wav in the run; "off": none.
-        size: Of the picture [px].
-        display: Where it is shown, KIND or KIND:FILE; "" keeps the scene's.
-        pictures: Frames a headless run draws and keeps.
-        video: File of a film, or folder for every frame as PNG, or None.
+        sound: "device": sound output; "file": sound.wav in the run folder; "off": none; "auto": the device when live,
+            else off.
+        size: Size of the picture [px].
+        display: Display, KIND or KIND:FILE; "" keeps the scene's.
+        pictures: Number of frames that a headless run draws and keeps.
+        video: File of a video, or folder for every frame as PNG, or None.
         action: File of task actions to replay, or None.
         physio: Source of body signals, e.g. "sim" or "lsl:NAME"; "": none.
         learn: Policy that adapts the task; "": the task's own, if any.
         goal: Goal of the policy, see `learning.goals.build_goal`; "": the task's.
-        estimator: Of the person's state, one of `estimation.registry.ESTIMATORS`; "": the task's.
-        baseline_s: Length of the baseline measured at rest at the beginning [s].
-        runs: Folder the run folder is made in.
-        difficulty: "easier" and "harder" move what the task can adapt half-way to its easiest or hardest value.
-        trials: How many trials count, in the scene's order and again from its beginning; 0: as the scene says.
+        estimator: Estimator of the person's state, one of `estimation.registry.ESTIMATORS`; "": the task's.
+        baseline_s: Length of the baseline measured at rest before the first trial [s].
+        runs: Parent of the run folder.
+        recipe: Scheduling of the live haptic loop, one of RECIPES.
+        from_trial: First trial, 1 first, to continue a session that was broken off.
+        difficulty: "easier" and "harder" move the adaptable parameters half-way to their easiest or hardest value.
+        trials: Number of trials that count, the scene's list repeated where it is shorter; 0: as in the scene.
         participant: Code of the person, for results over time; "": none.
-        journey: File for reports of the progress and of the choice on the page of results, or None.
-        recipe: Scheduler of the live haptic loop, one of RECIPES.
-        from_trial: Trial to begin with, 1 first: after a session that was broken off, the one it stopped in.
+        journey: File for reports to the process that started the run, see `play.journey_log`; or None.
     """
 
     scene: Path

@@ -1,25 +1,96 @@
-"""Plug-ins: objects that other packages offer by entry points."""
+"""Plug-ins of installed packages: the groups of entry points, and what an object in each has to be."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.errors import short_text
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-__all__ = ["load_plugin"]
+__all__ = ["PluginError", "PluginGroup", "fault_of_builder"]
 
 
-def load_plugin(point: EntryPoint) -> Any:
-    """Return the object of an entry point.
+class PluginError(ValueError):
+    """A plug-in cannot be imported, or is not what its group needs.
 
-    Raises:
-        ValueError: It cannot be imported; the message says why in one line, even where a compiler says it in twenty.
+    Attributes:
+        fault: What is wrong, in a sentence without a subject.
     """
-    try:
-        return point.load()
-    except (Exception, SystemExit) as error:  # a third-party module may raise anything on import
-        why = short_text(" ".join(f"{type(error).__name__}: {error}".split()))
-        raise ValueError(f"its plug-in {point.value} cannot be imported: {why}") from error
+
+    def __init__(self, target: str, fault: str) -> None:
+        super().__init__(f"its plug-in {target} {fault}")
+        self.fault = fault
+
+
+@dataclass(frozen=True, slots=True)
+class PluginGroup:
+    """A group of entry points, loaded by the stage that declares it.
+
+    Attributes:
+        name: Name of the group, "mimics_app.KIND".
+        fault_of: Why an object cannot be the plug-in of a name, in a sentence without a subject; "" where it can.
+    """
+
+    name: str
+    fault_of: Callable[[str, object], str]
+
+    def points(self) -> list[EntryPoint]:
+        """Return the installed entry points, by name."""
+        from importlib.metadata import entry_points
+
+        return sorted(entry_points(group=self.name), key=lambda point: (point.name, point.value))
+
+    def names(self) -> list[str]:
+        """Return the names of the installed plug-ins, whether they can be loaded or not."""
+        return [point.name for point in self.points()]
+
+    def load(self, name: str) -> object:
+        """Return the plug-in of an installed name.
+
+        Raises:
+            PluginError: It cannot be imported, or is not what the group needs.
+        """
+        return self.load_point(next(point for point in self.points() if point.name == name))
+
+    def load_point(self, point: EntryPoint) -> object:
+        """Return the plug-in of an entry point.
+
+        Raises:
+            PluginError: It cannot be imported, or is not what the group needs.
+        """
+        try:
+            loaded: object = point.load()
+        except BaseException as error:  # a third-party module may raise anything on import, or call sys.exit()
+            if isinstance(error, KeyboardInterrupt):
+                raise
+            why = short_text(" ".join(f"{type(error).__name__}: {error}".split()))  # a compiler says it in twenty lines
+            raise PluginError(point.value, f"cannot be imported: {why}") from error
+        if fault := self.fault_of(point.name, loaded):
+            raise PluginError(point.value, fault)
+        return loaded
+
+    def load_sound(self, what: str) -> Iterator[tuple[str, object]]:
+        """Yield (name, plug-in) of those that can be loaded; report the others on stderr as `what`."""
+        for point in self.points():
+            try:
+                yield point.name, self.load_point(point)
+            except PluginError as error:
+                sys.stderr.write(f'mimics: the {what} "{point.name}" is left out: {error}\n')
+
+
+def fault_of_builder(port: type) -> Callable[[str, object], str]:
+    """Return the check of a group whose plug-ins make objects of a protocol: functions, or classes with its members."""
+
+    def fault_of(_: str, loaded: object) -> str:
+        if not callable(loaded):
+            return f"cannot be called to make a {port.__module__}.{port.__name__}"
+        members = [name for name in vars(port) if not name.startswith("_")] if isinstance(loaded, type) else []
+        lacking = [name for name in members if not hasattr(loaded, name)]
+        return f"lacks {', '.join(lacking)}, see {port.__module__}.{port.__name__}" if lacking else ""
+
+    return fault_of

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.haptic import Controller
 from mimics_app.contracts.messages import Aim, HapticSnapshot, TaskOrders
+from mimics_app.contracts.plugins import PluginGroup, fault_of_builder
 
-__all__ = ["BodyPose", "Home", "Scenario", "TaskContext"]
+__all__ = ["PLUGINS", "BodyPose", "Home", "Scenario", "TaskContext"]
 
 
 BodyPose = Callable[[str, int], NDArray[np.float64] | None]
@@ -102,3 +103,7 @@ class Scenario(Protocol):
     def haptic_orders(self) -> Mapping[str, object]:
         """Return haptic fields by dotted name from the scene itself; unchanged values cost nothing."""
         return {}
+
+
+PLUGINS = PluginGroup("mimics_app.scenarios", fault_of_builder(Scenario))
+"""Scenarios of installed packages."""

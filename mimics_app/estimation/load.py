@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["AdaptiveLda", "Lda", "LoadModel", "train_load"]
+from mimics_app.contracts.arrays import F8
 
-Floats = NDArray[np.float64]
+__all__ = ["AdaptiveLda", "Lda", "LoadModel", "train_load"]
 
 _CLASSES = 3
 _SHRINKAGE = 0.1
@@ -33,12 +33,12 @@ class LoadModel:
         between: Covariance of the class means between people [3 f, 3 f], class by class.
     """
 
-    means: Floats
-    within: Floats
-    between: Floats
+    means: F8
+    within: F8
+    between: F8
 
 
-def train_load(features: Floats, classes: NDArray[np.int64]) -> LoadModel:
+def train_load(features: F8, classes: NDArray[np.int64]) -> LoadModel:
     """Train the model on labelled trials.
 
     Args:
@@ -63,15 +63,15 @@ def train_load(features: Floats, classes: NDArray[np.int64]) -> LoadModel:
     return LoadModel(means, within, between)
 
 
-def _shrunk(covariance: Floats) -> Floats:
-    shrunk: Floats = (1.0 - _SHRINKAGE) * covariance + _SHRINKAGE * np.diag(np.diag(covariance))
+def _shrunk(covariance: F8) -> F8:
+    shrunk: F8 = (1.0 - _SHRINKAGE) * covariance + _SHRINKAGE * np.diag(np.diag(covariance))
     return shrunk + 1e-6 * np.eye(len(covariance))
 
 
-def _positive(covariance: Floats) -> Floats:
+def _positive(covariance: F8) -> F8:
     """Return the nearest positive definite matrix: negative eigenvalues are set to a small positive one."""
     values, vectors = np.linalg.eigh(covariance)
-    nearest: Floats = (vectors * np.maximum(values, 1e-4)) @ vectors.T
+    nearest: F8 = (vectors * np.maximum(values, 1e-4)) @ vectors.T
     return nearest
 
 
@@ -85,7 +85,7 @@ class Lda:
         self._spread = model.between.reshape(_CLASSES, f, _CLASSES, f)[range(_CLASSES), :, range(_CLASSES), :].copy()
         self._spread[:] = self._spread.mean(axis=0)
 
-    def probabilities(self, features: Floats) -> Floats:
+    def probabilities(self, features: F8) -> F8:
         """Return the probability of each class, shape [3], for a feature vector [f]; NaN features are left out."""
         known = np.flatnonzero(np.isfinite(features))
         if not len(known):
@@ -96,10 +96,10 @@ class Lda:
             covariance = (self._within + self._spread[k])[np.ix_(known, known)]
             score[k] = -0.5 * (away @ np.linalg.solve(covariance, away) + np.linalg.slogdet(covariance)[1])
         weights = np.exp(score - score.max())
-        result: Floats = weights / weights.sum()
+        result: F8 = weights / weights.sum()
         return result
 
-    def learn(self, features: Floats, label: int | None) -> None:
+    def learn(self, features: F8, label: int | None) -> None:
         """Do nothing: this discriminant does not adapt."""
 
 
@@ -112,7 +112,7 @@ class AdaptiveLda(Lda):
         self._drift = _DRIFT * np.diag(np.diag(model.between))
         self._split()
 
-    def learn(self, features: Floats, label: int | None) -> None:
+    def learn(self, features: F8, label: int | None) -> None:
         """Update by a trial: by its class if `label` is given, else by all classes weighted by probability."""
         known = np.flatnonzero(np.isfinite(features))
         if not len(known):
@@ -126,7 +126,7 @@ class AdaptiveLda(Lda):
         self.means, self._covariance = np.asarray(mean).reshape(self.means.shape), np.sum(spread, axis=0)
         self._split()
 
-    def _updated(self, flat: Floats, features: Floats, known: NDArray[np.int64], k: int) -> tuple[Floats, Floats]:
+    def _updated(self, flat: F8, features: F8, known: NDArray[np.int64], k: int) -> tuple[F8, F8]:
         """Return the class means and their covariance under the assumption that the trial is of class k."""
         places = known + k * self.means.shape[1]
         seen = self._covariance[:, places]

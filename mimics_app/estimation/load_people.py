@@ -10,12 +10,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.resources import root
 
 __all__ = ["LoadPeople", "shipped_people"]
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,9 +29,9 @@ class LoadPeople:
     """
 
     family: NDArray[np.int64]
-    features: Floats
+    features: F8
     classes: NDArray[np.int64]
-    fusion: Floats
+    fusion: F8
 
     def write(self, path: Path, what: str) -> None:
         """Write a JSON file.

@@ -6,11 +6,10 @@ from collections import deque
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
+
+from mimics_app.contracts.arrays import F8
 
 __all__ = ["FEATURES", "TrialView"]
-
-Floats = NDArray[np.float64]
 
 FEATURES = ("heart", "scr_rate", "scl", "rmssd", "breath_rate", "success")
 """Features of a trial in this order; all but the last in standard deviations from rest."""
@@ -32,7 +31,7 @@ class TrialView:
         """Take the features of one second by name, see `FusionEstimation.seen`."""
         self._rows.append([float(np.clip(seen.get(name, np.nan), -_MOST, _MOST)) for name in FEATURES[:-1]])
 
-    def features(self, success: float | None = None) -> Floats:
+    def features(self, success: float | None = None) -> F8:
         """Return the means over the averaging time and the success of the trial, shape [f]; NaN where unknown."""
         rows = np.array(self._rows, float).reshape(-1, len(FEATURES) - 1)
         counts = np.isfinite(rows).sum(axis=0)

@@ -1,8 +1,8 @@
-"""`mimics bench audio`: what mixing costs and loses, beside the peers, and contact to sample on a live device.
+"""`mimics bench audio`: cost and accuracy of the mixers, beside peers, and latency of a live device.
 
-Costs are of a block of 5 ms of moving sources, medians, the mixers by turns in one run; `reference_ns` is that of a
-loop timed in the same run. Accuracy is against a head: the one in a SOFA file where the environment variable
-MIMICS_SOFA or a Debian package (libmysofa1) gives one, and the computed one. PEERS names a folder with
+Costs are medians over blocks of 5 ms with moving sources, the mixers alternately in one run; `reference_ns` is the cost
+of a loop timed in the same run. Accuracy is relative to a head: the computed one, and the one of a SOFA file where the
+environment variable MIMICS_SOFA or a Debian package (libmysofa1) provides it. PEERS names a folder with
 `audio/hrtf_accuracy.py`.
 """
 
@@ -36,7 +36,7 @@ Report = Callable[[str], None]
 
 
 def find_measured_head() -> Path | None:
-    """A measured head in SOFA, where there is one on this machine."""
+    """Return the file of a measured head in SOFA; None without one on this machine."""
     named = os.environ.get("MIMICS_SOFA")
     path = Path(named) if named else _KEMAR
     return path if path.is_file() else None
@@ -46,7 +46,7 @@ def measure_audio(report: Report, seconds: float, peers: Path | None) -> dict[st
     """Measure cost, accuracy and live latency: the object of `mimics bench audio`.
 
     Args:
-        report: Called with what is measured next.
+        report: Called with a description of the next measurement.
         seconds: Length of the live measurement [s].
         peers: Folder with the peers' harnesses, None for none.
 

@@ -1,4 +1,4 @@
-"""Figures of sound: what each mixer gives two ears around the head, and what voices cost."""
+"""Figures of sound: interaural differences of each mixer around the head, and cost of the voices."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ _FILE = AudioSettings().block
 
 
 def draw_figures(folder: Path) -> list[Path]:
-    """Write all figures; the drawings."""
+    """Write all figures and return the drawings."""
     return [write_figure(figure, folder)[1] for figure in (heard_around_the_head(), cost_of_voices())]
 
 
 def heard_around_the_head() -> Figure:
-    """Delay and level between the ears in their plane: the head itself, and what two mixers make of it or of theirs."""
+    """Return the figure of interaural delay and level in the horizontal plane: of the head, and of two mixers."""
     path = find_measured_head()
     head = compute_head(0.152) if path is None else read_sofa(path)
     level = np.abs(head.directions[:, 1]) < _LEVEL
@@ -78,7 +78,7 @@ def heard_around_the_head() -> Figure:
 
 
 def cost_of_voices() -> Figure:
-    """Cost of 10 ms of moving voices, the mixers by turns, in the blocks of a live session and of a file."""
+    """Return the figure of the cost of 10 ms of moving voices, both mixers, in live blocks and file blocks."""
     measures = {
         f"{label}, {use} ({frames / _RATE * 1e3:.2g} ms)": partial(_cost_us, mixer, frames)
         for mixer, label in _MIXERS.items()
@@ -97,12 +97,12 @@ def cost_of_voices() -> Figure:
 
 
 def _cost_us(mixer: MixerName, frames: int, voices: int) -> float:
-    """Cost of the shown time in blocks of `frames` [us]."""
+    """Return the cost of the shown time in blocks of `frames` [us]."""
     return _SHOWN / frames * measure_block_us(True, _BLOCKS, voices, mixer, frames)
 
 
 def _differences(responses: NDArray[np.float64], rate: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Delay [us] and level [dB] between the ears, shape [n]."""
+    """Return interaural delay [us] and level difference [dB], each of shape [n]."""
     band = BAND_CENTRES.index(_BAND)
     return 1e6 * delays_between_ears(responses, rate), level_differences(responses, rate)[:, band]
 

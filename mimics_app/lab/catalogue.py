@@ -1,4 +1,4 @@
-"""Where the methods are: importing a module of this table registers its groups. No list of methods is kept here."""
+"""Modules of the groups of methods; importing a module registers its groups."""
 
 from __future__ import annotations
 
@@ -53,16 +53,16 @@ GROUPS = {
     "haptic tick": "methods_tick",
     "load of the person": "physio.load_methods",
 }
-"""Group -> the module of this package that registers it."""
+"""Module of this package that registers a group, by the group's name."""
 
 
 def all_groups() -> list[str]:
-    """Names of the groups, then those that installed packages bring."""
+    """Return the names of the groups, those of installed packages last."""
     return list(dict.fromkeys([*GROUPS, *(plugin.group for plugin in method_plugins())]))
 
 
 def load_methods(groups: Iterable[str] | None = None) -> Registry:
-    """Register the methods of some groups, or of all, and return the registry; modules of others stay unimported.
+    """Register the methods of some groups, or of all, and return the registry; other modules are not imported.
 
     Raises:
         UsageError: There is no such group.
@@ -79,7 +79,7 @@ def load_methods(groups: Iterable[str] | None = None) -> Registry:
 
 @cache
 def _register_plugins(group: str) -> None:
-    """Add what installed packages bring to a group, once."""
+    """Register the methods of installed packages in a group, once."""
     for plugin in method_plugins():
         if plugin.group == group:
             plugin.register(registry)

@@ -1,4 +1,4 @@
-"""What a stability experiment is and what comes out of one."""
+"""Stability experiments and their outcomes."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What one run of an experiment found. All numbers finite, or None in `rows` where there is none.
+    """Outcome of one run of an experiment. All numbers are finite; None in `rows` where there is none.
 
     Attributes:
-        rows: The table: one flat row per point of the grid, keys the same in all, units in the keys' names.
-        simulated: (x, y) by simulation with the functions the loop runs.
+        rows: The table, one row per point of the grid, all with the same keys.
+        simulated: (x, y) by simulation with the functions of the loop.
         exact: (x, y) by eigenvalues or a closed form, computed independently.
-        rules: Simplified rules that people use, by name, to be drawn beside.
+        rules: Simplified rules in common use, by name, for comparison.
         disagreement: Boundary: largest relative difference of simulated and exact; invariant: its error.
-        holds: Whether everything else that the claim says was found, too.
-        note: One or two sentences for the caption: what is to be seen.
+        holds: Whether the other parts of the claim hold.
+        note: One or two sentences for the caption.
         passed: It holds, and the disagreement is within the experiment's tolerance; set by `Experiment.run`.
     """
 
@@ -44,14 +44,14 @@ class Experiment:
     """One mode of failure, swept over its parameters.
 
     Attributes:
-        name: "S1" to "S16".
-        title: What fails, in a few words.
-        claim: One sentence that can be wrong.
-        x_label, y_label: Of the map, with units.
-        kind: "boundary" where simulation meets an exact stability limit, "invariant" where an error is to stay small.
-        simulate: Simulates its grid; the argument is how fine it is (tests use a small number).
+        name: "S1" to "S16", with a letter for a further experiment.
+        title: The failure in a few words.
+        claim: One falsifiable sentence.
+        x_label, y_label: Axes of the map, with units.
+        kind: "boundary": simulated against exact stability limit; "invariant": an error that must remain small.
+        simulate: Simulates its grid with a number of points along each axis.
         tolerance: Largest `Outcome.disagreement` that passes.
-        log_x, log_y: Axes drawn by powers of ten.
+        log_x, log_y: Logarithmic axes.
     """
 
     name: str
@@ -66,10 +66,10 @@ class Experiment:
     log_y: bool = False
 
     def run(self, points: int) -> Outcome:
-        """Simulate the grid and judge what was found.
+        """Simulate the grid and return the outcome with its verdict.
 
         Args:
-            points: Points along an axis of the grid.
+            points: Number of points along each axis of the grid.
         """
         found = self.simulate(points)
         return replace(found, passed=found.holds and found.disagreement <= self.tolerance)
@@ -81,7 +81,7 @@ def points_of(rows: Iterable[Mapping[str, Any]], x: str, y: str, scale: float = 
 
 
 def largest_disagreement(simulated: Points, exact: Points) -> float:
-    """Largest relative difference of two boundaries given at the same x, by y.
+    """Return the largest relative difference in y of two boundaries given at the same x.
 
     Raises:
         ValueError: Different numbers of points, different x, or none.

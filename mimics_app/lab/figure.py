@@ -1,4 +1,4 @@
-"""A figure as two files: NAME.json with every number, NAME.svg to look at."""
+"""Figures as two files: NAME.json with all numbers, NAME.svg with the drawing."""
 
 from __future__ import annotations
 
@@ -15,32 +15,32 @@ __all__ = ["Figure", "write_figure"]
 
 
 _WRITTEN = ("kind", "name", "command", "machine", "rows", "front", "default", "boundary")
-"""Of a figure, in the order of its file; what else it has follows."""
+"""First keys of a JSON file, in this order; further keys follow."""
 
 
 def _no_boundary() -> dict[str, Any]:
-    """The boundary of a figure that has none."""
+    """Return an empty boundary."""
     empty: Points = []
     return {"simulated": empty, "exact": empty, "rule": {}, "disagreement": None}
 
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """One figure of the gallery. The keys of its JSON file are a contract with those who read it.
+    """One figure of the gallery. The keys of its JSON file are an interface to other programs.
 
     Attributes:
-        kind: "chart", "stability" or "figure": one that is neither.
-        name: Of the group or the experiment.
-        command: What makes it again.
-        machine: Where it was made, in words.
-        rows: Each with "method", "x", "cost_ns", "error", "valid". Chart: x is the cost as a multiple of the reference
-            loop, and "spread_ns" the least and greatest cost over the rounds, null where there was one. Stability:
-            method says whose point it is, x is that of the map; what is not measured is null.
+        kind: "chart", "stability", or "figure" for any other.
+        name: Name of the group or the experiment.
+        command: Command that reproduces it.
+        machine: Machine of the measurement, in words.
+        rows: Each with "method", "x", "cost_ns", "error", "valid"; null where not measured. Chart: x is the cost as a
+            multiple of the reference loop; "spread_ns" is the smallest and largest cost over the rounds, null after a
+            single one. Stability: "method" is the series of the point, x that of the map.
         front: Methods on the Pareto front, cheapest first.
-        default: The method the product uses by default, "" where none is.
+        default: Default method of the product, "" for none.
         boundary: "simulated", "exact": lists of [x, y]; "rule": such a list by name; "disagreement".
         svg: The drawing.
-        more: Further keys: what the caption and the tables of the gallery need.
+        more: Further keys for the caption and the tables of the gallery.
     """
 
     kind: str
@@ -56,15 +56,12 @@ class Figure:
 
     @property
     def stem(self) -> str:
-        """Name of its files: the name without blanks."""
+        """Stem of the file names: the name without blanks."""
         return self.name.replace(" ", "_")
 
 
 def write_figure(figure: Figure, folder: Path) -> tuple[Path, Path]:
-    """Write both files.
-
-    Returns:
-        (the JSON file, the SVG file).
+    """Write the JSON and the SVG file, and return their paths.
 
     Raises:
         OSError: The folder cannot be written.
@@ -78,7 +75,7 @@ def write_figure(figure: Figure, folder: Path) -> tuple[Path, Path]:
 
 
 def _plain(value: object) -> object:
-    """The value in the types JSON has, floats to ten digits; not-a-number and infinities become null."""
+    """Return a value in the types of JSON, floats to ten digits; NaN and infinities become null."""
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, float):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
 from mimics_app.plotting.axis import format_number
 from mimics_app.plotting.drawing import STYLE
@@ -98,7 +98,7 @@ def write_gallery(folder: Path, limits: Limits | None = None) -> Path:
     figures = [one for one in shown if one.data["kind"] == "figure"]
     maps = sorted((one for one in shown if one.data["kind"] == "stability"), key=_number_of)
     page = folder / "index.html"
-    environment = load_templates(_TEMPLATES, number=_number, cell=_cell, time=_time, code=_code)
+    environment = load_templates(_TEMPLATES, number=_number, cell=_cell, time=_time)
     text = environment.get_template("gallery.html.j2").render(
         lines=[_line_of(one, limits or {}) for one in charts],
         profiles=list(limits or {}),
@@ -157,8 +157,3 @@ def _cell(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return _number(value) if isinstance(value, (int, float)) else str("" if value is None else value)
-
-
-def _code(text: str) -> Markup:
-    """Return a text with its parts in backticks as code."""
-    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text))))

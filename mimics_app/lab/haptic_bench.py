@@ -1,13 +1,13 @@
-"""`mimics bench haptic`: what touching shapes, meshes and bodies costs, beside a reference loop and the peers.
+"""`mimics bench haptic`: cost of touching shapes, meshes and bodies, relative to a reference loop and to peers.
 
-Every row is one workload: cull, narrow, force and friction of one tick for shapes and meshes; the whole of collisions
-and motion for bodies. `us` is the cost in the compiled loop, as the product runs it; `ratio` is against a loop of
-1000 sphere tests timed in the same run, `tick_p99_us` is the 99th percentile of the whole tick's work in the live loop
-with that scene, simulated robot and person included.
+Every row is one workload: cull, narrow phase, force and friction of one tick for shapes and meshes; collisions and
+motion for bodies. `us` is the cost in the compiled loop of the product; `ratio` is relative to 1000 sphere tests timed
+in the same run; `tick_p99_us` is the 99th percentile of the duration of the whole tick in the live loop with that
+scene, simulated robot and person included.
 
-Where a peer is measured beside bodies, in the same run, `us_from_python` is the same work of ours called tick by tick
-from Python as the peer is: the same slide of the hand, as many rounds, the shortest of them. Peers that are not
-installed are named as not measured.
+Where a peer is measured beside bodies in the same run, `us_from_python` is the same work of this program called tick by
+tick from Python as the peer is: the same motion of the HIP, as many rounds, the shortest of them. Peers that are not
+installed are listed as not measured.
 """
 
 from __future__ import annotations
@@ -68,25 +68,25 @@ _MASS = 0.2
 _GAP = 0.02
 _DAMPING = 5.0
 _PRESSED = 4e-3
-"""How deep the hand is in its body at first [m]; the floor gives way by 2 mm under the weight."""
+"""Initial penetration of the HIP into its body [m]; the body sinks 2 mm into the floor under its weight."""
 
 _PHASE = 2.0 * np.pi * np.arange(1000) / 1000
 SLIDE = 4e-3 * np.sin(_PHASE)
-"""Where the hand is along x at each tick, over and over [m]: 4 mm to either side once a second, shape [1000]."""
+"""Displacement of the HIP along x at each tick, repeated [m]: 4 mm to either side once a second, shape [1000]."""
 
 _SLIDE_VELOCITY = 4e-3 * 2.0 * np.pi * np.cos(_PHASE)
-"""[m/s], shape [1000]."""
+"""Velocity of the HIP along x [m/s], shape [1000]."""
 
-_WAY = np.array([[0.0, 0.0, 0.0], [0.05, 0.0, 0.0]])
-"""Of the simulated person [m]."""
+_VIA_POINTS = np.array([[0.0, 0.0, 0.0], [0.05, 0.0, 0.0]])
+"""Path of the simulated person [m]."""
 
 _CREEP = 1e-9
-"""Step of the point from call to call [m], so that nothing can be taken out of the loop."""
+"""Step of the point from call to call [m], so that the compiler cannot hoist work out of the loop."""
 
 
 @kernel
 def _test_spheres(centres: F8, p: F8, calls: int) -> float:
-    """Depth of a point in each of many spheres, `calls` times: the loop that costs are compared with."""
+    """Sum the depth of a point in each of many spheres, `calls` times: the reference loop."""
     total = 0.0
     for _ in range(calls):
         for i in range(centres.shape[0]):
@@ -97,14 +97,14 @@ def _test_spheres(centres: F8, p: F8, calls: int) -> float:
 
 
 def reference_us() -> float:
-    """Cost of 1000 sphere tests [us]."""
+    """Return the cost of 1000 sphere tests [us]."""
     centres, p = np.random.default_rng(1).uniform(-0.5, 0.5, (_SPHERES, 3)), np.zeros(3)
     return shortest_us(lambda: _test_spheres(centres, p, 1000), 1000, ROUNDS)
 
 
 @dataclass(frozen=True)
 class _Row:
-    """A line of the answer."""
+    """A row of the result."""
 
     work: str
     n: int
@@ -116,19 +116,19 @@ class _Row:
     peer_us: float | None = None
 
     def figures(self) -> dict[str, Any]:
-        """What was measured."""
+        """Return the measured values by name."""
         return {name: value for name, value in asdict(self).items() if value is not None}
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Objects, ready to be simulated.
+    """Haptic objects of a workload.
 
     Attributes:
         rows: Tables of objects.
         counts: OBJECT_COUNTS, shape [1].
-        capacities: Rows there is room for.
-        hand: HIP [m], in touch with one of them, shape [3].
+        capacities: Capacities of the tables.
+        hand: HIP in contact with one of them [m], shape [3].
         meshes: Triangles by SHAPE.mesh.
     """
 
@@ -139,7 +139,7 @@ class Scene:
     meshes: MeshTable = field(default_factory=build_mesh_table)
 
     def fresh_work(self) -> ObjectWork:
-        """What the loop needs for them."""
+        """Return new working memory of the loop for them."""
         return new_object_work(self.capacities, self.meshes)
 
 
@@ -164,7 +164,7 @@ def _simulate_often(
 
 
 class _Hand:
-    """A scene with a hand that slides along x, tick after tick."""
+    """A workload with a HIP that slides along x, tick by tick."""
 
     def __init__(self, scene: Scene) -> None:
         self._way = np.zeros((len(SLIDE), HAND_FORCE_MEASURED))
@@ -176,12 +176,12 @@ class _Hand:
         self._ticks = 0
 
     def run(self, ticks: int) -> None:
-        """Do so many ticks in one compiled call, as the loop does."""
+        """Run ticks in one compiled call, as the loop does."""
         _simulate_often(simulate_objects, *self._args, self._way, self._ticks, ticks)
         self._ticks += ticks
 
     def run_from_python(self, ticks: int) -> None:
-        """Do them call by call, as a peer's are done."""
+        """Run ticks call by call from Python, as those of a peer."""
         for _ in range(ticks):
             self._hand[:HAND_FORCE_MEASURED] = self._way[self._ticks % len(self._way)]
             simulate_objects(*self._args)
@@ -189,12 +189,12 @@ class _Hand:
 
 
 def bodies_on_a_floor(kind: ShapeKind, count: int, fixed: int = 0) -> Scene:
-    """Free bodies of 0.2 kg and 4 cm that rest on a floor, awake, the hand pressing on one: the peers' scene.
+    """Return free bodies of 0.2 kg and 4 cm at rest on a floor, awake, with the HIP pressed into one: the peers' scene.
 
     Args:
-        kind: Of their shapes.
-        count: Bodies that move.
-        fixed: Shapes of the same kind beside them that belong to the floor.
+        kind: Kind of their shapes.
+        count: Number of moving bodies.
+        fixed: Number of static shapes of the same kind beside them.
     """
     capacities = ObjectCapacities(shapes=count + fixed + 1, bodies=count)
     rows, counts = new_rows(capacities), np.zeros(1, OBJECT_COUNTS)
@@ -219,7 +219,7 @@ def bodies_on_a_floor(kind: ShapeKind, count: int, fixed: int = 0) -> Scene:
 
 
 def _places_on_a_floor(count: int) -> F8:
-    """Middles of bodies side by side on a square, half a millimetre in the floor [m], shape [count, 3]."""
+    """Return centres of bodies on a square grid, half a millimetre in the floor [m], shape [count, 3]."""
     side, numbers = max(1, int(np.ceil(np.sqrt(count)))), np.arange(count)
     places = np.full((count, 3), RADIUS - 5e-4)
     places[:, 0], places[:, 2] = (numbers % side) * (2 * RADIUS + _GAP), (numbers // side) * (2 * RADIUS + _GAP)
@@ -227,10 +227,10 @@ def _places_on_a_floor(count: int) -> F8:
 
 
 def boxes_in_a_heap(count: int) -> Scene:
-    """Boxes that have come to rest in a shaft, on and beside one another, awake; the hand is elsewhere.
+    """Return boxes at rest in a shaft, on and beside one another, awake; the HIP touches none.
 
     Args:
-        count: How many; beyond some hundred the lowest would be pressed flat.
+        count: Number of boxes; with some hundreds the penetration of the lowest reaches their size.
     """
     world = heap_of_boxes(count)
     world.run(_HEAP_TICKS)
@@ -246,19 +246,19 @@ BODY_WORKLOADS: dict[str, Build] = {
     "bodies box": partial(bodies_on_a_floor, ShapeKind.BOX),
     "bodies cylinder": partial(bodies_on_a_floor, ShapeKind.CYLINDER),
 }
-"""Workloads of moving bodies: what makes the scene of n of them."""
+"""Workloads of moving bodies: function of their number, by name."""
 
 
 def _harness_us(scene: Scene, row: HarnessRow) -> float:
-    """Ours called from Python [us], in as many rounds of as many ticks as a harness took."""
+    """Return the cost of a tick called from Python [us], over the rounds and ticks of a harness."""
     hand = _Hand(scene)
     return shortest_us(lambda: hand.run_from_python(row.steps), row.steps, row.rounds)
 
 
 def _tick_p99_us(scene: Scene) -> float:
-    """99th percentile [us] of the whole tick's work in the live loop, after its first second."""
+    """Return the 99th percentile of the duration of the whole tick in the live loop [us], after its first second."""
     memory = SessionMemory(Capacities(objects=scene.capacities))
-    engine = HapticEngine(memory, build_device(Robot(), Patient(), _WAY, 1), objects=scene.fresh_work())
+    engine = HapticEngine(memory, build_device(Robot(), Patient(), _VIA_POINTS, 1), objects=scene.fresh_work())
     block = scene_from_components(Robot())
     block["objects"] = scene.counts
     engine.publish(block, scene.rows)
@@ -296,21 +296,21 @@ def _body_row(name: str, count: int, scene: Scene, reference: float) -> _Row:
 
 
 def _mixed_row(step: Step, reference: float) -> Iterator[_Row]:
-    """A hundred boxes of which ten move: what a scene of some size asks of the whole tick."""
+    """Yield the row of a hundred boxes of which ten move."""
     step(f"{_MIXED} boxes, {_MOVING} of them moving")
     scene = bodies_on_a_floor(ShapeKind.BOX, _MOVING, _MIXED - _MOVING)
     yield _body_row(f"boxes, {_MOVING} moving", _MIXED, scene, reference)
 
 
 def _heap_rows(step: Step, reference: float) -> Iterator[_Row]:
-    """Boxes on boxes, which no peer was measured on."""
+    """Yield the rows of heaps of boxes, which no peer is measured on."""
     for count in _HEAPS:
         step(f"bodies heap x {count}")
         yield _body_row("bodies heap", count, boxes_in_a_heap(count), reference)
 
 
 def _body_rows(step: Step, reference: float, harness: Sequence[HarnessRow]) -> Iterator[_Row]:
-    """Bodies on a floor, a row for every peer that was measured beside them, or one without."""
+    """Yield the rows of bodies on a floor: one for every peer measured beside them, or one without."""
     for name, build in BODY_WORKLOADS.items():
         kind = name.removeprefix("bodies ")
         for count in _BODIES:
@@ -321,7 +321,7 @@ def _body_rows(step: Step, reference: float, harness: Sequence[HarnessRow]) -> I
 
 
 def _imported(kind: str, count: int, build: Build) -> Iterator[tuple[str, float, float]]:
-    """(peer, its cost [us], ours from Python [us]) of every peer that can be imported."""
+    """Yield name, cost [us] and own cost from Python [us] of every peer that can be imported."""
     for peer in PEERS.values():
         measured = measure_peer(peer, kind, count, SLIDE)
         if measured is not None:
@@ -337,14 +337,14 @@ def _by_harness(
 
 
 def measure_haptic(step: Step = lambda _: None, peers: Path | None = None) -> dict[str, Any]:
-    """The object of `mimics bench haptic`.
+    """Return the object of `mimics bench haptic`.
 
     Args:
-        step: Called with what is measured next.
+        step: Called with a description of the next measurement.
         peers: Folder with harnesses of further peers, see `haptic_harness`; None: there are none.
 
     Raises:
-        UsageError: there is no harness in the folder.
+        UsageError: There is no harness in the folder.
     """
     harness = run_harnesses(peers, step) if peers is not None else []
     reference = reference_us()

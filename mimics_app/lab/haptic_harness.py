@@ -1,8 +1,8 @@
-"""Peers of the haptic bodies that come with a harness of their own: programs in the folder that PEERS names.
+"""Peers of the haptic bodies with harnesses of their own: programs in the folder that PEERS names.
 
 Every `haptics/bench_*.py` of the folder is run with the path of a JSON file to write: `{"rows": [{"engine": NAME,
 "kind": "sphere|box|cylinder", "bodies": N, "gap": M, "us_block_min": US, "n": STEPS, "reps": ROUNDS}]}`, the shortest
-of so many rounds of so many steps of 1 ms called from Python. Ours is timed by the same numbers beside each of them.
+of these rounds of these steps of 1 ms called from Python. This program is timed with the same numbers beside each.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from mimics_app.lab.peer_harness import run_harness
 __all__ = ["HarnessRow", "run_harnesses"]
 
 _GAP = 0.02
-"""Between two bodies of `bodies_on_a_floor` [m]; a harness may measure other scenes too."""
+"""Gap between two bodies of `bodies_on_a_floor` [m]; a harness may also measure other scenes."""
 
 
 @dataclass(frozen=True, slots=True)
 class HarnessRow:
-    """What a harness measured of one workload.
+    """Measurement of one workload by a harness.
 
     Attributes:
         engine: Name and version of the peer.
-        kind: Of its bodies.
-        count: Of its bodies.
+        kind: Kind of the bodies.
+        count: Number of bodies.
         us: Cost of a step [us].
         steps: Steps of a round.
-        rounds: Rounds, of which the shortest counts.
+        rounds: Number of rounds, of which the shortest counts.
     """
 
     engine: str
@@ -43,10 +43,10 @@ class HarnessRow:
 
 
 def run_harnesses(folder: Path, report: Callable[[str], None]) -> list[HarnessRow]:
-    """Run every harness of a folder; one that fails (its peer is not installed) is reported and left out.
+    """Run every harness of a folder; one that fails, as without its peer, is reported and left out.
 
     Raises:
-        UsageError: there is none in the folder.
+        UsageError: There is none in the folder.
     """
     programs = sorted((folder / "haptics").glob("bench_*.py"))
     programs = [program for program in programs if program.name != "bench_common.py"]
@@ -65,7 +65,7 @@ def _run(program: Path, report: Callable[[str], None]) -> list[HarnessRow]:
 
 
 def _is_ours(row: dict[str, Any]) -> bool:
-    """Whether it is the scene that ours is: bodies apart, awake, by the peer's default for contacts."""
+    """Whether it is the scene measured here: separate bodies, awake, with the peer's default contacts."""
     return row["gap"] == _GAP and not row.get("sleep") and row.get("integrator", "implicitfast") == "implicitfast"
 
 

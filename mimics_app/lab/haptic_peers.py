@@ -1,8 +1,8 @@
-"""Peers of the haptic bodies, timed by the same rules as ours: MuJoCo and Bullet where Python can import them.
+"""Peers of the haptic bodies, timed by the same rules: MuJoCo and Bullet where Python can import them.
 
 The scene is that of `bodies_on_a_floor`: free bodies of 0.2 kg and 4 cm at rest on a plane, and a probe that slides
-along the first as our hand does. How deep it presses belongs to an engine's contact law: here a sphere of 1 cm, 0.4 mm.
-A peer that cannot be imported is not measured. Others are measured by a harness of their own, see `haptic_harness`.
+along the first as the HIP does. The penetration depends on an engine's contact law; here a sphere of 1 cm penetrates
+0.4 mm. Other peers are measured by harnesses of their own, see `haptic_harness`.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ Step = Callable[[], object]
 Build = Callable[[str, int, F8, ExitStack], tuple[str, Step]]
 
 ROUNDS = 20
-"""Rounds of each measurement, ours and the peers': the shortest counts."""
+"""Rounds of each measurement, of which the shortest counts."""
 
 _SETTLE = 200
-"""Ticks before the first round, in which things come to rest."""
+"""Ticks before the first round, in which the bodies come to rest."""
 
 _TRIED = 10
 _MOST_TICKS = 1000
 _LONGEST_NS = 20_000_000
-"""What one round may take [ns]: short, so that some are not interrupted."""
+"""Longest duration of a round [ns]: short, so that some are not interrupted."""
 
 _HALF = 0.02
 _MASS = 0.2
@@ -42,7 +42,7 @@ _PROBE_HEIGHT = 0.0495
 
 
 def best_us(run: Callable[[int], object]) -> float:
-    """Cost of a tick [us] in the shortest of `ROUNDS` rounds, once things are at rest; `run` does so many ticks."""
+    """Return the cost of a tick [us] in the shortest of `ROUNDS` rounds, at rest; `run` does a number of ticks."""
     run(_SETTLE)
     clock = MonotonicClock()
     started = clock.now_ns()
@@ -52,13 +52,13 @@ def best_us(run: Callable[[int], object]) -> float:
 
 
 def measure_peer(build: Build, kind: str, count: int, slide: F8) -> tuple[str, float] | None:
-    """(name and version, cost of a step [us]) of a peer called from Python; None where it is not installed.
+    """Return name and cost of a step [us] of a peer called from Python; None where it is not installed.
 
     Args:
         build: One of `PEERS`.
         kind: "sphere", "box" or "cylinder".
-        count: Bodies.
-        slide: Where the probe is along x at each tick, from its middle [m], over and over, shape [n].
+        count: Number of bodies.
+        slide: Displacement of the probe along x at each tick [m], repeated, shape [n].
     """
     with ExitStack() as stack:
         try:
@@ -131,4 +131,4 @@ def _bullet(kind: str, count: int, slide: F8, stack: ExitStack) -> tuple[str, St
 
 
 PEERS: dict[str, Build] = {"MuJoCo": _mujoco, "Bullet": _bullet}
-"""Peers that can be imported: what makes (name and version, one step) of a scene; ImportError where one is missing."""
+"""Builders of the peers' scenes: name with version, and a function that does one step; ImportError without a peer."""

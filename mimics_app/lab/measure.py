@@ -1,4 +1,4 @@
-"""Measures the rivals of a group: cost beside the group's reference loop, error, and growth with the work."""
+"""Measurement of a group of methods: cost relative to a reference loop, error, and growth of the cost with the work."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from mimics_app.contracts.methods import Group, Method, Registry
 __all__ = ["Growth", "Measured", "MeasuredGroup", "as_dict", "count_probes", "fit_exponent", "measure", "to_table"]
 
 Step = Callable[[str], None]
-"""Called with what is measured next."""
+"""Called with a description of the next measurement."""
 
 
 @dataclass(frozen=True, slots=True)
 class Growth:
-    """How a method's cost grows.
+    """Growth of a method's cost.
 
     Attributes:
         sizes: Sizes of the work, ascending.
-        cost_us: Cost at each [us per call].
-        exponent: p of cost ~ size^p by least squares of the logarithms.
+        cost_us: Cost at each size [us per call].
+        exponent: Exponent p of cost ~ size^p by least squares of the logarithms.
     """
 
     sizes: tuple[int, ...]
@@ -35,15 +35,15 @@ class Growth:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """What one method was found to cost and to err.
+    """Measured cost and error of a method.
 
     Attributes:
         method: The entry of the registry.
-        cost_us: [us per call].
-        ratio: Cost as a multiple of the reference loop timed right before and after.
-        error: In the method's unit; infinite where it fails.
-        growth: None where none is probed.
-        spread_us: Least and greatest cost over the rounds [us per call]; both 0 where nobody measured twice.
+        cost_us: Cost [us per call].
+        ratio: Cost as a multiple of the reference loop, timed immediately before and after.
+        error: Error in the method's unit; infinite where it fails.
+        growth: Growth of the cost; None where it has no probe.
+        spread_us: Smallest and largest cost over the rounds [us per call]; both 0 after a single round.
     """
 
     method: Method
@@ -56,13 +56,13 @@ class Measured:
 
 @dataclass(frozen=True, slots=True)
 class MeasuredGroup:
-    """One group, measured.
+    """Measurements of a group.
 
     Attributes:
-        group: What it is for.
-        reference_us: Cost of the reference loop [us per call], the shortest of the run.
-        rows: One for each method that could be measured, in the order of the registry.
-        skipped: Method -> why it could not be measured here.
+        group: Description of the group.
+        reference_us: Smallest cost of the reference loop [us per call].
+        rows: Measurements of the methods that can run on this machine, in the order of the registry.
+        skipped: Reason why a method could not be measured, by its name.
     """
 
     group: Group
@@ -72,29 +72,29 @@ class MeasuredGroup:
 
     @property
     def default(self) -> str:
-        """Name of the method the product uses by default; "" where none is marked."""
+        """Name of the default method of the product; "" for none."""
         return next((row.method.name for row in self.rows if row.method.default), "")
 
 
 def count_probes(registry: Registry, groups: Sequence[str], rounds: int = 1) -> int:
-    """How many times `measure` will call its `step` for these groups."""
+    """Return the number of calls of `step` by `measure` for these groups."""
     return sum(rounds * (1 + len(method.sizes)) for group in groups for method in registry.rivals(group))
 
 
 def measure(group: str, registry: Registry, step: Step = lambda _: None, rounds: int = 1) -> MeasuredGroup:
-    """Measure every method of a group, the reference loop around each.
+    """Measure every method of a group, with the reference loop before and after each.
 
-    A method that cannot run on this machine (a MimicsError of its probes) is skipped, and the reason is kept.
+    A method whose probes raise a MimicsError cannot run on this machine and is skipped.
 
     Args:
-        group: Name of the group; its module is imported already.
-        registry: Where it is registered.
-        step: Called with a word before each probe.
-        rounds: How many times the group is gone through. Of each cost the smallest stands: whatever else runs on the
-            machine only adds, and a rival is not called costlier for what ran beside it alone.
+        group: Name of the group, whose module has been imported.
+        registry: Registry of the group.
+        step: Called with a description before each probe.
+        rounds: Number of measurements of the whole group. The smallest of each cost counts: other load on the machine
+            only adds to it.
 
     Raises:
-        KeyError: There is no such group, or nobody described it.
+        KeyError: There is no such group, or it has no description.
     """
     passes = [_measure_once(group, registry, step, first=not number) for number in range(rounds)]
     by_name = [{row.method.name: row for row in one.rows} for one in passes]
@@ -122,7 +122,7 @@ def _measure_once(group: str, registry: Registry, step: Step, *, first: bool) ->
 
 
 def _least(rows: Sequence[Measured]) -> Measured:
-    """One method's rounds as one: the first's error, of each cost the smallest."""
+    """Return the rounds of a method as one measurement: the error of the first, and the smallest of each cost."""
     first, grown = rows[0], [row.growth for row in rows if row.growth is not None]
     growth = first.growth
     if growth is not None and len(grown) > 1:
@@ -135,7 +135,7 @@ def _least(rows: Sequence[Measured]) -> Measured:
 
 
 def _size_of(error: float) -> float:
-    """An error's size; not-a-number is a failure."""
+    """Return the magnitude of an error; NaN is a failure, hence infinite."""
     return math.inf if math.isnan(error) else abs(float(error))
 
 
@@ -150,7 +150,7 @@ def _growth(method: Method, step: Step) -> Growth | None:
 
 
 def fit_exponent(sizes: Sequence[float], costs: Sequence[float]) -> float:
-    """The p of cost = c * size^p by least squares of the logarithms.
+    """Return the exponent p of cost = c * size^p by least squares of the logarithms.
 
     Raises:
         ValueError: Fewer than two different sizes, or a value that is not positive.
@@ -163,7 +163,7 @@ def fit_exponent(sizes: Sequence[float], costs: Sequence[float]) -> float:
 
 
 def to_table(groups: Sequence[MeasuredGroup]) -> Table:
-    """The figures as the planner reads them: of what the product can run."""
+    """Return the table of the planner: the measurements of the methods that the product can run."""
     return Table(
         groups={one.group.name: [_table_row(row) for row in one.rows if row.method.runnable] for one in groups},
         machine=describe_machine().as_dict(),
@@ -176,7 +176,7 @@ def _table_row(row: Measured) -> Row:
 
 
 def as_dict(measured: MeasuredGroup) -> dict[str, Any]:
-    """Plain values for `--json`."""
+    """Return plain values for `--json`."""
     rows = [
         {
             "method": row.method.name,

@@ -1,7 +1,7 @@
-"""How the time to read a model grows with what is in the file: meshes of their own, primitives of one mesh, nodes.
+"""Growth of the time to read a glTF file with its content: meshes, primitives of one mesh, nodes.
 
-Importing this module registers the kinds of files. All of them are read by the one reader; a straight line of slope one
-says that no part of it looks through a list again for each of its items.
+Importing this module registers the kinds of files. All are read by the same reader; an exponent of one shows that no
+part of it is quadratic.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Document = dict[str, Any]
 
 
 def document_of(kind: str, count: int) -> Document:
-    """A right glTF document with so many parts of a kind of `KINDS`."""
+    """Return a valid glTF document with `count` parts of a kind of `KINDS`."""
     uri = "data:;base64," + base64.b64encode(_TRIANGLE).decode()
     view = {"buffer": 0, "byteLength": len(_TRIANGLE)}
     accessor = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}
@@ -56,12 +56,12 @@ def _primitives(document: Document, count: int) -> None:
 def _nodes(document: Document, count: int) -> None:
     tens = range(1 + (count - 1) // 10)
     document["nodes"] = [{"name": f"n{i}", "mesh": 0} for i in range(count)]
-    for i in tens:  # each hangs nine others on it
+    for i in tens:  # the first of ten is the parent of the other nine
         document["nodes"][10 * i]["children"] = list(range(10 * i + 1, min(10 * i + 10, count)))
 
 
 KINDS: dict[str, Callable[[Document, int], None]] = {"meshes": _meshes, "primitives": _primitives, "nodes": _nodes}
-"""What a file has many of, and what puts them in."""
+"""Function that adds the parts of a kind to a document, by kind."""
 
 
 def _tops(nodes: list[Document]) -> list[int]:
@@ -70,14 +70,14 @@ def _tops(nodes: list[Document]) -> list[int]:
 
 
 def count_parts(kind: str, model: GltfDocument) -> int:
-    """How many parts of a kind were read."""
+    """Return the number of parts of a kind in a model."""
     if kind == "nodes":
         return len(model.nodes)
     return sum(len(mesh.primitives) for mesh in model.meshes)
 
 
 def _read(kind: str, count: int) -> tuple[float, int]:
-    """Time [us] to read a file with so many parts, and how many were read."""
+    """Return the time to read a file with `count` parts [us], and the number of parts read."""
     clock = MonotonicClock()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "model.gltf"

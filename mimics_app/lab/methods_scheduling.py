@@ -1,8 +1,8 @@
-"""How the 1 kHz loop gets the processor: lateness against the share of a core, beside a thread that is busy.
+"""Scheduling of the 1 kHz loop: lateness against processor time, beside a busy thread.
 
-Every recipe runs the same tick for a few seconds while another thread burns Python as main does, lowered where the
-recipe asks main for it. A recipe that the system does not grant here is skipped. Importing this module registers the
-group.
+Every recipe runs the same tick for a few seconds while another thread executes Python as the main thread does, at a
+lower priority where the recipe requires it. A recipe that the system does not grant is skipped. Importing this module
+registers the group.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ __all__ = ["GROUP", "SECONDS", "measure_recipe", "measure_thread"]
 GROUP = "loop scheduling"
 
 SECONDS = 2.0
-"""Of each run [s], after the first second that does not count."""
+"""Length of each run [s], after a first second that does not count."""
 
 _WARM_UP_S = 1.0
 
@@ -47,7 +47,7 @@ def _engine(recipe: str) -> HapticEngine:
 
 @cache
 def measure_recipe(recipe: str) -> Figures:
-    """Run the product's loop under a recipe of `scheduler.RECIPES`.
+    """Measure the product's loop under a recipe of `scheduler.RECIPES`.
 
     Raises:
         DeviceError: The system does not grant it.
@@ -66,7 +66,7 @@ def measure_recipe(recipe: str) -> Figures:
 
 @cache
 def measure_thread() -> Figures:
-    """Run the same tick in a plain Python thread that sleeps to the same deadlines."""
+    """Measure the same tick in a Python thread that sleeps until the same releases."""
     engine = _engine("plain")
     with PythonLoop(lambda: engine.advance(1)) as loop:
         share = _busy_beside(loop.thread, False)
@@ -76,7 +76,7 @@ def measure_thread() -> Figures:
 
 
 def _busy_beside(thread: threading.Thread, lower: bool) -> float:
-    """Burn Python in a thread that stands for main; the time the loop's spends on a processor per second [us]."""
+    """Execute Python in a thread in place of main; return the processor time of the loop's thread per second [us]."""
     used = list[float]()
 
     def burn() -> None:
@@ -88,7 +88,7 @@ def _busy_beside(thread: threading.Thread, lower: bool) -> float:
         _burn(clock, SECONDS)
         used.append((_on_processor_ns(thread) - before) * 1e6 / (clock.now_ns() - started))
 
-    _on_processor_ns(thread)  # where the system does not say, raise here
+    _on_processor_ns(thread)  # raises where the system does not report it
     busy = threading.Thread(target=burn, name="busy")
     busy.start()
     busy.join()
@@ -96,7 +96,7 @@ def _busy_beside(thread: threading.Thread, lower: bool) -> float:
 
 
 def _burn(clock: MonotonicClock, seconds: float) -> None:
-    """Half of each 16 ms of work, half of sleep."""
+    """Alternate 8 ms of work and 8 ms of sleep."""
     end = clock.now_ns() + round(seconds * 1e9)
     while clock.now_ns() < end:
         until, work = clock.now_ns() + 8_000_000, 0
@@ -106,10 +106,10 @@ def _burn(clock: MonotonicClock, seconds: float) -> None:
 
 
 def _on_processor_ns(thread: threading.Thread) -> int:
-    """Time a thread of this process has spent running [ns].
+    """Return the processor time of a thread of this process [ns].
 
     Raises:
-        DeviceError: The system does not say.
+        DeviceError: The system does not report it.
     """
     schedstat = Path(f"/proc/self/task/{thread.native_id}/schedstat")
     try:

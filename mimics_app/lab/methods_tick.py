@@ -1,6 +1,6 @@
-"""The whole haptic tick, simulated robot and patient included, by the projection that runs in it.
+"""Cost of the whole haptic tick with simulated robot and patient, by the projection of the tunnel.
 
-The planner predicts a scene's tick cost from these figures. Importing this module registers them.
+The planner predicts the cost of a scene's tick from this group. Importing this module registers it.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _TICKS = 2000
 _RUNS = 6
 _SEED = 1
 _REACH = 0.15
-"""Half the length of the tunnel [m]; it waves by 20 mm in the frontal plane."""
+"""Half the length of the tunnel [m]; its bisector is a sine of 20 mm in the frontal plane."""
 
 
 @kernel
@@ -55,7 +55,7 @@ def _turn_often(R: F8, p: F8, calls: int) -> None:
 
 
 def reference_us() -> float:
-    """Cost of turning a vector and making it a unit again [us], the shortest of a few runs."""
+    """Return the cost of one rotation and normalisation of a vector [us], the shortest of a few runs."""
     R = np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
     return shortest_us(lambda: _turn_often(R, np.ones(3), REFERENCE_CALLS), REFERENCE_CALLS)
 
@@ -67,7 +67,7 @@ def _curve() -> TunnelCurve:
 
 
 def _block(projection: Projection | None) -> tuple[NDArray[Any], Rows]:
-    """Parameters of the tick with this projection, shape [1], and its rows; None: without a tunnel."""
+    """Return the parameter block of a tick with this projection, shape [1], and its rows; None: without a tunnel."""
     block, rows = scene_from_components(Robot()), new_rows(ObjectCapacities())
     if projection is not None:
         block[0]["objects"]["tunnels"] = 1
@@ -79,7 +79,7 @@ def _block(projection: Projection | None) -> tuple[NDArray[Any], Rows]:
 
 
 class _Bench:
-    """A session without processes: the loop, a simulated robot, a patient who travels the tunnel."""
+    """The loop with a simulated robot and a patient who travels the tunnel, without other processes."""
 
     def __init__(self, projection: Projection | None) -> None:
         curve = _curve()
@@ -93,7 +93,7 @@ class _Bench:
         self._rows: NDArray[Any] = np.zeros(len(self._memory.samples), SAMPLE)
 
     def run_us(self, ticks: int) -> float:
-        """Run ticks; how long the loop took for one [us], without whoever reads its samples."""
+        """Run ticks and return the cost of one [us], without reading the samples."""
         clock = MonotonicClock()
         started = clock.now_ns()
         self._engine.advance(ticks)
@@ -102,12 +102,12 @@ class _Bench:
         return cost
 
     def go_round(self) -> None:
-        """Run until the ring of samples was written once: fresh memory is handed out by the system page by page."""
+        """Run until the whole sample ring was written once: the system maps fresh memory page by page."""
         for _ in range(len(self._rows) // _TICKS + 1):
             self.advance(_TICKS)
 
     def advance(self, ticks: int) -> NDArray[Any]:
-        """Run ticks; their samples."""
+        """Run ticks and return their samples."""
         self._engine.advance(ticks)
         return self._read()
 
@@ -118,7 +118,7 @@ class _Bench:
 
 
 def tick_us(projection: Projection | None) -> float:
-    """Cost of a tick [us], the shortest of a few runs of 2000; None: without a tunnel."""
+    """Return the cost of a tick [us], the shortest of a few runs of 2000; None: without a tunnel."""
     bench = _Bench(projection)
     bench.go_round()
     return min(bench.run_us(_TICKS) for _ in range(_RUNS))
@@ -126,18 +126,18 @@ def tick_us(projection: Projection | None) -> float:
 
 @cache
 def _inputs() -> NDArray[Any]:
-    """Sensors of one travel, SAMPLE rows [ticks]: every projection is asked about the same hand."""
+    """Return the SAMPLE rows [ticks] of one travel: every projection gets the same motion of the hand."""
     return _Bench(Projection.NEWTON_WARM).advance(_TICKS).copy()
 
 
 def _forces(projection: Projection | None) -> F8:
-    """Virtual force on the user in that travel [N], shape [ticks, 3]."""
+    """Return the virtual force on the user in that travel [N], shape [ticks, 3]."""
     block, rows = _block(projection)
     return replay_run(_inputs(), {1: block}, {1: rows}).samples["f_virt_world"].copy()
 
 
 def _false_force(projection: Projection | None) -> float:
-    """Greatest difference of the force [N] to that of tracked Newton; Newton's own to golden section."""
+    """Return the largest difference of the force from that of tracked Newton [N]; of Newton from golden section."""
     other = Projection.GOLDEN_SECTION if projection is Projection.NEWTON_WARM else Projection.NEWTON_WARM
     return float(np.max(np.linalg.norm(_forces(projection) - _forces(other), axis=1)))
 

@@ -1,4 +1,4 @@
-"""What the figures of the physiological loop have in common: the warning they carry, and heat maps."""
+"""Common parts of the figures of the physiological loop: the remark on simulated people, and heat maps."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ def physio_figure(
     *,
     simulated: bool = True,
 ) -> Figure:
-    """A figure, with the warning below it where it is of simulated people.
+    """Return a figure, with a remark below where the people are simulated.
 
     Args:
-        name: Of its files, "physio ..." .
-        title: Above the drawing.
-        size: Of the drawing [px].
-        parts: Of the drawing.
+        name: Name of its files, "physio ...".
+        title: Title above the drawing.
+        size: Size of the drawing [px].
+        parts: Elements of the drawing.
         rows: See `Figure.rows`.
-        what: A line more below: how it was made.
-        simulated: Not of recorded people.
+        what: A further line below: conditions of the measurement.
+        simulated: False for recorded people.
     """
     machine = str(describe_machine())
     command = _COMMAND if simulated else f"{_COMMAND} --data DIR"
@@ -49,13 +49,13 @@ def physio_figure(
 
 
 def row_of(method: str, x: float, error: float, cost_ns: float | None = None) -> dict[str, Any]:
-    """A row of a figure's numbers."""
+    """Return a row of a figure's numbers."""
     return {"method": method, "x": x, "cost_ns": cost_ns, "error": error, "valid": True}
 
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One cell: how bad it is, 0 to 1, which is its shade; its two lines of text; whether it is framed."""
+    """One cell: its shade, 0 good to 1 bad, two lines of text, and whether it is framed."""
 
     bad: float
     text: str
@@ -65,7 +65,7 @@ class Cell:
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """Where the cells stand [px]."""
+    """Upper left corner of the cells, and size of one [px]."""
 
     left: float
     top: float
@@ -74,7 +74,7 @@ class Grid:
 
 
 def heat_map(grid: Grid, columns: Sequence[str], rows: Sequence[str], cells: Sequence[Sequence[Cell]]) -> list[Markup]:
-    """Cells in rows with words above and left of them; no row words where `rows` are empty."""
+    """Return cells in rows with captions of the columns above and of the rows on the left; `rows` may be empty."""
     parts = [
         word(grid.left + (j + 0.5) * grid.width, grid.top - 8.0, name, "small", "middle")
         for j, name in enumerate(columns)

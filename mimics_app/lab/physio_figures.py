@@ -33,32 +33,32 @@ Detector = Callable[[F8, float], F8]
 _SHOWN = ("random", "staircase", "proportional", "kalman", "thompson", "q")
 _GAPS = (0.08, 0.11, 0.15, 0.22)
 _EACH = 4
-"""People of each family and seed."""
-_TOLD = ("adaptive", "adaptive, not asked", "fixed", "fusion", "success alone", "threshold per person", "majority")
+"""Number of people of each family and seed."""
+_RIVALS = ("adaptive", "adaptive, not asked", "fixed", "fusion", "success alone", "threshold per person", "majority")
 _MINUTES = 5.0
 _BLOCK_S = 0.02
 
 
 def draw_figures(folder: Path, names: Sequence[str], records: Path | None = None) -> list[Path]:
-    """Write figures; the drawings.
+    """Write figures and return the drawings.
 
     Args:
-        folder: Where to.
-        names: Of `FIGURES`.
+        folder: Folder of the files.
+        names: Names in `FIGURES`.
         records: Folder of annotated records for the detectors; None: simulated people.
     """
     return [write_figure(FIGURES[name](records), folder)[1] for name in names]
 
 
 def load_accuracy() -> Figure:
-    """Share of trials whose load was found by how far off a wrong demand is, with 95 % intervals over people."""
+    """Return the figure of the share of trials estimated right by deviation of the demand, with 95 % intervals."""
     shares = Axis("trials estimated right", 0.0, 1.0, at=(0.0, 0.25, 0.5, 0.75, 1.0))
     panel = Panel(6.0, 70.0, 860.0, 400.0, Axis("demand off the best in a wrong trial", 0.06, 0.25), shares)
     rows: list[dict[str, Any]] = []
-    lines: dict[str, list[tuple[float, float]]] = {name: [] for name in _TOLD}
+    lines: dict[str, list[tuple[float, float]]] = {name: [] for name in _RIVALS}
     for gap in _GAPS:
         groups = [state_study(draw_load_people(_EACH, gap, seed)) for seed in SEEDS]
-        for k, name in enumerate(_TOLD):
+        for k, name in enumerate(_RIVALS):
             score, x = StateScore(np.concatenate([group[name].hits for group in groups])), gap + 0.0006 * (k - 3)
             low, high = score.share - score.half_width, min(score.share + score.half_width, 1.0)
             panel.line([(x, low), (x, high)], f"line s{k}")
@@ -66,9 +66,9 @@ def load_accuracy() -> Figure:
             lines[name].append((x, score.share))
             more = {"half_width": score.half_width, "by_seed": [1.0 - group[name].share for group in groups]}
             rows.append(row_of(name, gap, 1.0 - score.share) | more)
-    for k, name in enumerate(_TOLD):
+    for k, name in enumerate(_RIVALS):
         panel.line(lines[name], f"line s{k}", name)
-    entries = [("line", f"line s{k}", name) for k, name in enumerate(_TOLD)]
+    entries = [("line", f"line s{k}", name) for k, name in enumerate(_RIVALS)]
     parts = [legend(20.0, 52.0, entries), panel.svg()]
     what = f"{5 * _EACH * len(SEEDS)} people, estimated by what was trained on the four other families; bars: 95 %"
     return physio_figure(
@@ -77,7 +77,7 @@ def load_accuracy() -> Figure:
 
 
 def detectors(folder: Path | None) -> Figure:
-    """Cost against F1 of R peaks on clean, ectopic and noisy records: the product's detector and installed rivals."""
+    """Return the figure of cost against F1 of R peaks in clean, ectopic and noisy records, with installed rivals."""
     kinds = _records(folder)
     rivals: dict[str, Detector] = {"mimics, causal": _ours, **_neurokit_detectors()}
     rows, parts = [], []
@@ -118,7 +118,7 @@ def _ours(values: F8, rate: float) -> F8:
 
 
 def _cost_and_f1(find: Detector, records: list[Annotated]) -> tuple[float, float]:
-    """Processor time per hour of signal [s] and F1 over all beats."""
+    """Return the time per hour of signal [s] and F1 over all beats."""
     clock, spent, seconds, hits, both = MonotonicClock(), 0, 0.0, 0, 0
     for record in records:
         find(record.values[: round(20.0 * record.rate)], record.rate)
@@ -132,7 +132,7 @@ def _cost_and_f1(find: Detector, records: list[Annotated]) -> tuple[float, float
 
 
 def learning_curves(people: int = 400, trials: int = 40) -> Figure:
-    """Mean regret by trial with its 95 % band."""
+    """Return the figure of the mean regret by trial with its 95 % band."""
     left, top, width, height, highest = 60.0, 60.0, 760.0, 300.0, 0.9
     parts = [path("frame", f"M{left} {top}v{height}h{width}")]
     rows: list[dict[str, Any]] = []
@@ -165,7 +165,7 @@ _METHODS = ("neurokit", "pantompkins1985", "hamilton2002", "elgendi2010", "engze
 
 
 def _neurokit_detectors() -> dict[str, Callable[[F8, float], F8]]:
-    """Times of the R peaks [s] from an ECG [mV] at a rate [Hz], by method; none where NeuroKit2 is not installed."""
+    """Return detectors of R peaks [s] in an ECG [mV] at a rate [Hz], by name; none without NeuroKit2."""
     try:
         import neurokit2
     except ImportError:
@@ -191,4 +191,4 @@ FIGURES: Mapping[str, Callable[[Path | None], Figure]] = {
     "load_accuracy": lambda _: load_accuracy(),
     "loop_regret": lambda _: loop_regret(),
 }
-"""Figure of a folder of annotated records, None for simulated people, by the name of its file."""
+"""Function of a folder of annotated records, None for simulated people, that returns a figure, by name."""

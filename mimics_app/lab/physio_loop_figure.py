@@ -1,4 +1,4 @@
-"""Figure of the whole loop: what the load that a session estimates is worth to a policy, and to whom."""
+"""Figure of the whole loop: benefit of the estimated load for a policy, by kind of people."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _WHO: Mapping[str, dict[str, bool]] = {
 
 
 def loop_scores() -> dict[tuple[str, str], list[LoopScore]]:
-    """Of every policy with every kind of people, a group of them for each seed."""
+    """Return the scores of every policy with every kind of people, one for each seed."""
     return {
         (who, name): [loop_study(name, seed=seed, **more) for seed in SEEDS]
         for who, more in _WHO.items()
@@ -32,10 +32,10 @@ def loop_scores() -> dict[tuple[str, str], list[LoopScore]]:
 
 
 def loop_regret(groups: Mapping[tuple[str, str], Sequence[LoopScore]] | None = None) -> Figure:
-    """Mean regret of a trial with its 95 % interval over the people of all groups.
+    """Return the figure of the mean regret of a trial with its 95 % interval over the people of all groups.
 
     Args:
-        groups: Of `loop_scores`; None: measured now, which takes six minutes of processor time.
+        groups: Result of `loop_scores`; None: measured now, which takes six minutes of processor time.
     """
     groups = loop_scores() if groups is None else groups
     scores = {what: pooled(each) for what, each in groups.items()}

@@ -1,4 +1,4 @@
-"""Maps of where the loop fails: R peaks by what spoils the signal, and adaptation by gain, delay and drift."""
+"""Maps of failures of the loop: R peaks by disturbance of the signal, and adaptation by gain, delay and drift."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _FLAGGED = 0.5
 
 
 def failure_map() -> Figure:
-    """F1 of the R detector while the electrodes are on, and the share of time flagged, for every combination."""
+    """Return the map of the R detector: F1 while the electrodes have contact, and share of time flagged."""
     spoilt = list(product(_ECTOPIC, _WANDER, _MOTION))
     columns = list(product(_LEAD_OFF, _DECIBELS))
     cells, rows = [], []
@@ -52,7 +52,7 @@ def failure_map() -> Figure:
 
 
 def _detected(disturbance: Disturbance, decibel: float) -> tuple[float, float]:
-    """F1 of the beats while there was contact, and the share of seconds that were flagged."""
+    """Return F1 of the beats during contact, and the share of seconds that are flagged."""
     record = _record(disturbance, decibel)
     channel, n = Ecg(record.rate), round(record.rate)
     found, flagged = [], []
@@ -66,7 +66,7 @@ def _detected(disturbance: Disturbance, decibel: float) -> tuple[float, float]:
 
 
 def _record(disturbance: Disturbance, decibel: float) -> Annotated:
-    """A person whose hand moves at 0.4 m/s; where contact was lost there is no noise either."""
+    """Return an ECG of a person whose hand moves at 0.4 m/s; NaN without contact."""
     rng = np.random.default_rng(167)
     people, generator = LatentPeople(draw_traits(rng, 1)), SignalGenerator(rng, disturbance)
     rest = np.array([np.nan]), np.zeros(1), np.zeros(1)
@@ -82,26 +82,26 @@ def _record(disturbance: Disturbance, decibel: float) -> Annotated:
 
 _GAINS = (0.05, 0.1, 0.25, 0.5, 1.0)
 _DELAYS = (0, 1, 2, 4)
-"""Trials after which a result is known."""
+"""Delay of a result [trials]."""
 _DRIFTS = (0.0, 0.005, 0.015)
-"""Demand by which the best one moves from trial to trial."""
+"""Drift of the best demand per trial."""
 _STEEPNESS = 12.0
-"""Of success over demand [logit per unit]."""
+"""Slope of success over demand [logit per unit]."""
 
 
 def stable_gain(delay: int) -> float:
-    """Largest gain at which x[k+1] = x[k] - g s x[k - delay] decays, s the slope of success at its target."""
+    """Return the largest gain g at which x[k+1] = x[k] - g s x[k - delay] decays; s: slope of success at its target."""
     return 2.0 * float(np.sin(np.pi / (2.0 * (2 * delay + 1)))) / (_STEEPNESS * TARGET * (1.0 - TARGET))
 
 
 def loop_error(gain: float, delay: int, drift: float, people: int = 200, trials: int = 80) -> float:
-    """Root mean square distance of the demand from the best one over the second half of a session."""
+    """Return the RMS distance of the demand from the best one over the second half of a session."""
     rng = np.random.default_rng(170)
     policy, nothing = Proportional(gain), np.full(people, np.nan)
     policy.begin(np.full(people, 0.4), rng)
     results, squares = [], []
     for trial in range(trials):
-        best = 0.25 + abs((0.25 + drift * trial) % 1.0 - 0.5)  # to and fro between 0.25 and 0.75, from 0.5 on
+        best = 0.25 + abs((0.25 + drift * trial) % 1.0 - 0.5)  # triangle wave between 0.25 and 0.75, from 0.5 on
         demand = policy.act().demand
         succeeds = 1.0 / (1.0 + (1.0 / TARGET - 1.0) * np.exp(_STEEPNESS * (demand - best)))
         results.append(rng.binomial(10, succeeds) / 10.0)
@@ -112,7 +112,7 @@ def loop_error(gain: float, delay: int, drift: float, people: int = 200, trials:
 
 
 def loop_stability() -> Figure:
-    """Error of the adaptation by gain, delay and drift; framed where a loop without noise would swing."""
+    """Return the map of the adaptation's error by gain, delay and drift; framed where it is unstable without noise."""
     parts, rows = [], []
     top, height, width = 108.0, 40.0, 78.0
     for k, drift in enumerate(_DRIFTS):

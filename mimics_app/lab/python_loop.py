@@ -1,4 +1,4 @@
-"""The rival of the compiled loop: a plain Python thread that sleeps to the same deadlines and runs the same tick."""
+"""Rival of the compiled loop: a Python thread that sleeps until the same releases and runs the same tick."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ __all__ = ["PythonLoop"]
 
 
 class PythonLoop:
-    """Runs from `with` to its end.
+    """Context manager that runs the loop until its exit.
 
     Args:
         tick: One tick of the loop.
 
     Attributes:
-        thread: Where it runs.
-        ticks: Ticks done.
-        late_us: How late it woke for each tick that was due [us]; one it never came to counts as late as at the end.
-        ended_late: Whether each of them ended after the next one's deadline, or never.
+        thread: The thread of the loop.
+        ticks: Number of ticks done.
+        late_us: Lateness of each tick [us]; a tick that was never started counts up to the end.
+        ended_late: Whether each of them ended after the next release, or never.
     """
 
     def __init__(self, tick: Callable[[], object]) -> None:
@@ -52,7 +52,7 @@ class PythonLoop:
         self._count_undone(due, clock.now_ns())
 
     def _count_undone(self, due: int, now: int) -> None:
-        """Ticks a loop has no time for are not better than late ones."""
+        """Count the ticks that were due and never started as late."""
         while now - due > TICK_NS:
             self.late_us.append((now - due) * 1e-3)
             self.ended_late.append(True)

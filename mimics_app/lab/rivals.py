@@ -1,4 +1,4 @@
-"""Rivals that one pair of probes measures: a table of them becomes a group of the registry."""
+"""Registration of a group of methods from a table: rivals that share probes of cost and error."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class Rival:
 
     Attributes:
         name, source, valid_range, settings: As in `Method`; without settings it is a yardstick.
-        probed: What the probes are called with; () stands for its name.
-        sizes: Of the work at which its growth is measured, ascending; None: those of the group.
-        cost, error: Probes of its own, which are called with nothing; None: those of the group.
+        probed: Arguments of the probes; (): its name.
+        sizes: Sizes of the work at which its growth is measured, ascending; None: those of the group.
+        cost, error: Its own probes, without arguments; None: those of the group.
     """
 
     name: str
@@ -54,19 +54,19 @@ def compare(
     """Describe a group and register its rivals.
 
     Args:
-        group: Its name.
-        what: The job all of them do, and on which input they are measured, one line.
-        unit: Of the error.
-        rivals: In the order of the charts.
-        cost: Cost [us per call] of what a rival is probed with, and of a size of the work where it has sizes.
-        error: Error of what a rival is probed with, in `unit`.
-        default: Name of the rival that the product uses.
-        work: What a size counts; "" where the cost does not grow.
-        sizes: Of the work at which growth is measured, ascending; () where it does not grow.
+        group: Name of the group.
+        what: One line: task of the methods, and input of the measurement.
+        unit: Unit of the error.
+        rivals: The methods, in the order of the charts.
+        cost: Probe of the cost [us per call]; called with `Rival.probed`, and a size of the work where there are sizes.
+        error: Probe of the error in `unit`; called with `Rival.probed`.
+        default: Name of the default method of the product.
+        work: Unit of the sizes; "" where the cost does not grow.
+        sizes: Sizes of the work at which growth is measured, ascending; () where it does not grow.
         typical: Size at which the costs are compared.
         reference: Probe of the reference loop [us per call].
-        few: Why no third rival is measured; "" where there are three.
-        why_default: Why the default stands though a rival costs less at no greater error; "" where none does.
+        few: Reason for fewer than three rivals; "" otherwise.
+        why_default: Reason for a default that a rival beats in cost at no larger error; "" otherwise.
     """
     registry.describe(Group(group, what, unit, work, reference, few, why_default))
     for rival in rivals:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.action_space import ActionSpace, Parameter
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
-from mimics_app.learning.policy import Floats, Outcome, Policy
+from mimics_app.learning.policy import Outcome, Policy
 from mimics_app.learning.registry import EXPLORERS, build_policy
 
 __all__ = ["Agent"]
@@ -127,5 +128,5 @@ class _Arms:
         return self._values[int(drawn[0])], float(share)
 
 
-def _one(value: float) -> Floats:
+def _one(value: float) -> F8:
     return np.array([value])

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.learning.policy import LEVELS, Choice, Floats, Outcome
+from mimics_app.contracts.arrays import F8
+from mimics_app.learning.policy import LEVELS, Choice, Outcome
 
 __all__ = ["LinUcb", "Thompson"]
 
@@ -22,7 +23,7 @@ _HOME = 0.35
 class _LinearBandit:
     """Linear reward model: radial basis functions over the demand, and the step indicated by the last trial."""
 
-    def begin(self, start: Floats, rng: np.random.Generator) -> None:
+    def begin(self, start: F8, rng: np.random.Generator) -> None:
         """Begin a session of people at these demands [n]."""
         n = len(start)
         self._rng = rng
@@ -44,21 +45,21 @@ class _LinearBandit:
         load = 0.3 * np.nan_to_num(outcome.load)
         self._asked = np.nan_to_num(outcome.performance - 0.7) - load
 
-    def _features(self, demand: Floats) -> Floats:
+    def _features(self, demand: F8) -> F8:
         """Return the features of demands [n, levels], shape [n, levels, f]."""
         bumps = np.exp(-0.5 * ((demand[:, :, None] - _CENTRES) / _WIDTH) ** 2)
         step = np.tanh((demand - self._place[:, None]) / 0.2) * np.tanh(4.0 * self._asked)[:, None]
         return np.concatenate([bumps, step[:, :, None]], axis=2)
 
-    def _prior(self, demand: Floats) -> Floats:
+    def _prior(self, demand: F8) -> F8:
         """Return the prior mean reward of demands [n, levels]."""
         return 0.3 - (demand - self._home[:, None]) ** 2 / _HOME**2
 
-    def _model(self) -> tuple[Floats, Floats, Floats]:
+    def _model(self) -> tuple[F8, F8, F8]:
         """Return features of all levels [n, levels, f], mean rewards [n, levels], weight covariance [n, f, f]."""
         levels = np.tile(LEVELS, (len(self._place), 1))
         features = self._features(levels)
-        covariance: Floats = np.asarray(np.linalg.inv(self._precision), np.float64)
+        covariance: F8 = np.asarray(np.linalg.inv(self._precision), np.float64)
         weights = np.einsum("nfg,ng->nf", covariance, self._sums)
         return features, self._prior(levels) + np.einsum("nlf,nf->nl", features, weights), covariance
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimics_app.learning.policy import Floats
+from mimics_app.contracts.arrays import F8
 
 __all__ = ["Evaluation", "evaluate"]
 
@@ -30,7 +30,7 @@ class Evaluation:
     effective: float
 
 
-def evaluate(reward: Floats, propensity: Floats, wanted: Floats) -> Evaluation:
+def evaluate(reward: F8, propensity: F8, wanted: F8) -> Evaluation:
     """Evaluate a policy by weighting each reward with the ratio of the propensities.
 
     Args:

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["LEVELS", "Choice", "Floats", "Outcome", "Policy", "logit"]
+from mimics_app.contracts.arrays import F8
 
-Floats = NDArray[np.float64]
+__all__ = ["LEVELS", "Choice", "Outcome", "Policy", "logit"]
 
 LEVELS = np.linspace(0.0, 1.0, 11)
 """Demands among which policies with discrete choices choose."""
@@ -20,8 +19,8 @@ LEVELS = np.linspace(0.0, 1.0, 11)
 class Choice:
     """Chosen demands, 0 easiest to 1 hardest, and their propensities; both of shape [n]."""
 
-    demand: Floats
-    propensity: Floats
+    demand: F8
+    propensity: F8
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,17 +35,17 @@ class Outcome:
         reward: Reward by the goal.
     """
 
-    demand: Floats
-    performance: Floats
-    load: Floats
-    load_variance: Floats
-    reward: Floats
+    demand: F8
+    performance: F8
+    load: F8
+    load_variance: F8
+    reward: F8
 
 
 class Policy(Protocol):
     """A policy."""
 
-    def begin(self, start: Floats, rng: np.random.Generator) -> None:
+    def begin(self, start: F8, rng: np.random.Generator) -> None:
         """A session of people [n] begins at these demands [n]."""
         ...
 
@@ -59,8 +58,8 @@ class Policy(Protocol):
         ...
 
 
-def logit(share: Floats, least: float = 0.05) -> Floats:
+def logit(share: F8, least: float = 0.05) -> F8:
     """Return ln(p / (1 - p)) of shares limited to [least, 1 - least]."""
     p = np.clip(share, least, 1.0 - least)
-    result: Floats = np.log(p / (1.0 - p))
+    result: F8 = np.log(p / (1.0 - p))
     return result

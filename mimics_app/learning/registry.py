@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib.metadata import entry_points
+from typing import cast
 
 from mimics_app.contracts.errors import UsageError, nearest
-from mimics_app.contracts.plugins import load_plugin
+from mimics_app.contracts.plugins import PluginError, PluginGroup, fault_of_builder
 from mimics_app.learning.bandits import LinUcb, Thompson
 from mimics_app.learning.policy import Policy
 from mimics_app.learning.rules import Fixed, KalmanSkill, Proportional, RandomLevel, Staircase
 from mimics_app.learning.temporal import ActorCritic, SarsaLambda, TabularQ
 
-__all__ = ["ENTRY_POINT_GROUP", "EXPLORERS", "POLICIES", "build_policy", "check_policy"]
+__all__ = ["EXPLORERS", "PLUGINS", "POLICIES", "build_policy", "check_policy"]
 
-ENTRY_POINT_GROUP = "mimics_app.policies"
+PLUGINS = PluginGroup("mimics_app.policies", fault_of_builder(Policy))
 
 POLICIES: dict[str, Callable[[], Policy]] = {
     "fixed": Fixed,
@@ -39,25 +39,27 @@ def check_policy(name: str) -> None:
     """Check that a policy exists.
 
     Raises:
-        UsageError: There is none of this name.
+        UsageError: There is none of this name, or its plug-in cannot be loaded.
     """
-    names = [*POLICIES, *(point.name for point in entry_points(group=ENTRY_POINT_GROUP))]
-    if name not in names:
-        raise UsageError(f'there is no policy "{name}"', nearest(name, names))
+    _find(name)
 
 
 def build_policy(name: str) -> Policy:
     """Build a policy by its name.
 
     Raises:
-        UsageError: There is none of this name.
+        UsageError: There is none of this name, or its plug-in cannot be loaded.
     """
-    check_policy(name)
+    return _find(name)()
+
+
+def _find(name: str) -> Callable[[], Policy]:
     if name in POLICIES:
-        return POLICIES[name]()
-    (point,) = entry_points(group=ENTRY_POINT_GROUP, name=name)
+        return POLICIES[name]
+    names = PLUGINS.names()
+    if name not in names:
+        raise UsageError(f'there is no policy "{name}"', nearest(name, [*POLICIES, *names]))
     try:
-        builder: Callable[[], Policy] = load_plugin(point)
-    except ValueError as fault:
-        raise UsageError(f'there is no policy "{name}": {fault}') from fault
-    return builder()
+        return cast(Callable[[], Policy], PLUGINS.load(name))
+    except PluginError as error:
+        raise UsageError(f'the policy "{name}" is not available: {error}') from error

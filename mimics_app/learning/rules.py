@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.learning.policy import LEVELS, Choice, Floats, Outcome, logit
+from mimics_app.contracts.arrays import F8
+from mimics_app.learning.policy import LEVELS, Choice, Outcome, logit
 
 __all__ = ["Fixed", "KalmanSkill", "Proportional", "RandomLevel", "Staircase"]
 
@@ -15,7 +16,7 @@ TARGET = 0.7
 class Fixed:
     """Keeps the demand of the session's beginning."""
 
-    def begin(self, start: Floats, rng: np.random.Generator) -> None:
+    def begin(self, start: F8, rng: np.random.Generator) -> None:
         """Begin a session of people at these demands [n]."""
         self._demand = np.array(start, float)
 
@@ -30,7 +31,7 @@ class Fixed:
 class RandomLevel(Fixed):
     """Draws among the levels with equal probability."""
 
-    def begin(self, start: Floats, rng: np.random.Generator) -> None:
+    def begin(self, start: F8, rng: np.random.Generator) -> None:
         """Begin a session of people at these demands [n]."""
         super().begin(start, rng)
         self._rng = rng
@@ -82,7 +83,7 @@ class KalmanSkill(Fixed):
         self._use_load = use_load
         self._slope = slope
 
-    def begin(self, start: Floats, rng: np.random.Generator) -> None:
+    def begin(self, start: F8, rng: np.random.Generator) -> None:
         """Begin a session of people at these demands [n]."""
         super().begin(start, rng)
         n = len(self._demand)
@@ -100,7 +101,7 @@ class KalmanSkill(Fixed):
         if self._use_load:
             self._take_load(outcome, away)
 
-    def _take_load(self, outcome: Outcome, away: Floats) -> None:
+    def _take_load(self, outcome: Outcome, away: F8) -> None:
         """Update by the load, with a noise that depends on its correlation with success."""
         load = np.nan_to_num(outcome.load)
         known = np.isfinite(outcome.load) & np.isfinite(outcome.demand)
@@ -113,7 +114,7 @@ class KalmanSkill(Fixed):
         view = outcome.demand - 0.25 * np.clip(load, -0.9, 0.9)
         self._update(view, np.where(known & (record > 0.2), variance, np.inf))
 
-    def _update(self, view: Floats, noise: Floats) -> None:
+    def _update(self, view: F8, noise: F8) -> None:
         gain = np.where(
             np.isfinite(noise), self._variance / (self._variance + np.where(np.isfinite(noise), noise, 1.0)), 0.0
         )

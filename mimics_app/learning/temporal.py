@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.learning.policy import Choice, Floats, Outcome
+from mimics_app.contracts.arrays import F8
+from mimics_app.learning.policy import Choice, Outcome
 
 __all__ = ["ActorCritic", "SarsaLambda", "TabularQ"]
 
@@ -27,7 +28,7 @@ class _Table:
     def __init__(self, rate: float = 0.4, discount: float = 0.5) -> None:
         self._rate, self._discount = rate, discount
 
-    def begin(self, start: Floats, rng: np.random.Generator) -> None:
+    def begin(self, start: F8, rng: np.random.Generator) -> None:
         """Begin a session of people at these demands [n]."""
         n = len(start)
         self._rng = rng
@@ -46,7 +47,7 @@ class _Table:
         self._demand = np.clip(self._demand + MOVES[self._move], 0.0, 1.0)
         return Choice(self._demand.copy(), chances[self._rows, self._move])
 
-    def _chances(self, state: np.ndarray) -> Floats:
+    def _chances(self, state: np.ndarray) -> F8:
         """Return the probability of each action [n, actions]: epsilon-greedy, with a decaying epsilon."""
         explore = max(0.05, 0.3 * (1.0 - self._trials / 15.0))
         values = self._table[self._rows, state]
@@ -63,11 +64,11 @@ class _Table:
         return success * 3 + load
 
 
-def _first_values() -> Floats:
+def _first_values() -> F8:
     """Return the initial values [states, actions]: lower the farther an action is from the proportional rule."""
     middle = np.array([0.1, 0.33, 0.53, 0.7, 0.85, 0.96])
     wanted = 0.5 * (middle - 0.7)
-    values: Floats = np.repeat(-2.0 * np.abs(MOVES[None, :] - wanted[:, None]), 3, axis=0)
+    values: F8 = np.repeat(-2.0 * np.abs(MOVES[None, :] - wanted[:, None]), 3, axis=0)
     return values
 
 
@@ -95,7 +96,7 @@ class SarsaLambda(_Table):
         super().__init__()
         self._trace = trace
 
-    def begin(self, start: Floats, rng: np.random.Generator) -> None:
+    def begin(self, start: F8, rng: np.random.Generator) -> None:
         """Begin a session of people at these demands [n]."""
         super().begin(start, rng)
         self._traces = np.zeros_like(self._table)
@@ -115,16 +116,16 @@ class SarsaLambda(_Table):
 class ActorCritic(_Table):
     """Actor-critic with tables of action preferences and state values (Sutton & Barto, 13.5)."""
 
-    def begin(self, start: Floats, rng: np.random.Generator) -> None:
+    def begin(self, start: F8, rng: np.random.Generator) -> None:
         """Begin a session of people at these demands [n]."""
         super().begin(start, rng)
         self._table *= 10.0  # preferences: a difference of 0.25 in value is a factor of twelve in probability
         self._values = np.zeros((len(start), STATES))
 
-    def _chances(self, state: np.ndarray) -> Floats:
+    def _chances(self, state: np.ndarray) -> F8:
         preferences = self._table[self._rows, state]
         weights = np.exp(preferences - preferences.max(axis=1, keepdims=True))
-        shares: Floats = weights / weights.sum(axis=1, keepdims=True)
+        shares: F8 = weights / weights.sum(axis=1, keepdims=True)
         return shares
 
     def learn(self, outcome: Outcome) -> None:

@@ -12,7 +12,7 @@ from mimics_app.recording.run_folder import PRIVATE_FILE
 
 try:
     import fcntl
-except ImportError:  # pragma: no cover - Windows: nothing there says who writes
+except ImportError:  # pragma: no cover - Windows: no locks
     fcntl = None  # type: ignore[assignment]
 
 __all__ = ["AppendFile", "is_claimed"]

@@ -14,7 +14,7 @@ from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.report_section import TunnelShape
 from mimics_app.recording.columns import whole
 from mimics_app.recording.report_values import number
-from mimics_app.recording.result_words import trial_names
+from mimics_app.recording.result_words import outcome_word, trial_names
 from mimics_app.recording.run import Run
 
 __all__ = ["Attempt", "find_attempts", "tunnel_shape"]
@@ -55,7 +55,7 @@ class Attempt:
             words.append(f"attempt {attempt:.0f}")
         if self.row.get("label"):
             words.append(str(self.row["label"]))
-        words.append(str(self.row.get("outcome", "")))
+        words.append(outcome_word(self.row))
         if score is not None:
             words.append(f"score {score:.0f} of 100")
         return " · ".join(word for word in words if word)

@@ -28,13 +28,13 @@ _EVENT_COLUMNS = [name for name, width in _WIDTHS.items() for _ in range(width)]
 
 @dataclass(frozen=True, slots=True)
 class ReplayData:
-    """Inputs of every tick from the first on.
+    """Inputs of every tick.
 
     Attributes:
         samples: SAMPLE records, shape [n]; a replay reads their input fields only (`columns.INPUT_FIELDS`).
         blocks: SCENE record [shape 1] by sequence; the sample of a tick says which one it used.
         rows: The tables of haptic objects beside each of them.
-        statics: What the objects were given once.
+        statics: Data of the objects that the loop receives once.
     """
 
     samples: NDArray[Any]
@@ -45,13 +45,13 @@ class ReplayData:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """The first output that a replay computed otherwise.
+    """The first output that differs in a replay.
 
     Attributes:
-        tick: Where.
-        column: Which, e.g. "f_user_world[1]" or "event 3, force".
+        tick: Tick of the output.
+        column: Name of the output, e.g. "f_user_world[1]" or "event 3, force".
         recorded, replayed: The two values.
-        count: How many values differ in the whole run.
+        count: Number of values that differ in the whole run.
     """
 
     tick: int
@@ -100,7 +100,7 @@ def gather(run: Run) -> ReplayData:
 
 
 def compare(recorded: NDArray[Any], replayed: NDArray[Any]) -> Difference | None:
-    """First output that is not the same bit for bit, in the order of ticks and columns, or None.
+    """Return the first output that is not bit-identical, in the order of ticks and columns; None without one.
 
     Args:
         recorded: SAMPLE records, shape [n].
@@ -127,15 +127,14 @@ def compare(recorded: NDArray[Any], replayed: NDArray[Any]) -> Difference | None
 
 
 def compare_events(recorded: NDArray[Any], replayed: NDArray[Any], end: int) -> Difference | None:
-    """First event of the loop that is missing, too many, or not the same, or None.
+    """Return the first event of the loop that is missing, additional or different; None without one.
 
-    Their monotonic time is left out, it says when a live loop ran. Numbers that are not finite are all the same: JSON
-    has one word for them.
+    The monotonic time of a live loop is not compared. Numbers that are not finite are equal: JSON has null for all.
 
     Args:
         recorded: EVENT records, shape [n].
         replayed: EVENT records, shape [m].
-        end: Events of this tick and later ones are not compared: a run that was cut off may have lost some of them.
+        end: Events from this tick on are not compared: a run that was cut off may have lost some of them.
     """
     one, other = (events[events["tick"] < end] for events in (recorded, replayed))
     length = min(len(one), len(other))

@@ -44,9 +44,9 @@ def _contacts(run: Run) -> list[tuple[str, float]]:
 
 
 def stability_lines(attempt: Attempt) -> dict[str, dict[str, tuple[str, F8]]]:
-    """The traces of an attempt: label of the axis -> kind of line -> its name and values, shape [n].
+    """Return traces of an attempt by label of the axis and class of the line: name and values, shape [n].
 
-    {} where nothing was touched: the margin and the energy are those of a contact.
+    {} without contact, as margin and energy are those of a contact.
     """
     samples = attempt.samples
     if not _touching(samples).any():

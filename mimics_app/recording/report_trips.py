@@ -43,7 +43,7 @@ def _trip(run: Run, tick: int, path: Path) -> Trip:
 
 
 def _before(samples: NDArray[Any]) -> NDArray[np.float64]:
-    """Time before the last row [ms], <= 0."""
+    """Return the time relative to the last row [ms], <= 0."""
     return np.asarray(1e3 * (samples["t"] - samples["t"][-1]), np.float64)
 
 

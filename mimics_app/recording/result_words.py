@@ -10,7 +10,7 @@ from mimics_app.contracts.trial_counts import COUNTED_TRIALS, FINISHED, SESSION_
 from mimics_app.recording.history import EarlierRun
 from mimics_app.recording.report_values import number
 
-__all__ = ["mean_time", "result_sentence", "trial_lines", "trial_names"]
+__all__ = ["mean_time", "outcome_word", "result_sentence", "trial_lines", "trial_names"]
 
 _OUTCOMES = {FINISHED: "finished", "timeout": "time over", "aborted": "broken off"}
 
@@ -30,7 +30,7 @@ _COLUMNS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
 
 
 def result_sentence(task: Mapping[str, Any], earlier: Sequence[EarlierRun]) -> str:
-    """One sentence: trials that finished, and how their time compares with that of the session before.
+    """Return a sentence: number of finished trials, and their time relative to the previous session.
 
     Args:
         task: Totals under the keys of `mimics run --json`.
@@ -47,12 +47,12 @@ def result_sentence(task: Mapping[str, Any], earlier: Sequence[EarlierRun]) -> s
 
 
 def mean_time(task: Mapping[str, Any]) -> float | None:
-    """Mean time of the trials that count [s]; None where none ended."""
+    """Return the mean time of the trials that count [s]; None where none ended."""
     return number(task.get("time_s")) if task.get("counted") == COUNTED_TRIALS else None
 
 
 def trial_lines(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[tuple[str, ...]]]:
-    """Captions, and a line of texts for each row of trials.csv; what no row has is left out."""
+    """Return captions, and the texts of each row of trials.csv; without measures that no row has."""
     if not rows:
         return [], []
     shown = [column for column in _COLUMNS if any(_has(row, column[0]) for row in rows)]
@@ -61,15 +61,20 @@ def trial_lines(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[tupl
 
 
 def trial_names(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Each row's trial as people count them: practice apart, further attempts at a trial under its number."""
+    """Return the name of each row's trial: its number from 1, the same for further attempts, or "Practice"."""
     counting = [row for row in rows if not row.get("practice")]
     order = list(dict.fromkeys(str(row.get("trial")) for row in counting))
     return ["Practice" if row.get("practice") else str(order.index(str(row.get("trial"))) + 1) for row in rows]
 
 
+def outcome_word(row: Mapping[str, Any]) -> str:
+    """Return how a trial of trials.csv ended, in a word for people; "" where the row does not say."""
+    outcome = str(row.get("outcome", ""))
+    return _OUTCOMES.get(outcome, outcome)
+
+
 def _outcome(row: Mapping[str, Any]) -> str:
-    outcome = _OUTCOMES.get(str(row.get("outcome")), str(row.get("outcome", "")))
-    cause = row.get("cause")
+    outcome, cause = outcome_word(row), row.get("cause")
     return f"{outcome}: {cause}" if cause and cause != SESSION_ENDED else outcome
 
 

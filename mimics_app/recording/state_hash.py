@@ -16,9 +16,7 @@ from mimics_app.recording.columns import HAPTICMASTER, TIMING_FIELDS, field_colu
 
 __all__ = ["StateHash"]
 
-_EVENT_FIELDS = tuple(
-    name for name in ("tick", "kind", "body_a", "body_b", "material_a", "material_b", "position_world", "normal_world")
-) + ("speed", "force", "value")
+_EVENT_FIELDS = "tick kind body_a body_b material_a material_b position_world normal_world speed force value".split()
 
 
 class StateHash:
@@ -40,20 +38,20 @@ class StateHash:
         self._counts = [0, 0, 0]
 
     def add_samples(self, samples: NDArray[Any]) -> None:
-        """Take in SAMPLE records, shape [n], in order."""
+        """Add SAMPLE records, shape [n], in order."""
         assert samples.dtype == SAMPLE
         self._samples.update(rows_of(samples)[:, self._columns].tobytes())
         self._counts[0] += len(samples)
 
     def add_events(self, events: NDArray[Any]) -> None:
-        """Take in EVENT records, shape [n], in order."""
+        """Add EVENT records, shape [n], in order."""
         for event in events:
             for name in _EVENT_FIELDS:
                 self._events.update(np.ascontiguousarray(event[name]).tobytes())
         self._counts[1] += len(events)
 
     def add_trial(self, row: Mapping[str, object]) -> None:
-        """Take in one finished trial, as plain JSON values; neither the order of its keys nor empty cells matter."""
+        """Add a finished trial as plain JSON values; the order of the keys and empty cells have no effect."""
         filled = {name: value for name, value in row.items() if value is not None and value != ""}
         text = json.dumps(filled, sort_keys=True, separators=(",", ":"))
         self._trials.update(text.encode() + b"\n")
@@ -61,11 +59,11 @@ class StateHash:
 
     @property
     def rows(self) -> int:
-        """Samples taken in."""
+        """Number of samples added."""
         return self._counts[0]
 
     def hexdigest(self) -> str:
-        """The hash of everything taken in so far, 64 hexadecimal digits."""
+        """Return the hash of everything added so far, 64 hexadecimal digits."""
         whole = hashlib.sha256(b"mimics state 1 %d %d %d " % tuple(self._counts))
         for part in (self._samples, self._events, self._trials):
             whole.update(part.digest())

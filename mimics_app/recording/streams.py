@@ -95,12 +95,12 @@ class SampleStream:
         self._index.append(row.tobytes())
 
     def sync(self) -> None:
-        """Bring both files onto the medium."""
+        """Flush both files to the medium."""
         self._file.sync()
         self._index.sync()
 
     def close(self) -> None:
-        """End the stream as Arrow wants it."""
+        """Write the end mark and close the file."""
         self._file.append(END_OF_STREAM)
         self._file.close()
         self._index.close()
@@ -110,7 +110,7 @@ class ParameterStream:
     """parameters.arrows.
 
     Attributes:
-        count: Blocks written.
+        count: Number of blocks written.
     """
 
     def __init__(self, folder: Path, *, resume: bool = False) -> None:
@@ -138,11 +138,11 @@ class ParameterStream:
         self.count += 1
 
     def sync(self) -> None:
-        """Bring the file onto the medium."""
+        """Flush the file to the medium."""
         self._file.sync()
 
     def close(self) -> None:
-        """End the stream as Arrow wants it."""
+        """Write the end mark and close the file."""
         self._file.append(END_OF_STREAM)
         self._file.close()
 
@@ -152,8 +152,8 @@ class EventStream:
 
     Attributes:
         next_event: Number of the next EVENT record of the loop.
-        earlier_gaps: Gaps that a recorder before this one wrote down.
-        earlier_trips: Trips that it wrote down.
+        earlier_gaps: Gaps noted by an earlier recorder.
+        earlier_trips: Number of trips noted by it.
     """
 
     def __init__(self, folder: Path, state_hash: StateHash, *, resume: bool = False) -> None:
@@ -183,7 +183,7 @@ class EventStream:
         self.next_event += len(events)
 
     def append_lines(self, lines: list[bytes]) -> None:
-        """Write lines that are encoded already.
+        """Write encoded lines.
 
         Raises:
             OSError: The disk is full or failed; none of them was written.
@@ -192,16 +192,16 @@ class EventStream:
             self._file.append(b"\n".join(lines) + b"\n")
 
     def sync(self) -> None:
-        """Bring the file onto the medium."""
+        """Flush the file to the medium."""
         self._file.sync()
 
     def close(self) -> None:
-        """Let the file go."""
+        """Close the file."""
         self._file.close()
 
 
 def hash_of_files(folder: Path, trials: Iterable[Mapping[str, object]], extent: Extent = HAPTICMASTER) -> StateHash:
-    """The hash of what stands in the files of a run, and of its trials' rows; block by block, for a run may be long."""
+    """Return the state hash of the files of a run and of its trials; block by block, because a run can be long."""
     state, layout = StateHash(extent), current_layout(extent)
     path, index = folder / FILES["haptic"], read_index(folder / FILES["index"])
     for piece in scan_stream(path, lambda data: decode_samples(data, layout), layout.schema, index):

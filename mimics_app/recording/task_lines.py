@@ -29,12 +29,12 @@ class FrameLine(msgspec.Struct):
     """One frame as it was recorded.
 
     Attributes:
-        frame: Its number.
-        tick: Of the snapshot it saw.
-        t_ns: When.
-        events: How many events of the loop had come since the frame before.
-        pressed: Keys and buttons that went down.
-        action: What the learning system had chosen.
+        frame: Number of the frame.
+        tick: Tick of the snapshot that it read.
+        t_ns: Time of the frame [ns].
+        events: Number of events of the loop since the previous frame.
+        pressed: Keys and buttons pressed in it.
+        action: Action chosen by the learning system.
     """
 
     frame: int
@@ -46,7 +46,7 @@ class FrameLine(msgspec.Struct):
 
     @property
     def chosen(self) -> TaskAction | None:
-        """The action as the task takes it."""
+        """The action for the task."""
         return None if self.action is None else TaskAction(self.action.values, self.action.at_trial)
 
 
@@ -55,10 +55,10 @@ class TaskLines:
     """The recorded data to be compared.
 
     Attributes:
-        frames: From the first on; of a run that was cut off those whose ticks are there.
-        lines: What the task journaled up to the last of them, as recorded.
-        rows: Of its attempts.
-        end_ns: When the session was ended; None where it never was.
+        frames: Frames; of a run that was cut off, those with recorded ticks.
+        lines: Journal lines of the task up to the last of these frames.
+        rows: Rows of the attempts.
+        end_ns: Time of the end of the session [ns]; None where it was not ended.
         whole: False for a run that was cut off: its last rows may be later than the last frame.
     """
 
@@ -74,8 +74,8 @@ class TaskDifference:
     """The first difference between recording and replay of the task.
 
     Attributes:
-        where: Which, e.g. "task event 3 (state), trial" or "trials.csv row 0, score".
-        recorded, replayed: The two values; None where there is none.
+        where: Name of the value, e.g. "task event 3 (state), trial" or "trials.csv row 0, score".
+        recorded, replayed: The two values; None for a missing one.
     """
 
     where: str
@@ -87,10 +87,10 @@ class TaskDifference:
 
 
 def gather_task(run: Run, kinds: Collection[str] = TASK_KINDS) -> TaskLines:
-    """Frames, rows, and lines of some kinds of a run.
+    """Return frames, rows, and lines of some kinds of a run.
 
     Raises:
-        PartialDataError: Frames are missing, or what is recorded of one is damaged.
+        PartialDataError: Frames are missing or damaged.
     """
     whole, end = run.status == "clean", run.end_of_ticks
     frames: list[FrameLine] = []
@@ -126,7 +126,7 @@ def _frame(run: Run, line: dict[str, Any], number: int) -> FrameLine:
 def compare_lines(
     recorded: Sequence[Mapping[str, Any]], replayed: Sequence[tuple[str, Mapping[str, object]]]
 ) -> TaskDifference | None:
-    """First line of the journal that the task wrote otherwise, or None."""
+    """Return the first difference of the journal lines; None without one."""
     plain = [msgspec.json.decode(to_json({"source": "app", "kind": kind, **data})) for kind, data in replayed]
     for number, (one, other) in enumerate(zip(recorded, plain, strict=False)):
         if found := _differing(one, other):
@@ -139,12 +139,12 @@ def compare_lines(
 def compare_rows(
     recorded: Sequence[Mapping[str, Any]], replayed: Sequence[Mapping[str, object]], *, whole: bool
 ) -> TaskDifference | None:
-    """First figure of the trial rows that came out otherwise, or None.
+    """Return the first difference of the trial rows; None without one.
 
     Args:
-        recorded: As read from trials.csv.
-        replayed: As the task made them.
-        whole: Both must be equally long; else the longer one's last rows are not compared.
+        recorded: Rows of trials.csv.
+        replayed: Rows of the replayed task.
+        whole: Whether both must have the same length; else additional rows are not compared.
     """
     for number, (one, made) in enumerate(zip(recorded, replayed, strict=False)):
         other = as_read(made)
@@ -156,6 +156,6 @@ def compare_rows(
 
 
 def _differing(one: Mapping[str, Any], other: Mapping[str, Any]) -> str:
-    """The first name whose values are not the same, "" for none; a number that is none is the same as itself."""
+    """Return the first name with different values, "" for none; NaN equals NaN."""
     names = dict.fromkeys([*one, *other])
     return next((name for name in names if repr(one.get(name)) != repr(other.get(name))), "")

@@ -57,23 +57,23 @@ def _write_trip(folder: Path, number: int, samples: Records, extent: Extent) -> 
 
 
 def _rows_of_trip(samples: Records, tick: int) -> Records:
-    """The rows of the second before a tick, and its own."""
+    """Return the rows of the second before a tick, and its own."""
     ticks = samples["tick"]
     return samples[(ticks >= tick - ROWS_BEFORE) & (ticks <= tick)]
 
 
 def trip_ticks(events: Records) -> list[int]:
-    """Ticks of the trips among EVENT records, in order."""
+    """Return the ticks of the trips among EVENT records, in order."""
     return [int(tick) for tick in events["tick"][events["kind"] == EventKind.TRIP]]
 
 
 class TripLog:
-    """Keeps the newest rows and writes those before each trip.
+    """Buffer of the newest rows that writes those before each trip.
 
     Args:
         folder: The run folder.
-        earlier: Trips that were reported before, to a recorder that died.
-        extent: Of the device.
+        earlier: Number of trips reported to an earlier recorder.
+        extent: Extent of the device.
     """
 
     def __init__(self, folder: Path, earlier: int = 0, extent: Extent = HAPTICMASTER) -> None:
@@ -85,14 +85,14 @@ class TripLog:
         self._rows = 0
 
     def note_events(self, events: Records) -> None:
-        """Look for trips among EVENT records [n]."""
+        """Note the trips among EVENT records [n]."""
         self._waiting += trip_ticks(events)
 
     def note_samples(self, samples: Records) -> None:
-        """Take SAMPLE records [n], in order, and write the trips whose rows are there.
+        """Take SAMPLE records [n], in order, and write the trips with complete rows.
 
         Raises:
-            OSError: The disk is full or failed; that trip stays unwritten.
+            OSError: The disk is full or failed; that trip is not written.
         """
         if len(samples) == 0:
             return
@@ -104,7 +104,7 @@ class TripLog:
             self._write_next()
 
     def finish(self) -> None:
-        """Write what is left with the rows there are.
+        """Write the remaining trips with the buffered rows.
 
         Raises:
             OSError: As `note_samples`.
@@ -121,9 +121,9 @@ class TripLog:
 
 
 def complete_trips(run: Run) -> list[tuple[int, Path]]:
-    """Write the trips of a run that have no log yet, from its rows; tick and file of each that has one then.
+    """Write the missing logs of trips from the rows of a run; return tick and file of each trip with a log.
 
-    Where the folder cannot be written, the trip has none.
+    A trip has none where the folder cannot be written.
     """
     found = []
     for number, tick in enumerate(trip_ticks(run.events)[:MOST_TRIPS]):
@@ -136,7 +136,7 @@ def complete_trips(run: Run) -> list[tuple[int, Path]]:
 
 
 def read_trip(path: Path) -> Records:
-    """SAMPLE records of a trip's log, shape [n]; [0] where it is damaged."""
+    """Return the SAMPLE records of a trip's log, shape [n]; empty where it is damaged."""
     layout = layout_of(read_schema(path))[0]
     found, _ = sorted_scan(path, lambda data: decode_samples(data, layout), layout.schema)
     pieces = [each.block.records for each in found]

@@ -30,19 +30,19 @@ class Verdict:
 
     @property
     def word(self) -> str:
-        """The run in one word: "verified", "damaged", "not verified", or how it ended where all losses were stated."""
+        """Verdict in one word: "verified", "damaged", "not verified", or the status where all losses were stated."""
         if self.status == "open":
             return "not verified"
         return "damaged" if self.fresh else "verified" if self.whole else self.status
 
     @property
     def losses(self) -> tuple[str, ...]:
-        """The problems without the sentence that only names the status."""
+        """Problems without the sentence on the status."""
         return tuple(sentence for sentence in self.problems if sentence != ending(self.status))
 
 
 def judge(run: Run) -> Verdict:
-    """The verdict on a run as its files are now."""
+    """Return the verdict on the present files of a run."""
     found = [*run.problems(), *run.disagreements()]
     trouble = run.manifest.problem if run.manifest else ""
     if trouble and not any(trouble in sentence for sentence in found):

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from mimics_app.maths import quat
 from mimics_app.world.scene_node import SceneNode
-from mimics_app.world.world import World
 
 if TYPE_CHECKING:
-    from mimics_app.world.motion.animator import Animator
     from mimics_app.world.motion.gait import Pace
-    from mimics_app.world.motion.machine import StateMachine
     from mimics_app.world.motion.pose import Pose
 
 __all__ = ["AlleyFigure"]
+
+Part = TypeVar("Part")
+"""An animator or a state machine."""
 
 _FASTEST = 1.3
 """Largest walking speed [m/s]."""
@@ -44,31 +45,32 @@ _FADE = 0.25
 
 
 class AlleyFigure:
-    """A node in an alley along -z, with a model that has the state "still" and legs that walk where the node goes.
+    """A node that moves along an alley (-z), with a model whose legs walk where the node goes.
 
     Args:
-        world: Of the node.
-        node: Is moved; its model stands on it or on a child of it. Without a model it only moves.
-        ahead: 1: a person looks along the node's +z as models do; -1: along its -z as cameras do.
+        node: The node; its model is at the node or at a child of it, and has the state "still". Without a model only
+            the node moves.
+        ahead: 1: the figure looks along the node's +z, as models do; -1: along its -z, as cameras do.
 
     Attributes:
-        along: Place along the alley [m].
-        aside: To its side, +x [m].
+        along: Position along the alley [m].
+        aside: Position to its side, +x [m].
     """
 
-    def __init__(self, world: World, node: SceneNode, ahead: float) -> None:
+    def __init__(self, node: SceneNode, ahead: float) -> None:
         self._node, self._ahead = node, ahead
-        self._machine = _machine_below(world, node)
+        self._animator = _below(node, node.world.motion.animators)
+        self._machine = _below(node, node.world.motion.machines)
         self._height = float(node.position[1])
         self._doing, self._walks = "", False
         self._yaw: float | None = None
         self.along, self.aside = -float(node.position[2]), 0.0
         self._speed, self._side_speed = 0.0, 0.0
-        self._walk_with(node)
+        self._add_walk()
 
     def hide_head(self) -> None:
         """Hide the model's head, for a camera at its eyes, by scaling it down."""
-        animator = _animator_below(self._node)
+        animator = self._animator
         if animator is None or "head" not in animator.rig.names:
             return
         head = animator.rig.slot("head")
@@ -123,9 +125,9 @@ class AlleyFigure:
             machine.enter(doing, _FADE)
         self._doing = doing
 
-    def _walk_with(self, node: SceneNode) -> None:
-        """Let the legs of the model below a node walk with it."""
-        animator = _animator_below(node)
+    def _add_walk(self) -> None:
+        """Let the legs of the model walk with the node."""
+        animator = self._animator
         if animator is None:
             return
         from mimics_app.world.motion.gait import Walk
@@ -177,13 +179,6 @@ def _eased(speed: float, left: float, seconds: float) -> float:
     return speed + min(max(wanted - speed, -change), change)
 
 
-def _animator_below(node: SceneNode) -> Animator | None:
-    """Return the animator of the model at a node or at a child of it."""
-    animators = node.world.motion.animators
-    return next((animators[each.index] for each in (node, *node.children) if each.index in animators), None)
-
-
-def _machine_below(world: World, node: SceneNode) -> StateMachine | None:
-    """Return the state machine of the model at a node or at a child of it."""
-    machines = world.motion.machines
-    return next((machines[each.index] for each in (node, *node.children) if each.index in machines), None)
+def _below(node: SceneNode, parts: Mapping[int, Part]) -> Part | None:
+    """Return the part, by the index of its node, of the model at a node or at a child of it."""
+    return next((parts[each.index] for each in (node, *node.children) if each.index in parts), None)

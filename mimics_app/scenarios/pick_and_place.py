@@ -15,12 +15,11 @@ from mimics_app.contracts.scenario_port import Scenario, TaskContext
 from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_scene
 from mimics_app.scenarios.body_nodes import BodyNodes
 from mimics_app.scenarios.picking import Picker, Sight
-from mimics_app.scenarios.robot_scene import robot_block, start_at, triple
+from mimics_app.scenarios.robot_scene import robot_block, robot_facts, start_at, triple
 from mimics_app.tasks.kinds.carry import carry_of
 from mimics_app.tasks.kinds.carry_spec import CarrySpec
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.hand import GraspingHand
-from mimics_app.world.components.robot import Robot
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.world import World
@@ -77,7 +76,6 @@ class PickAndPlace(Scenario):
 
     @property
     def facts(self) -> Mapping[str, Any]:
-        placed = self._scene.one(Robot)[1].robot_to_world
         grip = self._carry.grip
         return {
             "carry": {
@@ -87,7 +85,7 @@ class PickAndPlace(Scenario):
                 "within_m": self._carry.within,
                 "grasp_n": [grip.least, grip.most],
             },
-            "robot_to_world": {"rotation": placed.rotation, "translation": placed.translation},
+            **robot_facts(self._scene),
         }
 
     def scene_block(self) -> NDArray[Any]:
@@ -105,15 +103,8 @@ class PickAndPlace(Scenario):
     def aim(self, snapshot: HapticSnapshot) -> Aim | None:
         if not snapshot.poses[self._row, 3:7].any():
             return None
-        aim = self._picker.aim(
-            Sight(
-                time=snapshot.t_ns * 1e-9,
-                hand=triple(snapshot.hip_world),
-                body=triple(snapshot.poses[self._row]),
-                held=snapshot.held_body == self._row,
-            )
-        )
-        return aim
+        hand, body = triple(snapshot.hip_world), triple(snapshot.poses[self._row])
+        return self._picker.aim(Sight(snapshot.t_ns * 1e-9, hand, body, snapshot.held_body == self._row))
 
     def haptic_orders(self) -> Mapping[str, object]:
         return {} if self._guided_to is None else {f"effects.{_HELP}.position": triple(self._guided_to)}

@@ -15,11 +15,15 @@ from mimics_app.contracts.scenario_port import Home
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.reach import Reach
 from mimics_app.rendering.haptic.scene_block import scene_from_components
+from mimics_app.rendering.haptic.tunnel import TunnelCurve
 from mimics_app.world.components.robot import Admittance, Ball, JointPd, Robot, Safety, WorldPd
 from mimics_app.world.scene.placing import pose_of
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["Places", "Vec3", "robot_block", "start_at", "triple"]
+__all__ = ["Places", "Vec3", "even_points", "robot_block", "robot_facts", "start_at", "triple"]
+
+SPACING = 0.005
+"""Distance of the points of a path that a simulated person follows [m]."""
 
 
 def robot_block(scene: Scene) -> NDArray[Any]:
@@ -33,6 +37,18 @@ def robot_block(scene: Scene) -> NDArray[Any]:
         scene.first(WorldPd) or scene.first(JointPd),
         descriptor_of(robot.device),
     )
+
+
+def robot_facts(scene: Scene) -> Mapping[str, object]:
+    """Return the fact `robot_to_world` of a recording: rotation and translation [m]."""
+    placed = scene.one(Robot)[1].robot_to_world
+    return {"robot_to_world": {"rotation": placed.rotation, "translation": placed.translation}}
+
+
+def even_points(curve: TunnelCurve) -> NDArray[np.float64]:
+    """Return points along a curve at even distances of about `SPACING` [m], both ends included, shape [n, 3]."""
+    count = max(2, round(curve.length / SPACING) + 1)
+    return curve.point(curve.parameter_at(np.linspace(0.0, curve.length, count)))
 
 
 def _planned(admittance: Admittance, scene: Scene) -> Admittance:

@@ -16,7 +16,7 @@ from mimics_app.rendering.haptic.scene_effects import curve_of_path
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.scenarios.body_nodes import BodyNodes
 from mimics_app.scenarios.next_station import NextStation
-from mimics_app.scenarios.robot_scene import Places, robot_block, start_at
+from mimics_app.scenarios.robot_scene import SPACING, Places, even_points, robot_block, robot_facts, start_at
 from mimics_app.world.components.objects import HapticObject, HapticPath, InteractionPoints
 from mimics_app.world.components.robot import Ball, Patient, Robot
 from mimics_app.world.meshes.primitives import tube
@@ -25,9 +25,6 @@ from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
 __all__ = ["TouchScene"]
-
-_WAY_STEP = 0.005
-"""Distance of the points a simulated person sees along the path [m]."""
 
 _PATH_SIDES = 8
 _RINGS_PER_PIECE = 16
@@ -82,11 +79,7 @@ class TouchScene(Scenario):
 
     @property
     def facts(self) -> Mapping[str, Any]:
-        placed = self._robot.robot_to_world
-        return {
-            "bodies": list(self._objects.body_entities),
-            "robot_to_world": {"rotation": placed.rotation, "translation": placed.translation},
-        }
+        return {"bodies": list(self._objects.body_entities), **robot_facts(self._scene)}
 
     def scene_block(self) -> NDArray[Any]:
         return robot_block(self._scene)
@@ -114,13 +107,11 @@ class TouchScene(Scenario):
             names = tuple(entity for entity, _, _ in self._scene.components(HapticObject))
         points: list[NDArray[np.float64]] = []
         for name in names or paths:
-            points += self._along(name) if name in paths else [pose_of(self._scene, name)[0]]
+            if name in paths:
+                points += list(even_points(curve_of_path(self._scene, name)))
+            else:
+                points.append(pose_of(self._scene, name)[0])
         return points
-
-    def _along(self, path: str) -> list[NDArray[np.float64]]:
-        curve = curve_of_path(self._scene, path)
-        count = max(2, round(curve.length / _WAY_STEP) + 1)
-        return list(curve.point(curve.parameter_at(np.linspace(0.0, curve.length, count))))
 
     def _reachable(self, point: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the point itself, or the reachable point nearest to it in joint space [m]."""
@@ -155,10 +146,10 @@ def _inside(q: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.f
 
 
 def _evenly(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Points of a polyline `_WAY_STEP` apart, corners among them, shape [n, 3]."""
+    """Return points of a polyline at distances of about `SPACING`, its corners included, shape [n, 3]."""
     points = [corners[0]]
     for start, end in itertools.pairwise(corners):
-        steps = max(1, round(float(np.linalg.norm(end - start)) / _WAY_STEP))
+        steps = max(1, round(float(np.linalg.norm(end - start)) / SPACING))
         points += [start + (end - start) * (k + 1) / steps for k in range(steps)]
     path: NDArray[np.float64] = np.array(points)
     return path

@@ -14,18 +14,15 @@ from mimics_app.maths.quat import from_matrix
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_tunnel import built_tunnel, tunnel_of_scene
 from mimics_app.scenarios.body_nodes import BodyNodes
-from mimics_app.scenarios.robot_scene import Places, robot_block, start_at
+from mimics_app.scenarios.robot_scene import Places, even_points, robot_block, robot_facts, start_at
 from mimics_app.scenarios.tunnel_look import TunnelLook
 from mimics_app.tasks.kinds.tunnel import own_tunnel
-from mimics_app.world.components.robot import Ball, Robot, Tunnel
+from mimics_app.world.components.robot import Ball, Tunnel
 from mimics_app.world.components.visible import TunnelView
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
 __all__ = ["WavyTunnel"]
-
-_VIA_SPACING = 0.005
-"""Distance of the points a simulated person sees along the bisector [m]."""
 
 
 class WavyTunnel(Scenario):
@@ -43,7 +40,6 @@ class WavyTunnel(Scenario):
         self._scene = scene
         self._world = world
         self._own = own_tunnel(scene)
-        self._robot = scene.one(Robot)[1]
         self._curve, self._residual = tunnel_of_scene(scene, self._own)
         self._ball = world.find(scene.one(Ball)[0])
         self._bodies = BodyNodes(world, objects_of_scene(scene).body_entities)
@@ -58,14 +54,12 @@ class WavyTunnel(Scenario):
 
     @property
     def via_points_world(self) -> NDArray[np.float64]:
-        count = max(2, round(self._curve.length / _VIA_SPACING) + 1)
-        return self._curve.point(self._curve.parameter_at(np.linspace(0.0, self._curve.length, count)))
+        return even_points(self._curve)
 
     @property
     def facts(self) -> Mapping[str, Any]:
         s = np.linspace(0.0, len(self._curve.pieces), 241)
         product, _ = self._curve.max_radius_curvature
-        placed = self._robot.robot_to_world
         return {
             "bisector_world": self._curve.point(s).tolist(),
             "radius": self._curve.radius(s).tolist(),
@@ -73,7 +67,7 @@ class WavyTunnel(Scenario):
             "length_m": self._curve.length,
             "max_radius_curvature": product,
             "fit_residual_m": self._residual,
-            "robot_to_world": {"rotation": placed.rotation, "translation": placed.translation},
+            **robot_facts(self._scene),
         }
 
     def scene_block(self) -> NDArray[Any]:

@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 
 from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import TaskSpec
 
 __all__ = ["task_of_record", "task_record"]
@@ -21,12 +22,25 @@ class _TaskRecord(msgspec.Struct):
 
 def task_record(spec: TaskSpec, context: TaskContext) -> dict[str, Any]:
     """Return the record of a task and its context, with only those places that the task names."""
-    plain = msgspec.to_builtins(spec)
+    plain = _of_kinds_that_play(spec)
     known = set(context.places)
     places = {name: context.places[name] for name in dict.fromkeys(_texts(plain)) if name in known}
     record: dict[str, Any] = msgspec.to_builtins(_TaskRecord(plain, replace(context, places=places)))
     record["context"]["offers"].sort()  # of a set: no two processes have one order
     return record
+
+
+def _of_kinds_that_play(spec: TaskSpec) -> dict[str, Any]:
+    """Return the task as plain objects, without what other installed kinds add to each: it is replayed without them."""
+    plain: dict[str, Any] = msgspec.to_builtins(spec)
+    for kind in task_kinds():
+        if kind.section is None or spec.section(kind.name) is not None:
+            continue
+        del plain[kind.name]
+        for measure in kind.measures:
+            if spec.score.part(measure.part) == measure.default:
+                plain["score"].pop(measure.part, None)
+    return plain
 
 
 def task_of_record(record: Mapping[str, Any]) -> tuple[TaskSpec, TaskContext]:

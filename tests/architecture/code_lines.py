@@ -1,18 +1,21 @@
 """Lines of code of the package by part: `python -m tests.architecture.code_lines` prints the table of decision 137.
 
-A line counts that holds code: no docstring, no comment, no blank line, no import, no `__all__`.
+A line counts that holds code: no docstring, no comment, no blank line, no import, no `__all__`. With a commit the
+command also prints how many of today's lines are in files that existed then, renamed ones included.
 """
 
 from __future__ import annotations
 
 import ast
 import io
+import subprocess
+import sys
 import tokenize
 from collections import Counter
 from fnmatch import fnmatch
 from pathlib import Path
 
-from tests.architecture.sources import PACKAGE
+from tests.architecture.sources import PACKAGE, ROOT
 
 __all__ = ["code_lines", "count_parts"]
 
@@ -136,8 +139,34 @@ def count_parts(package: Path = PACKAGE) -> Counter[str]:
     return counts
 
 
+def _git(*words: str) -> str:
+    return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+
+
+def lines_since(commit: str) -> tuple[int, int, int]:
+    """(lines at a commit, today's files of the package that existed then under any name, their lines today)."""
+    then = [
+        path for path in _git("ls-tree", "-r", "--name-only", commit, PACKAGE.name).splitlines() if path.endswith(".py")
+    ]
+    known = set(then)
+    log = _git(
+        *("log", "--reverse", "--topo-order", "--no-merges", "--diff-filter=R", "--find-renames", "-l0"),
+        *("--name-status", "--format=", f"{commit}..HEAD", "--", PACKAGE.name),
+    )
+    for line in filter(None, log.splitlines()):
+        _, before, after = line.split("\t")
+        if before in known:
+            known.add(after)
+    today = [file for file in PACKAGE.rglob("*.py") if file.relative_to(ROOT).as_posix() in known]
+    lines = sum(code_lines(_git("show", f"{commit}:{path}")) for path in then)
+    return lines, len(today), sum(code_lines(file.read_text(encoding="utf-8")) for file in today)
+
+
 if __name__ == "__main__":
     found = count_parts()
     for name, (budget, _) in {**PARTS, REST: (44_000, ())}.items():
         print(f"| {name} | {found[name]:,} | {budget:,} |")
     print(f"| all | {found.total():,} | {sum(budget for budget, _ in PARTS.values()) + 44_000:,} |")
+    for commit in sys.argv[1:]:
+        lines, files, today = lines_since(commit)
+        print(f"{commit}: {lines:,} lines then; {today:,} of today's lines are in {files} files that existed then")

@@ -107,7 +107,8 @@ def test_linear_algebra_can_still_be_called_by_compiled_functions() -> None:
     assert list(kernel(product)(2.0 * np.eye(3), np.arange(3.0))) == [0.0, 2.0, 4.0]
 
 
-def test_a_run_needs_no_template_engine_before_its_report() -> None:
+def test_a_run_needs_no_template_engine_before_its_report_and_no_renderer_before_its_picture() -> None:
     """What plays a session, and the module of the report itself, are there before the page is made."""
-    code = "import mimics_app.app.play.play, mimics_app.recording.report"
-    assert not _modules_after(code) & {"jinja2"}
+    code = "import mimics_app.app.play.play, mimics_app.app.session.asked, mimics_app.recording.report"
+    late = {"jinja2", "moderngl", "mimics_app.rendering.visual.renderer", "mimics_app.rendering.visual.displays"}
+    assert not _modules_after(code) & late

@@ -19,6 +19,7 @@ LOOP_WRITES |= {f"{ring}s" for ring in RINGS} | {f"{ring}_words" for ring in RIN
 """Fields of `SessionMemory` that are written in a tick."""
 
 READERS = {
+    "app/bench/fault_bench.py",
     "app/session/switched_off.py",
     "lab/methods_tick.py",
     "lab/stability/s15_late_ticks.py",

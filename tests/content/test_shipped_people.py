@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from mimics_app.builders.avatars.face_shape import EYE_RADIUS
@@ -61,6 +63,19 @@ def test_normals_are_as_long_as_they_should_be(shipped: Shipped) -> None:
         for primitive in mesh["primitives"]:
             normals = accessors.floats(primitive["attributes"]["NORMAL"], f"/meshes/{number}", "VEC3")
             assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_every_surface_encloses_what_is_inside_of_it(shipped: Shipped) -> None:
+    """Ears, locks of hair and a tail were inside out: of them the farther half was drawn."""
+    for part, piece in shipped.parts.items():
+        _, same = np.unique(np.round(piece.places, 6), axis=0, return_inverse=True)
+        corners = same.reshape(-1)[piece.triangles]
+        pairs = (np.ones(2 * len(corners)), (corners[:, :2].ravel(), corners[:, 1:].ravel()))
+        surfaces = connected_components(coo_array(pairs, shape=(same.max() + 1,) * 2), directed=False)[1]
+        for surface in np.unique(surfaces):
+            own = piece.triangles[surfaces[corners[:, 0]] == surface]
+            if len(own):
+                assert volume(piece.places - piece.places[own[0, 0]], own) > 0.0, (part, len(own))
 
 
 def test_bends_turn_no_triangle_inside_out(shipped: Shipped, bent: Bent) -> None:

@@ -146,7 +146,7 @@ def test_touch_runs_on_while_the_picture_is_made_anew(tmp_path, capsys):
         session.end_stages()
         assert session.haptics.histogram().ticks >= last > seen[-1][1]
         session.finish({})
-    assert capsys.readouterr().err.count("the picture was lost (the driver was reset) and is made anew") == 2
+    assert capsys.readouterr().err.count("the picture was lost (the driver was reset) and is created again") == 2
 
 
 def test_a_picture_that_is_lost_for_good_ends_the_run_in_order(tmp_path, capsys, monkeypatch):

@@ -15,7 +15,6 @@ from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.displays.headset import RawHeadset
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec
 from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
-from mimics_app.rendering.visual.displays.lens import undistort
 from mimics_app.rendering.visual.displays.simulated_headset import SimulatedRuntime
 from mimics_app.rendering.visual.displays.stereo import DUBOIS_RED_CYAN, StereoDisplay, parallax
 from mimics_app.rendering.visual.displays.wall_file import load_walls
@@ -27,6 +26,7 @@ from mimics_app.rendering.visual.surfaces.headless import read_pixels
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
 from tests.golden.test_projection import PLAIN, centroid, make_disc_world
+from tests.support.lens import undistort
 
 FOV = math.radians(50.0)
 SIZE = (320, 240)

@@ -101,4 +101,4 @@ def test_doctor_says_which_cannot_be_had(answers: dict[str, Answer]) -> None:
     rows = json.loads(answers["doctor"].stdout)["plugins"]
     faults = {row["name"]: row["error"] for row in rows if row["group"] == "mimics_app.components"}
     assert faults["rain"] == faults["snow"] == ""
-    assert "AttributeError" in faults["hail"] and "another component has that name" in faults["mesh"]
+    assert "AttributeError" in faults["hail"] and "has the name of another component" in faults["mesh"]

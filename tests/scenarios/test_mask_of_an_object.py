@@ -57,7 +57,7 @@ def play(folder: Path, hand: np.ndarray, ticks: int, transform: dict[str, Any], 
     engine = side.engine(memory, plugin)
     block = scene_from_components()
     block["controller"], block["passivity"], block["cap"] = Controller.ADMITTANCE, 0, 0
-    side.parameter_store(block).hand_to(engine.publish)
+    side.parameter_store(block).send_to(engine.publish)
     engine.advance(ticks)
     samples = np.zeros(len(memory.samples), SAMPLE)
     count = ring.drain(memory.sample_words, memory.samples, samples)

@@ -132,10 +132,10 @@ def test_the_planner_takes_the_cheapest_within_and_that_one_runs(answers: dict[o
     said = "".join(answer.stderr for answer in answers.values())  # once in a process
     for name, why in {
         "broken": "its plug-in lab_of_guesses:no_such_thing cannot be imported: AttributeError",
-        "wrong": "its plug-in is not a mimics_app.world.scene.method_plugins.MethodPlugin",
-        "odd": 'no tolerance bounds an error in "parsec"',
+        "wrong": "its plug-in lab_of_guesses:Guesser is not a mimics_app.world.scene.method_plugins.MethodPlugin",
+        "odd": 'its plug-in lab_of_guesses:ODD has errors in "parsec", which no tolerance bounds',
     }.items():
-        assert f'mimics: the methods "{name}" are left out: {why}' in said
+        assert f'mimics: the entry of methods "{name}" is left out: {why}' in said
 
 
 def test_explain_says_what_it_costs_and_errs(answers: dict[object, Answer]) -> None:

@@ -59,7 +59,7 @@ def test_only_reported_the_wall_stays_as_stiff_as_authored():
     assert (kinds == EventKind.MARGIN).sum() == 1 and not (kinds == EventKind.CAP).any()
 
 
-def test_a_healthy_wall_is_left_alone():
+def test_a_healthy_wall_is_frozen_objects():
     bench = _pressed(0.5 * _limit(OWN + WALL, 4e-3), 4e-3)
     assert (bench.advance(1200)["stiffness_share"] == 1.0).all()
     assert not (bench.engine.events()["kind"] == EventKind.CAP).any()

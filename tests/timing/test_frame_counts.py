@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mimics_app.app.bench.frame_counts import count_cards, count_frame, count_materials, count_nodes
+from mimics_app.app.bench.frame_counts import count_cards, count_frame, count_nodes
 
 
 def test_nodes_cost_no_call():
@@ -12,7 +12,7 @@ def test_nodes_cost_no_call():
 
 
 def test_a_draw_costs_a_few_calls():
-    few, many = count_materials(16), count_materials(32)
+    few, many = count_nodes(256, 16), count_nodes(256, 32)
     assert 0.0 < (many.calls - few.calls) / 16 <= 14.0
 
 

@@ -15,6 +15,8 @@ from mimics_app.contracts.resources import root
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.world.components.objects import HapticObject
 from mimics_app.world.components.registry import component_types
+from mimics_app.world.scene.file import REGISTERING
+from tests.architecture.sources import imports, modules
 
 PAGE = (root() / "docs" / "blocks.md").read_text(encoding="utf-8")
 EXAMPLES = root() / "scenes" / "examples"
@@ -127,3 +129,12 @@ def test_examples_cover_every_shape_effect_and_signal():
     assert {kind for rows in made for kind in rows.effects["kind"]} == set(EffectKind)
     assert {source for rows in made for source in rows.wires["source"]} == set(SignalSource)
     assert {target for rows in made for target in rows.wires["target"]} == set(SignalTarget)
+
+
+def test_every_module_that_registers_a_component_or_a_check_is_imported_before_scenes_are_read():
+    """Else a new type is unknown to scenes that do not happen to import it otherwise."""
+    registry = "mimics_app.world.components.registry."
+    calls = {registry + name for name in ("component", "register_check", "register_limit", "register_system")}
+    registering = {path for path, tree in modules().items() if calls & {name for _, name in imports(tree)}}
+    named = {module.__name__.removeprefix("mimics_app.").replace(".", "/") + ".py" for module in REGISTERING}
+    assert {path for path in registering if path.startswith("world/components/")} == named

@@ -136,6 +136,8 @@ def test_nohup_is_respected() -> None:
             "bench physio has no figure nonsense; it has noise, detectors",
         ),
         (["bench", "physio", "detectors"], "no folder for the figure detectors"),
+        (["run", "wavy_tunnel", "--learn", "\x1b]0;title\x07"], '"\\x1b]0;title\\x07"'),
+        (["run", "wavy_tunnel", "--runs=--"], '"--" is no value of --runs'),
         (["physio", "sim:healthy", "--page", ""], 'argument --page: "" is a folder; name a file to write'),
         (["render", "wavy_tunnel", "--audio", "."], 'argument --audio: "." is a folder; name a file to write'),
     ],

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from mimics_app.app.play.collector import left_alone
+from mimics_app.app.play.collector import frozen_objects
 
 
 @pytest.fixture(autouse=True)
-def nothing_left_alone_before() -> Iterator[None]:
+def nothing_frozen_before() -> Iterator[None]:
     """What the suite itself put away comes back for these tests."""
     gc.unfreeze()
     yield
@@ -25,8 +25,9 @@ class _Ring:
 
 
 def test_what_exists_is_left_out_and_what_is_made_is_found():
+    gc.collect()
     before = len(gc.get_objects())
-    with left_alone():
+    with frozen_objects():
         assert gc.get_freeze_count() > 0.5 * before
         assert len(gc.get_objects()) < 0.1 * before
         dropped = weakref.ref(_Ring())
@@ -38,9 +39,9 @@ def test_what_exists_is_left_out_and_what_is_made_is_found():
 def test_a_session_that_breaks_off_leaves_the_collector_as_it_was():
     ring = _Ring()
     seen = weakref.ref(ring)
-    with pytest.raises(RuntimeError), left_alone():
+    with pytest.raises(RuntimeError), frozen_objects():
         raise RuntimeError
     assert gc.get_freeze_count() == 0
     del ring
     gc.collect()
-    assert seen() is None, "what was left alone is found afterwards"
+    assert seen() is None, "what was frozen is found afterwards"

@@ -18,7 +18,7 @@ from mimics_app.maths.poses import pose_from_parts, rotation_from_vector
 from mimics_app.rendering.visual.displays.headset import RawHeadset, seen_tangents
 from mimics_app.rendering.visual.displays.headset_file import EyeSpec, HeadsetSpec, LensSpec, load_headset
 from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
-from mimics_app.rendering.visual.displays.lens import distort, undistort
+from mimics_app.rendering.visual.displays.lens import distort
 from mimics_app.rendering.visual.displays.off_axis import Rectangle, look_through
 from mimics_app.rendering.visual.displays.simulated_headset import SimulatedRuntime
 from mimics_app.rendering.visual.displays.stereo import STEREO_KINDS, StereoDisplay, parallax
@@ -27,6 +27,7 @@ from mimics_app.rendering.visual.displays.walls import WallDisplay
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.passes.hud import plane_of_views
 from mimics_app.rendering.visual.view import View
+from tests.support.lens import undistort
 
 FOV = math.radians(50.0)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from tests.architecture.sources import ROOT
+from tests.architecture.sources import PACKAGE, ROOT, repository_files
 
 DOCS = ROOT / "docs"
 LINK = re.compile(r"\]\(([^)#:]+)\)")
@@ -26,3 +26,26 @@ def test_every_page_stands_in_the_index_and_every_link_leads_somewhere() -> None
     assert all(target.exists() for target in linked)
     pages = {page for page in DOCS.rglob("*.md") if "decisions" not in page.parts and page.name != "index.md"}
     assert {page for page in pages if page.resolve() not in linked} == set()
+
+
+def _absent(page: str) -> list[str]:
+    """Files, and functions and classes of files ("file.py: name"), that a page names and the repository lacks."""
+    stubs = PACKAGE.rglob("*.pyi")
+    texts = {path.relative_to(ROOT).as_posix(): path for path in (*repository_files(), *stubs)}
+    found = []
+    for place, name in re.findall(r"`([\w/]*/[\w./]*|\w+\.pyi?)(?:: (\w+)[^`]*)?`", page):
+        ending = re.compile(rf"(^|/){re.escape(place.rstrip('/'))}(/|$)")
+        files = [path for where, path in texts.items() if ending.search(where)]
+        defined = any(re.search(rf"(def|class) {name}\b", file.read_text(encoding="utf-8")) for file in files if name)
+        if "NAME" not in place and (not files or (name and not defined)):
+            found.append(f"{place}: {name}")
+    return found
+
+
+def test_every_file_and_function_that_the_page_of_the_architecture_names_exists() -> None:
+    assert not _absent((DOCS / "architecture.md").read_text(encoding="utf-8"))
+
+
+def test_a_file_or_a_function_that_is_gone_is_found() -> None:
+    page = "`kernels/tick.py: tick`, `kernels/tick.py: tock`, `kernels/tock.py`, `loop_tick.py`, `app/cues/`, `clues/`"
+    assert _absent(page) == ["kernels/tick.py: tock", "kernels/tock.py: ", "clues/: "]

@@ -109,8 +109,8 @@ def test_a_folder_is_asked_for_without_a_word(tmp_path, capsys):
 def test_an_ffmpeg_that_gives_up_is_reported_in_its_own_words(tmp_path, ffmpeg, capsys):
     ffmpeg(_BROKEN)
     film = shoot(tmp_path / "out.mp4", [n / 60 for n in range(200)])
-    assert film.problem == "ffmpeg gave up: Unknown encoder"
-    assert capsys.readouterr().err == f"mimics: film {tmp_path}/out.mp4: ffmpeg gave up: Unknown encoder\n"
+    assert film.problem == "ffmpeg failed: Unknown encoder"
+    assert capsys.readouterr().err == f"mimics: film {tmp_path}/out.mp4: ffmpeg failed: Unknown encoder\n"
 
 
 def test_a_live_film_drops_what_the_thread_cannot_take_and_counts_it(tmp_path, capsys):

@@ -107,7 +107,7 @@ def test_a_level_is_shown_where_its_error_is_a_pixel(tmp_path):
     assert twice.coverages[0] == pytest.approx(4.0 * levels.coverages[0])
 
 
-def test_what_has_levels_is_left_alone_and_so_is_what_gets_no_smaller(tmp_path):
+def test_what_has_levels_is_frozen_objects_and_so_is_what_gets_no_smaller(tmp_path):
     file, _ = write_ball(tmp_path)
     write_levels(file, tmp_path / "once.glb")
     assert write_levels(tmp_path / "once.glb", tmp_path / "twice.glb") == []

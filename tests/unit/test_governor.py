@@ -63,7 +63,7 @@ def test_a_fast_frame_loses_nothing():
 
 def test_steps_go_in_the_order_of_their_cost_to_the_eye():
     play, _, lines = _play()
-    play.run(20.0, lambda: 40.0 * 0.9 ** len(play.governor.given_up))
+    play.run(20.0, lambda: 40.0 * 0.9 ** len(play.governor.lowered))
     assert [(line["step"], line["level"], line["way"]) for line in lines] == [
         ("shadow size", "256", "down"),
         ("resolution scale", "0.75", "down"),
@@ -173,7 +173,7 @@ def test_shares_count_every_frame_once():
     play, _, lines = _play(fixed=("shadows",))
     play.run(3.0, 10.0)
     before = play.frames
-    play.run(10.0, lambda: 40.0 if len(play.governor.given_up) < 3 else 36.0)
+    play.run(10.0, lambda: 40.0 if len(play.governor.lowered) < 3 else 36.0)
     summary = play.governor.summary()
     assert sum(summary["shares"].values()) == pytest.approx(1.0) and summary["moves"] == len(lines) == 3
     assert set(summary["shares"]) == {FULL, "shadow size 256", "resolution scale 0.75", "resolution scale 0.5"}
@@ -191,7 +191,7 @@ def test_a_run_starts_from_a_quality_it_can_hold():
     """40 ms, and three quarters of that with every level given up: three levels bring it to 16.9 ms, four have room."""
     play, steps, lines = _play()
     play.governor.settle(lambda: _costs(steps, 40.0, 0.75))
-    assert play.governor.given_up == list(play.governor.steps)
+    assert play.governor.lowered == list(play.governor.steps)
     assert [line["way"] for line in lines] == ["start"] * 4
     play.run(60.0, lambda: _costs(steps, 40.0, 0.75))
     assert len(lines) == 4, "neither up, which would be over the budget, nor down"
@@ -215,7 +215,7 @@ def test_what_was_held_is_where_the_next_run_starts(tmp_path):
     assert held is not None and second.governor.start_from(held)
     second.run(60.0, lambda: _costs(steps, 30.0, 0.7))
     assert [line["way"] for line in lines] == ["start", "start"]
-    assert second.governor.given_up == first.governor.given_up
+    assert second.governor.lowered == first.governor.lowered
 
 
 def test_what_other_levels_held_is_passed_over():
@@ -242,7 +242,7 @@ def test_a_folder_that_cannot_be_written_is_no_fault(tmp_path):
     assert kept.find("tunnel") is None
 
 
-def test_a_last_level_that_buys_nothing_is_given_back_and_left_alone():
+def test_a_last_level_that_buys_nothing_is_given_back_and_frozen_objects():
     """At the start and while running; and one in the middle of the ladder stays, for what comes after it helps."""
     cost = {"shadows": (1.0, 0.98), "resolution scale": (1.0, 1.0, 0.6), "shadow size": (1.0, 0.9)}
     for early in (True, False):
@@ -254,7 +254,7 @@ def test_a_last_level_that_buys_nothing_is_given_back_and_left_alone():
         if early:
             play.governor.settle(frame_ms)
         play.run(30.0, frame_ms)
-        assert play.governor.given_up == ["shadow size 256", "resolution scale 0.75", "resolution scale 0.5"]
+        assert play.governor.lowered == ["shadow size 256", "resolution scale 0.75", "resolution scale 0.5"]
         assert steps["shadows"].raised == [1, 0]
         assert [line["level"] for line in lines if line["step"] == "shadows"] == ["off", "on"]
 

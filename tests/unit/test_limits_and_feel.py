@@ -64,7 +64,7 @@ def test_nothing_that_runs_changes_a_limit(name: str):
 def test_the_device_is_fitted_before_the_first_block_and_never_after():
     store = ParameterStore(scene_from_components())
     store.fit({"device_delay": 0.004, "passivity": 0})
-    store.hand_to(lambda block, rows: None)
+    store.send_to(lambda block, rows: None)
     assert (store.block["device_delay"][0], store.block["passivity"][0]) == (0.004, 0)
     with pytest.raises(UsageError, match="once"):
         store.fit({"device_delay": 0.0})
@@ -74,7 +74,7 @@ def test_the_device_is_fitted_before_the_first_block_and_never_after():
 def test_a_reloaded_scene_keeps_the_limits_of_the_start_and_says_whether_it_asks_for_others(safety, others):
     store = ParameterStore(scene_from_components())
     store.fit({"device_delay": 0.004, "late_latches": 0})
-    store.hand_to(lambda block, rows: None)
+    store.send_to(lambda block, rows: None)
     store.change({"virtual_mass": 4.0})
     assert store.replace(scene_from_components(admittance=Admittance(damping=7.0), safety=safety)) is others
     record = store.block[0]

@@ -9,7 +9,7 @@ import pytest
 
 from mimics_app.app.picture.methods import with_methods
 from mimics_app.app.picture.picture import live_quality, picture_quality
-from mimics_app.app.planner.explain import describe_plan, explain_plan
+from mimics_app.app.planner.explain import explain_plan
 from mimics_app.app.planner.plan import ROOM, plan_scene
 from mimics_app.app.planner.uses import USES
 from mimics_app.contracts.method_table import Row, Table
@@ -131,7 +131,7 @@ def test_what_a_frame_does_not_bear_gives_way_to_the_best_it_bears_and_says_why(
     too_dear = {"method": "4 samples", "error": 0.08, "more_ms": 10.0, "room_ms": ROOM_MS - 2.0}
     assert edges["too_dear"] == pytest.approx(too_dear)
     assert edges["more_ms"] == pytest.approx(3.0)
-    json.dumps(describe_plan(loaded, plan), allow_nan=False)
+    json.dumps(explain_plan(loaded, plan), allow_nan=False)
 
 
 def test_what_is_taken_leaves_less_for_what_is_missed_less(of):
@@ -178,7 +178,7 @@ def test_what_a_scene_states_is_obeyed(of, visual, group, method, pixels):
     loaded = of(**visual)
     plan = plan_scene(loaded, "study", planted(), pixels)
     assert plan.settings[group] == (SETTINGS[group][method] if isinstance(method, str) else method)
-    json.dumps(describe_plan(loaded, plan), allow_nan=False)
+    json.dumps(explain_plan(loaded, plan), allow_nan=False)
 
 
 def test_darkening_the_finished_picture_is_never_chosen_for_speed(of):
@@ -210,7 +210,7 @@ def test_a_wide_scene_gets_cascades_by_itself(of, places, mesh, distance):
     assert plan.settings["sun shadows"]["cascaded"] is (distance > 0.0)
     notes = [part["note"] for part in explain_plan(loaded, plan)["parts"] if part["group"] == "sun shadows"]
     assert notes == [
-        f"seen to {distance:g} m from the eye in 3 maps: bodies are spread over more than one map holds"
+        f"to {distance:g} m from the camera in 3 maps: bodies are spread over more than one map holds"
         if distance
         else ""
     ]
@@ -259,7 +259,7 @@ def test_a_plan_made_before_a_live_picture_is_open_says_nothing_of_it(of):
     loaded = of(bloom=0.2)
     plan = plan_scene(loaded, "training", planted()).without_picture
     assert not {"sun shadows", "anti aliasing", "bloom"} & set(plan.methods)
-    assert "filter of edges, per frame" not in {left["part"] for left in describe_plan(loaded, plan)["left_out"]}
+    assert "filter of edges, per frame" not in {left["part"] for left in explain_plan(loaded, plan)["left_out"]}
 
 
 def test_every_method_of_the_catalogue_has_settings_that_draw_it():

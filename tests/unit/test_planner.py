@@ -12,7 +12,7 @@ import msgspec
 import pytest
 
 from mimics_app.app.picture.methods import with_methods
-from mimics_app.app.planner.explain import OF_OBJECTS, TICK_GROUP, describe_plan, explain_plan
+from mimics_app.app.planner.explain import OF_OBJECTS, TICK_GROUP, explain_plan
 from mimics_app.app.planner.plan import choose, load_table, plan_scene, settle
 from mimics_app.app.planner.tolerances import BY_PROFILE, tolerances_of
 from mimics_app.app.planner.uses import NOT_PLANNED, USES
@@ -159,7 +159,7 @@ def test_a_method_the_scene_names_runs_although_the_table_lacks_it(scene):
     scene.systems["haptic"] = HapticSettings(projection="brute force")
     plan = plan_scene(scene, "training", planted())
     assert plan.settings["tunnel projection"] == {"projection": "brute force"}
-    json.dumps(describe_plan(scene, plan))
+    json.dumps(explain_plan(scene, plan))
 
 
 @pytest.mark.parametrize("name", ["newton one step", "newton warm"])
@@ -187,7 +187,7 @@ def test_the_product_runs_the_same_under_other_names_of_the_methods(name, profil
     ours, theirs = (plan_scene(scene, profile, each, 640 * 360) for each in (table, renamed(table)))
     assert ours.settings == theirs.settings and ours.methods != theirs.methods
     assert with_methods(RenderSettings(), ours.settings) == with_methods(RenderSettings(), theirs.settings)
-    parts = describe_plan(scene, ours)["parts"], describe_plan(scene, theirs)["parts"]
+    parts = explain_plan(scene, ours)["parts"], explain_plan(scene, theirs)["parts"]
     assert [part["tick_us"] for part in parts[0]] == [part["tick_us"] for part in parts[1]]
 
 
@@ -337,7 +337,7 @@ def test_sound_that_is_not_there_is_left_out_with_its_cost(scene):
 )
 def test_what_only_objects_need_is_left_out_where_none_is(name, ticks, left):
     scene = load_checked_scene(root() / "scenes" / f"{name}.json")
-    reported = describe_plan(scene, plan_scene(scene, "training"))
+    reported = explain_plan(scene, plan_scene(scene, "training"))
     assert [part["part"] for part in reported["parts"] if part["group"] == TICK_GROUP] == ([ticks] if ticks else [])
     assert len({*OF_OBJECTS.values()} & {part["part"] for part in reported["left_out"]}) == left
 
@@ -374,7 +374,7 @@ def test_a_table_saved_before_methods_had_settings_is_passed_over(tmp_path, monk
         (
             "pick_and_place",
             {"force of a contact", "friction of a contact", "bodies that move and collide", "bodies, at rest", "grip"}
-            | {"motion of the virtual mass", "turning of bodies", "touching a shape", "direction of sounds"},
+            | {"motion of the virtual mass", "rotation of bodies", "touching a shape", "direction of sounds"},
         ),
         ("examples/springs_and_magnets", {"effects and force fields", "motion of the virtual mass"}),
         ("examples/surfaces", {"force of a contact", "friction of a contact", "touching a shape"}),
@@ -382,7 +382,7 @@ def test_a_table_saved_before_methods_had_settings_is_passed_over(tmp_path, monk
 )
 def test_every_part_that_runs_is_listed(name, wanted):
     scene = load_checked_scene(root() / "scenes" / f"{name}.json")
-    parts = describe_plan(scene, plan_scene(scene, "training", Table.load_shipped()))["parts"]
+    parts = explain_plan(scene, plan_scene(scene, "training", Table.load_shipped()))["parts"]
     assert wanted <= {part["part"] for part in parts}
     alone = {part["group"] for part in parts if "no rival" in part["note"]}
     assert alone <= {"friction", "rotation update", "tunnel frame", ""}

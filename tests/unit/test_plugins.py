@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import ast
+import importlib.metadata
 import json
+import re
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -10,15 +14,21 @@ import pytest
 
 from mimics_app.app import cli
 from mimics_app.app.installation import plugins, probes
-from mimics_app.app.installation.plugins import GROUPS, list_plugins
+from mimics_app.app.installation.plugins import list_plugins, plugin_groups, report_group
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 from mimics_app.contracts.resources import root
 from mimics_app.inputs.physio.sources import open_source
 from mimics_app.learning.registry import build_policy
+from mimics_app.rendering.haptic.devices.device_names import PLUGINS as DEVICES
 from mimics_app.rendering.haptic.devices.device_names import find_plugin
 from mimics_app.world.scene.file import load_scene
 from mimics_app.world.world import World
+from tests.architecture.sources import modules, nodes
+from tests.support.command import Answer, mimics_with
+from tests.support.plugin_site import write_package
+
+ROOT = Path(__file__).resolve().parents[2]
 
 _ENTRY_POINTS = """
 [mimics_app.devices]
@@ -76,7 +86,7 @@ def test_each_plug_in_is_reported_with_its_package(installed: None) -> None:
     assert "lab_that_is_lost" in reports["lost_robot"].error
     assert "no_such_thing" in reports["half"].error
     assert "not a subclass of" in reports["no_component"].error
-    assert "not an object of mimics_app.tasks.kinds.kind.TaskKind" in reports["no_kind"].error
+    assert "is not a mimics_app.tasks.kinds.kind.TaskKind" in reports["no_kind"].error
 
 
 def test_each_stage_names_a_plug_in_that_fails_in_one_line(installed: None) -> None:
@@ -89,33 +99,80 @@ def test_each_stage_names_a_plug_in_that_fails_in_one_line(installed: None) -> N
         find_plugin("left_robot")
     scene = load_scene(root() / "scenes" / "wavy_tunnel.json")
     scene.scenario = "half"
-    with pytest.raises(SceneError, match="#/scenario: its plug-in lab_of_somebody:no_such_thing cannot be imported"):
+    with pytest.raises(SceneError, match="its plug-in lab_of_somebody:no_such_thing cannot be imported"):
         open_scenario(scene, World())
 
 
 def test_one_group_is_asked_alone(installed: None) -> None:
-    assert {report.group for report in list_plugins("mimics_app.devices")} == {"mimics_app.devices"}
+    assert {report.group for report in report_group(DEVICES)} == {"mimics_app.devices"}
 
 
 def test_every_group_that_is_announced_is_loaded() -> None:
     """A plug-in of a group that nothing loads would be called ok by doctor and do nothing."""
-    from mimics_app.app.scenes import catalogue
-    from mimics_app.inputs.physio import sources
-    from mimics_app.learning import registry as policies
-    from mimics_app.rendering.haptic import force_fields
-    from mimics_app.rendering.haptic.devices import device_names
-    from mimics_app.tasks.kinds import registry
-    from mimics_app.world.components import plugins
-    from mimics_app.world.scene import method_plugins
-
-    assert set(GROUPS) == {
-        place.ENTRY_POINT_GROUP
-        for place in (catalogue, force_fields, device_names, registry, plugins, method_plugins, policies, sources)
+    declared = {
+        str(getattr(node.args[0], "value", ""))
+        for tree in modules().values()
+        for node in nodes(tree)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "PluginGroup"
     }
+    assert {group.name for group in plugin_groups()} == declared
 
 
 def test_no_plug_ins_is_no_error() -> None:
-    assert [report for report in list_plugins(*GROUPS) if report.error] == []
+    assert [report for report in list_plugins() if report.error] == []
+
+
+GROUPS = [group.name for group in plugin_groups()]
+WRONG = "".join(f"[{group}]\nseven = lab_of_faults:SEVEN\ntorn = lab_of_faults:missing\n" for group in GROUPS)
+HALF = """
+SEVEN = 7
+
+class Half:
+    def begin(self, start, rng): ...
+    def act(self): ...
+"""
+
+
+def test_what_a_group_cannot_use_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    half = "[mimics_app.policies]\nhalf = lab_of_faults:Half\n"
+    monkeypatch.syspath_prepend(str(write_package(tmp_path, "lab_of_faults", HALF, WRONG.replace(half[:22], half))))
+    faults = {(report.group, report.name): report.error for report in list_plugins()}
+    assert all(faults[group, name] for group in GROUPS for name in ("seven", "torn"))
+    assert faults["mimics_app.policies", "half"] == "lacks learn, see mimics_app.learning.policy.Policy"
+
+
+@pytest.fixture(scope="module")
+def refusals(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Answer]:
+    """What commands say that need a wrong plug-in, by its group."""
+    site = write_package(tmp_path_factory.mktemp("site"), "lab_of_faults", HALF, WRONG)
+    document = json.loads((root() / "scenes" / "examples" / "free_objects.json").read_text())
+    scene = site / "scene.json"
+    scene.write_text(json.dumps({**document, "scenario": "torn"}))
+    commands: dict[str, tuple[object, ...]] = {
+        "mimics_app.task_kinds": ("check", "wavy_tunnel"),
+        "mimics_app.scenarios": ("check", scene),
+        "mimics_app.policies": ("run", "wavy_tunnel", "--headless", "--learn", "seven"),
+        "mimics_app.signal_sources": ("run", "wavy_tunnel", "--headless", "--physio", "seven"),
+        "mimics_app.devices": ("run", "wavy_tunnel", "--headless", "--device", "seven"),
+    }
+    return dict(zip(commands, mimics_with(site, *commands.values()), strict=True))
+
+
+@pytest.mark.parametrize(
+    ("group", "code", "said"),
+    [
+        ("mimics_app.task_kinds", 0, 'the kind of task "seven" is left out: its plug-in lab_of_faults:SEVEN is not a'),
+        ("mimics_app.scenarios", 3, '#/scenario: the scenario "torn" is not available; its plug-in lab_of_faults:'),
+        ("mimics_app.policies", 2, 'the policy "seven" is not available: its plug-in lab_of_faults:SEVEN cannot be'),
+        ("mimics_app.signal_sources", 4, 'the source of body signals "seven" is not available: its plug-in lab_of'),
+        ("mimics_app.devices", 4, 'the device "seven" is not available: its plug-in lab_of_faults:SEVEN cannot be'),
+    ],
+)
+def test_a_wrong_plug_in_ends_only_what_needs_it(refusals: dict[str, Answer], group: str, code: int, said: str) -> None:
+    """Each is one line with its place, not a traceback; the tunnel runs beside a kind of task that is none."""
+    everything = "".join(answer.stderr for answer in refusals.values())  # a wrong kind is reported once in a process
+    assert refusals[group].returncode == code, refusals[group].stderr
+    assert said in everything and "Traceback" not in everything
 
 
 def test_doctor_lists_plug_ins_that_fail(
@@ -133,6 +190,26 @@ def test_doctor_says_that_no_plug_in_is_installed(
     monkeypatch.setattr(plugins, "list_plugins", list)
     assert cli.main(["doctor"]) == 0
     assert "Plug-ins\n      none installed\n" in capsys.readouterr().out
+
+
+def test_doctor_lacks_a_package_that_a_run_needs(
+    answers: dict[str, Any], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The required packages are those of the distribution itself: a list of its own would fall behind them."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    required = [re.split("[<>=]", each)[0].lower() for each in project["dependencies"]]
+    known = importlib.metadata.version
+
+    def version(name: str) -> str:
+        if name == required[-1]:
+            raise importlib.metadata.PackageNotFoundError(name)
+        return known(name)
+
+    monkeypatch.setattr(importlib.metadata, "version", version)
+    assert cli.main(["doctor", "--json"]) == 4
+    versions = json.loads(capsys.readouterr().out)["versions"]
+    assert set(required) <= set(versions)
+    assert [name for name, found in versions.items() if found is None] == [required[-1]]
 
 
 def test_doctor_without_any_picture_is_a_device_error(

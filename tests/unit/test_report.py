@@ -25,6 +25,7 @@ from mimics_app.recording.report import page_of, punctuality, write_report
 from mimics_app.recording.report_stability import stability_lines
 from mimics_app.recording.report_tables import contact_rows, plan_tables, trials_of
 from mimics_app.recording.report_values import Seconds, shown, thousands
+from mimics_app.recording.result_words import trial_lines
 from mimics_app.recording.run import Run
 from mimics_app.recording.trial_table import TrialTable
 from mimics_app.tasks.kinds.registry import report_sections
@@ -185,6 +186,16 @@ def test_attempts_are_reported_apart_by_the_parameter_blocks(folder: Path) -> No
     assert [len(attempt.samples) for attempt in attempts] == [12_000, 12_000]
     assert [int(attempt.free.sum()) for attempt in attempts] == [10_500, 10_500]
     assert attempts[0].title == "Practice · wavy <1> · finished · score 81 of 100"
+
+
+def test_a_trial_ends_in_the_same_word_in_the_table_and_above_its_figure(tmp_path: Path) -> None:
+    table = write_synthetic_run(tmp_path) / "trials.csv"
+    table.write_text(table.read_text(encoding="utf-8").replace("finished", "aborted"), encoding="utf-8")
+    run = Run.open(tmp_path)
+    words = [line[1] for line in trial_lines(run.trials)[1]]
+    assert words
+    assert set(words) == {"broken off"}
+    assert all(" broken off" in attempt.title for attempt in find_attempts(run))
 
 
 def test_a_sound_whose_tick_is_null_is_of_no_contact(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mimics_app.app.session.safety_watch import SafetyWatch
+from mimics_app.app.session.safety_watch import SafetyWatch, hold_message
 from mimics_app.app.session.watches import RecorderWatch
 from mimics_app.contracts.haptic import EVENT, EventKind, SafetyState, TripCause
 from mimics_app.contracts.trips import Trip, TripReader
@@ -83,8 +83,8 @@ def test_the_answer_counts_stops_and_holds_apart_and_names_the_last_stop(capsys)
 
 
 def test_the_picture_says_that_a_busy_machine_pauses():
-    assert "Paused" in SafetyWatch.message(SafetyState.DEGRADED)
-    assert {SafetyWatch.message(state) for state in SafetyState if state is not SafetyState.DEGRADED} == {""}
+    assert "Paused" in hold_message(SafetyState.DEGRADED)
+    assert {hold_message(state) for state in SafetyState if state is not SafetyState.DEGRADED} == {""}
 
 
 def test_a_recorder_that_died_and_is_back_is_reported_on_the_terminal(capsys):

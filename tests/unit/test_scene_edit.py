@@ -100,7 +100,7 @@ def test_what_stands_in_an_included_file_is_written_there(tmp_path):
     assert load_scene(file).entity("lamp").transform.translation == (1.0, 0.0, 0.0)
 
 
-def test_a_broken_or_missing_file_is_reported_and_left_alone(tmp_path):
+def test_a_broken_or_missing_file_is_reported_and_frozen_objects(tmp_path):
     file = tmp_path / "s.json"
     file.write_text(TEXT)
     scene = load_scene(file)

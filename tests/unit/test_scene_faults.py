@@ -248,6 +248,14 @@ def test_components_whose_values_cannot_be(tmp_path, components, what):
     assert f"#/entities/0/components/{what}" in found[0]
 
 
+def test_a_reference_is_not_led_to_an_entity_that_could_not_be_read(tmp_path):
+    broken, asking = thing("bel", light={"range": 0}), thing("a", sound_emitter={"sound": "bell"})
+    found = faults(write(tmp_path, scene(broken, asking)))
+    assert any('no entity with a "sound" "bell"; the scene has none' in each for each in found), found
+    found = faults(write(tmp_path, scene(broken, thing("a", sound_emitter={"sound": "bel"}))))
+    assert len(found) == 1, "the light's: what bel was to be is not known"
+
+
 def test_a_second_environment_names_the_first(tmp_path):
     found = the_fault(tmp_path, scene(thing("a", environment={}), thing("b", environment={})))
     assert "/entities/1/components/environment: a second environment" in found

@@ -6,6 +6,7 @@ import json
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 from mimics_app.contracts.messages import Experience
+from mimics_app.inputs.physio import sources
 from mimics_app.inputs.physio.amplifier_frames import AmplifierReader, binary_header, binary_samples
 from mimics_app.inputs.physio.integrity import Grid
 from mimics_app.inputs.physio.movement import Movement
@@ -350,3 +352,19 @@ def test_the_check_finds_a_loose_electrode(capsys: pytest.CaptureFixture[str]) -
     assert main(["physio", "sim:moderate", "--check"]) == 0
     assert main(["physio", "sim:loose", "--check", "--seconds", "120"]) == 6
     assert "check its electrodes" in capsys.readouterr().out
+
+
+def test_a_source_of_an_installed_package_is_watched_as_a_live_one(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened: list[tuple[str, int]] = []
+
+    def open_box(rest: str, seed: int) -> SimulatedBody:
+        opened.append((rest, seed))
+        return SimulatedBody("healthy", seed)
+
+    point = SimpleNamespace(name="mybox", load=lambda: open_box)
+    monkeypatch.setattr(sources, "entry_points", lambda group: [point])
+    assert main(["physio", "mybox:left", "--seconds", "0.2", "--seed", "3", "--json"]) == 0
+    assert opened == [("left", 3)]
+    assert set(json.loads(capsys.readouterr().out)["signals"]) == {"ecg", "gsr", "emg", "resp"}

@@ -1,4 +1,4 @@
-"""Sweep files, their points by number, and the pieces they are kept in."""
+"""Sweep files, their points by number, and the chunks they are kept in."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from mimics_app.lab.stability.catalogue import load_experiment
 from mimics_app.lab.stability.wall_loop import Wall, exact_limit
 from mimics_app.lab.sweep.points import count_points, points_between
 from mimics_app.lab.sweep.spec import Sweep, load_sweep
-from mimics_app.lab.sweep.store import PieceStore, pieces_of
+from mimics_app.lab.sweep.store import ChunkStore, chunks_of
 from mimics_app.lab.sweep.wall_stability import EXPERIMENT
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -123,14 +123,14 @@ def test_bytes_depend_on_the_points_alone(tmp_path, capsys):
     assert "100 points" in capsys.readouterr().out
 
 
-def test_a_torn_piece_is_computed_again(tmp_path):
+def test_a_torn_chunk_is_computed_again(tmp_path):
     file = spec(tmp_path, {"stiffness": [100.0, 200.0]}, chunk=1)
-    sweep, store = load(file), PieceStore(tmp_path / "out.parquet", "identity")
-    pieces = pieces_of(2, 1)
-    store.put(pieces[0], b"ARROW1 torn")
-    assert not store.has(pieces[0])
+    sweep, store = load(file), ChunkStore(tmp_path / "out.parquet", "identity")
+    chunks = chunks_of(2, 1)
+    store.put(chunks[0], b"ARROW1 torn")
+    assert not store.has(chunks[0])
     with pytest.raises(KeyError, match="points 0 to 0 are missing"):
-        store.finish(pieces, sweep)
+        store.finish(chunks, sweep)
 
 
 def test_patient_is_repeatable_and_actions_change_the_travel():

@@ -17,6 +17,7 @@ from mimics_app.contracts.messages import TaskAction
 from mimics_app.contracts.scenario_port import Home, TaskContext
 from mimics_app.recording.task_lines import TASK_KINDS, compare_lines, compare_rows, gather_task
 from mimics_app.recording.trial_table import as_read
+from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.task_manager import TaskManager
 from mimics_app.tasks.task_record import task_of_record, task_record
@@ -86,6 +87,16 @@ def test_the_task_is_kept_with_the_places_it_names_and_no_others(kept: Kept) -> 
     assert (context.start_joints, context.home, context.offers, context.feel) == (
         START, CONTEXT.home, CONTEXT.offers, CONTEXT.feel
     )  # fmt: skip
+
+
+def test_kinds_that_do_not_play_leave_nothing_in_the_record(kept: Kept) -> None:
+    """A run that was recorded beside a plug-in's kind of task is replayed where that is not installed."""
+    spec, written = kept.record["spec"], msgspec.to_builtins(msgspec.convert(SPEC, TaskSpec))
+    idle = [kind for kind in task_kinds() if kind.section is not None and written[kind.name] is None]
+    assert idle
+    for kind in idle:
+        assert kind.name not in spec
+        assert not {measure.part for measure in kind.measures} & spec["score"].keys()
 
 
 def test_the_same_frames_give_the_same_events_and_rows(kept: Kept) -> None:

@@ -117,7 +117,7 @@ def test_without_a_picture_nothing_is_done(tmp_path):
 def test_a_picture_that_is_lost_is_reported_and_journalled(tmp_path, capsys):
     picture = Picture()
     session = make_session(tmp_path, picture)
-    ViewKeys(session).give_up(DeviceError("no context"))
+    ViewKeys(session).end_without_picture(DeviceError("no context"))
     assert session.picture is None and picture.abandoned
     assert session.journal == [("picture", {"lost": "no context"})]
     assert "the picture is lost: no context; the run ends here" in capsys.readouterr().err

@@ -112,7 +112,7 @@ def test_body_not_yet_in_its_place_brings_nothing():
 
 @pytest.mark.parametrize("target", SignalTarget)
 @pytest.mark.parametrize(("of", "to"), [(5, 0), (0, 5), (-1, -1)])
-def test_rows_there_are_not_are_left_alone(target, of, to):
+def test_rows_there_are_not_are_frozen_objects(target, of, to):
     bench = Bench(effect(EffectKind.SPRING), bodies=1, wires=[wire(SignalSource.POSITION_OBJECT, target, of=of, to=to)])
     bench.motions[0]["position"] = (1, 2, 3)
     bench.carry()

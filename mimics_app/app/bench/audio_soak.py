@@ -1,8 +1,8 @@
-"""`mimics bench audio --soak`: the audio process beside the load of `bench realtime`, for as long as is asked.
+"""`mimics bench audio --soak`: the audio process beside the load of `bench realtime`, for a requested time.
 
-The load, a whole session with its loop, its picture as fast as it can be drawn and 8 ms of Python a frame, is a process
-of its own. The spectral mixer is streamed to the null sink of a private PulseAudio server, which takes blocks in real
-time as a card does; where PulseAudio is not installed, to OpenAL's null device.
+The load is a whole session in a process of its own, with its haptic loop, frames as fast as they can be drawn, and 8 ms
+of Python per frame. The spectral mixer plays to the null sink of a private PulseAudio server, which takes blocks in
+real time as a sound card does; without PulseAudio to OpenAL's null device.
 """
 
 from __future__ import annotations
@@ -37,30 +37,32 @@ __all__ = ["measure_soak"]
 _VOICES = 64
 _FRAME_NS = 16_666_667
 _START_S = 60.0
+"""Time-out of the start of the audio process [s]."""
 _SPARE_S = 120.0
-"""Time-out for the load to start and to end [s]."""
+"""Time-out of the load beyond its length [s]."""
 
 Row = dict[str, Any]
 
 
 def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str, Any]:
-    """Blocks mixed and missed, and what one costs.
+    """Measure the number of blocks mixed and missed, and the cost of a block.
 
     Args:
-        scene: Of the load.
-        seconds: How long.
-        load: False: on the machine as it is.
+        scene: Scene of the load.
+        seconds: Length of the measurement [s].
+        load: False: without the load.
 
     Returns:
         `seconds, voices, block_ms, turns`; `block_us` with p50, p99 and max of the work of a turn in which blocks were
-        mixed, and their `count`; `missed`, how often the device wanted a block that was not there: a gap that is heard;
-        `queue`, its length over time and the latency it gives (contracts/audio_port.py: AudioReport);
-        `late_turns`, those that began more than half a millisecond late, which the queue bears; `device`; `loop`, the
-        row of the load's haptic loop, whose real-time thread runs before this process: its lateness is the machine's.
-        OpenAL's null device takes several blocks at once where its own thread was held up, which counts as missed too.
+        mixed, and their `count`; `missed`, the number of blocks that the device requested too early, each an audible
+        gap; `queue`, its length over time and the latency it gives (contracts/audio_port.py: AudioReport);
+        `late_turns`, turns that began more than half a millisecond late, which the queue compensates; `device`;
+        `loop`, the row of the load's haptic loop: its thread has a higher priority than this process, so its lateness
+        is that of the machine. OpenAL's null device takes several blocks at once after a delay of its own thread, which
+        counts as missed too.
 
     Raises:
-        DeviceError: There is no OpenAL library, the server did not start, or the audio process ended on its own.
+        DeviceError: There is no OpenAL library, the server did not start, or the audio process ended early.
     """
     empty: Mapping[str, str] = {}
     with nullcontext(empty) if pulse_missing() else private_pulse_server() as environment:
@@ -83,13 +85,13 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
 
 
 def _play(scene: Path, seconds: float, environment: Mapping[str, str], *, load: bool) -> tuple[AudioReport, Row]:
-    """Let voices circle for some seconds; return the report of the audio process and the row of the load's loop.
+    """Play moving voices; return the report of the audio process and the row of the load's haptic loop.
 
     Args:
-        scene: Of the load.
-        seconds: How long.
-        environment: What leads to a PulseAudio server; nothing: OpenAL's null device is played to.
-        load: Whether a session runs beside.
+        scene: Scene of the load.
+        seconds: Length [s].
+        environment: Environment variables of a PulseAudio server; {}: OpenAL's null device.
+        load: Whether the load runs.
     """
     names = [f"hum_{k}" for k in range(_VOICES)]
     sounds = {name: SoundSpec(recipe="scrape", gain=0.02, loop=True) for name in names}
@@ -126,7 +128,7 @@ def _begin_load(scene: Path, seconds: float) -> subprocess.Popen[bytes]:
 
 
 def _move_voices(memory: SessionMemory, clock: Clock, seconds: float) -> None:
-    """All voices circle about the head, a frame at a time, as a session's main thread sends them."""
+    """Move all voices in circles around the head, frame by frame as the main thread of a session."""
     now = np.zeros(1, SOUND_SCENE)
     fill_defaults(now)
     angle = np.arange(_VOICES) * (2.0 * math.pi / _VOICES)

@@ -1,4 +1,4 @@
-"""The peers' crowd once more, of characters with the levels of detail that `mimics assets levels` makes."""
+"""The peers' crowd with levels of detail of its characters, as `mimics assets levels` makes them."""
 
 from __future__ import annotations
 
@@ -17,28 +17,28 @@ from mimics_app.world.simplify.level_writer import write_levels
 __all__ = ["compare_levels"]
 
 _PIXELS = 4.0
-"""Largest error of a level [px]: of the one corner that is farthest off where every joint is bent at once."""
+"""Largest error of a level [px], at the worst vertex with every joint bent."""
 _VISIBLE = 8
-"""By how much of 255 a pixel differs that counts."""
+"""Difference of a pixel above which it counts [levels of 255]."""
 _LOOK = 10
-"""Number of frames between two comparisons of pictures."""
+"""Period of the comparisons of pictures [frames]."""
 
 
 def compare_levels(
     whole: Crowd, size: Size, frames: int, surface: Surface, renderer: Renderer
 ) -> dict[str, float | int]:
-    """Frames of a crowd with and without levels of detail, turn by turn in one run; {} where it gets none.
+    """Time frames of a crowd with and without levels of detail alternately; {} where no level can be made.
 
     Args:
-        whole: As the file has it.
-        size: Of the picture [px].
-        frames: Of each.
-        surface: That is drawn to.
-        renderer: Of `whole`.
+        whole: The crowd without levels.
+        size: Size of the picture [px].
+        frames: Number of frames of each.
+        surface: Surface to draw on.
+        renderer: Renderer of `whole`.
 
     Returns:
-        Median frame and its processor time [ms], how many times shorter both are than without levels, triangles of the
-        last frame, and the share of pixels that differ by more than 8 of 255, any difference beside it.
+        Median frame and its processor time [ms], the ratios of those without levels to these, triangles of the last
+        frame, and the share of pixels that differ by more than 8 of 255, and of all that differ.
     """
     with tempfile.TemporaryDirectory(prefix="mimics-levels-") as folder:
         file = Path(folder) / whole.file.name
@@ -75,7 +75,7 @@ def compare_levels(
 
 
 def _draw(crowd: Crowd, renderer: Renderer, frame: int, size: Size) -> tuple[float, float, int]:
-    """(time, processor time of all threads [ms], triangles) of a frame, poses and all."""
+    """Return time, processor time of all threads [ms], and triangles of a frame, including its poses."""
     clock = MonotonicClock()
     started, begun = clock.now_ns(), process_seconds()
     crowd.update(frame)

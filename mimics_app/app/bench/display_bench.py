@@ -1,4 +1,4 @@
-"""`mimics bench displays`: one pass against two, and how old a head's pose is when a headset is given the frame."""
+"""`mimics bench displays`: stereo in one pass against two, and the age of a head's pose when its frame is submitted."""
 
 from __future__ import annotations
 
@@ -39,26 +39,26 @@ __all__ = ["MotionTimes", "measure_displays", "one_frame"]
 Row = dict[str, Any]
 
 _GOAL_MS = 3.0
-"""From a pose to the frame that shows it, without drawing [ms]; at 60 Hz a frame has 16.7."""
+"""Largest time from a pose to the submission of its frame, without drawing [ms]."""
 _QUEUE_GOAL = 1.15
-"""Most that simulation, animation and culling take for two eyes, over one."""
+"""Largest ratio of the time of simulation, animation and culling for two eyes to that for one."""
 _NO_DRAWING = "GALLIUM_NOOP"
-"""Mesa's switch for a driver that does nothing."""
+"""Environment variable of Mesa for a driver that does not draw."""
 _SETTLE = 10
-"""Frames that are not counted: buffers grow, the driver compiles."""
+"""Number of first frames that do not count, in which buffers grow and the driver compiles."""
 
 
 def measure_displays(scene: Path, size: Size, frames: int, report: Callable[[str], None]) -> Row:
-    """Ratios of one pass to two, by workload, and times from pose to submission.
+    """Measure the ratios of one pass to two, by workload, and the times from pose to submission.
 
     Args:
-        scene: Whose frames a simulated headset is given.
-        size: Of both eyes' pictures together [px].
-        frames: How many are timed.
-        report: Called with what is measured next.
+        scene: Scene shown on a simulated headset.
+        size: Size of the pictures of both eyes together [px].
+        frames: Number of timed frames.
+        report: Called with the name of each measurement before it begins.
 
     Raises:
-        DeviceError: nothing here draws without a display.
+        DeviceError: No OpenGL context is available without a display.
     """
     rows = []
     for workload in WORKLOADS:
@@ -78,15 +78,15 @@ def measure_displays(scene: Path, size: Size, frames: int, report: Callable[[str
 
 
 class MotionTimes(SimulatedRuntime):
-    """A simulated headset that looks at a clock when poses are requested and when it is given the frame.
+    """A simulated headset that records the times of its pose requests and of the submitted frame.
 
     Args:
-        spec: What it is.
-        clock: Which.
+        spec: Properties of the headset.
+        clock: Clock of the times.
 
     Attributes:
-        asked_ns: When poses were requested in this frame, and when they were there [ns].
-        given_ns: When the frame was handed over [ns].
+        asked_ns: Times at which poses were requested in this frame, and delivered [ns].
+        given_ns: Time at which the frame was submitted [ns].
     """
 
     def __init__(self, spec: HeadsetSpec, clock: Stopwatch) -> None:
@@ -107,7 +107,7 @@ class MotionTimes(SimulatedRuntime):
 
 
 def _measure_motion(scene: Path, size: Size, frames: int) -> Row:
-    """From the latched pose, and from the queued one, to `end_frame`, less what the renderer drew meanwhile."""
+    """Measure the time from the latched pose, and from the queued one, to `end_frame`, without that of drawing."""
     clock = MonotonicClock()
     runtime = MotionTimes(HeadsetSpec(), clock)
     latched, queued = [], []
@@ -123,7 +123,7 @@ def _measure_motion(scene: Path, size: Size, frames: int) -> Row:
 
 @contextmanager
 def _driver_that_draws_nothing() -> Iterator[ProcessPoolExecutor]:
-    """A process in which Mesa takes every call and does nothing with it; other drivers draw there as ever."""
+    """Yield a process in which Mesa ignores every call; other drivers draw there as usual."""
     before = os.environ.get(_NO_DRAWING)
     os.environ[_NO_DRAWING] = "1"
     try:
@@ -136,14 +136,14 @@ def _driver_that_draws_nothing() -> Iterator[ProcessPoolExecutor]:
 
 
 class _ProcessorClock:
-    """The processor time of this process: what else a busy machine does is not in it."""
+    """Clock of the processor time of this process, independent of other processes."""
 
     def now_ns(self) -> int:
         return round(1e9 * process_seconds())
 
 
 def _measure_undrawn(scene: Path, size: Size, frames: int) -> Row | None:
-    """From both poses to submission with every call of the application to the driver; None where it draws."""
+    """Measure the time from both poses to submission with all driver calls but no drawing; None where it draws."""
     clock = _ProcessorClock()
     runtime = MotionTimes(HeadsetSpec(), clock)
     latched, queued = [], []
@@ -164,7 +164,7 @@ def _measure_undrawn(scene: Path, size: Size, frames: int) -> Row | None:
 
 
 def _measure_queueing(scene: Path, size: Size, frames: int) -> Row:
-    """Simulation, animation and culling of the same frames, queued for one eye and for two in turns."""
+    """Measure simulation, animation and culling of the same frames for one eye and for two, alternately."""
     clock = MonotonicClock()
     played: list[float] = []
     queued: tuple[list[float], list[float]] = ([], [])
@@ -184,7 +184,7 @@ def _measure_queueing(scene: Path, size: Size, frames: int) -> Row:
 
 
 def _queueing_ms(renderer: Renderer, presenter: Presenter) -> float:
-    """Of a whole frame: two eyes never draw parts of one, so one eye may not either."""
+    """Return the time of culling of a whole frame [ms]; unchanged parts are not reused, as two eyes cannot."""
     renderer.forget_picture()
     presenter.begin(0)
     renderer.timing = True
@@ -199,7 +199,7 @@ def _queueing_ms(renderer: Renderer, presenter: Presenter) -> float:
 def _played(
     scene: Path, size: Size, *displays: Display
 ) -> Iterator[tuple[Frames, list[tuple[Renderer, Presenter]], Surface]]:
-    """A session on the virtual clock, and what draws it for each display."""
+    """Yield a session on the virtual clock, and a renderer and presenter for each display."""
     settings = RunSettings(scene, size=size)
     core = open_core(prepare(settings, live=False))
     with core, open_offscreen("auto", size) as surface:
@@ -215,7 +215,7 @@ def _played(
 
 
 def one_frame(renderer: Renderer, presenter: Presenter, runtime: MotionTimes, clock: Stopwatch) -> tuple[float, float]:
-    """Milliseconds from the latched pose, and from the first one, to submission; drawing left out."""
+    """Return the times from the latched pose, and from the first one, to submission, without drawing [ms]."""
     camera = renderer.world.cameras[0]
     runtime.asked_ns.clear()
     presenter.begin(clock.now_ns())

@@ -1,4 +1,4 @@
-"""`mimics bench frame`: whole frames of live sessions, scene by scene, beside a reference in the same run."""
+"""`mimics bench frame`: whole frames of live sessions by scene, beside a reference measured in the same run."""
 
 from __future__ import annotations
 
@@ -12,21 +12,15 @@ from typing import Any
 from mimics_app.app.bench.looked_at_load import PEOPLE
 from mimics_app.app.bench.ogre import measure_ogre
 from mimics_app.app.scenes.finding import find_scene
+from mimics_app.app.scenes.shipped import shipped_scenes
 from mimics_app.app.settings import QUALITIES
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.contracts.resources import root
 from mimics_app.rendering.visual.surfaces.raster_floor import measure_floor
 
-__all__ = ["measure_frames", "shipped_scenes"]
+__all__ = ["measure_frames"]
 
 Row = dict[str, Any]
 Report = Callable[[str], None]
-
-
-def shipped_scenes() -> list[Path]:
-    """Every scene of the installation, its examples too."""
-    scenes = root() / "scenes"
-    return sorted(scenes.glob("*.json")) + sorted((scenes / "examples").glob("*.json"))
 
 
 def measure_frames(
@@ -37,19 +31,20 @@ def measure_frames(
     report: Report,
     scale: float | None = None,
 ) -> dict[str, Any]:
-    """A reference, what pixels alone take, and for every scene a row as well as it may look and one at full quality.
+    """Return a reference, the time of the pixels alone, and a row with and one without a governor for every scene.
 
     Args:
-        scenes: Files, and `PEOPLE`; none: all that are shipped, and it.
-        size: Of the picture [px].
+        scenes: Scene files and `PEOPLE`; () for all shipped scenes and `PEOPLE`.
+        size: Size of the picture [px].
         surface: "window" or "egl".
         seconds: Length of each measurement [s].
-        report: Called with what is measured next.
-        scale: One more row: the quality at which the governor lowers the resolution to it, fixed; None: no such row.
+        report: Called with the name of each measurement before it begins.
+        scale: Resolution scale at which a further row is fixed, see `lower_to_scale`; None for no such row.
     """
     rows = []
     qualities = [*QUALITIES, *([] if scale is None else [f"{scale:g}"])]
-    for scene in [path if path == PEOPLE else find_scene(path) for path in scenes] or [*shipped_scenes(), PEOPLE]:
+    every = [*(scene.file for scene in shipped_scenes()), PEOPLE]
+    for scene in [path if path == PEOPLE else find_scene(path) for path in scenes] or every:
         for quality in qualities:
             report(f"frame: {scene.stem}, quality {quality}")
             rows.append({**_measure_apart(scene, size, surface, seconds, quality), "asked": quality})
@@ -68,7 +63,7 @@ def _measure_apart(scene: Path, size: tuple[int, int], surface: str, seconds: fl
 
 
 def _reference(report: Report) -> Row:
-    """OGRE's frame of the peers' city where it is installed; else the reference loop of `mimics bench haptic`."""
+    """Return OGRE's frame of the city where OGRE is installed, else the reference loop of `mimics bench haptic`."""
     ogre = measure_ogre("city", (1280, 720), report)
     if ogre is not None:
         return {"name": "OGRE city 1280x720", "ms": ogre}

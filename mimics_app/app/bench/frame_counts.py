@@ -1,4 +1,4 @@
-"""Work of the interpreter in a frame, counted, not timed: the same on every machine and under any load."""
+"""Work of the Python interpreter in a frame, counted instead of timed: the same on every machine and under any load."""
 
 from __future__ import annotations
 
@@ -22,14 +22,16 @@ from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 
-__all__ = ["FrameCounts", "count_cards", "count_frame", "count_materials", "count_nodes", "draw_counts"]
+__all__ = ["FrameCounts", "count_cards", "count_frame", "count_nodes", "draw_counts"]
 
 _SIZE = (64, 36)
 _FRAMES, _WARM_UP = 30, 3
+_CUBES = 256
+"""Number of cubes that share the materials."""
 _SETTINGS = RenderSettings(msaa=0, shadow_size=0)
 _COUNTS = {
     "nodes that all move": (1, 10, 100, 1000, 10_000),
-    "materials, one draw each": (1, 4, 16, 64, 256),
+    "materials, one draw each": (1, 4, 16, 64, _CUBES),
     "cards of the board, as they were": (1, 2, 4, 8),
     "cards of the board, each another": (1, 2, 4, 8),
 }
@@ -39,12 +41,12 @@ _WIDTH, _HEIGHT = 1000.0, 360.0
 
 @dataclass(frozen=True)
 class FrameCounts:
-    """Of one frame.
+    """Counts of one frame.
 
     Attributes:
-        calls: Functions called, of Python and of C.
-        blocks: Of memory that are held longer than the frame.
-        collections: Runs of the collector.
+        calls: Calls of functions of Python and of C.
+        blocks: Memory blocks that are kept beyond the frame.
+        collections: Runs of the garbage collector.
     """
 
     calls: int
@@ -53,7 +55,7 @@ class FrameCounts:
 
 
 def count_frame(draw: Callable[[int], object]) -> FrameCounts:
-    """Count the work of drawing a frame by its number, after some warm-up frames."""
+    """Count the work of drawing a frame, after some warm-up frames; `draw` takes the number of the frame."""
     for frame in range(_WARM_UP):
         draw(frame)
     gc.collect()
@@ -65,19 +67,9 @@ def count_frame(draw: Callable[[int], object]) -> FrameCounts:
     return FrameCounts(calls, blocks / _FRAMES, runs / _FRAMES)
 
 
-def count_nodes(count: int) -> FrameCounts:
-    """Frame of rotating cubes of one material."""
-    world, move = node_world(count)
-    with open_offscreen("egl", _SIZE) as surface:
-        renderer = Renderer(surface, world, _SETTINGS)
-        counts = count_frame(lambda frame: renderer.draw([move(frame)]))
-        renderer.release()
-    return counts
-
-
-def count_materials(count: int) -> FrameCounts:
-    """Frame of 256 rotating cubes of several materials."""
-    world, move = node_world(max(_COUNTS["materials, one draw each"]), count)
+def count_nodes(count: int, materials: int = 1) -> FrameCounts:
+    """Count a frame of rotating cubes of some materials."""
+    world, move = node_world(count, materials)
     with open_offscreen("egl", _SIZE) as surface:
         renderer = Renderer(surface, world, _SETTINGS)
         counts = count_frame(lambda frame: renderer.draw([move(frame)]))
@@ -86,7 +78,7 @@ def count_materials(count: int) -> FrameCounts:
 
 
 def count_cards(count: int, *, changing: bool) -> FrameCounts:
-    """A frame of one cube under so many cards, each of which says something else every frame or what it said."""
+    """Count a frame of one cube under a number of cards, whose texts change in every frame or never."""
     world, move = node_world(1)
     with open_offscreen("egl", _SIZE) as surface:
         renderer, layout = Renderer(surface, world, _SETTINGS), BoardLayout()
@@ -103,14 +95,14 @@ def count_cards(count: int, *, changing: bool) -> FrameCounts:
 
 
 def draw_counts(folder: Path) -> Path:
-    """Write the figure of calls against nodes, materials and cards; the drawing."""
+    """Write the figure of calls against nodes, materials and cards; return the drawing."""
     return write_figure(_figure(), folder)[1]
 
 
 def _figure() -> Figure:
     counters: tuple[Callable[[int], FrameCounts], ...] = (
         count_nodes,
-        count_materials,
+        lambda count: count_nodes(_CUBES, count),
         lambda count: count_cards(count, changing=False),
         lambda count: count_cards(count, changing=True),
     )
@@ -143,7 +135,7 @@ def _svg(lines: dict[str, list[tuple[float, float]]]) -> str:
 
 
 def _count_calls(draw: Callable[[], object]) -> int:
-    """Calls made by one call of a function, itself among them."""
+    """Return the number of calls made by one call of a function, itself included."""
     calls, before = -1, sys.getprofile()  # the end of counting is a call too
 
     def count(_: FrameType, event: str, __: object) -> None:

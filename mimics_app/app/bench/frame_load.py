@@ -1,8 +1,8 @@
-"""The load of `mimics bench frame`: a live session with everything on, timed by frames, in a process of its own.
+"""The load of `mimics bench frame`: a complete live session in a process of its own, whose frames are timed.
 
-Touch at 1 kHz with the scene's simulated robot and person on the real clock, the picture, sound into a file, the
-recorder. First whole frames are timed, without looking inside them; then the stages one by one, each waited for, which
-makes frames somewhat longer. A scene in which nothing is to be done is looked at.
+It has touch at 1 kHz with the scene's simulated robot and person in real time, picture, sound into a file, and
+recorder. First whole frames are timed; then the stages one by one, each waited for, which makes frames somewhat longer.
+A scene without a task is only drawn.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 
 from mimics_app.app.bench.frame_watch import FrameWatch, Row
 from mimics_app.app.bench.looked_at_load import PEOPLE, measure_looked_at
-from mimics_app.app.play.collector import left_alone
+from mimics_app.app.play.collector import frozen_objects
 from mimics_app.app.play.pace import run_live
 from mimics_app.app.play.play import open_picture
 from mimics_app.app.scenes.catalogue import is_playable
@@ -70,7 +70,7 @@ def _measure(session: Session, surface: str, seconds: float, scale: float) -> Ro
         lower_to_scale(session.picture.renderer, scale)
     watch = FrameWatch(session, seconds)
     late, ticks = session.haptics.histogram(), session.haptics.ticks
-    with left_alone():
+    with frozen_objects():
         run_live(session, Frames(session), watch.look, until=lambda: watch.done)
     missed, done = session.haptics.histogram().missed - late.missed, session.haptics.ticks - ticks
     return watch.row() | {

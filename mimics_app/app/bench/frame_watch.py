@@ -1,6 +1,6 @@
-"""What `mimics bench frame` takes down of frames: whole ones first, then stage by stage, each waited for.
+"""Timing of frames for `mimics bench frame`: whole frames first, then their stages, each waited for.
 
-Of every frame it has the stage that most of its time was spent in, for those that are late to be explained by.
+Every frame has the stage in which most of its time was spent, which explains the late ones.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from mimics_app.contracts.frame_budget import over_budget
 __all__ = ["FrameWatch", "Row"]
 
 _SETTLING_S, _SETTLING_FRAMES = 1.0, 10
-"""At the beginning: so many frames, then so long [s], do not count. The first ones may still compile kernels and
-shaders, for seconds where none are kept from an earlier run."""
+"""Frames, then time [s], that do not count at the beginning. The first frames may compile kernels and shaders for
+seconds, where an earlier run left none."""
 
 _FEWEST = 3
-"""Frames of each kind, whole and by stages, without which no measurement ends."""
+"""Least number of frames of each kind, whole and by stages, for a measurement."""
 
 _TIMED_SHARE = 0.4
-"""Of the time, at the end: in which stages are timed."""
+"""Share of the time, at the end, in which stages are timed."""
 
 _LATE = 5.0
-"""Of a frame that is late: its time over the median."""
+"""Ratio to the median frame time from which a frame is late."""
 
 _NS = 1e9
 
@@ -47,20 +47,21 @@ class _Watched(Protocol):
 
 @dataclass(slots=True)
 class FrameWatch:
-    """Collects after every frame; the clock decides what it collects.
+    """Measurements after every frame.
 
     Attributes:
-        watched: Whose frames.
+        watched: Source of the frames.
         seconds: Length of the measurement [s].
-        settled: Frames that did not count.
-        from_ns, stages_ns, end_ns: When frames count, when stages are timed instead, and when enough is known; set by
-            the last frame of those that settle.
-        frames_ms: Of whole frames [ms].
+        settled: Number of frames at the beginning that did not count.
+        from_ns, stages_ns, end_ns: Times from which frames count, from which stages are timed, and at which the
+            measurement ends [ns]; set at the last frame that does not count.
+        frames_ms: Times of whole frames [ms].
         stages: Times of each stage [ms].
-        seen: Every frame that counts: when it was done, since counting began [s], its time [ms], and in which stage
-            most of that was spent, with the stage's time [ms].
-        begun: Processor time and moment of the first frame that counts [s].
-        cpu_ms: Processor time of a frame, all threads of the process together [ms].
+        seen: Every frame that counts: its end since the first one [s], its time [ms], its longest stage, and the time
+            of that stage [ms].
+        begun: Processor time [s] and time [ns] of the first frame that counts.
+        cpu_ms: Processor time of a frame, of all threads of the process [ms].
+        fps: Frames per second.
     """
 
     watched: _Watched
@@ -83,7 +84,7 @@ class FrameWatch:
         return timed >= _FEWEST and self.watched.clock.now_ns() >= self.end_ns
 
     def look(self, _: object = None) -> None:
-        """After a frame."""
+        """Measure after a frame."""
         picture, governor, now_ns = self.watched.picture, self.watched.governor, self.watched.clock.now_ns()
         if picture is None or governor is None or not self._counts(now_ns):
             return
@@ -114,10 +115,10 @@ class FrameWatch:
         return now_ns >= self.from_ns and self.settled == _SETTLING_FRAMES
 
     def row(self) -> Row:
-        """Return the figures, under the keys of CONTRACTS.
+        """Return the figures under the keys of `mimics bench frame --json`.
 
         Raises:
-            DeviceError: The run ended before enough frames were seen, as where its task was done.
+            DeviceError: The run ended before enough frames were measured, e.g. because its task was done.
         """
         picture, governor = self.watched.picture, self.watched.governor
         if not self.stages:
@@ -135,18 +136,18 @@ class FrameWatch:
             "whole_ms": measure_frame_ms(picture),
             "triangles": 0 if stats is None else stats.triangles,
             "draw_calls": 0 if stats is None else stats.draws,
-            "quality": {"scale": settings.scale, "shadows": settings.shadow_size > 0, "steps": list(governor.given_up)},
+            "quality": {"scale": settings.scale, "shadows": settings.shadow_size > 0, "steps": list(governor.lowered)},
         }
 
     def _late(self) -> Row:
-        """Frames of more than `_LATE` times the median: their share of all that count, and each with its stage."""
+        """Return the frames longer than `_LATE` times the median: their share, and each with its longest stage."""
         limit_ms = _LATE * float(np.median(self.frames_ms)) if self.frames_ms else np.inf
         names = ("t_s", "ms", "stage", "stage_ms")
         late = [dict(zip(names, each, strict=True)) for each in self.seen if each[1] > limit_ms]
         return {"share": len(late) / max(1, len(self.seen)), "frames": late}
 
     def _settle(self, now_ns: int) -> None:
-        """Processor time a frame, and frames a second, so far."""
+        """Update the processor time per frame and the frames per second."""
         if self.begun is not None:
             cpu, since_ns = self.begun
             self.cpu_ms = 1e3 * (process_seconds() - cpu) / len(self.frames_ms)
@@ -154,7 +155,7 @@ class FrameWatch:
 
 
 def _longest(stages_ms: dict[str, float], frame_ms: float) -> tuple[str, float]:
-    """Where most of a frame went, and how much [ms]: a stage, or "between stages"."""
+    """Return the longest stage of a frame, or "between stages", and its time [ms]."""
     spent = {**stages_ms, "between stages": frame_ms - sum(stages_ms.values())}
     name = max(spent, key=lambda stage: spent[stage])
     return name, spent[name]

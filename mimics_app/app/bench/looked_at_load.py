@@ -1,4 +1,4 @@
-"""The load of `mimics bench frame` where nothing is to be done: a scene is looked at, what moves moves."""
+"""The load of `mimics bench frame` for scenes without a task: the scene is drawn with its effects and animations."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from mimics_app.world.world import World
 __all__ = ["PEOPLE", "measure_looked_at"]
 
 PEOPLE = Path("people")
-"""In the place of a scene: people on both sidewalks of the city."""
+"""Stands for a scene: people on both sidewalks of the city."""
 
 _PROFILE: Profile = "training"
 
 
 @dataclass
 class _LookedAt:
-    """A picture that is drawn again and again; `move` brings its world to a time [s]."""
+    """A picture that is drawn repeatedly; `move` brings its world to a time [s]."""
 
     move: Callable[[float], None]
     clock: Clock
@@ -42,7 +42,7 @@ class _LookedAt:
     governor: FrameGovernor | None
 
     def draw(self) -> None:
-        """One frame."""
+        """Draw one frame."""
         assert self.picture is not None and self.governor is not None
         begun_ns = self.clock.now_ns()
         with self.picture.begin_frame().stage("world update"):
@@ -54,14 +54,14 @@ class _LookedAt:
 def measure_looked_at(
     file: Path, size: tuple[int, int], where: str, seconds: float, quality: Quality, scale: float
 ) -> Row:
-    """A row of `mimics bench frame` without touch, sound and recorder; no tick can be missed.
+    """Return a row of `mimics bench frame` without touch, sound and recorder.
 
     Args:
         file: The scene, or `PEOPLE`.
-        size: Of the picture [px].
+        size: Size of the picture [px].
         where: "window" or "egl".
         seconds: Length of the measurement [s].
-        quality: As of a run.
+        quality: "auto" or "full", see `RunSettings`.
         scale: Below 1: the quality is fixed, see `lower_to_scale`.
     """
     scene, world, move = _crowd() if file == PEOPLE else _as_it_stands(load_checked_scene(file))
@@ -87,7 +87,7 @@ def _as_it_stands(scene: Scene) -> tuple[Scene, World, Callable[[float], None]]:
 
 
 def _crowd() -> tuple[Scene, World, Callable[[float], None]]:
-    """The hundred people of `mimics bench render people`, seen from where the city's visitor stands."""
+    """Return the hundred people of `mimics bench render people`, seen by the first camera of the city."""
     people = People(ON_SIDEWALKS, full=False)
     eye = people.world.cameras[0].node.world_matrix()[:3, 3]
     return people.scene, people.world, partial(people.walk, eye=eye)

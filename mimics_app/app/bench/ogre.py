@@ -1,4 +1,4 @@
-"""OGRE drawing a workload of the peers, by the peers' own harness, where both are installed."""
+"""Frame times of OGRE for the peers' workloads, by the peers' own harness, where both are installed."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from mimics_app.world.materials.sprite_pictures import sprite_picture
 __all__ = ["OGRE_WORKLOADS", "measure_ogre", "measure_ogre_particles"]
 
 OGRE_WORKLOADS = ("city", "nodes", "crowd")
-"""That the harness has."""
+"""Workloads of the harness."""
 
 _LONGEST_S = 300.0
-"""Longest that it may take [s]."""
+"""Time-out of a measurement [s]."""
 
 _PYTHON = "/usr/bin/python3"
-"""The system's, which has OGRE's binding."""
+"""The system's interpreter, which has OGRE's binding."""
 
 
 def measure_ogre(
     workload: str, size: tuple[int, int], report: Callable[[str], None], *, msaa: int = 0, more: Sequence[str] = ()
 ) -> float | None:
-    """Median frame of OGRE [ms]; None, and a line to `report`, where harness, data, Xvfb or OGRE is missing.
+    """Return the median frame of OGRE [ms]; None where harness, data, Xvfb or OGRE is missing.
 
     Args:
         workload: One of `OGRE_WORKLOADS`.
-        size: Of the picture [px].
-        report: Called with why it was not measured.
+        size: Size of the picture [px].
+        report: Called with the reason where it is not measured.
         msaa: Samples per pixel.
-        more: Further arguments, as the harness takes them.
+        more: Further arguments of the harness.
     """
     folder = os.environ.get("PEERS")
     program = Path(folder or "") / "render" / "run_ogre.py"
@@ -58,15 +58,15 @@ def measure_ogre_particles(
     report: Callable[[str], None],
     shot: Path | None = None,
 ) -> dict[str, float] | None:
-    """OGRE's own particle system: median frame, processor time of a frame [ms], particles; None where it is missing.
+    """Return median frame, processor time of a frame [ms] and particles of OGRE's particle system; None without OGRE.
 
     Args:
-        numbers: Of the fountain, `particles_workload.FountainNumbers`.
-        size: Of the picture [px].
-        frames: Frames timed.
-        warmup: Frames drawn before.
-        report: Called with why it was not measured.
-        shot: Where the last frame goes as PNG, or None.
+        numbers: Parameters of the fountain, see `particles_workload.FountainNumbers`.
+        size: Size of the picture [px].
+        frames: Number of timed frames.
+        warmup: Number of frames drawn before.
+        report: Called with the reason where it is not measured.
+        shot: PNG file for the last frame, or None.
     """
     if not shutil.which("xvfb-run"):
         report("peer: OGRE is not measured: xvfb-run is needed")
@@ -80,7 +80,7 @@ def measure_ogre_particles(
 
 
 def _row_of(program: list[str], size: tuple[int, int], report: Callable[[str], None]) -> dict[str, float] | None:
-    """Return the output of a program run by the system's interpreter on a display of its own."""
+    """Return the result of a program that the system's interpreter runs on a display of its own."""
     width, height = size
     screen = ("xvfb-run", "-a", "-s", f"-screen 0 {max(width, 640)}x{max(height, 480)}x24")
     try:

@@ -1,9 +1,9 @@
-"""OGRE's own particle system with the numbers of `particles_workload`, run by the interpreter that has its binding.
+"""OGRE's particle system with the parameters of `particles_workload`, run by the interpreter that has OGRE's binding.
 
 /usr/bin/python3 -m mimics_app.app.bench.ogre_particles FOLDER WIDTHxHEIGHT FRAMES WARMUP [SHOT.png]
 
-FOLDER has particles.json and dot.png. Prints one line `RESULT {...}`, as the peers' harness does. Nothing that is not
-the standard library's may be imported here: that interpreter has nothing else.
+FOLDER has particles.json and dot.png. It prints one line `RESULT {...}`, as the peers' harness does, and imports only
+the standard library and OGRE, since that interpreter has no other packages.
 """
 
 from __future__ import annotations
@@ -65,11 +65,11 @@ def main(folder: str, size: str, frames: int, warmup: int, shot: str) -> None:
         window.writeContentsToFile(shot)
     row = {"ms_median": statistics.median(times), "ms_cpu": processor, "particles": system.getNumParticles()}
     print("RESULT " + json.dumps(row), flush=True)
-    os._exit(0)  # the binding does not come down in order
+    os._exit(0)  # the binding crashes in an orderly exit
 
 
 def _open(folder, width, height):
-    """Root, window and scene manager, drawing by shaders."""
+    """Create root, window and scene manager, with the shader generator."""
     import Ogre
     from Ogre import RTShader
 
@@ -101,7 +101,7 @@ def _open(folder, width, height):
 
 
 def _look(numbers, window, manager, aspect):
-    """The eye, and what is behind everything."""
+    """Create the camera and the background."""
     import Ogre
 
     camera = manager.createCamera("eye")
@@ -119,7 +119,7 @@ def _look(numbers, window, manager, aspect):
 
 
 def _fill(numbers, manager):
-    """The particle system."""
+    """Create the particle system."""
     import Ogre
 
     system = manager.createParticleSystem("fountain", numbers["count"])

@@ -1,7 +1,7 @@
-"""Ten thousand particles in the air at every moment, each with a soft round picture and blended far to near.
+"""Workload of ten thousand particles, each a soft round sprite, blended from far to near.
 
-The numbers are those that OGRE's particle system gets (`ogre_particles.py`): it steps its particles, unsorted; here
-each follows from its age, and all are sorted.
+OGRE's particle system has the same parameters (`ogre_particles.py`). It integrates its particles and does not sort
+them; here each position is a function of the particle's age, and all are sorted.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ class FountainNumbers:
     """Parameters of both renderers.
 
     Attributes:
-        count: Particles alive.
-        life_s: Of each [s].
-        side: Of the square they rise from [m].
-        cone: Half angle about the vertical [rad].
-        speed: Least and greatest at birth [m/s].
-        gravity: [m/s^2], downwards.
-        size: Width and height [m].
+        count: Number of living particles.
+        life_s: Lifetime of a particle [s].
+        side: Side of the square from which they rise [m].
+        cone: Half angle of their directions about the vertical [rad].
+        speed: Smallest and largest initial speed [m/s].
+        gravity: Acceleration downwards [m/s^2].
+        size: Width and height of a particle [m].
         colour: Display values and opacity.
-        eye: Where it is seen from [m].
-        target: What the eye looks at [m].
+        eye: Position of the camera [m].
+        target: Point that the camera looks at [m].
         step_s: Time between two frames [s].
     """
 
@@ -50,7 +50,7 @@ class FountainNumbers:
 
     @property
     def as_dict(self) -> dict[str, object]:
-        """For a program in another language or another interpreter."""
+        """Parameters as a plain object, for a program in another interpreter."""
         return asdict(self)
 
 
@@ -58,7 +58,7 @@ class Fountain(Workload):
     """Particles that rise from a square and slow down.
 
     Args:
-        count: How many are alive, 0: ten thousand.
+        count: Number of living particles, 0: ten thousand.
     """
 
     def __init__(self, count: int) -> None:
@@ -84,7 +84,7 @@ class Fountain(Workload):
         super().__init__(world, numbers.count)
 
     def update(self, frame: int) -> None:
-        """Let them fly on to a frame."""
+        """Advance to a frame."""
         self.world.effects.time = self.numbers.life_s + frame * self.numbers.step_s
         self.world.update()
 

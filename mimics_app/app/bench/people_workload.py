@@ -1,6 +1,6 @@
-"""A hundred of the shipped people on both sidewalks of the product's city, each walking at their own phase.
+"""Workload of a hundred shipped people on both sidewalks of the product's city, each walking at a phase of its own.
 
-What is far is bent with fewer vertices and less often; `full` takes both away, to show what they cost and change.
+Distant people are skinned with fewer vertices and less often; `full` disables both, to show the difference.
 """
 
 from __future__ import annotations
@@ -23,21 +23,21 @@ ON_SIDEWALKS = 100
 """Default number of people."""
 
 _FIRST, _APART = 324.0, 2.6
-"""Where along the street the nearest stand, and how far apart pairs are [m]."""
+"""Position of the nearest pair along the street, and distance of two pairs [m]."""
 _SIDES = (8.3, -8.3)
-"""Across the street, where people walk on the sidewalks [m]."""
+"""Positions of the sidewalks across the street [m]."""
 _SPEED, _CLIP = 1.25, "walk"
-"""Of the clip [m/s]."""
+"""Walking speed of the clip [m/s], and its name."""
 _KERB = 0.12
 """Height of the sidewalks [m]."""
 
 
 class People(Walk):
-    """The street of `walk` with people; the eye goes along it.
+    """The street of `walk` with people; the camera moves along it.
 
     Args:
-        count: People.
-        full: Everybody in full detail, moved in every frame.
+        count: Number of people.
+        full: True: full detail of everybody, updated in every frame.
     """
 
     def __init__(self, count: int, full: bool) -> None:
@@ -50,7 +50,7 @@ class People(Walk):
         for number, prefab in zip(range(count), cycle(prefabs), strict=False):
             side = _SIDES[number % 2]
             place = np.array([side + chance.uniform(-0.9, 0.9), _KERB, _FIRST - _APART * (number // 2)])
-            direction = -1.0 if number % 3 else 1.0  # most go where the eye goes
+            direction = -1.0 if number % 3 else 1.0  # most move in the direction of the camera
             person = world.root.create_child(f"person {number}", place)
             person.set_orientation(quat.about_axis((0.0, 1.0, 0.0), math.pi if direction < 0.0 else 0.0))
             prefab.instantiate(world, person)
@@ -63,7 +63,7 @@ class People(Walk):
         world.update()
 
     def update(self, frame: int) -> None:
-        """Walk everybody on to a frame."""
+        """Advance everybody to a frame."""
         self.walk(frame / 30.0, self.eye(frame)[0])
 
     def walk(self, time_s: float, eye: F8) -> None:

@@ -1,7 +1,8 @@
-"""The load of `mimics bench realtime`, and the three loops measured beside it; each runs in a process of its own.
+"""The load of `mimics bench realtime`, and the three haptic loops measured with it, each in a process of its own.
 
-Load: the scene at 1280x720, uncapped, in the process of the loop, plus 8 ms of Python work a frame. Each of them is a
-whole session with the simulated patient, recorder and sound; only who calls the compiled tick differs.
+The load is the scene at 1280x720 at the highest frame rate, in the process of the loop, and 8 ms of Python per frame.
+Each measurement is a whole session with simulated patient, recorder and sound; only the caller of the compiled tick
+differs.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ __all__ = ["main"]
 
 _WORK_NS = 8_000_000
 _UNCOUNTED = 1000
-"""Ticks at the beginning that do not count, as in the loop's own histogram."""
+"""Number of first ticks that do not count, as in the loop's own histogram."""
 _SIZE = (1280, 720)
 
 Row = dict[str, Any]
@@ -50,7 +51,7 @@ def main(kind: str, scene: Path, seconds: float) -> Row:
 
 
 def _measure_product(session: Session, seconds: float) -> Row:
-    """The session's own loop."""
+    """Measure the session's own loop."""
     start_loop(session)
     frames = _draw_frames(session, seconds)
     late = session.haptics.histogram()
@@ -59,7 +60,7 @@ def _measure_product(session: Session, seconds: float) -> Row:
 
 
 def _measure_thread(session: Session, seconds: float) -> Row:
-    """The same session, whose compiled tick a Python thread calls; the loop takes itself to be in time."""
+    """Measure the same session with a Python thread that calls the compiled tick."""
     with PythonLoop(lambda: session.haptics.advance(1)) as loop:
         frames = _draw_frames(session, seconds)
     counted = loop.late_us[_UNCOUNTED:]
@@ -68,7 +69,7 @@ def _measure_thread(session: Session, seconds: float) -> Row:
 
 
 def _draw_frames(session: Session, seconds: float) -> int:
-    """The load: the session's frames and 8 ms of Python after each; how many there were."""
+    """Run the load, frames with 8 ms of Python after each, and return the number of frames."""
     picture, frames = _open_picture(session.scene, session.world), Frames(session)
     session.show(picture)
     clock = MonotonicClock()
@@ -89,7 +90,7 @@ def _open_picture(scene: Scene, world: World) -> Picture:
 
 
 def _row(recipe: str, ticks: int, frames: int, counted: int, late: Percentiles | None, missed: int) -> Row:
-    """A line of the answer; a loop that did not last beyond its first second has no figures of its own."""
+    """Return the row of a loop, without lateness where the loop ended within its first second."""
     row: Row = {"recipe": recipe, "ticks": ticks, "frames": frames}
     if late is not None:
         row["lateness_us"] = dict(zip(("p50", "p99", "p99_9", "max"), late, strict=True))

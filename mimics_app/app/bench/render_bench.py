@@ -1,4 +1,4 @@
-"""`mimics bench render`: frames of a workload that other renderers draw too, timed to the last pixel."""
+"""`mimics bench render`: frames of a workload that peers draw too, timed to the last pixel."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ __all__ = ["OPTIONS", "RenderBench", "measure_render"]
 _LEAST_FRAMES = 5
 _FEW = 3
 _CALM_NS, _SETTLING_NS = 4_000_000_000, 40_000_000_000
-"""The governor has settled when it has done nothing for this long; how long it is given."""
+"""Time without a change after which the governor has settled, and time-out for it [ns]."""
 
 OPTIONS: dict[str, dict[str, Any]] = {
     "full": {"shading": "full"},
@@ -42,7 +42,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "feedback": {"skinning": "feedback"},
     "osmesa": {},
 }
-"""Words of `--opt` and what they change in the settings."""
+"""Changes of the settings by the words of `--opt`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,14 +52,14 @@ class RenderBench:
     Attributes:
         workload: One of `render_workloads.WORKLOADS`.
         data: Folder of the workloads' files, or None.
-        size: Of the picture [px].
-        msaa: Samples per pixel; None: as the workload asks.
-        frames: Frames timed.
-        warmup: Frames drawn before.
-        budget: Stop after this many seconds timed [s].
-        count: Number of nodes, people or particles; 0: as the rivals' workloads.
+        size: Size of the picture [px].
+        msaa: Samples per pixel; None: those of the workload.
+        frames: Number of timed frames.
+        warmup: Number of frames drawn before.
+        budget: Timed seconds after which it stops [s].
+        count: Number of nodes, people or particles; 0: that of the peers.
         options: Keys of `OPTIONS`.
-        shot: Where the last frame goes as PNG, or None.
+        shot: PNG file for the last frame, or None.
         fps: Frame rate to hold by lowering the quality, as in a run [Hz]; None: full quality.
     """
 
@@ -77,14 +77,14 @@ class RenderBench:
 
 
 def measure_render(wanted: RenderBench) -> dict[str, Any]:
-    """Draw and time.
+    """Draw and time a workload.
 
     Returns:
-        The line the peers print too: times in ms, mean colour of the last frame, what was drawn in it.
+        The keys that the peers print too: times [ms], mean colour of the last frame, and its counts.
 
     Raises:
-        UsageError: an option or workload that cannot be.
-        DeviceError: Nothing here draws.
+        UsageError: An option or the workload does not exist.
+        DeviceError: No OpenGL context is available.
     """
     for word in wanted.options:
         if word not in OPTIONS:
@@ -154,7 +154,7 @@ def _time_frames(wanted: RenderBench, workload: Workload, renderer: Renderer, su
 
 
 def _time_poses(nodes: Nodes, frames: int) -> dict[str, float]:
-    """Every pose of a frame and the world matrices, without drawing: handed over at once, and node by node [ms]."""
+    """Return the times [ms] of all poses and world matrices of a frame, undrawn: set at once, and per node."""
     clock = MonotonicClock()
 
     def median_ms(update: Callable[[int], None], count: int) -> float:
@@ -169,9 +169,9 @@ def _time_poses(nodes: Nodes, frames: int) -> dict[str, float]:
 
 
 def _time_still(crowd: Crowd, wanted: RenderBench, renderer: Renderer) -> dict[str, float]:
-    """What a vertex costs that is bent and drawn, and then as it is drawn again, which nothing has moved meanwhile.
+    """Return the cost of a skinned vertex that is skinned and drawn, and of one that is drawn again without movement.
 
-    Both are processor time of all threads, turn by turn in one run; poses and world matrices are not counted.
+    Both are processor times of all threads, measured alternately; poses and world matrices do not count.
     """
     bent: list[float] = []
     still: list[float] = []

@@ -1,9 +1,12 @@
-"""The workloads of `mimics bench render`, the same closed formulas for every renderer that is compared.
+"""Workloads of `mimics bench render`, with the same closed formulas for every renderer.
 
-city: walking down a street, 1.4 m a frame. nodes: cubes under groups, every one of which moves every frame. crowd:
-people who walk on the spot, each at its own phase. walk: the product's own city as its scene shows it, with shadows,
-sky and all materials, at the pace of a person. people: the same with a hundred people on its sidewalks; people_full:
-without levels of detail and steps of time by distance. particles: ten thousand in the air.
+city            movement along a street, 1.4 m per frame
+nodes           cubes under groups, all of which move in every frame
+crowd           people who walk on the spot, each at a phase of its own
+walk            the product's own city as in its scene, with shadows, sky and all materials, at walking pace
+people          the same with a hundred people on its sidewalks
+people_full     people without levels of detail and without updates by distance
+particles       ten thousand particles
 """
 
 from __future__ import annotations
@@ -48,11 +51,11 @@ _DEFAULT_PEOPLE = 20
 
 
 class Workload(ABC):
-    """A world and what happens in it, frame by frame.
+    """A world and its changes, frame by frame.
 
     Attributes:
-        world: What is drawn.
-        nodes: How many nodes the work is about.
+        world: The world to draw.
+        nodes: Number of nodes, people or particles.
     """
 
     _settings = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0, shading="plain")
@@ -62,22 +65,22 @@ class Workload(ABC):
         self.nodes = nodes
 
     def quality(self, surface: Surface) -> RenderSettings:
-        """Of its picture on a surface."""
+        """Return the quality of its picture on a surface."""
         return self._settings
 
     def prepare(self, frames: int) -> None:  # noqa: B027  not everything needs to
-        """Compute beforehand what an application would have: poses of every frame."""
+        """Compute the poses of every frame beforehand, which an application would have from elsewhere."""
 
     def update(self, frame: int) -> None:
-        """Hand a frame's poses to the world and bring it up to date: what is timed as the application's part."""
+        """Set the poses of a frame and update the world; timed as the application's part."""
         self.world.update()
 
     @abstractmethod
     def eye(self, frame: int) -> tuple[F8, F8]:
-        """Where the eye is and what it looks at [m], [3] each."""
+        """Return position and target of the camera [m], [3] each."""
 
     def view(self, frame: int, size: tuple[int, int]) -> View:
-        """The eye of a frame, for a picture of a size [px]."""
+        """Return the view of a frame, for a picture of a size [px]."""
         eye, target = self.eye(frame)
         up = math.tan(0.5 * FOV_Y)
         side = up * size[0] / size[1]
@@ -90,7 +93,7 @@ class City(Workload):
     start = (-40.0, 1.7, 360.0)
 
     def place(self, frame: int) -> float:
-        """How far down the street [m]."""
+        """Return the position along the street [m]."""
         return 1.4 * frame
 
     def eye(self, frame: int) -> tuple[F8, F8]:
@@ -100,17 +103,17 @@ class City(Workload):
 
 
 class Walk(City):
-    """The product's own city as its scene requests it: a few steps at a walking pace, and again some streets on.
+    """The product's own city as in its scene: a few steps at walking pace, then the same some streets farther.
 
     Attributes:
-        scene: The city's.
+        scene: Scene of the city.
     """
 
     start = (-1.75, 1.7, 330.0)
     _STRIDE, _STEPS = 1.4 / 30.0, 8
-    """Step of a walker at 30 frames per second [m]; number of frames in one place."""
+    """Displacement per frame at 30 Hz [m], and number of frames at one place."""
     _PLACES, _APART = 16, 20.0
-    """Along the street to the square in its middle, and back to its beginning; how far apart [m]."""
+    """Number of places along the street, after which it starts again, and their distance [m]."""
 
     def place(self, frame: int) -> float:
         number, step = divmod(frame, self._STEPS)
@@ -143,7 +146,7 @@ class Nodes(Workload):
         self._each = count // self._groups
         groups = [world.root.create_child() for _ in range(self._groups)]
         cubes = [groups[min(k // self._each, self._groups - 1)].create_child() for k in range(count)]
-        # The file's own node with its mesh; what hangs on it stands where the cube stands.
+        # The file's own node with its mesh, at the place of the first cube.
         first = prefab.instantiate(world, cubes[0])
         parts = next(
             [(part.mesh, part.material) for part in node.entity.subentities]
@@ -171,7 +174,7 @@ class Nodes(Workload):
         self.world.update()
 
     def update_by_handles(self, frame: int) -> None:
-        """The same as `update` by one call for each node and figure, as a scenario moves its few."""
+        """Do the same as `update` by a call for each node, as a scenario moves its few nodes."""
         poses = self._poses[frame]
         for node, translation, rotation in zip(self._handles, poses.translations, poses.rotations, strict=True):
             node.set_position(translation)
@@ -233,25 +236,25 @@ def _grid(k: NDArray[np.integer], across: int, step: float, heights: F8) -> F8:
 
 
 def light_up(world: World) -> None:
-    """One sun, light from everywhere, a plain background, and colours as the peers read them."""
+    """Add a sun, ambient light, a plain background, and the colours as the peers read them."""
     linear = decode(np.array(_BACKGROUND))
     sky = (float(linear[0]), float(linear[1]), float(linear[2]))
     world.environment = Sky(sky, sky, sky, 0.0)
-    # Light from everywhere is the sky's; divided by its colour, what reaches a surface is white.
+    # Ambient light is that of the sky; divided by its colour, it is white at a surface.
     everywhere = world.root.create_child()
     everywhere.create_light("ambient", colour=tuple((AMBIENT / linear).tolist()))
     sun = world.root.create_child()
     sun.look_at(-SUN)
     sun.create_light("directional", intensity=DIFFUSE, casts_shadow=0)
     for material in list(world.materials.values()):
-        # The renderers compared take a file's colours for display values, which glTF does not mean.
+        # The peers read a file's colours as display values, unlike glTF.
         red, green, blue = decode(np.array(material.base_colour[:3])).tolist()
         world.set_material(replace(material, base_colour=(red, green, blue, material.base_colour[3])))
     world.update()
 
 
 def decode(display: F8) -> F8:
-    """Linear light of display values (IEC 61966-2-1)."""
+    """Return linear light from display values (IEC 61966-2-1)."""
     return np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4)
 
 
@@ -260,12 +263,12 @@ def open_workload(name: str, folder: Path | None, count: int) -> Workload:
 
     Args:
         name: One of `WORKLOADS`.
-        folder: Where the files of the workloads are; None: not known.
-        count: Nodes of "nodes", 0: as the peers have.
+        folder: Folder of the files of the workloads; None where it is not known.
+        count: Number of nodes, people or particles; 0: that of the peers.
 
     Raises:
-        UsageError: it cannot be measured.
-        SceneError: its file is missing or wrong.
+        UsageError: The folder is not known, or the file is missing.
+        SceneError: The file is faulty.
     """
     if name == "walk":
         return Walk()

@@ -1,18 +1,17 @@
-"""How long it takes from a tracker's record to a pose: reading, believing, and asking where it will be."""
+"""Processor time from a tracker's record to a pose: parsing, plausibility check, and prediction."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
 
 from mimics_app.contracts.clock import process_seconds
-from mimics_app.contracts.tracker_port import TrackerSample
 from mimics_app.inputs.trackers.ascension import FlockParser, flock_record
 from mimics_app.inputs.trackers.plausibility import Plausibility
 from mimics_app.inputs.trackers.polhemus import FastrakParser, fastrak_record
 from mimics_app.inputs.trackers.scripted_person import person_at
+from mimics_app.inputs.trackers.serial_tracker import RecordParser
 from mimics_app.inputs.trackers.track import Track
 
 __all__ = ["measure_records"]
@@ -20,26 +19,22 @@ __all__ = ["measure_records"]
 _RECORDS = 2000
 _RATE_HZ = 120.0
 _UNIT = 0.01
-"""Of the line's numbers [m]."""
+"""Unit of the record's numbers [m]."""
 _AHEAD_NS = 10_000_000
-"""How far ahead a pose is requested [ns]."""
+"""Prediction of the requested pose [ns]."""
 _GOAL_MS = 1.0
 
 
-class _Parser(Protocol):
-    def feed(self, data: bytes, t_ns: int) -> list[TrackerSample]: ...
-
-
 def measure_records() -> dict[str, object]:
-    """By protocol the processor time from a record's last byte to the pose it gives [ms]: p50, p99, max."""
-    lines: dict[str, tuple[_Parser, Callable[[float], bytes]]] = {
+    """Return the processor time from the last byte of a record to its pose [ms], by protocol: p50, p99, max."""
+    lines: dict[str, tuple[RecordParser, Callable[[float], bytes]]] = {
         "fastrak": (FastrakParser(_UNIT), lambda t: fastrak_record(1, *person_at("head", t, 1), _UNIT)),
         "flock": (FlockParser(), lambda t: flock_record(*person_at("head", t, 1))),
     }
     return {"goal": _GOAL_MS, **{name: _spread_of(*line) for name, line in lines.items()}}
 
 
-def _spread_of(parser: _Parser, record_at: Callable[[float], bytes]) -> dict[str, float]:
+def _spread_of(parser: RecordParser, record_at: Callable[[float], bytes]) -> dict[str, float]:
     believed, track, spent = Plausibility(), Track(), []
     for number in range(_RECORDS):
         t_s = number / _RATE_HZ

@@ -1,4 +1,4 @@
-"""A scene played under a given plan, each tick and each drawn frame of it timed as a whole."""
+"""A scene played with the methods of a plan, whose whole ticks and whole frames are timed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.session.switched_off import NullRecorder
 from mimics_app.app.settings import RunSettings
-from mimics_app.contracts.clock import FRAMES_PER_SECOND, MonotonicClock
+from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.haptic.object_statics import ObjectStatics
@@ -27,26 +27,29 @@ from mimics_app.world.scene.scene import Scene
 __all__ = ["WholePlay"]
 
 _SEED = 1
-_LONGEST_START = 20 * FRAMES_PER_SECOND
-"""Frames; a robot that is not at its start by then never will be."""
 
 _TICKS, _CALLS = 1000, 5
-"""Ticks of a call that is timed, and how many calls."""
+"""Number of ticks of a timed call, and of calls."""
 
 _WARM_UP, _DRAWN = 2, 5
-"""Frames drawn first, in which the driver compiles and buffers grow, and frames that are timed."""
+"""Number of frames drawn first, in which the driver compiles and buffers grow, and of timed frames."""
 
 _SIZE = (640, 360)
-"""Of what is drawn [px]."""
+"""Size of the picture [px]."""
 
 
 class _Keeper(NullRecorder):
-    """Keeps every parameter block and the tables beside it, by sequence number."""
+    """Recorder in memory: parameter blocks with their tables by sequence number, and the samples of each frame."""
 
     def __init__(self, memory: SessionMemory) -> None:
         super().__init__(memory)
         self.blocks: dict[int, NDArray[Any]] = {}
         self.rows: dict[int, Rows] = {}
+        self.batches: list[NDArray[Any]] = []
+
+    def wait_for_room(self, ticks: int) -> None:
+        """Keep the samples of the previous frame."""
+        self.batches.append(self.samples())
 
     def parameters(self, block: NDArray[Any], rows: Rows | None = None) -> None:
         """Keep copies."""
@@ -57,15 +60,15 @@ class _Keeper(NullRecorder):
 
 
 class WholePlay:
-    """The first moments of a scene, from where the person acts. A context: leaving it closes the device.
+    """Beginning of a scene, played until the person has acted for some frames. A context: its end closes the device.
 
     Args:
-        scene: A checked scene of its own: its methods are set.
-        plan: What runs.
-        frames: To play.
+        scene: A checked scene; its methods are replaced by those of the plan.
+        plan: The methods that run.
+        frames: Number of frames to play.
 
     Raises:
-        SceneError: the scene cannot be played.
+        SceneError: The scene cannot be played.
     """
 
     def __init__(self, scene: Scene, plan: Plan, frames: int) -> None:
@@ -74,7 +77,10 @@ class WholePlay:
         settings = RunSettings(scene.path, seed=_SEED, profile=plan.profile, size=_SIZE)
         self._core = open_core(prepare_scene(scene, settings, plan=plan), self._keep)
         self._frames = Frames(self._core)
-        self._samples = np.concatenate([*self._to_start(), *(self._one_frame() for _ in range(frames))])
+        self._frames.play_to_start()
+        for _ in range(frames):
+            self._frames.play_on()
+        self._samples = np.concatenate([*self._keeper.batches, self._keeper.samples()])
         statics = self._core.side.statics
         self._statics = ObjectStatics.from_arrays(statics.arrays, statics.fields)
 
@@ -85,27 +91,23 @@ class WholePlay:
         self._core.stop()
 
     def tick_us(self) -> float:
-        """Cost of a tick [us], simulated robot and person included: the least mean of a few long calls.
-
-        What handing a call over costs is no part of a tick.
-        """
+        """Return the cost of a tick [us], simulated robot and person included: the smallest mean of long calls."""
         means = []
         for _ in range(_CALLS):
-            self._keeper.wait_for_room(_TICKS)
+            self._keeper.samples()
             started = self._clock.now_ns()
             self._core.haptics.advance(_TICKS)
             means.append((self._clock.now_ns() - started) * 1e-3 / _TICKS)
         return min(means)
 
     def draw(self, plan: Plan) -> tuple[float, NDArray[np.uint8]]:
-        """Cost of a frame under a plan [us], and the picture.
+        """Return the cost of a frame with the methods of a plan [us], and its picture.
 
-        The cost is of every stage of the main thread, to the last pixel.
-
-        Time is frozen meanwhile, so every plan draws the same moment.
+        The cost includes every stage of the main thread, to the last pixel. Session time does not advance meanwhile, so
+        that every plan draws the same moment.
 
         Raises:
-            DeviceError: nothing here draws without a display.
+            DeviceError: No OpenGL context is available without a display.
         """
         quality = with_methods(picture_quality(self._scene, plan.profile), plan.settings)
         picture = Picture(open_offscreen("auto", _SIZE), self._scene, self._core.world, quality)
@@ -122,10 +124,10 @@ class WholePlay:
         return median(spent[_WARM_UP:]), shown
 
     def force_apart(self, other: WholePlay) -> float:
-        """Root mean square difference of the force on the user [N] if this hand had moved under the other's methods.
+        """Return the RMS difference of the force on the user [N] that the other play's methods make for this motion.
 
-        What the methods set differs in the two first parameter blocks and tables: those values are put into all of
-        this play's, and its ticks are simulated again.
+        The values that the methods set are those that differ between the two first parameter blocks and tables: they
+        replace this play's own, and its ticks are simulated again.
         """
         ours, theirs = self._keeper, other._keeper
         first, changed = min(ours.blocks), min(theirs.blocks)
@@ -146,20 +148,9 @@ class WholePlay:
         self._keeper = _Keeper(memory)
         return self._keeper
 
-    def _to_start(self) -> list[NDArray[Any]]:
-        """Play until the person acts; the samples of each frame."""
-        kept = []
-        while not self._frames.orders.person_may_act and self._frames.number < _LONGEST_START:
-            kept.append(self._one_frame())
-        return kept
-
-    def _one_frame(self) -> NDArray[Any]:
-        self._frames.play_on()
-        return self._keeper.samples()
-
 
 def _laid_over(records: NDArray[Any], first: NDArray[Any], changed: NDArray[Any]) -> NDArray[Any]:
-    """Records in which every field that differs between `first` and `changed` has the latter's value."""
+    """Return the records with the value of `changed` in every field that differs between `first` and `changed`."""
     made = records.copy()
     for name in records.dtype.names or ():
         if records.dtype[name].names:

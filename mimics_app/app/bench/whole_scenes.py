@@ -1,8 +1,8 @@
-"""Whole scenes as points of a chart: what a tick and a frame of them cost and err under each plan.
+"""Whole scenes as points of a chart: cost and error of a tick and of a frame under each plan.
 
-For a scene there are two groups, "tick of NAME" and "frame of NAME". Their methods are the plans of the profiles and,
-from each of these, every single change of a method that the planner may take. Nothing is added up from parts: the
-scene is played by the simulated person, its frames are drawn, and both are timed as they are.
+A scene has two groups, "tick of NAME" and "frame of NAME". Their methods are the plans of the profiles and, from each
+of these, every change of a single method that the planner may choose. The costs are not sums over parts: the simulated
+person plays the scene, its frames are drawn, and both are timed as a whole.
 """
 
 from __future__ import annotations
@@ -30,34 +30,34 @@ from mimics_app.lab.visual.probe import differing_pixels
 __all__ = ["GROUPS", "register_whole", "variants"]
 
 SCENES = ("wavy_tunnel", "pick_and_place", "examples/tower")
-"""One scene of each shipped scenario: a tunnel, a carried object, and a scene made of components alone."""
+"""One scene each of a tunnel, a carried object, and components alone."""
 
 TICK, FRAME = "tick of ", "frame of "
 
 GROUPS = {f"{kind}{Path(scene).name.replace('_', ' ')}": (kind, scene) for kind in (TICK, FRAME) for scene in SCENES}
-"""Group -> what of which scene."""
+"""Kind (TICK or FRAME) and scene of each group."""
 
 _TICK_GROUPS = ("tunnel projection", "admittance form", "contact law", "colliding bodies", "resting bodies")
 """Groups of methods that a tick runs."""
 
 _REFERENCE: Profile = "study"
-"""Its plan is what others are compared with: the most accurate there is."""
+"""Profile of the reference plan, the most accurate one."""
 
 _FRAMES = 300
-"""Played from where the person acts [frames]."""
+"""Number of frames played while the person acts."""
 
 _LEVEL = 1
-"""A pixel that differs by no more than this of 255 is the same."""
+"""Difference up to which a pixel counts as equal [levels of 255]."""
 
 Variant = tuple[Profile, Mapping[str, Settings]]
-"""Whose plan, and what of it is changed: settings by group."""
+"""Profile of the plan, and changed settings by group."""
 
 
 def register_whole(registry: Registry, group: str) -> None:
-    """Describe a group of `GROUPS` and add its plans as methods.
+    """Register a group of `GROUPS` with its plans as methods.
 
     Raises:
-        SceneError: its scene is wrong.
+        SceneError: The scene is faulty.
     """
     kind, scene = GROUPS[group]
     unit, words = ("N", "false force on the same hand") if kind == TICK else ("share of pixels", "pixels that differ")
@@ -96,9 +96,9 @@ def _known(scene: str, groups: tuple[str, ...]) -> dict[str, Variant]:
 
 
 def variants(scene: str, groups: tuple[str, ...]) -> dict[str, Variant]:
-    """The plans of the profiles, and each with one method changed that the planner may take, by a name for people.
+    """Return the plans of the profiles, and each with one changed method that the planner may choose, by name.
 
-    What runs the same as an earlier one is left out; the profiles themselves never are.
+    Plans that run the same methods as an earlier one are left out, except for those of the profiles.
     """
     return dict(_known(scene, groups))
 
@@ -123,7 +123,7 @@ def _plan(scene: str, profile: Profile) -> Plan:
 
 
 def _changed(scene: str, variant: Variant) -> Plan:
-    """The plan of a variant."""
+    """Return the plan of a variant."""
     profile, changes = variant
     plan = _plan(scene, profile)
     choices = (
@@ -144,12 +144,12 @@ def _tick_us(scene: str, name: str) -> float:
 
 @cache
 def _reference(scene: str) -> WholePlay:
-    """A study's play at its moment; open for as long as this process measures."""
+    """Return the play of the reference plan, which stays open as long as this process measures."""
     return _play(scene, (_REFERENCE, {}))
 
 
 def _false_force(scene: str, name: str) -> float:
-    """Root mean square difference of the force on the user [N] to a study's, on the same motion of the hand."""
+    """Return the RMS difference of the force on the user to that of the reference plan, for the same motion [N]."""
     with _play(scene, _known(scene, _TICK_GROUPS)[name]) as changed:
         return _reference(scene).force_apart(changed)
 

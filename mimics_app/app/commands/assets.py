@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mimics_app.app.terminal.arguments import file_to_write, real_number, whole_number
+from mimics_app.app.terminal.output import answer
+from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.plural import counted
+
+if TYPE_CHECKING:
+    from mimics_app.world.simplify.level_writer import MeshLevels
 
 __all__ = ["add_arguments", "run"]
 
@@ -54,24 +60,17 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _list(args: argparse.Namespace) -> int:
-    from mimics_app.app.terminal import output
     from mimics_app.builders.catalogue import find_builders
 
     builders = find_builders()
-    if args.json:
-        rows = [{"name": each.name, "what": each.what, "file": each.file} for each in builders]
-        output.write_object("assets", {"builders": rows})
-        return 0
-    for each in builders:
-        print(f"{each.name:12} {each.what}")
+    rows = [{"name": each.name, "what": each.what, "file": each.file} for each in builders]
+    answer(args, {"builders": rows}, (f"{each.name:12} {each.what}" for each in builders))
     return 0
 
 
 def _levels(args: argparse.Namespace) -> int:
     from dataclasses import asdict
 
-    from mimics_app.app.terminal import output
-    from mimics_app.contracts.errors import UsageError
     from mimics_app.world.simplify.level_writer import SHARES, write_levels
 
     file = Path(args.name)
@@ -82,21 +81,19 @@ def _levels(args: argparse.Namespace) -> int:
         levels = write_levels(file, out, args.shares or SHARES, args.pixels)
     except ValueError as error:
         raise UsageError(str(error), "for example --shares 0.5 0.2 0.06") from error
-    if args.json:
-        output.write_object("assets", {"file": out, "meshes": [asdict(each) for each in levels]})
-        return 0
-    for each in levels:
-        steps = zip(each.triangles, each.errors, each.coverages, strict=True)
-        steps_text = ", ".join(f"{n} triangles ({error:.2g} m, from {100.0 * c:.2g} %)" for n, error, c in steps)
-        print(f"{each.name}: {steps_text}")
     none = "" if levels else ": every mesh has levels already, or cannot be simplified without a visible error"
-    print(f"{out}: levels made for {counted(len(levels), 'meshes')}{none}")
+    total = f"{out}: levels made for {counted(len(levels), 'meshes')}{none}"
+    answer(args, {"file": out, "meshes": [asdict(each) for each in levels]}, [*map(_level_line, levels), total])
     return 0
+
+
+def _level_line(mesh: MeshLevels) -> str:
+    steps = zip(mesh.triangles, mesh.errors, mesh.coverages, strict=True)
+    return f"{mesh.name}: " + ", ".join(f"{n} triangles ({error:.2g} m, from {100 * c:.2g} %)" for n, error, c in steps)
 
 
 def _thumbnails(args: argparse.Namespace) -> int:
     from mimics_app.app.play.thumbnails import draw_sheet, draw_thumbnails
-    from mimics_app.app.terminal import output
 
     files = []
     for file in draw_thumbnails(args.out, [args.name] if args.name else ()):
@@ -105,34 +102,27 @@ def _thumbnails(args: argparse.Namespace) -> int:
             print(f"{file}: {file.stat().st_size} bytes", flush=True)
     if args.picture is not None:
         draw_sheet(files, args.picture)
-    if args.json:
-        output.write_object("assets", {"files": files})
+    answer(args, {"files": files}, ())
     return 0
 
 
 def _build(args: argparse.Namespace) -> int:
-    from mimics_app.app.terminal import output
     from mimics_app.builders.catalogue import find_builder
-    from mimics_app.contracts.errors import UsageError
 
     if not args.name:
         raise UsageError("the name of a builder is missing", "mimics assets list shows the names")
     files = find_builder(args.name).write(args.out, args.seed)
     if args.picture is not None:
         _draw(args.name, files, args.picture)
-    if args.json:
-        rows = [{"file": file, "bytes": file.stat().st_size, "sha256": _digest(file)} for file in files]
-        output.write_object("assets", {"name": args.name, "seed": args.seed, "files": rows})
-        return 0
-    for file in files:
-        print(f"{file}: {file.stat().st_size} bytes, sha256 {_digest(file)}")
+    rows = [{"file": file, "bytes": file.stat().st_size, "sha256": _digest(file)} for file in files]
+    lines = (f"{row['file']}: {row['bytes']} bytes, sha256 {row['sha256']}" for row in rows)
+    answer(args, {"name": args.name, "seed": args.seed, "files": rows}, lines)
     return 0
 
 
 def _draw(name: str, files: list[Path], picture: Path) -> None:
     from mimics_app.app.viewer.contact_sheet import draw_models
     from mimics_app.app.viewer.shown import MODEL_SUFFIXES
-    from mimics_app.contracts.errors import UsageError
 
     sounds = [file for file in files if file.suffix == ".wav" and not file.stem[-1].isdigit()]  # one of each family
     if sounds:

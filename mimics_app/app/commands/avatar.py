@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from mimics_app.app.terminal.output import answer
 from mimics_app.contracts.errors import Issue, SceneError
 
 __all__ = ["add_arguments", "run"]
@@ -33,13 +34,8 @@ def run(args: argparse.Namespace) -> int:
             Issue(str(args.file), "/skins", "nothing in the model moves: it has neither a skin nor a clip")
         )
     found = find_humanoid(animators[0].rig)
-    clips = list(animators[0].clips)
-    if args.json:
-        from mimics_app.app.terminal.output import write_object
-
-        bones = {"file": str(args.file), "bones": found.names, "guessed": found.guesses, "missing": list(found.missing)}
-        write_object("avatar", {**bones, "clips": clips, "morphs": sorted(set(animators[0].rig.morph_names) - {""})})
-    else:
-        for line in report_lines(found, [f"clips: {', '.join(clips)}"] if clips else []):
-            print(line)
+    clips, morphs = list(animators[0].clips), sorted(set(animators[0].rig.morph_names) - {""})
+    bones = {"file": str(args.file), "bones": found.names, "guessed": found.guesses, "missing": list(found.missing)}
+    lines = report_lines(found, [f"clips: {', '.join(clips)}"] if clips else [])
+    answer(args, {**bones, "clips": clips, "morphs": morphs}, lines)
     return 0 if found.complete else SceneError.exit_code

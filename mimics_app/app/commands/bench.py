@@ -1,4 +1,4 @@
-"""`mimics bench WHAT`: measure the product beside rivals, in the same run on this machine."""
+"""`mimics bench WHAT`: measure the product beside its peers, in the same run on this machine."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from mimics_app.app.terminal.arguments import file_to_write, picture_size, positive_time, real_number, whole_number
+from mimics_app.app.terminal.output import answer, finite
 from mimics_app.contracts.errors import DeviceError, UsageError
 
 __all__ = ["add_arguments", "run"]
@@ -98,7 +99,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `mimics bench render`: those of the rival renderers' harnesses."""
+    """Arguments of `mimics bench render`, the same as those of the peers' harnesses."""
     parser.add_argument(
         "names",
         nargs="*",
@@ -150,8 +151,6 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Measure, and print a table or one JSON object."""
-    from mimics_app.app.terminal import output
-
     if args.what == "render":
         return _run_render(args)
 
@@ -160,28 +159,24 @@ def run(args: argparse.Namespace) -> int:
             f"bench {args.what} takes no further name: {' '.join(args.names)}", f"mimics bench {args.what}"
         )
     parts = ("methods", "audio", "haptic", "frame", "realtime") if args.what == "all" else (args.what,)
-    answer: dict[str, Any] = {}
+    figures: dict[str, Any] = {}
     for part in parts:
         measured = _MEASURES[part](args)
-        answer.update(measured if len(parts) == 1 else {part: measured})
-    if args.json:
-        output.write_object("bench", answer)
-    else:
-        print(json.dumps(output.finite(answer), indent=2))
+        figures.update(measured if len(parts) == 1 else {part: measured})
+    answer(args, figures, [json.dumps(finite(figures), indent=2)])
     return 0
 
 
 def _run_render(args: argparse.Namespace) -> int:
     from mimics_app.app.bench.render_bench import RenderBench, measure_render
-    from mimics_app.app.terminal import output
 
     workload = args.names[0] if len(args.names) == 1 else ""
     if workload not in WORKLOADS:
         what = f'there is no workload "{" ".join(args.names)}"' if args.names else "the workload is missing"
         raise UsageError(what, f"mimics bench render {', '.join(WORKLOADS[:-1])} or {WORKLOADS[-1]}")
-    folder = args.data or (Path(os.environ["RENDER_DATA"]) if "RENDER_DATA" in os.environ else None)
+    folder = args.data or _folder_of("RENDER_DATA")
     options = tuple(args.opt.replace(",", " ").split())
-    answer = measure_render(
+    figures = measure_render(
         RenderBench(
             workload,
             folder,
@@ -196,16 +191,13 @@ def _run_render(args: argparse.Namespace) -> int:
             fps=args.fps,
         )
     )
-    answer |= _beside(args, workload, folder, answer)
-    if args.json:
-        output.write_object("bench", answer)
-    else:
-        print("RESULT " + json.dumps(answer))
+    figures |= _beside(args, workload, folder, figures)
+    answer(args, figures, ["RESULT " + json.dumps(figures)])
     return 0
 
 
 def _beside(args: argparse.Namespace, workload: str, folder: Path | None, ours: dict[str, Any]) -> dict[str, Any]:
-    """Return OGRE's median frame time for the same workload, size and samples [ms]; {} without a rival."""
+    """Return OGRE's median frame time for the same workload, size and samples [ms]; {} where it is not measured."""
     from mimics_app.app.bench.ogre import OGRE_WORKLOADS, measure_ogre, measure_ogre_particles
 
     if workload == "particles":
@@ -263,19 +255,19 @@ def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_audio(args: argparse.Namespace) -> dict[str, Any]:
-    """Measure the mixers beside rivals, and the latency from contact to sample through a private PulseAudio sink."""
+    """Measure the mixers beside peers, and the latency from contact to sample through a private PulseAudio sink."""
     if args.soak:
         from mimics_app.app.bench.audio_soak import measure_soak
 
         return measure_soak(args.scene, _seconds(args, _SECONDS, _SECONDS))
     from mimics_app.lab.audio_bench import measure_audio
 
-    answer = measure_audio(_say, _seconds(args, _AUDIO_SECONDS, _AUDIO_SECONDS), _peers())
+    figures = measure_audio(_say, _seconds(args, _AUDIO_SECONDS, _AUDIO_SECONDS), _peers())
     if args.charts is not None:
         from mimics_app.lab.audio_figures import draw_figures
 
-        answer["charts"] = draw_figures(args.charts)
-    return answer
+        figures["charts"] = draw_figures(args.charts)
+    return figures
 
 
 def _seconds(args: argparse.Namespace, usual: float, among_all: float) -> float:
@@ -288,12 +280,17 @@ def _say(text: str) -> None:
 
 
 def _peers() -> Path | None:
-    """Folder of the rivals' harnesses: the environment variable PEERS; None where it is not set."""
-    return Path(os.environ["PEERS"]) if os.environ.get("PEERS") else None
+    """Return the folder of the peers' harnesses, None where it is not set."""
+    return _folder_of("PEERS")
+
+
+def _folder_of(variable: str) -> Path | None:
+    """Return the folder that an environment variable names, None where it is not set."""
+    return Path(os.environ[variable]) if os.environ.get(variable) else None
 
 
 def _measure_haptic(_: argparse.Namespace) -> dict[str, Any]:
-    """Measure shapes, meshes and bodies beside a reference loop and the rivals; PEERS is a folder of further ones."""
+    """Measure shapes, meshes and bodies beside a reference loop and peers; PEERS is a folder of further ones."""
     from mimics_app.lab.haptic_bench import measure_haptic
 
     return measure_haptic(_say, _peers())
@@ -305,12 +302,12 @@ def _measure_frame(args: argparse.Namespace) -> dict[str, Any]:
 
     seconds = _seconds(args, _FRAME_SECONDS, _ALL_FRAME_SECONDS)
     scenes = [Path(name) for name in args.names]
-    answer = measure_frames(scenes, args.size, args.surface, seconds, _say, args.scale)
+    figures = measure_frames(scenes, args.size, args.surface, seconds, _say, args.scale)
     if args.charts is not None:
         from mimics_app.app.bench.frame_counts import draw_counts
 
-        answer["charts"] = [draw_counts(args.charts)]
-    return answer
+        figures["charts"] = [draw_counts(args.charts)]
+    return figures
 
 
 def _measure_displays(args: argparse.Namespace) -> dict[str, Any]:
@@ -337,7 +334,7 @@ def _measure_faults(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
-    """Measure R peaks on annotated records and under noise, cost and latency; PEERS is the folder of rivals' harnesses.
+    """Measure R peaks on annotated records and under noise, cost and latency; PEERS is the folder of peers' harnesses.
 
     With names only these: figures, written to `--charts`, or the table of R peaks by kind of noise.
     """
@@ -348,20 +345,19 @@ def _measure_physio(args: argparse.Namespace) -> dict[str, Any]:
         return {"people": str(args.people)}
     from mimics_app.lab.physio.bench import measure_noise, measure_physio
 
-    folder = args.data or (Path(os.environ["PHYSIO_DATA"]) if os.environ.get("PHYSIO_DATA") else None)
-    names = _physio_figures(args)
+    folder, names = args.data or _folder_of("PHYSIO_DATA"), _physio_figures(args)
     if _NOISE in args.names and folder is None:
         raise UsageError(
             "noise is added to annotated records: their folder is missing", "mimics bench physio noise --data DIR"
         )
-    answer: dict[str, Any] = {"noise": measure_noise(folder)} if _NOISE in args.names else {}
+    figures: dict[str, Any] = {"noise": measure_noise(folder)} if _NOISE in args.names else {}
     if not args.names:
-        answer = measure_physio(folder, _peers())
+        figures = measure_physio(folder, _peers())
     if args.charts is not None and names:
         from mimics_app.lab.physio_figures import draw_figures
 
-        answer["charts"] = draw_figures(args.charts, names, folder)
-    return answer
+        figures["charts"] = draw_figures(args.charts, names, folder)
+    return figures
 
 
 def _physio_figures(args: argparse.Namespace) -> list[str]:

@@ -9,6 +9,8 @@ import argparse
 import sys
 from collections.abc import Iterable, Sequence
 
+from mimics_app.app.terminal.output import answer
+
 __all__ = ["add_arguments", "run", "suggest"]
 
 _SCRIPTS = {
@@ -53,12 +55,7 @@ def run(args: argparse.Namespace) -> int:
     if args.shell == "words":
         words = sys.stdin.read().removesuffix("\n").split("\n")
         found = suggest(words, args.commands, args.parser_of)
-        if args.json:
-            from mimics_app.app.terminal.output import write_object
-
-            write_object("completion", {"words": found})
-        else:
-            sys.stdout.write("".join(f"{word}\n" for word in found))
+        answer(args, {"words": found}, found)
         return 0
     sys.stdout.write(_SCRIPTS[args.shell])
     return 0

@@ -1,13 +1,15 @@
-"""`mimics config SCENE [options of mimics run]`: the values a run would begin with, and where each comes from."""
+"""`mimics config SCENE [options of mimics run]`: the values a run would begin with, and the source of each."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from dataclasses import asdict, fields
 from typing import TYPE_CHECKING
 
 from mimics_app.app.commands.run import add_arguments as add_arguments_of_run
 from mimics_app.app.settings import RunSettings
+from mimics_app.app.terminal.output import answer
 
 if TYPE_CHECKING:
     from mimics_app.app.session.effective_settings import EffectiveSetting
@@ -22,7 +24,7 @@ _TITLES = {
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `mimics config`: those of `mimics run`."""
+    """Add the arguments of `mimics run`."""
     add_arguments_of_run(parser)
     parser.epilog = "Precedence: device, then command line, then scene, then profile, then default."
     described = {action.dest: action.help for action in parser._actions if action.help}
@@ -37,30 +39,26 @@ def run(args: argparse.Namespace) -> int:
     settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
     from mimics_app.app.session.effective_settings import effective_settings
     from mimics_app.app.session.preparation import prepare
-    from mimics_app.app.terminal.output import write_object
 
     parts = prepare(settings, live=not settings.headless)
     try:
         shown = effective_settings(parts, args.meanings)
     finally:
         parts.plugin.close()
-    if args.json:
-        write_object("config", {"settings": [asdict(setting) for setting in shown]})
-    else:
-        _say(shown)
+    answer(args, {"settings": [asdict(setting) for setting in shown]}, _lines(shown))
     return 0
 
 
-def _say(settings: list[EffectiveSetting]) -> None:
-    """Print a table per section, without the options that request nothing."""
+def _lines(settings: list[EffectiveSetting]) -> Iterator[str]:
+    """Yield a table per section, without the options that request nothing."""
     shown = [each for each in settings if each.value not in ("", None)]
     for section, title in _TITLES.items():
         rows = [(each.name, _text(each), each.origin) for each in shown if each.section == section]
         name, value = (max(len(row[k]) for row in rows) for k in (0, 1))
-        print(title)
+        yield title
         for row in rows:
-            print(f"  {row[0]:{name}}  {row[1]:{value}}  {row[2]}")
-        print()
+            yield f"  {row[0]:{name}}  {row[1]:{value}}  {row[2]}"
+        yield ""
 
 
 def _text(setting: EffectiveSetting) -> str:

@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from mimics_app.app.settings import PATIENTS
-from mimics_app.app.terminal.arguments import positive_time, random_seed, whole_number
+from mimics_app.app.terminal.arguments import display_forms, positive_time, random_seed, whole_number
+from mimics_app.app.terminal.output import answer
 from mimics_app.contracts.errors import DeviceError, UsageError
 
 __all__ = ["add_arguments", "find_all", "run"]
@@ -90,16 +91,11 @@ def _check(args: argparse.Namespace) -> int:
     from mimics_app.app.devices.check import check_by_name
 
     findings = check_by_name(args.device, args.recording)
-    failed = [one for one in findings if one.verdict == "failed"]
-    if args.json:
-        from mimics_app.app.terminal.output import write_object
-
-        rows = [{"check": one.check, "verdict": one.verdict, "what": one.what} for one in findings]
-        write_object("devices", {"device": args.device, "passed": not failed, "checks": rows})
-    else:
-        for one in findings:
-            sys.stdout.write(f"{one.verdict:14} {one.check}{': ' if one.what else ''}{one.what}\n")
-    return DeviceError.exit_code if failed else 0
+    passed = all(one.verdict != "failed" for one in findings)
+    rows = [{"check": one.check, "verdict": one.verdict, "what": one.what} for one in findings]
+    lines = [f"{one.verdict:14} {one.check}{': ' if one.what else ''}{one.what}" for one in findings]
+    answer(args, {"device": args.device, "passed": passed, "checks": rows}, lines)
+    return 0 if passed else DeviceError.exit_code
 
 
 def _emulate(args: argparse.Namespace) -> int:
@@ -123,24 +119,14 @@ def _emulate(args: argparse.Namespace) -> int:
 def _say_address(args: argparse.Namespace, at: str) -> None:
     """Print the first line: name and address of the emulated device."""
     address = f"{args.device}:{at}"
-    if args.json:
-        from mimics_app.app.terminal.output import write_object
-
-        write_object("devices", {"address": address})
-    else:
-        sys.stdout.write(f"{address}\n")
-        sys.stdout.flush()
+    answer(args, {"address": address}, [address])
+    sys.stdout.flush()
 
 
 def _list(args: argparse.Namespace) -> int:
     """Print the devices a scene can run on; a failed query becomes a note."""
     found = find_all()
-    if args.json:
-        from mimics_app.app.terminal.output import write_object
-
-        write_object("devices", found)
-    else:
-        sys.stdout.write("\n".join(_lines(found)) + "\n")
+    answer(args, found, _lines(found))
     return 0
 
 
@@ -151,6 +137,7 @@ def find_all() -> dict[str, Any]:
     """
     from mimics_app.app.installation.display_files import find_display_files
     from mimics_app.app.installation.probes import probe
+    from mimics_app.app.installation.serial_ports import list_serial_ports
 
     attached, sound, headset = probe("attached"), probe("sound"), probe("headset")
     graphics = {backend: probe(backend) for backend in ("window", "egl", "osmesa")}
@@ -161,7 +148,7 @@ def find_all() -> dict[str, Any]:
         "display_files": find_display_files(Path.cwd()),
         "gamepads": attached.get("gamepads", []),
         "graphics": [{"backend": name, "ok": answer["ok"]} for name, answer in graphics.items()],
-        "serial_ports": _serial_ports(),
+        "serial_ports": list_serial_ports(),
         "sound": sound.get("device", ""),
         "notes": [
             f"{name}: {found['error']}" for name, found in (("displays", attached), ("sound", sound)) if not found["ok"]
@@ -170,14 +157,10 @@ def find_all() -> dict[str, Any]:
 
 
 def _display_kinds(headset: dict[str, Any]) -> list[dict[str, str]]:
-    """Return every kind of --display, with what it lacks here."""
-    from mimics_app.contracts.display_choice import DISPLAY_KINDS
-
-    files = {"never": "", "may": "[:FILE]", "must": ":FILE"}
+    """Return every kind of --display, and why it is missing here."""
     missing = {"openxr": "" if headset["ok"] else str(headset["error"])}
     return [
-        {"name": kind, "write": kind + files[wants], "error": missing.get(kind, "")}
-        for kind, wants in DISPLAY_KINDS.items()
+        {"name": kind, "write": written, "error": missing.get(kind, "")} for kind, written in display_forms().items()
     ]
 
 
@@ -190,9 +173,10 @@ def _built_in() -> Iterator[dict[str, Any]]:
 
 
 def _plugged_in() -> Iterator[dict[str, Any]]:
-    from mimics_app.app.installation.plugins import list_plugins
+    from mimics_app.app.installation.plugins import report_group
+    from mimics_app.rendering.haptic.devices.device_names import PLUGINS
 
-    for plugin in list_plugins("mimics_app.devices"):
+    for plugin in report_group(PLUGINS):
         about = inspect.getdoc(plugin.loaded) or "" if plugin.loaded is not None else ""
         yield {
             "name": plugin.name,
@@ -200,17 +184,6 @@ def _plugged_in() -> Iterator[dict[str, Any]]:
             "package": plugin.package,
             "error": plugin.error,
         }
-
-
-def _serial_ports() -> list[dict[str, str]]:
-    from serial.tools import list_ports
-
-    ports = sorted(list_ports.comports(), key=lambda port: str(port.device))
-    return [
-        {"port": port.device, "about": port.description or "", "id": port.hwid or ""}
-        for port in ports
-        if port.hwid not in (None, "n/a")  # a serial port of the board with nothing plugged in
-    ]
 
 
 def _file_line(one: dict[str, str]) -> str:

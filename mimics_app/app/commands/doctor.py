@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import platform
+import re
 import shutil
 import sys
 from pathlib import Path
@@ -12,25 +13,11 @@ from typing import Any
 
 from mimics_app import __version__
 from mimics_app.app.installation import system_packages
+from mimics_app.app.terminal.output import answer
 from mimics_app.contracts.errors import DeviceError
 
 __all__ = ["add_arguments", "examine", "run"]
 
-_PACKAGES = (
-    "numpy",
-    "numba",
-    "llvmlite",
-    "moderngl",
-    "glfw",
-    "jinja2",
-    "pyrr",
-    "trimesh",
-    "PyOpenAL",
-    "pyserial",
-    "msgspec",
-    "pyarrow",
-    "pillow",
-)
 _GIGABYTE = 1e9
 _MEGABYTE = 1e6
 _HOUR_S = 3600.0
@@ -53,12 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Examine the machine; 0 when scenes can run here, 4 when something they need is missing."""
     findings = examine(args.runs)
-    if args.json:
-        from mimics_app.app.terminal.output import write_object
-
-        write_object("doctor", findings)
-    else:
-        sys.stdout.write("\n".join(_lines(findings)) + "\n")
+    answer(args, findings, _lines(findings))
     return 0 if findings["ready"] else DeviceError.exit_code
 
 
@@ -113,10 +95,12 @@ def _system_row(need: system_packages.SystemNeed, found: str) -> dict[str, str]:
 
 
 def _versions() -> dict[str, str | None]:
-    from importlib.metadata import PackageNotFoundError, version
+    """Return the versions of the packages that a run needs, None where one is missing; llvmlite is numba's."""
+    from importlib.metadata import PackageNotFoundError, requires, version
 
+    lines = [line for line in requires("mimics_app") or () if "extra ==" not in line]
     versions: dict[str, str | None] = {"mimics_app": __version__, "python": platform.python_version()}
-    for package in _PACKAGES:
+    for package in (*(re.split(r"[^\w.-]", line)[0] for line in lines), "llvmlite"):
         try:
             versions[package] = version(package)
         except PackageNotFoundError:
@@ -170,7 +154,7 @@ def _displays() -> dict[str, Any]:
     return {"monitors": monitors, "files": files, "error": attached.get("error", "")}
 
 
-def _displays_said(displays: dict[str, Any]) -> str:
+def _displays_text(displays: dict[str, Any]) -> str:
     found = [*displays["monitors"], *(f"--display {file}" for file in displays["files"])]
     return ", ".join(found) if found else displays["error"] or "none"
 
@@ -195,17 +179,16 @@ def _lines(findings: dict[str, Any]) -> list[str]:
     if findings["apt"]:
         lines += ["", "  To install what is missing:", f"  {findings['apt']}"]
     lines += ["", "Picture, sound, real time"]
-    for backend, answer in findings["gl"].items():
-        lines.append(_line(answer["ok"], backend, _graphics_said(answer), optional=backend != "egl"))
-    lines.append(_line(findings["al"]["ok"], "sound", _sound_said(findings["al"]), optional=True))
+    for backend, found in findings["gl"].items():
+        lines.append(_line(found["ok"], backend, _graphics_text(found), optional=backend != "egl"))
+    lines.append(_line(findings["al"]["ok"], "sound", _sound_text(findings["al"]), optional=True))
     headset = findings["headset"]
     lines.append(_line(headset["ok"], "headset", headset.get("error") or headset["runtime"], optional=True))
     displays = findings["displays"]
-    lines.append(
-        _line(bool(displays["monitors"] or displays["files"]), "displays", _displays_said(displays), optional=True)
-    )
+    some = bool(displays["monitors"] or displays["files"])
+    lines.append(_line(some, "displays", _displays_text(displays), optional=True))
     scheduler = findings["scheduler"]
-    lines.append(_line(scheduler.get("fifo", False), "scheduler", _scheduler_said(scheduler), optional=True))
+    lines.append(_line(scheduler.get("fifo", False), "scheduler", _scheduler_text(scheduler), optional=True))
     lines += ["", "Folders", *_folder_lines(findings)]
     lines += ["", "Plug-ins", *([_plugin_line(plugin) for plugin in findings["plugins"]] or ["      none installed"])]
     lines += [
@@ -222,8 +205,8 @@ def _line(good: bool, name: str, text: str, *, optional: bool = False) -> str:
 
 def _system_line(row: dict[str, str]) -> str:
     needed = row["kind"] == "run"
-    said = row["found"] or f"missing: {row['purpose']}" + ("" if needed else f" ({row['kind']})")
-    return _line(bool(row["found"]), row["package"], said, optional=not needed)
+    text = row["found"] or f"missing: {row['purpose']}" + ("" if needed else f" ({row['kind']})")
+    return _line(bool(row["found"]), row["package"], text, optional=not needed)
 
 
 def _plugin_line(plugin: dict[str, str]) -> str:
@@ -235,29 +218,29 @@ def _folder_lines(findings: dict[str, Any]) -> list[str]:
     kernels = f"{cache['compiled']} compiled; {cache['bytes'] / _MEGABYTE:.0f} MB with those of other versions"
     return [
         _line(bool(cache["folder"]), "kernels", f"{cache['folder'] or cache['fix']} ({kernels})"),
-        _line(runs["writable"], "runs", _room_said(runs)),
+        _line(runs["writable"], "runs", _room_text(runs)),
         _line(not data["error"], "data", str(data["folder"] or data["error"])),
     ]
 
 
-def _room_said(runs: dict[str, Any]) -> str:
+def _room_text(runs: dict[str, Any]) -> str:
     hours, rate = runs["free_gb"] / runs["gb_an_hour"], f"{runs['gb_an_hour']:.1f} GB an hour"
     return f"{runs['folder']} ({runs['free_gb']} GB free; a session takes {rate}: room for {hours:.0f} h)"
 
 
-def _graphics_said(answer: dict[str, Any]) -> str:
-    return f"{answer['version']}, {answer['renderer']}" if answer["ok"] else str(answer["error"])
+def _graphics_text(found: dict[str, Any]) -> str:
+    return f"{found['version']}, {found['renderer']}" if found["ok"] else str(found["error"])
 
 
-def _sound_said(answer: dict[str, Any]) -> str:
-    if not answer["ok"]:
-        return str(answer["error"])
-    output = answer["device"] or "no sound output: --sound file writes the sound to a file"
-    return f"{answer['library']}, HRTF {'on' if answer['hrtf'] else 'off'}, {output}"
+def _sound_text(found: dict[str, Any]) -> str:
+    if not found["ok"]:
+        return str(found["error"])
+    output = found["device"] or "no sound output: --sound file writes the sound to a file"
+    return f"{found['library']}, HRTF {'on' if found['hrtf'] else 'off'}, {output}"
 
 
-def _scheduler_said(answer: dict[str, Any]) -> str:
-    if not answer["ok"]:
-        return str(answer["error"])
-    said = f"{answer['recipe']} on {answer['cores']} cores"
-    return said if answer["fifo"] else f"{said}; {_FIFO_ADVICE}"
+def _scheduler_text(found: dict[str, Any]) -> str:
+    if not found["ok"]:
+        return str(found["error"])
+    recipe = f"{found['recipe']} on {found['cores']} cores"
+    return recipe if found["fifo"] else f"{recipe}; {_FIFO_ADVICE}"

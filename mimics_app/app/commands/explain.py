@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.settings import PROFILES
 from mimics_app.app.terminal.arguments import picture_size
+from mimics_app.app.terminal.output import answer
 
 if TYPE_CHECKING:
     from mimics_app.app.planner.plan import Plan
@@ -42,44 +44,38 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.picture.shadow_cost import measure_shadow_us
     from mimics_app.app.planner.explain import explain_plan
     from mimics_app.app.planner.plan import plan_scene
-    from mimics_app.app.terminal import output
 
     plan = plan_scene(scene, args.profile, pixels=0 if args.still else args.size[0] * args.size[1])
-    answer = explain_plan(scene, plan, lambda: measure_shadow_us(scene))
-    if args.json:
-        output.write_object("explain", answer)
-    else:
-        _say(answer, plan)
+    explained = explain_plan(scene, plan, lambda: measure_shadow_us(scene))
+    answer(args, explained, _lines(explained, plan))
     return 0
 
 
-def _say(answer: dict[str, Any], plan: Plan) -> None:
+def _lines(explained: dict[str, Any], plan: Plan) -> Iterator[str]:
     where = "measured on this machine" if plan.origin == "saved" else f"the {plan.origin} method table"
-    print(f"profile {plan.profile}; costs by {where} ({answer['table']['machine'].get('processor', '')})")
-    limits = ", ".join(f"{name} {value:g}" for name, value in plan.tolerances.items())
-    print(f"accepts {limits}")
+    yield f"profile {plan.profile}; costs by {where} ({explained['table']['machine'].get('processor', '')})"
+    yield "accepts " + ", ".join(f"{name} {value:g}" for name, value in plan.tolerances.items())
     if plan.pixels:
-        print(f"live picture of {plan.pixels / 1e6:.3g} million pixels, drawn without a graphics card")
-    print()
+        yield f"live picture of {plan.pixels / 1e6:.3g} million pixels, drawn without a graphics card"
+    yield ""
     overruled = {choice.group: choice.planner.method for choice in plan.choices if choice.planner is not None}
-    for part in answer["parts"]:
-        error = _error_of(part)
-        print(f"runs      {part['part']}: {part['method']}, {_cost_of(part)}{_whole_of(part)}{error}")
+    for part in explained["parts"]:
+        yield f"runs      {part['part']}: {part['method']}, {_cost_of(part)}{_whole_of(part)}{_error_of(part)}"
         if part["note"]:
-            print(f"          {part['note']}")
+            yield f"          {part['note']}"
         if part["group"] in overruled:
-            print(f"          the scene names it; the planner would take {overruled[part['group']]}")
+            yield f"          the scene names it; the planner would take {overruled[part['group']]}"
         refused = part["next_cheaper"]
         if refused:
-            print(f"          cheaper but refused: {refused['method']}, error {refused['error']:.2g} {part['unit']}")
+            yield f"          cheaper but refused: {refused['method']}, error {refused['error']:.2g} {part['unit']}"
         if part["too_dear"]:
-            print(f"          better but too costly: {_too_dear(part['too_dear'], part['unit'])}")
-    costs = [part["tick_us"] for part in answer["parts"] if part["tick_us"] is not None]
+            yield f"          better but too costly: {_too_dear(part['too_dear'], part['unit'])}"
+    costs = [part["tick_us"] for part in explained["parts"] if part["tick_us"] is not None]
     if costs:
-        print(f"in all    a tick of the haptic loop, bodies at rest: {_time_of(sum(costs))}")
-    for left in answer["left_out"]:
+        yield f"in all    a tick of the haptic loop, bodies at rest: {_time_of(sum(costs))}"
+    for left in explained["left_out"]:
         saved = "" if left["saved_us"] is None else f" ({_time_of(left['saved_us'])} saved)"
-        print(f"not used  {left['part']}: {left['why']}{saved}")
+        yield f"not used  {left['part']}: {left['why']}{saved}"
 
 
 def _cost_of(part: dict[str, Any]) -> str:

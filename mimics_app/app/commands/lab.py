@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.terminal.arguments import whole_number
+from mimics_app.app.terminal.output import answer
 
 if TYPE_CHECKING:
     from mimics_app.lab.figure import Figure
@@ -122,20 +124,15 @@ def _measure(groups: list[str], rounds: int) -> list[MeasuredGroup]:
 
 
 def _show_table(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
-    from mimics_app.app.terminal import output
     from mimics_app.contracts.machine import describe_machine
     from mimics_app.lab.measure import as_dict
 
     saved = _save_table(measured, shipped=args.shipped) if args.save or args.shipped else None
-    if args.json:
-        groups = {one.group.name: as_dict(one) for one in measured}
-        output.write_object("lab", {"machine": describe_machine().as_dict(), "groups": groups, "saved": saved})
-        return 0
-    print(f"{describe_machine()}\n")
-    for one in measured:
-        _say_group(one)
+    lines = [f"{describe_machine()}\n", *(line for one in measured for line in _group_lines(one))]
     if args.save or args.shipped:
-        print(f"saved in {saved}" if saved else "not saved: no folder of this user is writable")
+        lines.append(f"saved in {saved}" if saved else "not saved: no folder of this user is writable")
+    groups = {one.group.name: as_dict(one) for one in measured}
+    answer(args, {"machine": describe_machine().as_dict(), "groups": groups, "saved": saved}, lines)
     return 0
 
 
@@ -152,16 +149,16 @@ def _save_table(measured: list[MeasuredGroup], *, shipped: bool) -> Path | None:
     return (older.with_groups(newer) if older else newer).save(shipped_file() if shipped else None)
 
 
-def _say_group(one: MeasuredGroup) -> None:
-    print(f"{one.group.name}: {one.group.what}")
-    print(f"  {'':2}{'method':24} {'cost':>13} {'x reference':>12} {'error':>10} {one.group.unit}")
+def _group_lines(one: MeasuredGroup) -> Iterator[str]:
+    yield f"{one.group.name}: {one.group.what}"
+    yield f"  {'':2}{'method':24} {'cost':>13} {'x reference':>12} {'error':>10} {one.group.unit}"
     for row in one.rows:
         growth = f"   n^{row.growth.exponent:.2f}" if row.growth else ""
         mark = "*" if row.method.default else " "
-        print(f"  {mark} {row.method.name:24} {row.cost_us:10.4f} us {row.ratio:12.3f} {row.error:10.3g}{growth}")
+        yield f"  {mark} {row.method.name:24} {row.cost_us:10.4f} us {row.ratio:12.3f} {row.error:10.3g}{growth}"
     for name, why in one.skipped.items():
-        print(f"    {name:24} not measured: {why}")
-    print()
+        yield f"    {name:24} not measured: {why}"
+    yield ""
 
 
 def _chart(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
@@ -189,19 +186,14 @@ def _stability(args: argparse.Namespace) -> int:
 
 def _write(args: argparse.Namespace, figures: list[Figure]) -> int:
     """Write the figures and the gallery, and print their files."""
-    from mimics_app.app.terminal import output
     from mimics_app.lab.figure import write_figure
     from mimics_app.lab.gallery import write_gallery
 
     files = [write_figure(figure, args.out) for figure in figures]
     page = write_gallery(args.out, _limits())
-    if args.json:
-        rows = [_said(figure, *pair) for figure, pair in zip(figures, files, strict=True)]
-        output.write_object("lab", {"figures": rows, "gallery": page})
-        return 0
-    for figure, (_, drawing) in zip(figures, files, strict=True):
-        print(f"{drawing}: {_summary(figure)}")
-    print(f"{page}: all figures")
+    rows = [_row(figure, *pair) for figure, pair in zip(figures, files, strict=True)]
+    lines = [f"{drawing}: {_summary(figure)}" for figure, (_, drawing) in zip(figures, files, strict=True)]
+    answer(args, {"figures": rows, "gallery": page}, [*lines, f"{page}: all figures"])
     return 0
 
 
@@ -215,12 +207,12 @@ def _limits() -> dict[str, dict[str, float]]:
     }
 
 
-def _said(figure: Figure, numbers: Path, drawing: Path) -> dict[str, Any]:
-    said: dict[str, Any] = {"kind": figure.kind, "name": figure.name, "json": numbers, "svg": drawing}
+def _row(figure: Figure, numbers: Path, drawing: Path) -> dict[str, Any]:
+    row: dict[str, Any] = {"kind": figure.kind, "name": figure.name, "json": numbers, "svg": drawing}
     if figure.kind == "chart":
-        return {**said, "front": figure.front, "default": figure.default, "skipped": figure.more["skipped"]}
+        return {**row, "front": figure.front, "default": figure.default, "skipped": figure.more["skipped"]}
     more = {key: figure.more[key] for key in ("tolerance", "passed", "note")}
-    return {**said, "disagreement": figure.boundary["disagreement"], **more}
+    return {**row, "disagreement": figure.boundary["disagreement"], **more}
 
 
 def _summary(figure: Figure) -> str:

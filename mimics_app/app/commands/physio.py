@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.terminal.arguments import file_to_write, positive_time, random_seed
+from mimics_app.app.terminal.output import answer, say
 
 if TYPE_CHECKING:
     from mimics_app.app.physio.watch import Watch
@@ -19,13 +21,12 @@ _PAGE_EVERY = 100
 """Number of polls of a live source between two pages: two seconds."""
 _BAD_SHARE = 0.1
 """Largest acceptable share of bad seconds of a signal."""
-_LIVE = ("lsl", "serial", "board")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics physio`."""
     parser.add_argument(
-        "source", metavar="SOURCE", help="file (.csv, .edf, .hea), sim:PRESET, lsl:NAME, serial:PORT or board:NAME"
+        "source", metavar="SOURCE", help="file (.csv, .edf, .hea), sim:PRESET, lsl:NAME, serial:PORT, board:NAME"
     )
     parser.add_argument(
         "--seconds", type=positive_time, help="time to read [s] (default: the whole file; 60 of other sources)"
@@ -65,22 +66,21 @@ def run(args: argparse.Namespace) -> int:
         watch.write_features(args.features)
     if args.page is not None and watch.recent:
         _write_page(watch, args, live=False)
-    answer = watch.summary(source)
+    found = watch.summary(source)
     if args.check:
-        answer["advice"] = _advice(answer)
-    _say(answer, as_json=args.json)
-    return PartialDataError.exit_code if args.check and answer["advice"] else 0
+        found["advice"] = _advice(found)
+    answer(args, found, _lines(found))
+    return PartialDataError.exit_code if args.check and found["advice"] else 0
 
 
 def _open(args: argparse.Namespace) -> tuple[SignalSource, float, float, bool]:
     """Return the source, the time of its first sample [s], the time to read [s], and whether it is live."""
-    from mimics_app.app.terminal.output import say
-    from mimics_app.inputs.physio.sources import KINDS, look_for_source, open_source
+    from mimics_app.inputs.physio.sources import look_for_source, open_source, source_kinds
 
     kind = args.source.partition(":")[0]
-    if kind in KINDS and kind != "file":
+    if kind in source_kinds() - {"file"}:
         look_for_source(args.source, say)
-        return open_source(args.source, args.seed), 0.0, args.seconds or _CHECK_S, kind in _LIVE
+        return open_source(args.source, args.seed), 0.0, args.seconds or _CHECK_S, kind != "sim"
     from mimics_app.inputs.physio.recording import FileSource, read_signal_file
 
     signals = read_signal_file(Path(args.source.removeprefix("file:")))
@@ -93,8 +93,8 @@ def _watch(watch: Watch, source: SignalSource, args: argparse.Namespace, seconds
     from mimics_app.app.physio.watch import blocks_of_file, follow
     from mimics_app.contracts.clock import MonotonicClock
 
-    pieces = follow(source, MonotonicClock(), seconds) if live else blocks_of_file(source, seconds)
-    for i, (blocks, now_ns) in enumerate(pieces):
+    batches = follow(source, MonotonicClock(), seconds) if live else blocks_of_file(source, seconds)
+    for i, (blocks, now_ns) in enumerate(batches):
         watch.take(blocks, now_ns)
         if live and args.page is not None and watch.recent and i % _PAGE_EVERY == _PAGE_EVERY - 1:
             _write_page(watch, args, live=True)
@@ -106,35 +106,28 @@ def _write_page(watch: Watch, args: argparse.Namespace, *, live: bool) -> None:
     write_page(watch, args.page, f"Body signals: {args.source}", live=live)
 
 
-def _advice(answer: dict[str, Any]) -> list[str]:
-    """Return what to correct, one sentence each."""
-    if not answer["signals"]:
+def _advice(found: dict[str, Any]) -> list[str]:
+    """Return the corrections to make, one sentence each."""
+    if not found["signals"]:
         return ["no signal was received: check that the amplifier sends"]
-    found = []
-    for name, signal in answer["signals"].items():
+    advice = []
+    for name, signal in found["signals"].items():
         if signal["bad_share"] > _BAD_SHARE:
-            found.append(f"{name}: {100 * signal['bad_share']:.0f} % of the seconds are bad: check its electrodes")
+            advice.append(f"{name}: {100 * signal['bad_share']:.0f} % of the seconds are bad: check its electrodes")
         faults = signal.get("faults", {})
         if faults.get("wrong_rate"):
-            found.append(f"{name}: its rate is not the {signal['rate']:g} Hz stated: set the amplifier's rate")
+            advice.append(f"{name}: its rate is not the {signal['rate']:g} Hz stated: set the amplifier's rate")
         if faults.get("gaps"):
-            found.append(f"{name}: {faults['lost']} samples were lost in {faults['gaps']} gaps: check the connection")
-    return found
+            advice.append(f"{name}: {faults['lost']} samples were lost in {faults['gaps']} gaps: check the connection")
+    return advice
 
 
-def _say(answer: dict[str, Any], *, as_json: bool) -> None:
-    if as_json:
-        from mimics_app.app.terminal.output import write_object
-
-        write_object("physio", answer)
-        return
-    for name, signal in answer["signals"].items():
+def _lines(found: dict[str, Any]) -> Iterator[str]:
+    for name, signal in found["signals"].items():
         bad = f"{100 * signal['bad_share']:.0f} % bad seconds"
-        print(f"{name:6} {signal['seconds']:.1f} s at {signal['rate']:g} Hz, quality {signal['quality']:.2f}, {bad}")
-    print("found  " + (", ".join(f"{n} {kind}" for kind, n in answer["events"].items()) or "nothing"))
-    shown = {name: value for name, value in answer["features"].items() if name != "t_s"}
-    print("last   " + ", ".join(f"{name} {value:.4g}" for name, value in shown.items()))
-    for line in answer.get("advice", []):
-        print(f"advice {line}")
-    if answer.get("advice") == []:
-        print("advice none: all signals are good")
+        yield f"{name:6} {signal['seconds']:.1f} s at {signal['rate']:g} Hz, quality {signal['quality']:.2f}, {bad}"
+    yield "found  " + (", ".join(f"{n} {kind}" for kind, n in found["events"].items()) or "nothing")
+    features = {name: value for name, value in found["features"].items() if name != "t_s"}
+    yield "last   " + ", ".join(f"{name} {value:.4g}" for name, value in features.items())
+    if "advice" in found:
+        yield from (f"advice {line}" for line in found["advice"] or ["none: all signals are good"])

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mimics_app.app.terminal.output import answer
 from mimics_app.contracts.clock import TICKS_PER_SECOND
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.plural import counted
@@ -44,20 +44,15 @@ def run(args: argparse.Namespace) -> int:
     else:
         opened = Run.open(args.folder)
         verdict = judge(opened)
-    answer = {**_describe(opened), **repaired}
+    found = {**_describe(opened), **repaired}
     if args.action == "verify":
-        answer["verified"] = opened.manifest is not None and verdict.whole
-    answer["verdict"] = verdict.word
-    answer["problems"] = list(verdict.problems)
-    answer["notes"] = opened.notes()
-    if args.json:
-        from mimics_app.app.terminal.output import write_object
-
-        write_object("record", {"action": args.action, **answer})
-    else:
-        lines = _info(answer) if args.action == "info" else _verdict_lines(opened, verdict, answer.get("repaired"))
-        lines += [("note", note) for note in answer["notes"]]
-        sys.stdout.write("".join(f"{name:14} {text}\n" for name, text in lines))
+        found["verified"] = opened.manifest is not None and verdict.whole
+    found["verdict"] = verdict.word
+    found["problems"] = list(verdict.problems)
+    found["notes"] = opened.notes()
+    lines = _info(found) if args.action == "info" else _verdict_lines(opened, verdict, found.get("repaired"))
+    lines += [("note", note) for note in found["notes"]]
+    answer(args, {"action": args.action, **found}, (f"{name:14} {text}" for name, text in lines))
     return 0 if verdict.whole else PartialDataError.exit_code
 
 
@@ -105,6 +100,6 @@ def _no_repair(verdict: Verdict) -> str:
     return "nothing: lost or damaged data cannot be recovered and stays as it is"
 
 
-def _info(answer: dict[str, Any]) -> list[tuple[str, str]]:
-    plain = [(name, str(item)) for name, item in answer.items() if not isinstance(item, list)]
-    return plain + [("problem", problem) for problem in answer["problems"]]
+def _info(found: dict[str, Any]) -> list[tuple[str, str]]:
+    plain = [(name, str(item)) for name, item in found.items() if not isinstance(item, list)]
+    return plain + [("problem", problem) for problem in found["problems"]]

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mimics_app.app.settings import PROFILES
+from mimics_app.app.settings import PROFILES, RunSettings
 from mimics_app.app.terminal.arguments import (
     add_display_argument,
     file_to_write,
@@ -15,10 +16,11 @@ from mimics_app.app.terminal.arguments import (
     random_seed,
     real_number,
 )
+from mimics_app.app.terminal.output import answer
 from mimics_app.contracts.plural import counted
 
 if TYPE_CHECKING:
-    from mimics_app.app.settings import RunSettings
+    from mimics_app.app.play.scene_sheet import SceneLight
     from mimics_app.world.scene.scene import Scene
 
 __all__ = ["add_arguments", "run"]
@@ -79,7 +81,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Draw, and print the driver and the files."""
     from mimics_app.app.scenes.finding import find_scene
-    from mimics_app.app.terminal import output
     from mimics_app.app.terminal.first_start import say_if_cold
     from mimics_app.app.terminal.named import check_files
 
@@ -88,7 +89,6 @@ def run(args: argparse.Namespace) -> int:
     find_scene(args.scene)
     check_files(None, args.display)
     from mimics_app.app.scenes.loading import read_scene
-    from mimics_app.app.settings import RunSettings
 
     settings = RunSettings(args.scene, seed=args.seed, profile=args.profile, size=args.size, display=args.display)
     read = read_scene(args.scene)
@@ -107,42 +107,32 @@ def run(args: argparse.Namespace) -> int:
         video=args.video,
         read=read,
     )
-    if args.json:
-        files = [file.name if args.video is None else str(file) for file in drawn.files]
-        output.write_object("render", {**drawn.as_dict(), "files": files, "folder": args.output})
-        return 0
-    print(f"{drawn.backend}: {drawn.gl}, {drawn.ms_median:.1f} ms a frame")
-    for file in drawn.files:
-        print(file)
+    files = [file.name if args.video is None else str(file) for file in drawn.files]
+    lines = [f"{drawn.backend}: {drawn.gl}, {drawn.ms_median:.1f} ms a frame", *map(str, drawn.files)]
+    answer(args, {**asdict(drawn), "files": files, "folder": args.output}, lines)
     return 0
 
 
 def _lay_out(args: argparse.Namespace) -> int:
     """Draw the sheet of a folder, and print the exposure of each scene."""
     from mimics_app.app.play.scene_sheet import draw_scene_sheet, light_rows, scenes_in
-    from mimics_app.app.terminal import output
 
     lights = draw_scene_sheet(scenes_in(args.scene), args.sheet, backend=args.backend)
-    if args.json:
-        output.write_object("render", {"files": [args.sheet], "scenes": light_rows(lights)})
-        return 0
-    for light in lights:
-        shade = "-" if light.shade is None else f"{light.shade:.0%}"
-        kind = " (night)" if light.night else ""
-        print(f"{light.scene}: {light.dark:.1%} dark, {light.bright:.1%} bright, shade keeps {shade}{kind}")
-    print(args.sheet)
+    answer(args, {"files": [args.sheet], "scenes": light_rows(lights)}, [*map(_light_line, lights), str(args.sheet)])
     return 0
+
+
+def _light_line(light: SceneLight) -> str:
+    shade = "-" if light.shade is None else f"{light.shade:.0%}"
+    kind = " (night)" if light.night else ""
+    return f"{light.scene}: {light.dark:.1%} dark, {light.bright:.1%} bright, shade keeps {shade}{kind}"
 
 
 def _hear(args: argparse.Namespace, settings: RunSettings, read: Scene) -> int:
     """Write the sound of the play."""
     from mimics_app.app.play.heard import write_sound
-    from mimics_app.app.terminal import output
 
     report = write_sound(settings, args.audio, args.seconds, read)
-    if args.json:
-        output.write_object("render", {"files": [report.file], **report.summary()})
-        return 0
-    print(f"{report.status.mixer} mixer, {report.status.channels} channels, {counted(len(report.rows), 'sounds')}")
-    print(report.file)
+    what = f"{report.status.mixer} mixer, {report.status.channels} channels, {counted(len(report.rows), 'sounds')}"
+    answer(args, {"files": [report.file], **report.summary()}, [what, str(report.file)])
     return 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from mimics_app.app.terminal.output import answer
 from mimics_app.contracts.plural import counted
 
 __all__ = ["add_arguments", "run"]
@@ -21,7 +22,6 @@ def run(args: argparse.Namespace) -> int:
     Raises:
         PartialDataError: A tick or the task differs, or the run misses ticks, parameters or frames.
     """
-    from mimics_app.app.terminal import output
     from mimics_app.app.terminal.first_start import say_if_cold
     from mimics_app.recording.run import Run
 
@@ -50,16 +50,13 @@ def run(args: argparse.Namespace) -> int:
         )
     ticks, events = len(data.samples), int((recorded.events["tick"] < end).sum())
     left = len(recorded.events) - events
-    if args.json:
-        answer = {"ticks": ticks, "events": events, "events_not_compared": left, "task": task, "equal": True}
-        if body is not None:
-            answer |= {"features": body.features, "states": body.states, "choices": body.choices}
-        output.write_object("replay", {"run_dir": args.run_folder, **answer})
-    else:
-        print(f"{ticks} ticks replayed, every output and {events} events equal bit for bit{_left_out(left, end)}")
-        print(_task_line(task))
-        if body is not None:
-            print(f"{body.features} frames of features, {body.states} states and {body.choices} choices equal")
+    counts = {"ticks": ticks, "events": events, "events_not_compared": left, "task": task, "equal": True}
+    lines = [f"{ticks} ticks replayed, every output and {events} events equal bit for bit{_left_out(left, end)}"]
+    lines.append(_task_line(task))
+    if body is not None:
+        counts |= {"features": body.features, "states": body.states, "choices": body.choices}
+        lines.append(f"{body.features} frames of features, {body.states} states and {body.choices} choices equal")
+    answer(args, {"run_dir": args.run_folder, **counts}, lines)
     return 0
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
+from mimics_app.app.terminal.output import answer, say
 from mimics_app.contracts.errors import PartialDataError
 
 __all__ = ["add_arguments", "run"]
@@ -27,15 +27,8 @@ def run(args: argparse.Namespace) -> int:
 
     report = write_report(args.folder, report_sections())
     problems = list(judge(opened).problems)
-    if args.json:
-        from mimics_app.app.terminal.output import write_object
-
-        write_object(
-            "report",
-            {"report": report, "status": opened.status, "trials": len(opened.trials), "problems": problems},
-        )
-    else:
-        sys.stdout.write(f"{report}\n")
-        for problem in problems:
-            sys.stderr.write(f"mimics: {args.folder}: {problem}\n")
+    counts = {"status": opened.status, "trials": len(opened.trials), "problems": problems}
+    answer(args, {"report": report, **counts}, [str(report)])
+    for problem in () if args.json else problems:
+        say(f"{args.folder}: {problem}")
     return PartialDataError.exit_code if problems else 0

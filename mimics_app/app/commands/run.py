@@ -15,6 +15,7 @@ from mimics_app.app.terminal.arguments import (
     random_seed,
     whole_number,
 )
+from mimics_app.app.terminal.output import answer, say
 
 __all__ = ["add_arguments", "check_names", "run"]
 
@@ -108,7 +109,7 @@ def _add_adaptation(parser: argparse.ArgumentParser) -> None:
         "--physio",
         default="",
         metavar="SOURCE",
-        help="source of body signals: sim, sim:PRESET, file:PATH, lsl:NAME, serial:PORT",
+        help="source of body signals: sim, sim:PRESET, file:PATH, lsl:NAME, serial:PORT, board:NAME",
     )
     parser.add_argument(
         "--learn",
@@ -187,8 +188,6 @@ def run(args: argparse.Namespace) -> int:
 
         ended = play_through(settings)
         if ended.code < 0:  # killed: its own process could not report it
-            from mimics_app.app.terminal.output import say
-
             say(ended.error)
             return 128 - ended.code
         if not ended.other:
@@ -202,13 +201,13 @@ def run(args: argparse.Namespace) -> int:
 def _play(settings: RunSettings, *, as_json: bool) -> int:
     """Play the scene in this process, after the settings are checked."""
     from mimics_app.app.play.journey_log import JourneyLog
-    from mimics_app.app.session.asked import read_asked
+    from mimics_app.app.session.requested import read_requested
     from mimics_app.app.terminal.first_start import say_if_cold
 
     log = JourneyLog(settings.journey)
     log.doing("Reading the scene")
     with log.reporting():
-        read = read_asked(settings)
+        read = read_requested(settings)
     say_if_cold(log.doing)
     from mimics_app.app.play.play import play
 
@@ -219,7 +218,6 @@ def _look(args: argparse.Namespace) -> int:
     """Open the viewer on a scene without a task."""
     from mimics_app.app.play.journey_log import JourneyLog
     from mimics_app.app.terminal.display import has_display
-    from mimics_app.app.terminal.output import say, write_object
     from mimics_app.contracts.errors import DeviceError
 
     if not has_display():
@@ -236,8 +234,7 @@ def _look(args: argparse.Namespace) -> int:
     with ViewerSession(open_shown(args.scene, "y"), args.size, args.profile, "", "y") as session:
         session.run(log.shown)
     log.chose("other")
-    if args.json:
-        write_object("run", {"looked_at": args.scene})
+    answer(args, {"looked_at": args.scene}, ())
     return 0
 
 
@@ -252,7 +249,6 @@ def check_names(args: argparse.Namespace) -> None:
     """Check that everything named exists, before compiled code and graphics are imported."""
     from mimics_app.app.scenes.finding import find_scene
     from mimics_app.app.terminal.named import check_adaptation, check_files
-    from mimics_app.app.terminal.output import say
     from mimics_app.recording.run_folder import check_parent
 
     args.scene = find_scene(args.scene)

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Iterator
+from dataclasses import asdict
+
+from mimics_app.app.scenes.shipped import GROUPS, shipped_scenes
+from mimics_app.app.terminal.output import answer
 
 __all__ = ["add_arguments", "run"]
 
@@ -14,21 +17,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """List them."""
-    from mimics_app.app.scenes.shipped import shipped_scenes
-
-    if args.json:
-        from mimics_app.app.terminal.output import write_object
-
-        write_object("scenes", {"scenes": [scene.as_dict() for scene in shipped_scenes()]})
-    else:
-        sys.stdout.write("\n".join(_lines()) + "\n")
+    """List the shipped scenes by group."""
+    answer(args, {"scenes": [asdict(scene) for scene in shipped_scenes()]}, _lines())
     return 0
 
 
 def _lines() -> Iterator[str]:
-    from mimics_app.app.scenes.shipped import GROUPS, shipped_scenes
-
     for group, title in GROUPS.items():
         scenes = [scene for scene in shipped_scenes() if scene.group == group]
         width = max(len(scene.name) for scene in scenes)

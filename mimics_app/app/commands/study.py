@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 from mimics_app.app.terminal.arguments import positive_time, random_seed, whole_number
+from mimics_app.app.terminal.output import answer, say
 from mimics_app.contracts.errors import PartialDataError
 
 __all__ = ["add_arguments", "run"]
@@ -42,7 +42,6 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.study.page import write_page
     from mimics_app.app.study.subjects import find_run, run_subject
     from mimics_app.app.study.tables import ANSWER_COLUMNS, TAP_COLUMNS, read_study, write_table
-    from mimics_app.app.terminal.output import say, write_object
 
     scene = find_scene(args.scene)
     if args.of:
@@ -62,9 +61,7 @@ def run(args: argparse.Namespace) -> int:
     for problem in problems:
         say(problem)
     counts = {"subjects": len(runs), "trials": len(trials), "taps": len(taps), "answers": len(answers)}
-    if args.json:
-        write_object("study", {**counts, "folder": args.out, "report": args.out / "study.html", "problems": problems})
-    else:
-        sys.stdout.write(f"{counts['trials']} trials, {counts['taps']} taps, {counts['answers']} answers\n")
-        sys.stdout.write(f"{args.out / 'study.html'}\n")
+    report = args.out / "study.html"
+    lines = [f"{counts['trials']} trials, {counts['taps']} taps, {counts['answers']} answers", str(report)]
+    answer(args, {**counts, "folder": args.out, "report": report, "problems": problems}, lines)
     return PartialDataError.exit_code if problems else 0

@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mimics_app.app.terminal.arguments import file_to_write, whole_number
+from mimics_app.app.terminal.output import answer
 
 if TYPE_CHECKING:
     from mimics_app.app.sweep.worker import SweepJob
-    from mimics_app.lab.sweep.store import Piece
+    from mimics_app.lab.sweep.quantity import SweepExperiment
+    from mimics_app.lab.sweep.store import Chunk
 
 __all__ = ["add_arguments", "run"]
 
@@ -53,32 +55,31 @@ def run(args: argparse.Namespace) -> int:
 def _list(args: argparse.Namespace) -> int:
     """Print the experiments with their parameters and results."""
     from mimics_app.app.sweep.experiments import NAMES, find_experiment
-    from mimics_app.app.terminal import output
 
     experiments = [experiment for name in NAMES if (experiment := find_experiment(name)) is not None]
-    if args.json:
-        output.write_object("sweep", {"experiments": [experiment.as_dict() for experiment in experiments]})
-        return 0
-    for experiment in experiments:
-        print(f"{experiment.name}: {experiment.what}")
-        for name, quantity in experiment.parameters.items():
-            print(f"  {name:18} {quantity}")
-        if experiment.open_prefix:
-            print(f"  {experiment.open_prefix + '*':18} a parameter of the scene's task")
-        print(f"  results: {', '.join(experiment.results)}\n")
+    lines = (line for experiment in experiments for line in _lines(experiment))
+    answer(args, {"experiments": [experiment.as_dict() for experiment in experiments]}, lines)
     return 0
+
+
+def _lines(experiment: SweepExperiment) -> Iterator[str]:
+    yield f"{experiment.name}: {experiment.what}"
+    for name, quantity in experiment.parameters.items():
+        yield f"  {name:18} {quantity}"
+    if experiment.open_prefix:
+        yield f"  {experiment.open_prefix + '*':18} a parameter of the scene's task"
+    yield f"  results: {', '.join(experiment.results)}\n"
 
 
 def _sweep(args: argparse.Namespace) -> int:
     """Compute the missing chunks and join all of them."""
     from mimics_app.app.sweep.experiments import NAMES, find_experiment
     from mimics_app.app.sweep.worker import SweepJob
-    from mimics_app.app.terminal import output
     from mimics_app.app.terminal.progress import ProgressBar
     from mimics_app.contracts.errors import SceneError
     from mimics_app.lab.sweep.points import count_points
     from mimics_app.lab.sweep.spec import load_sweep, span_of
-    from mimics_app.lab.sweep.store import PieceStore, pieces_of, source_digest
+    from mimics_app.lab.sweep.store import ChunkStore, chunks_of, source_digest
 
     sweep = load_sweep(args.spec, find_experiment, NAMES)
     sources = source_digest()
@@ -88,24 +89,22 @@ def _sweep(args: argparse.Namespace) -> int:
         raise SceneError(issues)
     out = args.out or Path("runs") / "sweeps" / args.spec.with_suffix(".parquet").name
     points = count_points(sweep)
-    pieces = pieces_of(points, sweep.chunk or job.experiment.chunk)
-    store = PieceStore(out, f"{sweep.digest}/{sources}/{files}")
-    missing = [piece for piece in pieces if not store.has(piece)]
-    with ProgressBar(sys.stderr, len(pieces), len(pieces) - len(missing)) as bar:
-        bar.step(f"{len(missing)} of {len(pieces)} chunks to compute")
-        for piece, data in _compute(missing, job, args):
-            store.put(piece, data)
-            bar.step(f"of {len(pieces)} chunks")
-    store.finish(pieces, sweep)
-    if args.json:
-        answer = {"experiment": sweep.experiment, "points": points, "pieces": len(pieces), "computed": len(missing)}
-        output.write_object("sweep", {**answer, "out": out})
-    else:
-        print(f"{points} points of {sweep.experiment} in {out}")
+    chunks = chunks_of(points, sweep.chunk or job.experiment.chunk)
+    store = ChunkStore(out, f"{sweep.digest}/{sources}/{files}")
+    missing = [chunk for chunk in chunks if not store.has(chunk)]
+    with ProgressBar(sys.stderr, len(chunks), len(chunks) - len(missing)) as bar:
+        bar.step(f"{len(missing)} of {len(chunks)} chunks to compute")
+        for chunk, data in _compute(missing, job, args):
+            store.put(chunk, data)
+            bar.step(f"of {len(chunks)} chunks")
+    store.finish(chunks, sweep)
+    counts = {"points": points, "pieces": len(chunks), "computed": len(missing)}
+    line = f"{points} points of {sweep.experiment} in {out}"
+    answer(args, {"experiment": sweep.experiment, **counts, "out": out}, [line])
     return 0
 
 
-def _compute(missing: list[Piece], job: SweepJob, args: argparse.Namespace) -> Iterator[tuple[Piece, bytes]]:
+def _compute(missing: list[Chunk], job: SweepJob, args: argparse.Namespace) -> Iterator[tuple[Chunk, bytes]]:
     from mimics_app.lab.sweep import executors
 
     if args.scheduler:

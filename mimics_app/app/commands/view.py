@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.settings import PROFILES
 from mimics_app.app.terminal.arguments import file_to_write, frame_count, picture_size
-from mimics_app.app.terminal.output import errors_of, issue_lines
+from mimics_app.app.terminal.output import answer, errors_of, issue_lines
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 
 if TYPE_CHECKING:
@@ -137,7 +138,8 @@ def _write(args: argparse.Namespace, shown: Shown) -> int:
     from mimics_app.app.viewer.playing import write_vertices
 
     count = write_vertices(shown, args.vertices)
-    _answer(args, {**_describe(shown), "vertices": count, "files": [str(args.vertices)]})
+    found = {**_describe(shown), "vertices": count, "files": [str(args.vertices)]}
+    answer(args, found, _lines(found))
     return 0
 
 
@@ -147,7 +149,8 @@ def _look(args: argparse.Namespace, shown: Shown) -> int:
     with ViewerSession(shown, args.size, args.profile, args.camera, args.up) as session:
         session.run()
         saved, pictures, backend = session.saved, session.pictures, session.backend
-    _answer(args, {**_describe(shown), "backend": backend, "files": pictures, "saved": saved})
+    found = {**_describe(shown), "backend": backend, "files": pictures, "saved": saved}
+    answer(args, found, _lines(found))
     return 0
 
 
@@ -171,8 +174,8 @@ def _draw(args: argparse.Namespace, shown: Shown) -> int:
         caption=args.caption,
         video=args.video,
     )
-    facts = drawn.as_dict()
-    _answer(args, {**_describe(shown), **facts, "files": [*facts["files"], *files]})
+    found = {**_describe(shown), **asdict(drawn), "files": [*drawn.files, *files]}
+    answer(args, found, _lines(found))
     return 0
 
 
@@ -184,12 +187,10 @@ def _draw_sheet(args: argparse.Namespace) -> int:
         {"file": tile.file, "ok": tile.shown, "empty": tile.empty, **errors_of(tile.issues)} for tile in sheet.tiles
     ]
     shown = sum(tile.shown for tile in sheet.tiles)
-    if not args.json:
-        for tile in sheet.tiles:
-            sys.stderr.writelines(issue_lines(tile.issues))
-        print(f"{shown} of {len(sheet.tiles)} models shown")
-    answer = {"shown": shown, "backend": sheet.backend, "gl": sheet.gl, "files": [sheet.file], "models": models}
-    _answer(args, answer)
+    for tile in () if args.json else sheet.tiles:
+        sys.stderr.writelines(issue_lines(tile.issues))
+    drawn = {"shown": shown, "backend": sheet.backend, "gl": sheet.gl, "files": [sheet.file], "models": models}
+    answer(args, drawn, [f"{shown} of {len(sheet.tiles)} models shown", str(sheet.file)])
     return 0 if shown == len(sheet.tiles) else SceneError.exit_code
 
 
@@ -199,17 +200,12 @@ def _describe(shown: Shown) -> dict[str, Any]:
     return {"title": shown.title, "holds": shown.size, "clips": clips_of(shown), "notes": shown.notes}
 
 
-def _answer(args: argparse.Namespace, answer: dict[str, Any]) -> None:
-    from mimics_app.app.terminal import output
-
-    if args.json:
-        output.write_object("view", answer)
-        return
-    if "title" in answer:
-        print(f"{answer['title']}: {answer['holds']}")
-        if answer["clips"]:
-            print(f"clips {', '.join(answer['clips'])}")
-        for note in answer["notes"]:
-            print(f"note {note}")
-    for file in [*answer["files"], *answer.get("saved", [])]:
-        print(file)
+def _lines(found: dict[str, Any]) -> list[str]:
+    clips = [f"clips {', '.join(found['clips'])}"] if found["clips"] else []
+    notes = [f"note {note}" for note in found["notes"]]
+    return [
+        f"{found['title']}: {found['holds']}",
+        *clips,
+        *notes,
+        *map(str, [*found["files"], *found.get("saved", [])]),
+    ]

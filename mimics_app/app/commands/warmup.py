@@ -12,6 +12,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
+from mimics_app.app.terminal.output import answer
+
 if TYPE_CHECKING:
     from mimics_app.world.scene.scene import Scene
 
@@ -31,7 +33,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compile every kernel of a run that is not in the cache yet."""
-    from mimics_app.app.terminal import output
     from mimics_app.contracts.clock import MonotonicClock
     from mimics_app.contracts.kernel_cache import cache_folder
     from mimics_app.contracts.kernel_sweep import cache_bytes
@@ -45,11 +46,10 @@ def run(args: argparse.Namespace) -> int:
     folder, size = "", 0
     if cache_folder is not None:
         folder, size = str(cache_folder), cache_bytes(cache_folder)
-    if args.json:
-        output.write_object("warmup", {"seconds": seconds, "cache": folder, "bytes": size})
-    else:
+    if not args.json:
         kept = f"{folder} ({size / _MEGABYTE:.0f} MB)" if folder else "memory only"
         sys.stderr.write(f"kernels ready in {seconds:.1f} s, kept in {kept}\n")
+    answer(args, {"seconds": seconds, "cache": folder, "bytes": size}, ())
     return 0
 
 

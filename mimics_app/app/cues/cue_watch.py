@@ -1,4 +1,4 @@
-"""Events of the task and the haptic loop that trigger a sound or an effect of the scene."""
+"""Triggers of sounds and effects: events of the task and of the haptic loop."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from mimics_app.world.components.effects import Trigger
 __all__ = ["TOUCHES", "CueWatch"]
 
 _CUES: Mapping[TrialState, Trigger] = {TrialState.TRAVEL: "start", TrialState.FINISHED: "goal"}
-"""State of a trial whose beginning is a trigger."""
+"""Trigger at the beginning of a state of a trial."""
 
 TOUCHES: Mapping[int, Trigger] = {
     EventKind.CONTACT_BEGIN: "contact",
     EventKind.CONTACT_END: "contact_end",
     EventKind.IMPACT: "impact",
 }
-"""Events of the haptic loop that are one."""
+"""Trigger of an event of the haptic loop."""
 
 
 class CueWatch:
-    """Sees a trial change its state."""
+    """Detects changes of a trial's state."""
 
     def __init__(self) -> None:
         self._state: TrialState | None = None

@@ -1,4 +1,4 @@
-"""Effects as the frame drives them: the scene's time, and bursts of particles at a start, a goal or a touch."""
+"""Drive of the effects by the frame: session time, and bursts of particles at a start, a goal or a contact."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ __all__ = ["EffectCues"]
 
 
 class EffectCues:
-    """Passes what happens to a world's effects."""
+    """Passes time and triggers to the effects of a world."""
 
     def __init__(self, world: World) -> None:
         self._world = world
         self._watch = CueWatch()
 
     def step(self, orders: TaskOrders, events: NDArray[Any], now_ns: int) -> None:
-        """One frame at session time `now_ns`.
+        """Do one frame.
 
         Args:
-            orders: Of the task.
-            events: Of the haptic loop since the last frame, EVENT records.
-            now_ns: [ns].
+            orders: Orders of the task.
+            events: EVENT records of the haptic loop since the last frame, shape [n].
+            now_ns: Session time [ns].
         """
         effects = self._world.effects
         effects.time = now_ns * 1e-9

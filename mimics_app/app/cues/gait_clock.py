@@ -1,7 +1,7 @@
-"""Footsteps of a walker, from the phase of the gait: the trigger of a sound at each heel strike.
+"""Footsteps of a walker from the phase of its gait: a sound trigger at each heel strike.
 
-A walker is an entity that moves; it steps as often as its speed asks (step length grows with the root of the speed), so
-its sounds come with its movement and from where it is. Avatars emit the same `SoundTrigger` from their own contacts.
+A walker is an entity that moves. Its step length grows with the root of its speed, so the triggers follow its movement
+in time and place. Avatars emit the same `SoundTrigger` from the contacts of their feet.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ _SLOWEST = 0.05
 
 
 class GaitClock:
-    """Counts one walker's steps.
+    """Step counter of one walker.
 
     Args:
-        material: Of the ground, for the trigger.
+        material: Material of the ground, for the trigger.
         strength: Linear factor on the level of the steps.
     """
 
@@ -36,11 +36,11 @@ class GaitClock:
         self._before: tuple[int, Vec3] | None = None
 
     def step(self, t_ns: int, place: Vec3) -> list[SoundTrigger]:
-        """The heel contacts since the last call, each at its time and place; call once per frame.
+        """Return the heel strikes since the last call, each with its time and place; call once per frame.
 
         Args:
             t_ns: Session time [ns].
-            place: Of the walker's feet in the world, +y up [m].
+            place: Position of the walker's feet in the world, +y up [m].
         """
         before, self._before = self._before, (t_ns, place)
         if before is None or t_ns <= before[0]:

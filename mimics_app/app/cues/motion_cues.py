@@ -1,4 +1,4 @@
-"""Models that move on their own as the frame drives them: the time, and what happens in the task and the loop."""
+"""Drive of animated models by the frame: session time, and events of the task and of the haptic loop."""
 
 from __future__ import annotations
 
@@ -25,23 +25,23 @@ _CAUSES: Mapping[TrialState, MotionCause] = {
     TrialState.REST: "rest",
     TrialState.DONE: "done",
 }
-"""State of a trial whose beginning may change what a model does."""
+"""Cause of a model's change of motion at the beginning of a state of a trial."""
 
 
 class MotionCues:
-    """Passes the time and what happens to a world's models."""
+    """Passes time and causes to the models of a world."""
 
     def __init__(self, world: World) -> None:
         self._world = world
         self._state: TrialState | None = None
 
     def step(self, orders: TaskOrders, events: NDArray[Any], now_ns: int) -> None:
-        """One frame at session time `now_ns`, before the world's update.
+        """Do one frame, before the world's update.
 
         Args:
-            orders: Of the task.
-            events: Of the haptic loop since the last frame, EVENT records.
-            now_ns: [ns].
+            orders: Orders of the task.
+            events: EVENT records of the haptic loop since the last frame, shape [n].
+            now_ns: Session time [ns].
         """
         motion = self._world.motion
         motion.time = now_ns * 1e-9

@@ -1,4 +1,4 @@
-"""Sound as the frame drives it: head and emitters go into the session's memory, triggers and orders to the output."""
+"""Drive of the sound by the frame: poses of head and emitters for the mixer, triggers and orders for the output."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from mimics_app.world.world import World
 __all__ = ["SoundStage"]
 
 _JUMP = 50.0
-"""Largest speed of a movement; above it the object was repositioned [m/s]."""
+"""Largest speed of a movement [m/s]; a faster object was repositioned and has no Doppler shift."""
 
 
 class SoundStage:
-    """The audio output of a session and what is passed to it once a frame.
+    """The audio output of a session, and its inputs in each frame.
 
     Args:
-        output: Opened already.
-        memory: Where the mixer looks for head and emitters.
-        settings: Which sound a trigger starts, and whose sound plays from where it is.
+        output: The output, open.
+        memory: Shared memory from which the mixer reads head and emitters.
+        settings: Sounds of the triggers, and the emitters.
         surroundings: Obstacles, rooms and walkers.
-        gain: Of everything, from the scene; the task's own gain multiplies it.
+        gain: Master gain of the scene; the task's own gain multiplies it.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class SoundStage:
         output.master(gain)
 
     def step(self, orders: TaskOrders, world: World, now_ns: int, triggers: Sequence[SoundTrigger] = ()) -> None:
-        """One frame at session time `now_ns`; never waits."""
+        """Do one frame at session time `now_ns` [ns]; never waits."""
         self._place(world, now_ns)
         gain = orders.audio.get("gain")
         if isinstance(gain, int | float):
@@ -74,11 +74,11 @@ class SoundStage:
         self._show_notice()
 
     def stop(self) -> AudioReport:
-        """End the sound."""
+        """Stop the output and return its report."""
         return self.output.stop()
 
     def _place(self, world: World, now_ns: int) -> None:
-        """Head at the camera; emitters where their entities are; velocities from the frame before."""
+        """Publish the pose of the head (the camera) and of the emitters, with velocities from the previous frame."""
         now, before = self._now, self._now.copy()
         now["t_ns"] = now_ns
         if world.cameras:
@@ -100,7 +100,7 @@ class SoundStage:
         triple_buffer.publish(self._memory.sound_scene_words)
 
     def _show_notice(self) -> None:
-        """One line when sound is not, or no longer, what was requested."""
+        """Report once on stderr where the sound is not, or no longer, the one requested."""
         status = self.output.ready
         if status is not None and status.notice != self._notice:
             self._notice = status.notice
@@ -109,7 +109,7 @@ class SoundStage:
 
 
 def _velocities(moved: NDArray[np.float64], span: float) -> NDArray[np.float64]:
-    """Velocities [m/s] of what moved so far [m], shape [.., 3], in a time [s]; 0 for what jumped or is new."""
+    """Return the velocities [m/s] of displacements [m], shape [.., 3], in a time [s]; 0 for repositioned objects."""
     if span <= 0.0:
         return np.zeros_like(moved)
     velocity = moved / span
@@ -118,7 +118,7 @@ def _velocities(moved: NDArray[np.float64], span: float) -> NDArray[np.float64]:
 
 
 def _motion_triggers(world: World, now_ns: int) -> Iterator[SoundTrigger]:
-    """A trigger for each event that the clips of models passed in this frame, where it happened."""
+    """Yield a trigger, with its position, for each event that the clips of models passed in this frame."""
     for index, event in world.motion.happened:
         x, y, z = _place_of(world, index, event.node)
         yield SoundTrigger(
@@ -131,6 +131,6 @@ def _motion_triggers(world: World, now_ns: int) -> Iterator[SoundTrigger]:
 
 
 def _place_of(world: World, index: int, node: str) -> NDArray[np.float64]:
-    """Where a node of a model is, or the model itself, world [m], shape [3]."""
+    """Return the position of a node of a model, else of the model itself, world [m], shape [3]."""
     name = f"{world.graph.name(index)}/{node}"
     return world.graph.world_matrix(world.graph.find(name) if node and name in world else index)[:3, 3]

@@ -18,15 +18,15 @@ __all__ = ["SoundSurroundings"]
 
 
 _RAMP_S = 0.03
-"""Time constant with which an obstacle takes effect [s]: nothing snaps behind an edge."""
+"""Time constant of a change of occlusion [s], so that a sound behind an edge fades instead of jumping."""
 
 
 class SoundSurroundings:
     """Obstacles, rooms and walkers of a scene.
 
     Args:
-        scene: Whose components they are.
-        emitters: How many sounds play from places.
+        scene: The scene of the components.
+        emitters: Number of sound emitters.
     """
 
     def __init__(self, scene: Scene, emitters: int) -> None:
@@ -39,13 +39,13 @@ class SoundSurroundings:
         self._fresh = True
 
     def passes(self, world: World, head: F8, sources: F8, span: float) -> F8:
-        """Return each source's linear gain after occlusion, by band, ramped over the time since the last frame [s].
+        """Return the linear gain of each source after occlusion, by frequency band, shape [n, 3].
 
         Args:
-            world: Where the obstacles are now.
+            world: World with the present poses of the obstacles.
             head: Position of the listener [m], shape [3].
-            sources: Positions [m], shape [n, 3].
-            span: [s].
+            sources: Positions of the sources [m], shape [n, 3].
+            span: Time since the last frame, over which the gain is ramped [s].
         """
         boxes = [
             Box(world.find(name).world_matrix(), 0.5 * np.array(obstacle.size), obstacle.surface_mass)
@@ -59,7 +59,7 @@ class SoundSurroundings:
         return self._passes
 
     def steps(self, world: World, now_ns: int) -> list[SoundTrigger]:
-        """Heel contacts of the scene's walkers since the last frame."""
+        """Return the heel strikes of the scene's walkers since the last frame."""
         triggers: list[SoundTrigger] = []
         for name, gait in self._walkers:
             if name in world:
@@ -68,7 +68,7 @@ class SoundSurroundings:
         return triggers
 
     def room(self, world: World, head: F8) -> tuple[float, float]:
-        """Return level and time [s] of the reverberation at the listener, in the loudest room."""
+        """Return level and decay time [s] of the reverberation at the listener, those of the loudest room."""
         heard = [(_inside(world, name, room, head) * room.level, room.time) for name, room in self._rooms]
         return max(heard, default=(0.0, 1.0))
 

@@ -1,3 +1,3 @@
-"""Devices by name: the conformance kit run against one, and emulated robots."""
+"""`mimics devices`: the conformance kit on a device by name, emulated robots and trackers."""
 
 __all__: list[str] = []

@@ -16,7 +16,7 @@ __all__ = ["check_by_name"]
 
 
 class _WallTime:
-    """The other side of a device that is really there: it needs its millisecond, and nobody can spoil it from here."""
+    """Clock of a real device for the conformance kit: a tick takes 1 ms, and faults cannot be injected."""
 
     can_fail = False
 
@@ -25,7 +25,7 @@ class _WallTime:
         self._due = self._clock.now_ns()
 
     def step(self) -> None:
-        """Wait for the next millisecond; after a pause the schedule restarts."""
+        """Wait for the next tick; after a pause the schedule restarts."""
         self._due = max(self._due + TICK_NS, self._clock.now_ns() - TICK_NS)
         self._clock.sleep_until_ns(self._due)
 
@@ -35,14 +35,14 @@ class _WallTime:
 
 
 def check_by_name(device: str, recording: Path | None) -> list[Finding]:
-    """Build the device as a scene would, try it, and close it.
+    """Build a device as a scene would, run the conformance kit, and close it.
 
     Args:
         device: NAME or NAME:ADDRESS.
         recording: Run folder for the replay device.
 
     Raises:
-        DeviceError: The device cannot be had.
+        DeviceError: The device is not available.
     """
     robot = Robot(device=device)
     samples = None if recording is None else Run.open(recording).haptic

@@ -1,14 +1,13 @@
-"""Trackers that are not there, worn by a person who is not there: `mimics devices emulate fastrak|flock|vrpn|osc`."""
+"""Emulated trackers on a scripted person: `mimics devices emulate fastrak|flock|vrpn|osc`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from mimics_app.contracts.clock import MonotonicClock
+from mimics_app.contracts.clock import SECOND_NS, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
-from mimics_app.inputs.trackers.polhemus import euler_quaternion
-from mimics_app.inputs.trackers.scripted_person import PERSON_SENSORS, person_at
+from mimics_app.inputs.trackers.scripted_person import PERSON_SENSORS, person_at, person_quaternion
 
 __all__ = ["TRACKERS", "open_tracker", "report_on"]
 
@@ -16,25 +15,24 @@ TRACKERS = ("fastrak", "flock", "vrpn", "osc")
 """Kinds of trackers that can be emulated: on a pseudo-terminal, as a VRPN server, as a sender of OSC."""
 
 _PERIOD_NS = 8_333_333
-"""From one report to the next: 120 Hz [ns]."""
+"""Period of the reports: 120 Hz [ns]."""
 _OSC_PORT = 9000
-_NS = 1_000_000_000
 
 Report = Callable[[int], None]
-"""Send where the person is at a time [ns]."""
+"""Sends the poses of the person at a time [ns]."""
 
 
 @contextmanager
 def open_tracker(kind: str, seed: int, port: int = 0) -> Iterator[tuple[str, Report]]:
-    """An emulated tracker: what to write as `address` in a scene, and what sends a report.
+    """Open an emulated tracker; yield its `address` for a scene, and the function that sends a report.
 
     Args:
-        kind: Of `TRACKERS`.
-        seed: Of the person.
-        port: A VRPN server listens on (0: any), or OSC is sent to (0: 9000).
+        kind: One of `TRACKERS`.
+        seed: Seed of the person.
+        port: Port at which the VRPN server listens (0: any), or to which OSC is sent (0: 9000).
 
     Raises:
-        DeviceError: the port is taken, or there are no pseudo-terminals.
+        DeviceError: The port is in use, or the system has no pseudo-terminals.
     """
     opened = {"vrpn": _vrpn, "osc": _osc}.get(kind)
     if opened is not None:
@@ -48,16 +46,16 @@ def open_tracker(kind: str, seed: int, port: int = 0) -> Iterator[tuple[str, Rep
     except (ImportError, OSError) as error:
         raise DeviceError(f"this system has no pseudo-terminals: {error}", "emulate on Linux or macOS") from None
     try:
-        yield line.port, lambda now_ns: None  # it reports from a thread of its own, at the pace of the line
+        yield line.port, lambda now_ns: None  # its own thread reports, at the pace of the line
     finally:
         line.close()
 
 
 def report_on(report: Report, seconds: float | None) -> None:
-    """Report 120 times a second, until the time is over or a signal ends it."""
+    """Report 120 times a second for a time [s]; None: until a signal ends it."""
     clock = MonotonicClock()
     due = clock.now_ns()
-    end = 1 << 62 if seconds is None else due + round(seconds * _NS)
+    end = 1 << 62 if seconds is None else due + round(seconds * SECOND_NS)
     while due < end:
         report(clock.now_ns())
         due = max(due + _PERIOD_NS, clock.now_ns() - _PERIOD_NS)
@@ -101,8 +99,6 @@ def _osc(seed: int, port: int) -> Iterator[tuple[str, Report]]:
 
 
 def _pose(sensor: str, now_ns: int, seed: int) -> tuple[tuple[float, float, float], tuple[float, float, float, float]]:
-    """Place [m] and quaternion x, y, z, w of a sensor in the room."""
-    place, (yaw, pitch, roll) = person_at(sensor, now_ns / _NS, seed)
-    x, y, z, w = euler_quaternion(yaw, pitch, roll)
-    # The convention turns about z, y, x; a person turns about y, x, z.
-    return place, (y, z, x, w)
+    """Return position [m] and quaternion x y z w of a sensor in the room."""
+    place, angles = person_at(sensor, now_ns / SECOND_NS, seed)
+    return place, person_quaternion(*angles)

@@ -17,7 +17,7 @@ from typing import Protocol
 import msgspec
 
 from mimics_app.app.devices.emulated_trackers import TRACKERS
-from mimics_app.app.play.collector import left_alone
+from mimics_app.app.play.collector import frozen_objects
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.clock import TICK_NS, MonotonicClock
@@ -34,9 +34,10 @@ __all__ = ["EMULATED", "EmulatorSettings", "open_emulator", "serve"]
 EMULATED = ("serial", "hapticmaster")
 
 _LATEST_NS = 20_000_000
-"""Further behind than this, the lost time is not made up for."""
+"""Largest delay that is caught up [ns]; beyond, the lost time is skipped."""
 
 _LISTEN_EVERY = 10
+"""Period in which stdin is read [steps]."""
 
 
 class Emulator(Protocol):
@@ -49,25 +50,25 @@ class Emulator(Protocol):
         """Address of the emulator, after the name and its colon."""
 
     def step(self) -> None:
-        """One millisecond."""
+        """Simulate one millisecond."""
 
     def rehearse(self) -> None:
-        """Do all it can do once, before anybody waits for it."""
+        """Run all its code once, so that it is compiled before a client connects."""
 
     def close(self) -> None:
-        """Take it away."""
+        """Close the emulator."""
 
 
 @dataclass(frozen=True, slots=True)
 class EmulatorSettings:
-    """Simulated person on the emulated robot.
+    """Settings of an emulated robot and its simulated person.
 
     Attributes:
-        scene: Scene whose path the person knows and whose robot it is; None: a relaxed arm on the usual robot.
+        scene: Scene whose robot is emulated, its path followed; None: a relaxed arm on the default robot.
         patient: Preset instead of the scene's; "" keeps it.
-        seed: Of everything random.
-        port: A hapticmaster listens on; 0: any that is free.
-        delay_ms: Its answers wait before they leave [ms].
+        seed: Seed of person and sensor noise.
+        port: Port at which the hapticmaster listens; 0: any free one.
+        delay_ms: Delay of its answers [ms].
     """
 
     scene: Path | None = None
@@ -79,12 +80,12 @@ class EmulatorSettings:
 
 @contextmanager
 def open_emulator(name: str, settings: EmulatorSettings) -> Iterator[Emulator]:
-    """An emulated robot.
+    """Open an emulated robot; the context closes it.
 
     Raises:
-        UsageError: Nothing of that name is emulated.
-        DeviceError: This system cannot.
-        SceneError: The scene is wrong.
+        UsageError: There is no emulator of that name.
+        DeviceError: The port is in use, or the system has no pseudo-terminals.
+        SceneError: The scene is faulty.
     """
     if name not in EMULATED:
         raise UsageError(f'there is no emulator of "{name}"', nearest(name, (*EMULATED, *TRACKERS)))
@@ -99,15 +100,15 @@ def open_emulator(name: str, settings: EmulatorSettings) -> Iterator[Emulator]:
 
 
 def serve(emulator: Emulator, seconds: float | None) -> None:
-    """A step each millisecond; orders for faults are lines of stdin, "quit" or a signal ends it.
+    """Run an emulator in real time. Lines of stdin inject faults; "quit" or a signal ends it.
 
     Args:
-        emulator: The robot.
-        seconds: How long [s]; None: until it is stopped.
+        emulator: The emulated robot.
+        seconds: Length [s]; None: until it is stopped.
     """
     if threading.current_thread() is threading.main_thread():
-        _hurry()
-    with left_alone():
+        _raise_priority()
+    with frozen_objects():
         _step_each_millisecond(emulator, seconds)
 
 
@@ -126,10 +127,10 @@ def _step_each_millisecond(emulator: Emulator, seconds: float | None) -> None:
         clock.sleep_until_ns(due)
 
 
-def _hurry() -> None:
-    """A robot does not wait for the rest of this machine; one that computes without end loses the privilege.
+def _raise_priority() -> None:
+    """Run this thread at real-time priority, until the operating system's limit on its processor time is reached.
 
-    Only a process of its own may: the limit on such threads is the process's, and its signal would end it.
+    Only in the main thread: the signal at the limit is that of the process.
     """
     if sys.platform.startswith("linux"):
         thread = threading.get_native_id()
@@ -138,7 +139,7 @@ def _hurry() -> None:
 
 
 class _Orders:
-    """Lines of stdin, read without waiting."""
+    """Orders from stdin, read without blocking."""
 
     def __init__(self) -> None:
         self._text = ""
@@ -148,7 +149,7 @@ class _Orders:
         """Process the input received; return False when the emulator should end."""
         while self._open and select.select([sys.stdin], [], [], 0.0)[0]:
             got = os.read(sys.stdin.fileno(), 4096).decode("utf-8", "replace")
-            self._open = bool(got)  # nobody there any more: the emulator goes on
+            self._open = bool(got)  # after the end of stdin the emulator continues
             self._text += got
         *lines, self._text = self._text.split("\n")
         for line in filter(None, map(str.strip, lines)):
@@ -179,7 +180,7 @@ def _open(name: str, request: DeviceRequest, folder: Path, settings: EmulatorSet
 
 
 def _request(settings: EmulatorSettings) -> DeviceRequest:
-    """Robot, person and path of the scene."""
+    """Return the request of a device with robot, person and path of the scene."""
     if settings.scene is None:
         return DeviceRequest(Robot(delay_ticks=0), None, seed=settings.seed)
     scene = load_checked_scene(settings.scene)

@@ -1,3 +1,3 @@
-"""State of the installation: plug-ins, system packages, drivers."""
+"""State of the installation: plug-ins, system packages, drivers, ports."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""Files of walls and headsets that lie about, so that a person finds them for --display."""
+"""Search for files of walls and headsets in a folder, for --display."""
 
 from __future__ import annotations
 
@@ -8,13 +8,15 @@ from pathlib import Path
 __all__ = ["find_display_files"]
 
 _KINDS = {"mimics.walls/1": "cave", "mimics.headset/1": "sim-hmd"}
-"""Format of a file and the kind of display that takes it."""
+"""Kind of display by the format of its file."""
 _MOST_BYTES = 1 << 20
+"""Largest size of a file that is read [bytes]."""
 _MOST_FILES = 200
+"""Largest number of files that are read."""
 
 
 def find_display_files(folder: Path) -> list[dict[str, str]]:
-    """Those of a folder and of the folders in it, by name: what to write after --display, and what is wrong with it."""
+    """Return the files of a folder and its subfolders by name: value of --display ("write"), and fault ("error")."""
     found = []
     for file in list(_candidates(folder))[:_MOST_FILES]:
         kind = _kind_of(file)
@@ -29,7 +31,7 @@ def _candidates(folder: Path) -> Iterator[Path]:
 
 
 def _kind_of(file: Path) -> str:
-    """The kind of display a file is for, "" for any other file; its format is looked for in the text alone."""
+    """Return the kind of display that a file is for, by its format as text; "" for any other file."""
     try:
         if file.stat().st_size > _MOST_BYTES:
             return ""

@@ -1,33 +1,31 @@
-"""Plug-ins of other packages: entry points of our groups, and whether each can be had."""
+"""Plug-ins of other packages: entry points of our groups, and whether each can be loaded."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.plugins import load_plugin
-from mimics_app.world.components.plugins import ENTRY_POINT_GROUP as COMPONENTS
-from mimics_app.world.components.plugins import fault_of_type
-from mimics_app.world.scene.method_plugins import ENTRY_POINT_GROUP as METHODS
-from mimics_app.world.scene.method_plugins import fault_of_method
+from mimics_app.contracts.plugins import PluginError, PluginGroup
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-__all__ = ["GROUPS", "PluginReport", "list_plugins"]
+__all__ = ["PluginReport", "list_plugins", "plugin_groups", "report_group"]
 
-TASK_KINDS = "mimics_app.task_kinds"
-GROUPS = (
-    "mimics_app.devices",
-    COMPONENTS,
-    "mimics_app.scenarios",
-    TASK_KINDS,
-    "mimics_app.force_fields",
-    "mimics_app.policies",
-    "mimics_app.signal_sources",
-    METHODS,
-)
-"""The groups of entry points a package may offer something in: each is loaded by the stage that has a place for it."""
+
+def plugin_groups() -> tuple[PluginGroup, ...]:
+    """The groups of entry points a package may offer something in, each from the stage that loads it."""
+    from mimics_app.contracts import scenario_port
+    from mimics_app.inputs.physio import sources
+    from mimics_app.learning import registry as policies
+    from mimics_app.rendering.haptic import force_fields
+    from mimics_app.rendering.haptic.devices import device_names
+    from mimics_app.tasks.kinds import registry as kinds
+    from mimics_app.world.components import plugins as components
+    from mimics_app.world.scene import method_plugins
+
+    stages = (device_names, components, scenario_port, kinds, force_fields, policies, sources, method_plugins)
+    return tuple(stage.PLUGINS for stage in stages)
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,11 +33,11 @@ class PluginReport:
     """One entry point.
 
     Attributes:
-        group: Which of `GROUPS`.
-        name: Its name, as a scene or an option uses it.
+        group: Name of its group.
+        name: Name, as used in scenes and options.
         target: "module:attribute".
-        package: The distribution that brings it, with its version; "" where unknown.
-        error: Why it cannot be had; "" when it can.
+        package: Distribution with version; "" where unknown.
+        error: Why it cannot be loaded; "" where it can.
         loaded: The object itself; None after an error.
     """
 
@@ -51,32 +49,20 @@ class PluginReport:
     loaded: object = None
 
 
-def list_plugins(*groups: str) -> list[PluginReport]:
-    """The entry points of these groups (all of `GROUPS` when none is given), imported one by one.
-
-    A plug-in that fails to import is reported, never fatal.
-    """
-    from importlib.metadata import entry_points
-
-    return [_report(group, point) for group in groups or GROUPS for point in sorted(entry_points(group=group))]
+def list_plugins() -> list[PluginReport]:
+    """Return the entry points of all groups; each is imported. A plug-in that fails is reported, never fatal."""
+    return [report for group in plugin_groups() for report in report_group(group)]
 
 
-def _report(group: str, point: EntryPoint) -> PluginReport:
+def report_group(group: PluginGroup) -> list[PluginReport]:
+    """The entry points of one group."""
+    return [_report(group, point) for point in group.points()]
+
+
+def _report(group: PluginGroup, point: EntryPoint) -> PluginReport:
     package = f"{point.dist.name} {point.dist.version}" if point.dist else ""
     try:
-        loaded = load_plugin(point)
-    except ValueError as fault:
-        return PluginReport(group, point.name, point.value, package, str(fault))
-    return PluginReport(group, point.name, point.value, package, _fault(group, point.name, loaded), loaded)
-
-
-def _fault(group: str, name: str, loaded: object) -> str:
-    if group == COMPONENTS:
-        return fault_of_type(name, loaded)
-    if group == METHODS:
-        return fault_of_method(loaded)
-    if group == TASK_KINDS:
-        from mimics_app.tasks.kinds.registry import fault_of_kind
-
-        return fault_of_kind(loaded)
-    return "" if callable(loaded) else "its plug-in cannot be called"
+        loaded, error = group.load_point(point), ""
+    except PluginError as refused:
+        loaded, error = None, refused.fault
+    return PluginReport(group.name, point.name, point.value, package, error, loaded)

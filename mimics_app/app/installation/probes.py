@@ -1,4 +1,4 @@
-"""Probes of this machine, in processes of their own: a crashing driver ends only its probe.
+"""Probes of this machine, each in a process of its own, so that a crashing driver ends only its probe.
 
 python -m mimics_app.app.installation.probes egl        prints one JSON object
 """
@@ -18,13 +18,14 @@ from mimics_app.contracts.errors import MimicsError
 __all__ = ["PROBES", "probe", "probe_attached", "probe_graphics", "probe_headset", "probe_scheduler", "probe_sound"]
 
 _PATIENCE_S = 60.0
+"""Time-out of a probe [s]."""
 
 
 def probe(name: str) -> dict[str, Any]:
     """Run one probe of `PROBES` in a child process.
 
     Returns:
-        What it found, with `ok`; where it failed, crashed or hung also `error`, in one line.
+        The result with `ok`; where the probe failed, crashed or timed out also `error`, one line.
     """
     command = [sys.executable, "-m", "mimics_app.app.installation.probes", name]
     try:
@@ -46,10 +47,10 @@ def _last_words(done: subprocess.CompletedProcess[str]) -> str:
 
 
 def probe_graphics(backend: str) -> dict[str, Any]:
-    """The OpenGL that a backend ("window", "egl", "osmesa") gives: version, renderer, vendor.
+    """Return version, renderer and vendor of the OpenGL context of a backend ("window", "egl", "osmesa").
 
     Raises:
-        DeviceError: It gives none.
+        DeviceError: It creates no context.
     """
     from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
@@ -62,7 +63,7 @@ def probe_graphics(backend: str) -> dict[str, Any]:
 
 
 def probe_sound() -> dict[str, Any]:
-    """The OpenAL library found, and the sound output it opens ("" where there is none).
+    """Return the OpenAL library, and the sound output that it opens ("" for none).
 
     Raises:
         DeviceError: There is no usable library.
@@ -87,7 +88,7 @@ def probe_sound() -> dict[str, Any]:
 
 
 def probe_scheduler() -> dict[str, Any]:
-    """Report the scheduling that the kernel grants to the 1 kHz loop for this user."""
+    """Return the scheduling that the operating system grants to the 1 kHz loop for this user."""
     from mimics_app.rendering.haptic.scheduler import arrange_thread
 
     recipe = arrange_thread("auto").recipe
@@ -96,10 +97,10 @@ def probe_scheduler() -> dict[str, Any]:
 
 
 def probe_headset() -> dict[str, Any]:
-    """Whether a headset's OpenXR runtime is there.
+    """Check that an OpenXR runtime is available.
 
     Raises:
-        DeviceError: There is none; says why.
+        DeviceError: It is not; with the reason.
     """
     from mimics_app.contracts.errors import DeviceError
     from mimics_app.rendering.visual.displays.openxr_runtime import no_runtime
@@ -111,7 +112,7 @@ def probe_headset() -> dict[str, Any]:
 
 
 def probe_attached() -> dict[str, Any]:
-    """Displays and gamepads; needs a display server, so "ok" is false on a bare console."""
+    """Return monitors and gamepads; it needs a display server."""
     from mimics_app.rendering.visual.drawing.attached import list_attached
 
     displays, gamepads = list_attached()
@@ -135,7 +136,7 @@ def _answer(name: str) -> dict[str, Any]:
         return {"ok": True, **PROBES[name]()}
     except MimicsError as error:
         return {"ok": False, "error": str(error).splitlines()[0]}
-    except Exception as error:  # noqa: BLE001  whatever a driver's binding raises is the finding
+    except Exception as error:  # noqa: BLE001  any error of a driver is the result
         return {"ok": False, "error": f"{type(error).__name__}: {error}"}
 
 

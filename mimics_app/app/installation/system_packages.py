@@ -1,10 +1,10 @@
-"""Requirements on the operating system, looked up by the loader and PATH, not by a package manager.
+"""Requirements on the operating system, checked by the loader and PATH instead of a package manager.
 
-The same table serves `mimics doctor` and, run as a script by `.ci/dev.sh` before anything is installed, the set-up:
+The same table serves `mimics doctor` and, as a script of `.ci/dev.sh` before anything is installed, the set-up:
 
     python3 system_packages.py run      prints the apt packages missing for `make run`, one line, empty when complete
 
-Only the standard library is imported, and nothing of ours.
+It imports only the standard library.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ class SystemNeed:
     """One library, file or program from a package of the operating system.
 
     Attributes:
-        package: Debian and Ubuntu name of the package.
-        purpose: What stops working without it.
+        package: Name of the package in Debian and Ubuntu.
+        purpose: Function that fails without it.
         kind: "run" (needed to run), "optional" (used where the distribution has it), "test" (needed by `make test`) or
-            "test-optional" (tests are skipped without; nothing of a desktop is removed for it).
-        libraries: Names for the loader; any one will do.
-        files: File patterns in the driver folders, for parts without a loadable name; any one will do.
+            "test-optional" (tests are skipped without it; no package of a desktop is removed for it).
+        libraries: Names for the loader; one of them is enough.
+        files: File patterns in the driver folders, for parts without a loadable name; one of them is enough.
         program: Name of a program on PATH.
     """
 
@@ -85,17 +85,17 @@ NEEDS: tuple[SystemNeed, ...] = (
     SystemNeed("gcc", "tests with an OpenXR runtime of their own", kind="test-optional", program="cc"),
     SystemNeed("libc6-dev", "tests with an OpenXR runtime of their own", kind="test-optional", files=("crt1.o",)),
 )
-"""Everything requested, in the order it is reported."""
+"""All requirements in the order of the report."""
 
 
 def missing(kinds: Iterable[str]) -> list[SystemNeed]:
-    """The needs of these kinds that were not found."""
+    """Return the requirements of these kinds that were not found."""
     wanted = set(kinds)
     return [need for need in NEEDS if need.kind in wanted and not need.found()]
 
 
 def apt_line(needs: Iterable[SystemNeed]) -> str:
-    """The one line to type that brings these packages."""
+    """Return the command line that installs these packages."""
     return "sudo apt-get install -y " + " ".join(need.package for need in needs)
 
 

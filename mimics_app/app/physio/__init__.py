@@ -1,3 +1,3 @@
-"""Body signals without a scene: read, processed, shown, judged. Import submodules by name."""
+"""`mimics physio`: body signals without a scene, processed as in a session, with plots, tables and their quality."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""The page of plots: the newest seconds of every signal with what was found in them, and the features over the time."""
+"""Page of plots: the newest seconds of every signal with the events found in them, and the features over time."""
 
 from __future__ import annotations
 
@@ -10,11 +10,18 @@ from mimics_app.app.physio.watch import Watch
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.plotting.templates import load_templates
+from mimics_app.recording.run_folder import write_atomically
 
 __all__ = ["write_page"]
 
 _UNITS = {"ecg": "mV", "gsr": "µS", "emg": "mV", "resp": "1", "speed": "m/s", "power": "W"}
-_KINDS = {"ecg": "r_peak", "gsr": "scr", "emg": "emg_onset", "resp": "breath"}
+_EVENTS = {
+    "ecg": ("r_peak", "R peak"),
+    "gsr": ("scr", "skin conductance response"),
+    "emg": ("emg_onset", "EMG onset"),
+    "resp": ("breath", "breath"),
+}
+"""Kind of the events found in each signal, and its text in the legend."""
 _TRENDS = (
     ("heart_rate", "heart rate [1/min]"),
     ("rmssd", "RMSSD [ms]"),
@@ -27,20 +34,18 @@ _REFRESH_S = 2
 
 
 def write_page(watch: Watch, path: Path, title: str, *, live: bool) -> None:
-    """Write the page; a live one loads itself again every two seconds."""
+    """Write the page; a live one reloads itself every two seconds."""
     figures = [("Signals", [_signal(watch, name) for name in watch.recent])]
     trends = [plot for name, label in _TRENDS if (plot := _trend(watch, name, label)) is not None]
     figures += [("Features", trends)] if trends else []
     page = load_templates(_TEMPLATES).get_template("physio.html.j2")
     summary = watch.summary()
     text = page.render(title=title, refresh=_REFRESH_S if live else 0, figures=figures, summary=summary)
-    scratch = path.with_name(path.name + ".part")
-    scratch.write_text(text, encoding="utf-8")
-    scratch.replace(path)
+    write_atomically(path, text.encode())
 
 
 def _signal(watch: Watch, name: str) -> Plot:
-    """The newest seconds of a signal; where something was found, a point."""
+    """Return the plot of the newest seconds of a signal, with a point at each event."""
     times, values = watch.recent_samples(name)
     good = values[np.isfinite(values)]
     low, high = (float(good.min()), float(good.max())) if len(good) else (0.0, 1.0)
@@ -48,10 +53,11 @@ def _signal(watch: Watch, name: str) -> Plot:
     y = Axis(f"{name} [{_UNITS.get(name, '1')}]", low - room, high + room)
     plot = Plot(Axis("time [s]", float(times[0]), float(times[-1]) + 1e-3), y, name, height=180.0)
     plot.line(*envelope(times, values), "a", name)
-    found = np.array([t for t in watch.times_of(name, _KINDS.get(name, "")) if times[0] <= t <= times[-1]])
+    kind, text = _EVENTS.get(name, ("", ""))
+    found = np.array([t for t in watch.times_of(name, kind) if times[0] <= t <= times[-1]])
     if len(found):
         heights = values[np.clip(np.searchsorted(times, found), 0, len(values) - 1)]
-        plot.points(found, np.nan_to_num(heights, nan=low), "b", _KINDS[name].replace("_", " "))
+        plot.points(found, np.nan_to_num(heights, nan=low), "b", text)
     return plot
 
 
@@ -61,6 +67,6 @@ def _trend(watch: Watch, name: str, label: str) -> Plot | None:
         return None
     low, high = float(pairs[:, 1].min()), float(pairs[:, 1].max())
     room = 0.1 * (high - low) or 1.0
-    plot = Plot(Axis("time [s]", 0.0, float(pairs[-1, 0])), Axis(label, low - room, high + room), label, height=140.0)
+    plot = Plot(Axis("time [s]", 0.0, float(pairs[-1, 0])), Axis(label, low - room, high + room), label, height=170.0)
     plot.line(pairs[:, 0], pairs[:, 1], "a")
     return plot

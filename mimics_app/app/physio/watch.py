@@ -1,4 +1,4 @@
-"""Signals of a source or a file through the very processing a session uses, and all that a page or a table shows."""
+"""Processing of the signals of a source or file as in a session, and its results for pages and tables."""
 
 from __future__ import annotations
 
@@ -22,13 +22,22 @@ from mimics_app.dsp.stage import PhysioDsp
 __all__ = ["Watch", "blocks_of_file", "follow"]
 
 _SHOWN_S = 12.0
+"""Length of the plots of signals [s]."""
 _POLL_NS = 20_000_000
+"""Period in which a live source is polled [ns]."""
 _BAD = 0.5
 """Quality below which a second counts as bad."""
 
 
 class Watch:
-    """Events, features of every second, and the newest seconds of each signal, from blocks of signals."""
+    """Events, features of every second, and the newest seconds of each signal.
+
+    Attributes:
+        events: Events in the order in which they became known, each with the name of its signal.
+        features: Features and qualities of each second, by name; `t_s` is the time [s].
+        recent: Blocks of the newest seconds of each signal.
+        start_ns: Time of the first sample [ns]; -1 before.
+    """
 
     def __init__(self) -> None:
         self._dsp = PhysioDsp(self._note)
@@ -41,7 +50,7 @@ class Watch:
         self._qualities: dict[str, list[float]] = {}
 
     def take(self, blocks: tuple[SignalBlock, ...], now_ns: int) -> None:
-        """Process the blocks received by now."""
+        """Process the blocks received until a time [ns]."""
         for block in blocks:
             if self.start_ns < 0:
                 self.start_ns = block.t_ns
@@ -63,17 +72,17 @@ class Watch:
         self.events.append((name, event))
 
     def recent_samples(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Times [s] and values of the newest seconds of a signal."""
+        """Return times [s] and values of the newest seconds of a signal."""
         blocks = self.recent[name]
         times = [(b.t_ns - self.start_ns) / SECOND_NS + np.arange(len(b.values)) / b.rate for b in blocks]
         return np.concatenate(times), np.concatenate([b.values for b in blocks])
 
     def times_of(self, name: str, kind: str) -> list[float]:
-        """When events of a kind were in a signal [s]."""
+        """Return the times of the events of a kind in a signal [s]."""
         return [event.t_s + self._offset[name] for signal, event in self.events if (signal, event.kind) == (name, kind)]
 
     def summary(self, source: SignalSource | None = None) -> dict[str, Any]:
-        """What came, how good it was, and what was found in it."""
+        """Return rate, length, quality and faults of each signal, counts of events, and the newest features."""
         faults: Mapping[str, Any] = getattr(source, "faults", {})
         signals = {}
         for name, channel in self._dsp.channels.items():
@@ -92,11 +101,11 @@ class Watch:
         return {"signals": signals, "events": counts, "features": newest}
 
     def write_events(self, path: Path, start_s: float = 0.0) -> None:
-        """Events in the order in which they became known, columns t_s, known_s, kind, value, quality.
+        """Write the events as they became known, with the columns t_s, known_s, kind, value, quality.
 
         Args:
-            path: Of the table.
-            start_s: Time of the first sample, as its file gives the time [s].
+            path: The CSV file.
+            start_s: Time of the first sample as stated in its file [s].
         """
         rows = [
             (event.t_s + self._offset[name] + start_s, event.known_s + self._offset[name] + start_s, event)
@@ -110,7 +119,7 @@ class Watch:
                 table.writerow(numbers)
 
     def write_features(self, path: Path) -> None:
-        """Features and qualities, a row a second; what is not known is empty."""
+        """Write features and qualities, one row per second; unknown ones are empty."""
         names = sorted({name for row in self.features for name in row} - {"t_s"})
         with path.open("w", newline="", encoding="utf-8") as file:
             table = csv.DictWriter(file, ["t_s", *names], lineterminator="\n", restval="")
@@ -120,7 +129,7 @@ class Watch:
 
 def blocks_of_file(source: SignalSource, seconds: float) -> Iterator[tuple[tuple[SignalBlock, ...], int]]:
     """Yield the blocks of a source that is not live, one second at a time, without waiting."""
-    end_ns = math.ceil(seconds * SECOND_NS) + 1  # a time that was rounded down would leave the last sample out
+    end_ns = math.ceil(seconds * SECOND_NS) + 1  # rounded up, so that the last sample is included
     for now_ns in (*range(0, end_ns, SECOND_NS), end_ns):
         yield source.read(now_ns), now_ns
 

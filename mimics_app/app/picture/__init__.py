@@ -1,3 +1,3 @@
-"""Drawing a scene for a person: picture, figures over it, overlay, quality held in time, stills and films."""
+"""The picture of a session: drawing, board, developer's overlay, governor of its quality, videos."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""Board over the picture: cards in a row at the top, one centred line of text at the bottom."""
+"""Layout of the board over the picture: cards in rows at the top, a centred message at the bottom."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from mimics_app.rendering.visual.figures.palette import ACCENT, FAINT, INK
 __all__ = ["OPERATORS_CARDS", "BoardLayout"]
 
 OPERATORS_CARDS = frozenset({"margin"})
-"""Cards that are not for the person at the task: F5 shows them with the forces."""
+"""Cards for the operator, shown with the forces (F5)."""
 
 Place = tuple[float, float, float]
-"""Left, lower edge and width of what is inside a card, in units of the canvas."""
+"""Left edge, lower edge and width of the content of a card, in units of the canvas."""
 
 _PANEL: Colour = (0.06, 0.08, 0.11, 0.62)
 _ALARM_PANEL: Colour = (0.55, 0.08, 0.08, 0.86)
@@ -32,33 +32,33 @@ _COLOURS: dict[Tone, Colour] = {
     Tone.ALARM: (0.90, 0.22, 0.20, 1.0),
 }
 _WARN_LOAD, _ALARM_LOAD = 0.4, 0.8
-"""Shares of a full bar [-] from which a load is shown as a warning, and as an alarm."""
+"""Shares of a full bar [-] from which a load is coloured as a warning, and as an alarm."""
 
 _MARGIN = 22.0
 _HEIGHT = 62.0
 _GAP = 12.0
 _COUNT, _COUNT_SIZE = 180.0, 120.0
-"""Width of the disc of a count, and height of its figure [hud px]."""
-_SAID, _LINE = 30.0, 38.0
-"""Size of a message's letters, and from one of its lines to the next [hud px]."""
+"""Diameter of the disc of a countdown, and height of its digit [hud px]."""
+_TEXT, _LINE = 30.0, 38.0
+"""Font size and line spacing of a message [hud px]."""
 
 
 class BoardLayout:
-    """Lays a board over the picture; a card, or the whole, that has not changed since the last frame stays."""
+    """Draws a board over the picture; cards that have not changed since the last frame are reused."""
 
     def __init__(self) -> None:
         self._laid: tuple[Hashable, int] | None = None
         self._cards: dict[str, tuple[Hashable, NDArray[np.void]]] = {}
 
     def lay(self, hud: Hud, board: Board, show: Sequence[str], force_full: float, keys: Keys = ()) -> None:
-        """Make a board, and a page of keys over it, all that is on a display.
+        """Replace the contents of a display by a board, and a page of keys over it.
 
         Args:
-            hud: What to draw on.
+            hud: The display.
             board: The board.
-            show: Names of the cards wanted, in the order of the scene; one that the board has not is left out.
-            force_full: Force that fills the bar of a card without a scale of its own [N].
-            keys: The page, () for none.
+            show: Names of the cards to show, in order; those that the board does not have are left out.
+            force_full: Full scale of bars without a scale of their own [N].
+            keys: Page of keys, () for none.
         """
         cards = tuple((name, board.cards[name]) for name in show if name in board.cards)
         said = (board.message, board.alarm, board.count)
@@ -136,16 +136,16 @@ def _draw_message(hud: Hud, message: str, *, alarm: bool) -> None:
         return
     room = hud.width - 2.0 * _MARGIN - 64.0
     lines = [line for part in message.split("\n") for line in _broken(hud, part, room)]
-    width = min(max(hud.measure(line, _SAID, bold=True) for line in lines), room) + 64.0
+    width = min(max(hud.measure(line, _TEXT, bold=True) for line in lines), room) + 64.0
     x, y = 0.5 * (hud.width - width), 46.0
     hud.box(x, y, width, 64.0 + _LINE * (len(lines) - 1), _ALARM_PANEL if alarm else _PANEL, radius=18.0)
     for number, line in enumerate(reversed(lines)):
         place = 0.5 * hud.width, y + 21.0 + _LINE * number
-        hud.text(*place, line, _SAID, INK, bold=True, align="centre", width=width - 32.0)
+        hud.text(*place, line, _TEXT, INK, bold=True, align="centre", width=width - 32.0)
 
 
 def _broken(hud: Hud, part: str, room: float) -> list[str]:
-    """A line of a message as it is, or in up to three where it is wider than the picture."""
-    if hud.measure(part, _SAID, bold=True) <= room:
+    """Return a line of a message, wrapped to at most three lines where it is wider than the picture."""
+    if hud.measure(part, _TEXT, bold=True) <= room:
         return [part]
-    return hud.wrap(part, _SAID, room * hud.measure(part, _SAID) / hud.measure(part, _SAID, bold=True), 3)
+    return hud.wrap(part, _TEXT, room * hud.measure(part, _TEXT) / hud.measure(part, _TEXT, bold=True), 3)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from mimics_app.rendering.visual.frame_set import FrameSet
 from mimics_app.rendering.visual.surfaces.surface import Surface
@@ -14,25 +13,21 @@ __all__ = ["Drawn"]
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """Pictures on disk.
+    """Pictures on disk; its fields are keys of `--json`.
 
     Attributes:
-        files: In the order they were drawn.
-        backend: Of the surface: "window", "egl" or "osmesa".
-        gl: Version and driver.
-        ms_median: Time of a frame [ms].
+        backend: Backend of the surface: "window", "egl" or "osmesa".
+        gl: OpenGL version and driver.
+        files: Files in the order they were drawn.
+        ms_median: Median time of a frame [ms].
     """
 
-    files: list[Path]
     backend: str
     gl: str
+    files: list[Path]
     ms_median: float
 
     @classmethod
     def on(cls, surface: Surface, frames: FrameSet) -> Drawn:
         """Return the result of drawing on a surface, which is still open."""
-        return cls(frames.files, surface.backend, surface.driver, frames.ms_median)
-
-    def as_dict(self) -> dict[str, Any]:
-        """The keys of `--json`."""
-        return {"backend": self.backend, "gl": self.gl, "files": self.files, "ms_median": self.ms_median}
+        return cls(surface.backend, surface.driver, frames.files, frames.ms_median)

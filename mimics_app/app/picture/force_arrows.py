@@ -1,4 +1,4 @@
-"""Forces and contacts of the haptic loop as arrows over the world."""
+"""Forces and contacts of the haptic loop as arrows in the world, for the overlay."""
 
 from __future__ import annotations
 
@@ -17,13 +17,15 @@ __all__ = ["ForceArrows"]
 
 
 _METRES_PER_NEWTON = 0.012
+"""Length of an arrow per force [m/N]."""
 _METRES_PER_SPEED = 0.15
 """Length of an impact's arrow per speed of approach [m per m/s]."""
 _SHORTEST, _LONGEST = 0.004, 0.35
-"""Arrows shorter than that are left out, longer ones cut [m]."""
+"""Length below which an arrow is left out, and to which a longer one is limited [m]."""
 _SEEN_NS = 700_000_000
-"""How long a contact stays in sight."""
+"""Time for which a contact is shown, fading [ns]."""
 _MOST = 60
+"""Largest number of contacts shown."""
 
 _ON_HAND: Colour = (1.0, 0.45, 0.20, 1.0)
 _MEASURED: Colour = (0.35, 0.70, 1.0, 1.0)
@@ -33,18 +35,18 @@ _TOUCHING = (int(EventKind.CONTACT_BEGIN), int(EventKind.IMPACT))
 
 
 class ForceArrows:
-    """Remembers contacts for the time they are seen."""
+    """Arrows of the present forces and of recent contacts."""
 
     def __init__(self) -> None:
         self._contacts: list[tuple[int, F8, F8]] = []
 
     def of(self, snapshot: HapticSnapshot, events: NDArray[Any], now_ns: int) -> list[Arrow]:
-        """Arrows of a frame: the force on the hand, the one it gives, the grip's, and contacts that fade.
+        """Return the arrows of a frame: force on the user, measured force, grip force, and fading contacts.
 
         Args:
-            snapshot: The newest state.
-            events: EVENT records since the last frame.
-            now_ns: The session's time.
+            snapshot: The newest snapshot.
+            events: EVENT records since the last frame, shape [n].
+            now_ns: Session time [ns].
         """
         hip = np.asarray(snapshot.hip_world, np.float64)
         forces = (
@@ -70,7 +72,7 @@ class ForceArrows:
 
 
 def _scaled(force: F8) -> F8 | None:
-    """A force as an arrow, None where it is too small to be seen or not known."""
+    """Return the arrow of a force [m]; None where it is too short to be seen, or not finite."""
     vector = _METRES_PER_NEWTON * np.asarray(force, np.float64)
     length = float(np.linalg.norm(vector))
     if not _SHORTEST < length < np.inf:

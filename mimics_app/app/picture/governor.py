@@ -1,12 +1,17 @@
-"""Holds the frame's time by giving up quality step by step, and takes it back when there is time again.
+"""Governor of the frame time: it lowers the picture's quality level by level, and restores it when there is time again.
 
-It never touches the haptic loop, and nothing that a study has fixed. It starts from what was held before, or from what
-frames drawn before the first one fit into (`start_from`, `settle`). Down after half a second over the budget; up after
-three seconds in which the frame would have stayed within it one level up too, by what that level cost when it was left,
-and after one where it would have been at ease even so: frames before the first are drawn whole, later ones need not.
-What a level cost before the first frame is therefore a guess: with a quarter of the budget left it is tried once.
-That cost is doubted after half a minute of ease, since the load may have changed just then; doubts grow ever rarer.
-The last level of all is given back, and left alone, where it buys nothing.
+It never changes the haptic loop, nor a step that a study has fixed. A run starts at the quality that an earlier run
+held (`start_from`), or at one that frames drawn before the first one fit into (`settle`). Then:
+
+- A level is lowered when the median frame was over the budget for half a second.
+- It is restored when frames would have stayed within the budget for three seconds with it, and after one second where
+  they would even have had 40 % to spare. The expected time is the present one times the level's growth: the ratio of
+  frame times measured when it was lowered.
+- A growth measured before the first frame is a guess, because those frames are drawn as a whole; such a level is also
+  tried once with a quarter of the budget to spare.
+- A growth is forgotten after half a minute with 40 % to spare, since the load may have changed when it was measured;
+  the waiting time doubles each time.
+- The last level is restored for good where it saves no time.
 """
 
 from __future__ import annotations
@@ -27,24 +32,25 @@ _DOWN_NS = 500_000_000
 _UP_NS, _UP_AT_EASE_NS = 3_000_000_000, 1_000_000_000
 """Time for which frames must have room before a level is restored, shorter with more room [ns]."""
 _WINDOW_NS = 500_000_000
-"""Frames of this long back decide: their median, so that one slow frame does nothing."""
+"""Time whose frames decide by their median, so that a single slow frame has no effect [ns]."""
 _FEWEST = 3
-"""Very slow frames: so many of them decide, however far back they reach."""
+"""Smallest number of frames that decide, even where they are slower than the window."""
 _ROOM = 0.9
-"""Share of the budget a frame may be expected to take one level up."""
+"""Largest expected frame time with a level restored, as a share of the budget."""
 _EASE = 0.6
-"""Share of the budget below which a frame is at ease."""
+"""Frame time up to which there is time to spare, as a share of the budget."""
 _TRIED = 0.75
-"""Share of the budget below which a level is tried whose cost is known from frames drawn as a whole alone."""
+"""Frame time up to which a level with a guessed growth is restored, as a share of the budget."""
 _DOUBT_NS = 30_000_000_000
+"""Time with frames at ease after which a growth is forgotten the first time [ns]."""
 _WORTH = 1.05
-"""Growth below which giving up the last level is not worth what is seen."""
+"""Growth below which the last level is not worth its loss of quality."""
 
 Log = Callable[[str, dict[str, object]], object]
 
 
 class QualityStep(Protocol):
-    """One step of a stage that has several qualities, each cheaper than the last."""
+    """Quality of one stage, in levels that are each cheaper than the one before."""
 
     @property
     def name(self) -> str:
@@ -62,20 +68,19 @@ class QualityStep(Protocol):
         ...
 
     def apply(self, level: int) -> None:
-        """Go over to `levels[level]` from the next frame on."""
+        """Use `levels[level]` from the next frame on."""
         ...
 
 
 @dataclass(slots=True)
 class _Move:
-    """One level of one step: its place on the ladder below full quality.
+    """One level of one step below full quality.
 
     Attributes:
-        growth: Frame time one level up over the one here, as found when it was last given up; >= 1.
-        patience_ns: How long frames must be at ease before that figure is doubted.
-        vain: True once it was found to buy nothing.
-        guessed: True while its growth is of frames drawn as a whole before the first one, which those of a run need
-            not be.
+        growth: Ratio of the frame time without this level to that with it, measured when it was last lowered; >= 1.
+        patience_ns: Time with frames at ease after which the growth is forgotten [ns].
+        vain: True once it was found to save no time.
+        guessed: True while the growth was measured before the first frame.
     """
 
     step: QualityStep
@@ -94,10 +99,10 @@ class FrameGovernor:
     """Decides after every frame.
 
     Args:
-        steps: What stages registered.
-        budget_ms: Longest a frame may take [ms].
-        fixed: Names of steps that must stay as they are.
-        log: Called with "governor" and a journal line at every move.
+        steps: Steps of the stages.
+        budget_ms: Largest frame time [ms].
+        fixed: Names of steps that must not change.
+        log: Called with "governor" and a line of the journal at every change.
     """
 
     def __init__(
@@ -112,7 +117,7 @@ class FrameGovernor:
         self._ladder = [_Move(step, level) for step in free for level in range(1, len(step.levels))]
         self._budget_ms = budget_ms
         self._log = log
-        self._given_up = 0
+        self._lowered = 0
         self._frames: list[tuple[int, float]] = []
         self._moved_ns: int | None = None
         self._since_over: int | None = None
@@ -126,16 +131,16 @@ class FrameGovernor:
     @property
     def state(self) -> str:
         """The level lowered last, e.g. "resolution scale 0.75"; FULL at full quality."""
-        return self._ladder[self._given_up - 1].label if self._given_up else FULL
+        return self._ladder[self._lowered - 1].label if self._lowered else FULL
 
     @property
-    def given_up(self) -> list[str]:
+    def lowered(self) -> list[str]:
         """The lowered levels, oldest first."""
-        return [move.label for move in self._ladder[: self._given_up]]
+        return [move.label for move in self._ladder[: self._lowered]]
 
     @property
     def frames(self) -> int:
-        """How many were counted."""
+        """Number of frames counted."""
         return len(self._times_ms)
 
     @property
@@ -145,14 +150,14 @@ class FrameGovernor:
 
     @property
     def held(self) -> Held:
-        """The quality that most frames had, for the next run to start from."""
+        """The quality that most frames had, at which the next run starts."""
         counts = [self._counts.get(state, 0) for state in (FULL, *self.steps)]
         most = max(range(len(counts)), key=lambda level: counts[level])
         kept = self._ladder[:most]
         return Held(self.steps, tuple(move.growth for move in kept), tuple(move.guessed for move in kept))
 
     def start_from(self, held: Held) -> bool:
-        """Begin with what was held before; False, and nothing is changed, where that was of other levels."""
+        """Begin at the quality held before; return False, without a change, where that was of other levels."""
         fits = len(held.guessed) == len(held.growths) <= len(self._ladder)
         if held.steps != self.steps or not fits:
             return False
@@ -162,19 +167,19 @@ class FrameGovernor:
         return True
 
     def settle(self, frame_ms: Callable[[], float]) -> None:
-        """Before the first frame: lower levels until a frame, drawn now by `frame_ms` [ms], has room."""
+        """Before the first frame: lower levels until a frame drawn now, timed by `frame_ms` [ms], fits the budget."""
         now_ms = frame_ms()
-        while now_ms > _ROOM * self._budget_ms and self._given_up < len(self._ladder):
+        while now_ms > _ROOM * self._budget_ms and self._lowered < len(self._ladder):
             before_ms = now_ms
             self._begin_lower(1.0)
             now_ms = frame_ms()
-            move = self._ladder[self._given_up - 1]
+            move = self._ladder[self._lowered - 1]
             move.growth, move.guessed = max(1.0, before_ms / max(now_ms, 1e-6)), True
         self.prove_last(frame_ms)
 
     def prove_last(self, frame_ms: Callable[[], float]) -> None:
         """Before the first frame, at lowest quality: restore the last level if it saves no time."""
-        if len(self._ladder) < 2 or self._given_up < len(self._ladder):
+        if len(self._ladder) < 2 or self._lowered < len(self._ladder):
             return
         move, with_ms = self._ladder[-1], frame_ms()
         move.step.apply(move.level - 1)
@@ -183,21 +188,19 @@ class FrameGovernor:
             move.step.apply(move.level)
             return
         move.vain = True
-        self._given_up -= 1
-        line = {"step": move.step.name, "level": move.step.levels[move.level - 1], "way": "start"}
-        self._log("governor", {**line, "frame_ms": None, "t_ns": 0})
+        self._lowered -= 1
+        self._log_change(move, move.level - 1, "start", None, 0)
 
     def _begin_lower(self, growth: float) -> None:
-        move = self._ladder[self._given_up]
+        move = self._ladder[self._lowered]
         move.step.apply(move.level)
         move.growth = max(1.0, growth)
-        self._given_up += 1
-        line = {"step": move.step.name, "level": move.step.levels[move.level], "way": "start"}
-        self._log("governor", {**line, "frame_ms": None, "t_ns": 0})
+        self._lowered += 1
+        self._log_change(move, move.level, "start", None, 0)
 
     @property
     def last_ms(self) -> float:
-        """How long the newest frame took [ms]; 0.0 before the first."""
+        """Time of the newest frame [ms]; 0 before the first."""
         return self._times_ms[-1] if self._times_ms else 0.0
 
     def note(self, frame_ms: float, now_ns: int) -> None:
@@ -216,9 +219,9 @@ class FrameGovernor:
         self._since_over = _since(self._since_over, now_ns, holds=over)
         self._since_under = _since(self._since_under, now_ns, holds=room)
         if self._since_over is not None and now_ns - self._since_over >= _DOWN_NS:
-            self._give_up(now_ms, now_ns)
+            self._lower(now_ms, now_ns)
         elif self._since_under is not None and now_ns - self._since_under >= self._up_ns(now_ms):
-            self._take_back(now_ms, now_ns)
+            self._restore(now_ms, now_ns)
 
     def summary(self) -> dict[str, Any]:
         """Return the result of the run: budget, median frame, changes, and the share of frames in each state."""
@@ -233,9 +236,9 @@ class FrameGovernor:
         }
 
     def _has_room(self, now_ms: float) -> bool:
-        if not self._given_up:
+        if not self._lowered:
             return False
-        tried = self._ladder[self._given_up - 1].guessed and now_ms <= _TRIED * self._budget_ms
+        tried = self._ladder[self._lowered - 1].guessed and now_ms <= _TRIED * self._budget_ms
         return tried or self._one_level_up(now_ms) <= _ROOM * self._budget_ms
 
     def _up_ns(self, now_ms: float) -> int:
@@ -244,44 +247,44 @@ class FrameGovernor:
 
     def _one_level_up(self, now_ms: float) -> float:
         """Return the expected frame time with the last level restored [ms]."""
-        return now_ms * self._ladder[self._given_up - 1].growth
+        return now_ms * self._ladder[self._lowered - 1].growth
 
     def _learn(self, now_ms: float, now_ns: int) -> None:
-        """Note the cost of the level lowered last, once the frames since then fill the window."""
+        """Measure the growth of the level lowered last, once the frames since then fill the window."""
         if self._before_ms is None or self._moved_ns is None or now_ns - self._moved_ns < _WINDOW_NS:
             return
-        move = self._ladder[self._given_up - 1]
+        move = self._ladder[self._lowered - 1]
         move.growth, move.guessed = max(1.0, self._before_ms / max(now_ms, 1e-6)), False
         self._before_ms = None
         if self._last_in_vain():
             self._ladder[-1].vain = True
-            self._take_back(now_ms, now_ns)
+            self._restore(now_ms, now_ns)
 
     def _last_in_vain(self) -> bool:
         """Whether every level is lowered, and the last one saved no time."""
-        return len(self._ladder) > 1 and self._given_up == len(self._ladder) and self._ladder[-1].growth < _WORTH
+        return len(self._ladder) > 1 and self._lowered == len(self._ladder) and self._ladder[-1].growth < _WORTH
 
     def _doubt(self, now_ms: float, now_ns: int) -> None:
-        """Forget what the level above cost, once frames have long been at ease below it."""
+        """Forget the growth of the level lowered last, once frames have been at ease for its patience."""
         self._since_ease = _since(self._since_ease, now_ns, holds=now_ms <= _EASE * self._budget_ms)
-        if self._given_up == 0 or self._since_ease is None:
+        if self._lowered == 0 or self._since_ease is None:
             return
-        move = self._ladder[self._given_up - 1]
+        move = self._ladder[self._lowered - 1]
         if now_ns - self._since_ease >= move.patience_ns:
             move.growth, move.patience_ns = 1.0, 2 * move.patience_ns
 
-    def _give_up(self, now_ms: float, now_ns: int) -> None:
-        if self._given_up == len(self._ladder) or self._ladder[self._given_up].vain:
+    def _lower(self, now_ms: float, now_ns: int) -> None:
+        if self._lowered == len(self._ladder) or self._ladder[self._lowered].vain:
             return
-        move = self._ladder[self._given_up]
+        move = self._ladder[self._lowered]
         move.step.apply(move.level)
-        self._given_up += 1
+        self._lowered += 1
         self._before_ms = now_ms
         self._moved(move, move.level, "down", now_ms, now_ns)
 
-    def _take_back(self, now_ms: float, now_ns: int) -> None:
-        self._given_up -= 1
-        move = self._ladder[self._given_up]
+    def _restore(self, now_ms: float, now_ns: int) -> None:
+        self._lowered -= 1
+        move = self._ladder[self._lowered]
         move.step.apply(move.level - 1)
         self._before_ms = None
         self._moved(move, move.level - 1, "up", now_ms, now_ns)
@@ -291,12 +294,16 @@ class FrameGovernor:
         self._frames.clear()
         self._moved_ns = now_ns
         self._since_over = self._since_under = self._since_ease = None
-        line = {"step": move.step.name, "level": move.step.levels[level], "way": direction, "frame_ms": now_ms}
-        self._log("governor", {**line, "t_ns": now_ns})
+        self._log_change(move, level, direction, now_ms, now_ns)
+
+    def _log_change(self, move: _Move, level: int, direction: str, frame_ms: float | None, t_ns: int) -> None:
+        """Write a change to the journal; those before the first frame have no frame time."""
+        line = {"step": move.step.name, "level": move.step.levels[level], "way": direction}
+        self._log("governor", {**line, "frame_ms": frame_ms, "t_ns": t_ns})
 
 
 def _since(begun_ns: int | None, now_ns: int, *, holds: bool) -> int | None:
-    """Since when something has held without a break."""
+    """Return the time since which a condition has held without a break [ns]; None where it does not hold."""
     if not holds:
         return None
     return now_ns if begun_ns is None else begun_ns

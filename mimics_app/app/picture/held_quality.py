@@ -1,7 +1,7 @@
-"""The quality that a scene's live picture held on this machine: where its next run starts.
+"""Quality that a scene's live picture held on this machine, at which its next run starts.
 
-Kept per scene, picture size, driver and profile beside the compiled kernels. Written anew after every run, so that it
-follows what the machine can do; a file that cannot be read or written is as good as none.
+It is kept in a file beside the compiled kernels, by scene, profile, picture size and driver, and replaced after every
+run. A file that cannot be read or written is ignored.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ if TYPE_CHECKING:
 __all__ = ["Held", "HeldQuality", "measure_frame_ms", "name_of_picture"]
 
 _FRAMES = 3
-"""Frames drawn to time one quality; the first of them, in which a driver compiles, does not count."""
+"""Number of frames drawn to time one quality; the first one, in which the driver compiles, does not count."""
 
 _MOST_KEPT = 500
-"""Pictures kept in the file; of more, those kept longest go."""
+"""Largest number of pictures in the file; the oldest are removed."""
 
 
 class Held(msgspec.Struct, frozen=True):
-    """What a picture held.
+    """Quality that a picture held.
 
     Attributes:
-        steps: Names of all levels, in the order they are given up.
-        growths: Frame time without each level over that with it, as far as levels were given up; >= 1.
-        guessed: Which of these are of frames drawn as a whole, before the first one.
+        steps: Names of all levels, in the order in which they are lowered.
+        growths: Ratio of the frame time without a level to that with it, for each lowered level; >= 1.
+        guessed: Whether each of these was measured before the first frame.
     """
 
     steps: tuple[str, ...]
@@ -44,7 +44,7 @@ class HeldQuality:
     """The file.
 
     Args:
-        file: Where; None: the place of this machine.
+        file: Path of the file; None: that of this machine.
     """
 
     def __init__(self, file: Path | None = None) -> None:
@@ -55,7 +55,7 @@ class HeldQuality:
         return self._read().get(picture)
 
     def keep(self, picture: str, held: Held) -> None:
-        """Take down what a picture held."""
+        """Write the quality that a picture held."""
         if self._file is None:
             return
         known = {name: was for name, was in self._read().items() if name != picture}
@@ -88,7 +88,7 @@ def name_of_picture(picture: Picture, scene: str, profile: str) -> str:
 
 
 def measure_frame_ms(picture: Picture) -> float:
-    """How long drawing all that is seen now takes, to its last pixel [ms]: the shortest of a few frames."""
+    """Return the time of a complete frame of the present view, to its last pixel [ms]: the shortest of a few."""
     frames = []
     for _ in range(_FRAMES):
         picture.renderer.forget_picture()

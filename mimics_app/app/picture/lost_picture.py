@@ -1,4 +1,4 @@
-"""Drawing that outlives the loss of a context."""
+"""Drawing that survives the loss of the OpenGL context."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ T = TypeVar("T")
 
 
 def draw_or_recover(surface: Surface, draw: Callable[[], T], recover: Callable[[], None]) -> T:
-    """Draw; where the driver lost the context, report it, create a new one, and draw again.
+    """Draw; where the driver has lost the context, report it, create a new one, and draw again.
 
     Args:
-        surface: Whose context.
+        surface: Surface of the context.
         draw: Draws a frame.
-        recover: Makes context and renderer anew.
+        recover: Creates context and renderer again.
 
     Raises:
-        DeviceError: the context was lost, and there is no other.
+        DeviceError: The context was lost and cannot be created again.
     """
     try:
         drawn = draw()
-    except Exception:  # in a context that is gone anything may fail
+    except Exception:  # any call may fail after the loss of the context
         if not surface.reset_status():
             raise
     else:
         if not surface.reset_status():
             return drawn
-    sys.stderr.write(f"mimics: the picture was lost ({surface.reset_status()}) and is made anew\n")
+    sys.stderr.write(f"mimics: the picture was lost ({surface.reset_status()}) and is created again\n")
     recover()
     return draw()

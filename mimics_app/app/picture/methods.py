@@ -22,19 +22,19 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
     "shading": ("shading",),
     "stereo": ("stereo",),
 }
-"""Fields of the renderer's settings that the methods of a group may set; how cascades are placed is the scene's."""
+"""Fields of the renderer's settings that the methods of a group set; the placement of cascades is the scene's."""
 
 PICTURE_GROUPS: tuple[str, ...] = tuple(_FIELDS)
-"""Groups of methods that a picture runs."""
+"""Groups of methods that a picture uses."""
 
 
 def with_methods(settings: RenderSettings, methods: Mapping[str, Settings]) -> RenderSettings:
-    """Settings in which each group's method is the one that was chosen.
+    """Return the settings with the chosen methods.
 
     Args:
-        settings: What the scene requests.
-        methods: Settings of the chosen method by group of the laboratory; groups of something else than the picture are
-            passed over, and a method that says nothing of a field leaves it to the scene.
+        settings: Settings requested by the scene.
+        methods: Settings of the chosen method by group; other groups than those of the picture are ignored, and a field
+            that a method does not set is that of the scene.
     """
     changes: dict[str, Any] = {
         field: methods[group][field]

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 __all__ = ["OVERLAY_KEYS", "toggle_overlay"]
 
 OVERLAY_KEYS: dict[str, Layer] = {f"f{number}": layer for number, layer in enumerate(LAYERS, start=1)}
-"""F1 the frame graph, F2 wireframe, F3 bounds, F4 lights, F5 forces and contacts, F6 the shadow atlas."""
+"""Layer of each key: F1 frame graph, F2 wireframe, F3 bounds, F4 lights, F5 forces and contacts, F6 shadow atlas."""
 
 
 def toggle_overlay(renderer: Renderer, events: Sequence[InputEvent]) -> None:
-    """Put layers on and take them off as keys were pressed; the overlay is not made before the first of them."""
+    """Switch layers by the keys pressed; the overlay is created at the first one."""
     for event in events:
         if event.kind == "key" and event.pressed and not event.repeat and event.name in OVERLAY_KEYS:
             renderer.overlay.toggle(OVERLAY_KEYS[event.name])

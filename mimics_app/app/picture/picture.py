@@ -1,4 +1,4 @@
-"""The picture of a session: a surface, a renderer on it, and the views of the scene's camera."""
+"""The picture of a session: a surface, a renderer, a display, and the board over the scene."""
 
 from __future__ import annotations
 
@@ -41,16 +41,16 @@ __all__ = ["Picture", "draws_in_software", "live_quality", "picture_quality"]
 
 
 def live_quality(scene: Scene, profile: Profile, surface: Surface, drawn: Size | None = None) -> RenderSettings:
-    """Quality of a picture that must keep up: on the processor its frames bear only what the planner finds room for.
+    """Return the quality of a live picture; drawn on the processor, it is the planner's choice for its frame time.
 
-    The table's costs are of pictures drawn on the processor; of another driver they say nothing, and the frame
-    governor alone minds the time.
+    The costs of the planner's table are those of the processor. With a graphics card only the frame governor holds the
+    frame time.
 
     Args:
-        scene: What is drawn.
-        profile: Whose tolerances hold where the scene states none.
-        surface: Where it is shown.
-        drawn: Of what is drawn for it, all eyes together [px]; None: as much as is shown.
+        scene: The scene.
+        profile: Profile whose tolerances hold where the scene states none.
+        surface: Surface of the picture.
+        drawn: Size of the picture as drawn, for all eyes together [px]; None: that of the surface.
     """
     width, height = drawn or surface.size
     return picture_quality(scene, profile, width * height if draws_in_software(surface) else 0)
@@ -62,12 +62,12 @@ def draws_in_software(surface: Surface) -> bool:
 
 
 def picture_quality(scene: Scene, profile: Profile, pixels: int = 0) -> RenderSettings:
-    """Quality of the picture: what the scene's `systems.visual` says, and the planner where it leaves the choice.
+    """Return the quality of a picture: that of the scene's `systems.visual`, the planner's choice where it is open.
 
     Args:
-        scene: What is drawn.
-        profile: Whose tolerances hold where the scene states none.
-        pixels: Of a live picture drawn on the processor [px]; 0: it may take its time (see `plan.plan_scene`).
+        scene: The scene.
+        profile: Profile whose tolerances hold where the scene states none.
+        pixels: Size of a live picture drawn on the processor [px]; 0: the frame time is free (see `plan.plan_scene`).
     """
     visual = visual_of(scene)
     boards = scene.components(HudComponent)
@@ -90,27 +90,27 @@ def picture_quality(scene: Scene, profile: Profile, pixels: int = 0) -> RenderSe
 
 
 class Picture:
-    """The picture the person sees.
+    """The picture that the person sees.
 
     Args:
-        surface: Where to draw; closed with the picture.
-        scene: For the figures wanted over the picture.
-        world: What is drawn; needs a camera.
+        surface: Surface to draw on; closed with the picture.
+        scene: The scene, for its board and display.
+        world: The world to draw; it needs a camera.
         settings: Quality.
-        camera: Entity whose camera is looked through; "": the first.
-        display: Where it is shown, closed with the picture; None: what the scene says.
+        camera: Entity whose camera is used; "": the first.
+        display: The display, closed with the picture; None: that of the scene.
 
     Attributes:
-        surface: Where it is shown.
-        presenter: Brings what is drawn to the display.
-        renderer: What draws it.
-        film: Gets every frame that is shown; None: there is no film.
-        keys: A page of keys that covers the middle; () for none.
-        stats: What the frame drawn last cost; None before the first.
+        surface: The surface.
+        presenter: Presenter of the drawn frames on the display.
+        renderer: The renderer.
+        film: Video of the shown frames; None without one.
+        keys: Page of keys over the picture; () for none.
+        stats: Cost of the last frame; None before the first.
 
     Raises:
-        SceneError: the scene has no camera, or none of that name; or the file of its display is wrong.
-        DeviceError: there is no such display.
+        SceneError: The scene has no camera, or none of that name; or the file of its display is faulty.
+        DeviceError: The display is not available.
     """
 
     def __init__(
@@ -134,7 +134,7 @@ class Picture:
         self.show(scene, world)
 
     def show(self, scene: Scene, world: World) -> None:
-        """Draw this scene from now on (the first one, or a reloaded one)."""
+        """Draw a scene and its world from now on: the first one, or a reloaded one."""
         if not world.cameras:
             raise SceneError(scene.issue("/entities", "has no camera", 'give an entity a "camera" component'))
         cameras = {camera.node.name: camera for camera in world.cameras}
@@ -153,16 +153,16 @@ class Picture:
 
     @property
     def _latch(self) -> Latch | None:
-        """Looks at the head once more, where the display follows one."""
+        """Function that reads the head again just before drawing; None where the display follows none."""
         return partial(self.presenter.views, self._camera) if self.presenter.follows_head else None
 
     @property
     def leaving(self) -> bool:
-        """Whether the person has left by way of the display: closed its window, or ended a headset's session."""
+        """Whether the person has closed the window or ended the session of the headset."""
         return self.surface.should_close or self.presenter.leaving
 
     def draw(self, board: Board, now_ns: int = 0) -> FrameStats:
-        """Draw one frame with a board over it, to be seen at a session time [ns]."""
+        """Draw one frame with a board, for a session time [ns]."""
         timing = self.presenter.begin_seen(now_ns)
         views = self._board_laid_out(board)
         self.stats = self.renderer.draw(views, self._latch)
@@ -174,27 +174,26 @@ class Picture:
         return self.stats
 
     def begin_frame(self) -> StageTimer:
-        """Timer of the stages before the picture, with which the frame begins."""
+        """Begin the timing of a frame; return the timer of its stages."""
         if self.renderer.times is not None:
             self.renderer.times.begin()
         return self.timer
 
     @property
     def timer(self) -> StageTimer:
-        """Where the times of a frame's stages go."""
+        """Timer of the stages of a frame."""
         return self.renderer.times or UNTIMED
 
     def show_frame(self, board: Board, clock: Clock) -> int:
-        """Draw one frame, show it, and return when its work was done [ns].
+        """Draw one frame, show it, and return the time at which its work was done [ns].
 
-        A driver that draws on the processor has done it all when the frame is on the glass. Any other is waited for
-        before that, because the glass makes a frame wait for the display. A headset that shows nothing is drawn
-        nothing.
+        A driver that draws on the processor has done its work after the swap of the buffers. Any other is waited for
+        before the swap, which waits for the display. Nothing is drawn for a headset that shows nothing.
 
-        A context that the driver lost is made anew, and the frame drawn again.
+        After a loss of the context the frame is drawn again in a new one.
 
         Raises:
-            DeviceError: it was lost, and there is no other.
+            DeviceError: The context was lost and cannot be created again.
         """
         if not self.presenter.begin(clock.now_ns()).render:
             self.presenter.skip()
@@ -202,7 +201,7 @@ class Picture:
         return draw_or_recover(self.surface, lambda: self._show(board, clock), self.recover)
 
     def start_film(self, wanted: Path, *, live: bool) -> Film:
-        """Make a film of what is shown from now on; see `Film`."""
+        """Make a video of the frames shown from now on; see `Film`."""
         self.film = Film(self.surface, wanted, live=live)
         return self.film
 
@@ -210,7 +209,7 @@ class Picture:
         """Create a new context and renderer after a loss; world, quality and board stay.
 
         Raises:
-            DeviceError: there is no other context.
+            DeviceError: The context cannot be created.
         """
         if self.film is not None:
             self.film.forget()
@@ -246,14 +245,14 @@ class Picture:
             sys.stderr.write(f"mimics: {fault}\n")
 
     def _board_laid_out(self, board: Board) -> list[View]:
-        """Lay the board out over the views of the display, and return them."""
+        """Draw the board over the views of the display, and return the views."""
         with self.timer.stage("board"):
             views = self.views
             self.lay_out(board, views)
         return views
 
     def lay_out(self, board: Board, views: Sequence[View]) -> None:
-        """Put a board over the picture that these eyes see."""
+        """Draw a board over the picture of these views."""
         hud = self.renderer.hud
         screen = [view for view in views if view.screen == views[0].screen]
         plane = plane_of_views(screen, self.renderer.settings.hud_depth)
@@ -264,16 +263,16 @@ class Picture:
         self._layout.lay(hud, board, show, force_full, self.keys)
 
     def ray(self, right: float, up: float) -> Ray | None:
-        """The ray through a place of the window, each coordinate in [-1, 1]."""
+        """Return the ray through a point of the window, each coordinate in [-1, 1]."""
         origin, direction = self.presenter.ray(self._camera, right, up)
         return _triple(origin), _triple(direction)
 
     def save(self, file: Path, write: WritePng = write_png) -> list[Path]:
-        """Write the frame drawn last as PNG; the files, see `Presenter.save`."""
+        """Write the last frame as PNG and return the files, see `Presenter.save`."""
         return self.presenter.save(file, write)
 
     def abandon(self) -> None:
-        """Finish the film where the driver is gone: nothing else is left to be freed."""
+        """Finish the video after a permanent loss of the context, with which everything else is freed already."""
         if self.film is not None:
             self.film.forget()
             self.film.finish()

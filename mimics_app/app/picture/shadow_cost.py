@@ -25,9 +25,9 @@ _FRAMES = 6
 
 
 def measure_shadow_us(scene: Scene) -> float | None:
-    """Shortest frame with a sun that casts a shadow less shortest frame without [us], never negative.
+    """Return the shortest frame with a shadow of the sun minus the shortest frame without [us], never negative.
 
-    None where no picture can be drawn here, or the scene has no sun or no camera.
+    None where no picture can be drawn on this machine, or the scene has no sun or no camera.
     """
     from mimics_app.app.picture.picture import Picture, picture_quality
     from mimics_app.rendering.visual.surfaces.headless import open_offscreen
@@ -51,7 +51,7 @@ def measure_shadow_us(scene: Scene) -> float | None:
 
 
 def _shading(entity: SceneEntity) -> SceneEntity:
-    """The entity, its sun casting a shadow."""
+    """Return the entity, with a shadow of its sun."""
     light = entity.components.get("light")
     if not isinstance(light, LightComponent) or light.kind != "directional":
         return entity

@@ -1,4 +1,4 @@
-"""Which display a session's picture is shown on: what was requested, else what the scene says."""
+"""Choice of the display of a session: the requested one, else that of the scene."""
 
 from __future__ import annotations
 
@@ -19,42 +19,42 @@ from mimics_app.world.scene.scene import Scene
 __all__ = ["check_display", "chosen_display", "open_display"]
 
 
-def open_display(scene: Scene, asked: str, surface: Surface) -> Display:
-    """The display of a session; where another has to do in its place, one line on stderr says so.
+def open_display(scene: Scene, requested: str, surface: Surface) -> Display:
+    """Open the display of a session; a replacement is reported on stderr.
 
     Args:
-        scene: Its `systems.display` holds what was not requested.
-        asked: KIND or KIND:FILE, "" for the scene's.
-        surface: Whose context it is given.
+        scene: The scene, with further settings in `systems.display`.
+        requested: KIND or KIND:FILE, "" for the scene's.
+        surface: Surface whose context the display uses.
 
     Raises:
-        SceneError: the scene's display needs a file, or its file is wrong.
-        DeviceError: it cannot be had.
+        SceneError: The scene's display needs a file, or its file is faulty.
+        DeviceError: The display is not available.
     """
     settings = scene.system(DisplaySettings) or DisplaySettings()
-    display, said = make_display(chosen_display(scene, asked), settings, surface)
-    if said:
-        sys.stderr.write(f"mimics: {said}\n")
+    display, notice = make_display(chosen_display(scene, requested), settings, surface)
+    if notice:
+        sys.stderr.write(f"mimics: {notice}\n")
     return display
 
 
-def check_display(scene: Scene, asked: str) -> None:
-    """Look at the file of a display, so that a wrong one is reported before anything begins.
+def check_display(scene: Scene, requested: str) -> None:
+    """Read the file of a display, so that a faulty one is reported before anything starts.
 
     Raises:
-        SceneError: the scene's display needs a file, or its file is wrong.
+        SceneError: The scene's display needs a file, or its file is faulty.
     """
-    choice = chosen_display(scene, asked)
+    choice = chosen_display(scene, requested)
     if choice.kind in ("wall", "cave"):
         load_walls(Path(choice.file))
     elif choice.file:
         load_headset(Path(choice.file))
 
 
-def chosen_display(scene: Scene, asked: str) -> DisplayChoice:
-    """Kind and file: as requested, else as the scene says, its file looked for beside it."""
-    if asked:
-        return parse_display(asked)
+def chosen_display(scene: Scene, requested: str) -> DisplayChoice:
+    """Return kind and file of the display: the requested ones, else the scene's, whose file is beside the scene."""
+    if requested:
+        return parse_display(requested)
     settings = scene.system(DisplaySettings) or DisplaySettings()
     wants = DISPLAY_KINDS[settings.kind]
     if not settings.file or wants == "never":

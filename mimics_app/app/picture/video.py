@@ -1,4 +1,4 @@
-"""Films: pictures handed to a thread that gives them to ffmpeg, or writes PNG files where that is not installed."""
+"""Videos: a thread sends the pictures to ffmpeg, or writes PNG files where ffmpeg is not installed."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 __all__ = ["Film", "draw_film", "film_place"]
 
 _ROOM = 16
-"""Pictures that may wait for the thread."""
+"""Largest number of pictures that wait for the thread."""
 _LONGEST_GAP = 600
-"""Frames a picture is repeated at most, where a run was halted."""
+"""Largest number of frames for which a picture is repeated, after a halt of the run."""
 
 
 def film_place(wanted: Path) -> tuple[Path, str]:
@@ -64,7 +64,7 @@ class _Sink(Protocol):
     """Encoder of a video; it runs entirely in the thread."""
 
     def add(self, number: int, frame: ReadFrame) -> None:
-        """Take the picture that is seen up to frame `number` of the film."""
+        """Take a picture that is shown from frame `number` of the video on."""
         ...
 
     def close(self) -> None:
@@ -73,18 +73,18 @@ class _Sink(Protocol):
 
 
 class Film:
-    """Takes every picture of a surface.
+    """Video of the pictures of a surface.
 
     Args:
-        surface: Whose.
+        surface: The surface.
         wanted: The file, see `film_place`.
-        live: True never makes a frame wait: a picture for which there is no room is dropped and counted. False drops
-            none.
+        live: True: no frame waits, and pictures without room in the queue are dropped and counted; False: none is
+            dropped.
 
     Attributes:
         place: The file, or the folder of PNG files.
-        dropped: Pictures for which there was no room.
-        problem: Why the film ends early, "" where it does not.
+        dropped: Number of dropped pictures.
+        problem: Why the video ends early, "" where it does not.
     """
 
     def __init__(self, surface: Surface, wanted: Path, *, live: bool) -> None:
@@ -106,21 +106,21 @@ class Film:
         self._thread.start()
 
     def take(self, t_ns: int) -> None:
-        """Take the picture drawn last, which is seen from a time on [ns]."""
+        """Take the last picture, which is shown from a time on [ns]."""
         for frame in self._reader.take(t_ns):
-            self._hand_over(frame)
+            self._queue_frame(frame)
 
     def forget(self) -> None:
-        """The surface's context is lost: pictures that were not read yet are gone."""
+        """Drop the pictures that were not read yet, after a loss of the surface's context."""
         self._reader = FrameReader(self._surface, self._reader.behind)
 
     def finish(self) -> None:
-        """Write what is still waiting, and close the file; the first time it is called."""
+        """Write the waiting pictures and close the file; further calls do nothing."""
         if self._finished:
             return
         self._finished = True
         for frame in self._reader.flush():
-            self._hand_over(frame)
+            self._queue_frame(frame)
         self._reader.release()
         self._queue.put(None)
         self._thread.join()
@@ -128,7 +128,7 @@ class Film:
             what = self.problem or f"{self.dropped} pictures were dropped: this machine does not keep up"
             sys.stderr.write(f"mimics: film {self.place}: {what}\n")
 
-    def _hand_over(self, frame: ReadFrame) -> None:
+    def _queue_frame(self, frame: ReadFrame) -> None:
         if not self._live:
             self._queue.put(frame)
             return
@@ -138,7 +138,7 @@ class Film:
             self.dropped += 1
 
     def _write(self) -> None:
-        """The thread: until the end is announced; after a fault it only empties the queue."""
+        """Run the thread until it gets None; after a fault it only empties the queue."""
         while (frame := self._queue.get()) is not None:
             if self.problem:
                 continue
@@ -151,7 +151,7 @@ class Film:
         try:
             self._sink.close()
         except (OSError, ValueError) as error:
-            self.problem = str(error)  # ffmpeg's own words say more than a broken pipe
+            self.problem = str(error)  # the message of ffmpeg says more than a broken pipe
 
 
 def draw_film(
@@ -162,15 +162,15 @@ def draw_film(
     wanted: Path,
     presenter: Presenter | None = None,
 ) -> FrameSet:
-    """Draw frames into a film, 60 for each second of it.
+    """Draw frames into a video of 60 frames per second.
 
     Args:
-        renderer: Draws on `surface`.
-        surface: Any.
+        renderer: Renderer on `surface`.
+        surface: The surface.
         count: Number of frames, >= 1.
-        views: Called with the number of each frame before it is drawn: moves the world, returns the eyes.
+        views: Called with the number of each frame before it is drawn: moves the world and returns the views.
         wanted: The file, see `film_place`.
-        presenter: Of the display, None for a plain picture.
+        presenter: Presenter of the display, None for a plain picture.
     """
     film, spent = Film(surface, wanted, live=False), []
     for number in range(count):
@@ -183,35 +183,34 @@ def draw_film(
 
 
 class _PngFolder:
-    """One file a picture, named by its frame of 60 a second."""
+    """One PNG file per picture, named by its frame at 60 Hz."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
     def add(self, number: int, frame: ReadFrame) -> None:
-        picture = _picture(frame)
-        picture.save(self._folder / f"frame_{number:06d}.png", compress_level=1)
+        _picture(frame).save(self._folder / f"frame_{number:06d}.png", compress_level=1)
 
     def close(self) -> None:
-        """Every file is closed already."""
+        """Do nothing: every file is closed already."""
 
 
 class _Ffmpeg:
-    """Pipe to ffmpeg at 60 frames per second: a picture shown longer is repeated."""
+    """Pipe to ffmpeg at 60 frames per second; a picture shown longer is repeated."""
 
     def __init__(self, program: str, file: Path, size: Size) -> None:
         self._size = size
         self._written = 0
         self._last: bytes | None = None
-        self._said: IO[bytes] = tempfile.TemporaryFile()
+        self._errors: IO[bytes] = tempfile.TemporaryFile()
         source = ["-f", "rawvideo", "-pixel_format", "rgb24", "-video_size", f"{size[0]}x{size[1]}"]
         source += ["-framerate", str(FRAMES_PER_SECOND), "-i", "-"]
-        # Pictures come from the bottom up, and most decoders want even sides.
+        # Pictures have their lowest row first, and most decoders need even sides.
         made = ["-an", "-vf", "vflip,pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-y", str(file)]
         command = [program, "-hide_banner", "-loglevel", "error", *source, *made]
-        # In a session of its own: Ctrl-C ends the run, which then closes the film; it must not end ffmpeg first.
+        # In its own session, so that Ctrl-C ends the run, which closes the video, and not ffmpeg.
         self._process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._said, start_new_session=True
+            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._errors, start_new_session=True
         )
 
     def add(self, number: int, frame: ReadFrame) -> None:
@@ -225,11 +224,11 @@ class _Ffmpeg:
             self._repeat_until(self._written + 1)
             self._process.stdin.close()
         except BrokenPipeError:
-            pass  # its own words follow
+            pass  # the message of ffmpeg follows
         if self._process.wait() != 0:
-            self._said.seek(0)
-            words = self._said.read().decode(errors="replace").split("\n")[0]
-            raise ValueError(f"ffmpeg gave up: {words}")
+            self._errors.seek(0)
+            message = self._errors.read().decode(errors="replace").split("\n")[0]
+            raise ValueError(f"ffmpeg failed: {message}")
 
     def _repeat_until(self, number: int) -> None:
         """Write the newest picture for every frame before `number`."""
@@ -241,15 +240,14 @@ class _Ffmpeg:
 
 
 def _resized(frame: ReadFrame, size: Size) -> bytes:
-    """The picture in another size, from the bottom up again."""
+    """Return the pixels of a picture in another size, lowest row first."""
     from PIL import Image
 
     return _picture(frame).resize(size).transpose(Image.Transpose.FLIP_TOP_BOTTOM).tobytes()
 
 
 def _picture(frame: ReadFrame) -> Image.Image:
-    """The picture, its first row on top."""
+    """Return a picture with its highest row first."""
     from PIL import Image
 
-    whole = Image.frombytes("RGB", frame.size, frame.pixels)
-    return whole.transpose(Image.Transpose.FLIP_TOP_BOTTOM)
+    return Image.frombytes("RGB", frame.size, frame.pixels).transpose(Image.Transpose.FLIP_TOP_BOTTOM)

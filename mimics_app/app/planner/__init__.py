@@ -1,3 +1,3 @@
-"""Which method does what in a scene: tolerances, the choice, and the choice explained."""
+"""Choice of the methods of a scene: tolerances, uses, plan, and its explanation."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""Parts that a scene runs and leaves out, as the object of `mimics explain --json`."""
+"""Explanation of a plan: the parts that a scene runs and leaves out, as the object of `mimics explain --json`."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.visible import LightComponent, Sound, SoundEmitter
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["OF_OBJECTS", "TICK_GROUP", "LeftOut", "Part", "describe_plan", "explain_plan"]
+__all__ = ["OF_OBJECTS", "TICK_GROUP", "LeftOut", "Part", "explain_plan"]
 
 TICK_GROUP = "haptic tick"
-"""Group of the table that holds the whole tick, by the projection in it."""
+"""Group of the table with the cost of the whole tick, by tunnel projection."""
 
 _SHAPES = "bounding geometry"
 _OF_TICK = ("resting bodies",)
-"""Groups whose cost adds to that of the whole tick."""
+"""Groups whose cost is added to that of the whole tick."""
 
 _IN_TICK = "device, kinematics, controller, safety limits, passivity controller, stability margin and records in it"
 
@@ -47,21 +47,21 @@ class Part:
     """One part that a scene runs.
 
     Attributes:
-        part: What it is for.
-        group: Of the table.
-        method: The one that runs.
-        cost_us: By the table [us per call]; None for a method that the table does not know.
-        error: In `unit`; None where it has none, or the table does not know the method.
-        unit: Of error and tolerance.
-        tolerance: What the run accepts; None where nothing is chosen.
-        next_cheaper: The nearest cheaper rival, refused for its error, {"method", "error"}; None where there is none.
-        too_dear: What would be taken if a frame had the time, {"method", "error", "more_ms", "room_ms"}: what a frame
-            would take longer than with the cheapest, and what there was for it; None where time does not decide.
-        more_ms: What a frame takes longer than with the cheapest [ms]; None where no frame has to keep time.
-        note: How it is used, where the method's name does not say; "" for nothing.
-        within: The part whose cost holds this one's; "" where it stands for itself.
-        tick_us: What it adds to a tick of the haptic loop [us]; None where it is held by another part, or is no part of
-            the loop. Their sum is the cost of the whole tick.
+        part: Purpose of the part.
+        group: Group of methods in the table.
+        method: The method that runs.
+        cost_us: Cost by the table [us per call]; None for a method that is not in the table.
+        error: Error in `unit`; None where it has none, or the method is not in the table.
+        unit: Unit of error and tolerance.
+        tolerance: Largest accepted error; None where nothing is chosen.
+        next_cheaper: The nearest cheaper rival, refused for its error, {"method", "error"}; None without one.
+        too_dear: The more accurate rival that the frame time does not allow, {"method", "error", "more_ms", "room_ms"}:
+            added frame time over the cheapest rival, and time available [ms]; None where time does not decide.
+        more_ms: Added frame time over the cheapest rival [ms]; None where the frame time is free.
+        note: Remark on its use; "" for none.
+        within: The part whose cost includes this one's; "" for none.
+        tick_us: Its share of a tick of the haptic loop [us]; None where another part includes it, or it is no part of
+            the loop. The shares add up to the cost of the whole tick.
     """
 
     part: str
@@ -89,19 +89,13 @@ class LeftOut:
 
 
 def explain_plan(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None] = lambda: None) -> dict[str, Any]:
-    """The whole object.
+    """Return the object of `mimics explain --json`.
 
     Args:
         scene: The scene of the plan.
-        plan: What runs.
-        shadow_us: Measures what a shadow pass would cost [us]; asked only where the scene casts no shadow.
+        plan: The plan that runs.
+        shadow_us: Measures the cost of a shadow pass [us]; called only where the scene casts no shadow.
     """
-    left_out = _left_out(scene, plan, shadow_us)
-    return {**describe_plan(scene, plan), "left_out": [asdict(left) for left in left_out]}
-
-
-def describe_plan(scene: Scene, plan: Plan) -> dict[str, Any]:
-    """The object without measuring anything: what the header of a run keeps."""
     parts = [*_tick_parts(scene, plan), *(_part(scene, choice, plan) for choice in plan.choices)]
     return {
         "profile": plan.profile,
@@ -109,7 +103,7 @@ def describe_plan(scene: Scene, plan: Plan) -> dict[str, Any]:
         "pixels": plan.pixels,
         "table": {"origin": plan.origin, "machine": plan.table.machine},
         "parts": [asdict(part) for part in parts],
-        "left_out": [asdict(left) for left in _left_out(scene, plan, lambda: None)],
+        "left_out": [asdict(left) for left in _left_out(scene, plan, shadow_us)],
     }
 
 
@@ -135,21 +129,21 @@ def _part(scene: Scene, choice: Choice, plan: Plan) -> Part:
 
 def _note(scene: Scene, choice: Choice, plan: Plan) -> str:
     if choice.taken.settings.get("cascaded"):
-        return _seen_to(scene)
+        return _cascade_note(scene)
     return _ALONE if len(plan.table.groups[choice.group]) == 1 else ""
 
 
 _ALONE = "no rival that the product can run"
 
 
-def _seen_to(scene: Scene) -> str:
-    """How far cascades reach, and who says so."""
+def _cascade_note(scene: Scene) -> str:
+    """Return the distance of the cascades, and the reason for it."""
     visual, distance = visual_of(scene), shadow_distance_of(scene)
     reason = (
         "bodies are spread over more than one map holds" if visual.shadow_distance == "auto" else "as the scene says"
     )
     maps = "1 map" if visual.cascades == 1 else f"{visual.cascades} maps"
-    return f"seen to {distance:.3g} m from the eye in {maps}: {reason}"
+    return f"to {distance:.3g} m from the camera in {maps}: {reason}"
 
 
 def _too_dear(costlier: Costlier) -> dict[str, Any]:
@@ -192,12 +186,12 @@ def _has_objects(scene: Scene) -> bool:
 
 
 def _tick_row(table: Table, settings: Settings) -> Row | None:
-    """The whole tick with this projection of a tunnel; {}: without a tunnel."""
+    """Return the row of the whole tick with this projection of a tunnel; {}: without a tunnel."""
     return next((row for row in table.groups.get(TICK_GROUP, []) if row.settings == settings), None)
 
 
 def _left_out(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]) -> list[LeftOut]:
-    """Parts of the product this scene does not use."""
+    """Return the parts of the product that this scene does not use."""
     table = plan.table
     absent: list[tuple[type[msgspec.Struct], str, str, float | None]] = [
         (Sound, "sound process, per block of 5 ms", "no entity has a sound", _cheapest(table, "spatialiser")),
@@ -259,23 +253,23 @@ OF_OBJECTS: Mapping[str, str] = {
     "contact law": "contact with shapes, per contact and tick",
     "friction": "friction, per contact and tick",
 }
-"""Groups of methods that only haptic objects need, with their part."""
+"""Part of each group of methods that only haptic objects use."""
 
 
 def _cheapest(table: Table, group: str) -> float | None:
-    """The least a part could have cost: what leaving it out saves at least [us]."""
+    """Return the cost of the cheapest method of a group [us]; None for an empty group."""
     costs = [row.cost_us for row in table.groups.get(group, [])]
     return min(costs, default=None)
 
 
 def _emitters_us(plan: Plan) -> float | None:
-    """Sources share one block: nothing is mixed for one that is not there."""
+    """Return the cost of one source in a block of the mixer [us]; None where it is unknown."""
     chosen = next((choice.taken for choice in plan.choices if choice.group == "spatialiser"), None)
     return None if chosen is None or math.isnan(chosen.cost_us) else chosen.cost_us / _SOURCES_OF_TABLE
 
 
 _SOURCES_OF_TABLE = 16
-"""Moving sources in the block that the spatialisers are measured by (lab/audio/spatialiser.py)."""
+"""Number of moving sources in the block with which the spatialisers are measured (lab/audio/spatialiser.py)."""
 
 
 def _tunnel_us(table: Table) -> float | None:

@@ -1,11 +1,11 @@
-"""The planner: per group of methods the cheapest one whose measured error is within the scene's tolerance.
+"""The planner: it chooses from each group of methods the cheapest one whose measured error is within the tolerance.
 
-What refines a live picture must also be borne by its frame's time: half of it, shared out from what is missed most to
-what is missed least. A study gives up no accuracy for time.
+Methods that refine a live picture must also fit into half of its frame time, in the order of `uses`. A study sacrifices
+no accuracy for time.
 
-It reads a table of figures and measures nothing, so a plan is the same on every machine and at every start: the shipped
-table (`assets/methods.json`), or the one a person saved on this machine with `mimics lab measure --save`. What it
-chooses are settings, and they are what runs: `settle` writes them into the scene before anything is built from it.
+The planner reads a table of costs and errors and measures nothing, so a plan is the same on every machine and at every
+start: the shipped table (`assets/methods.json`), or the one saved on this machine with `mimics lab measure --save`. Its
+results are settings, which `settle` writes into the scene before anything is built from it.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ __all__ = ["ROOM", "Choice", "Costlier", "Plan", "choose", "load_table", "plan_s
 
 
 ROOM = 0.5
-"""Share of a frame's time for what refines the picture; the other half is for the bodies themselves."""
+"""Share of the frame time for methods that refine the picture; the other half is for drawing the objects."""
 
 
 @dataclass(frozen=True, slots=True)
 class Costlier:
-    """A more accurate rival that the frame's time does not bear.
+    """A more accurate rival that the frame time does not allow.
 
     Attributes:
-        row: Its figures.
-        more_ms: What a frame would take longer than with the group's cheapest [ms].
-        room_ms: What there was for it [ms].
+        row: Its row of the table.
+        more_ms: Added frame time over the cheapest rival [ms].
+        room_ms: Time that was available [ms].
     """
 
     row: Row
@@ -47,17 +47,17 @@ class Costlier:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One group's outcome.
+    """Choice from one group.
 
     Attributes:
-        group: Of the table.
-        what: What the scene uses it for.
+        group: Group of the table.
+        what: Purpose in the scene.
         taken: The method that runs.
-        tolerance: Largest accepted error, in the unit of the figures.
-        refused: The nearest cheaper rival, whose error is beyond the tolerance; None where nothing cheaper is.
-        planner: What the planner would take where the scene names another; None where they agree.
-        costlier: What would be taken if the frame had the time; None where that does not decide.
-        more_ms: What a frame takes longer than with the group's cheapest [ms]; 0 where no frame has to keep time.
+        tolerance: Largest accepted error, in the unit of the row.
+        refused: The nearest cheaper rival, whose error exceeds the tolerance; None without one.
+        planner: The planner's choice where the scene names another method; None where they agree.
+        costlier: The choice without a limit of the frame time; None where the limit does not decide.
+        more_ms: Added frame time over the cheapest rival [ms]; 0 where the frame time is free.
     """
 
     group: str
@@ -72,15 +72,15 @@ class Choice:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What a scene runs.
+    """The methods that a scene runs.
 
     Attributes:
-        profile: Whose tolerances hold where the scene states none.
-        tolerances: By field of `systems.tolerances`.
-        table: The figures it was chosen by.
-        origin: Where those are from: "shipped", "saved" on this machine, or "given" by the caller.
-        choices: In the order of `uses`; only groups the scene has a use for.
-        pixels: Of the live picture it was made for [px]; 0 where no frame has to keep time.
+        profile: Profile whose tolerances hold where the scene states none.
+        tolerances: Tolerance by field of `systems.tolerances`.
+        table: The table of costs and errors.
+        origin: Origin of the table: "shipped", "saved" on this machine, or "given" by the caller.
+        choices: Choices in the order of `uses`, of the groups that the scene uses.
+        pixels: Size of the live picture [px]; 0 where the frame time is free.
     """
 
     profile: Profile
@@ -92,43 +92,43 @@ class Plan:
 
     @property
     def methods(self) -> dict[str, str]:
-        """Name of the method that runs, by group: for people."""
+        """Name of the method that runs, by group."""
         return {choice.group: choice.taken.method for choice in self.choices}
 
     @property
     def settings(self) -> dict[str, Settings]:
-        """Settings of the method that runs, by group: what the product is set to."""
+        """Settings of the method that runs, by group."""
         return {choice.group: choice.taken.settings for choice in self.choices}
 
     @property
     def without_picture(self) -> Plan:
-        """The plan less what is chosen only when a live picture is opened."""
+        """The plan without the choices that are made when a live picture is opened."""
         return replace(self, choices=tuple(choice for choice in self.choices if not uses()[choice.group].pixels))
 
 
 def choose(rivals: Sequence[Row], tolerance: float, most_us: float = math.inf) -> Row:
-    """The cheapest rival whose error is within the tolerance; where none is, the most accurate.
+    """Return the cheapest rival whose error is within the tolerance; without one, the most accurate.
 
-    Of equally cheap ones the more accurate, then the first by name, so that the order of the table decides nothing.
+    Of equal costs the more accurate, then the first by name: the order of the table has no influence.
 
     Args:
-        rivals: At least one.
+        rivals: At least one rival.
         tolerance: Largest accepted error.
-        most_us: What one may cost more than the cheapest [us]; others are passed over.
+        most_us: Largest cost above the cheapest rival [us]; costlier ones are ignored.
     """
     least = min(rival.cost_us for rival in rivals)
-    borne = [rival for rival in rivals if rival.cost_us - least <= most_us]
-    inside = [rival for rival in borne if rival.error <= tolerance]
-    if inside:
-        return min(inside, key=lambda rival: (rival.cost_us, rival.error, rival.method))
-    return min(borne, key=lambda rival: (rival.error, rival.cost_us, rival.method))
+    affordable = [rival for rival in rivals if rival.cost_us - least <= most_us]
+    accurate = [rival for rival in affordable if rival.error <= tolerance]
+    if accurate:
+        return min(accurate, key=lambda rival: (rival.cost_us, rival.error, rival.method))
+    return min(affordable, key=lambda rival: (rival.error, rival.cost_us, rival.method))
 
 
 def load_table() -> tuple[Table, str]:
-    """The figures to plan by, and where they are from: "shipped", or "saved" where this machine measured itself.
+    """Return the table of this installation and its origin: "shipped", or "saved" where this machine was measured.
 
-    A saved table that holds some groups only stands before the shipped one. Methods of installed packages that are in
-    neither stand with the figures their package brings.
+    The groups of a saved table replace those of the shipped one. Methods of installed packages that are in neither have
+    the costs and errors stated by their package.
     """
     shipped, saved = Table.load_shipped(), Table.load_saved()
     table, origin = (shipped, "shipped") if saved is None else (shipped.with_groups(saved), "saved")
@@ -138,14 +138,14 @@ def load_table() -> tuple[Table, str]:
 
 
 def plan_scene(scene: Scene, profile: Profile, table: Table | None = None, pixels: int = 0) -> Plan:
-    """Choose for every group the scene has a use for.
+    """Choose a method of every group that the scene uses.
 
     Args:
-        scene: What is planned.
-        profile: Whose tolerances hold where the scene states none.
-        table: None: that of this installation.
-        pixels: Of a live picture whose frames have to keep time on the processor [px]; 0: pictures may take their
-            time, or a driver draws them of which the table's costs say nothing.
+        scene: The scene.
+        profile: Profile whose tolerances hold where the scene states none.
+        table: Table of costs and errors; None: that of this installation.
+        pixels: Size of a live picture drawn on the processor [px]; 0: the frame time is free, or a graphics card draws,
+            for which the costs of the table do not hold.
     """
     table, origin = load_table() if table is None else (table, "given")
     tolerances = tolerances_of(scene, profile)
@@ -166,14 +166,14 @@ def _is_bounded(rows: Sequence[Row]) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Budget:
-    """Time left in a frame for a group [ms], and the ratio of the picture's size to the table's."""
+    """Frame time left for a group [ms], and the ratio of the picture's size to that of the table."""
 
     room_ms: float
     scale: float
 
     @property
     def most_us(self) -> float:
-        """Return the largest cost above the cheapest method, in terms of the table [us]."""
+        """Return the largest cost above the cheapest method, at the picture size of the table [us]."""
         return 1e3 * self.room_ms / self.scale if self.scale else math.inf
 
     def more_ms(self, row: Row, rivals: Sequence[Row]) -> float:
@@ -206,16 +206,16 @@ def _choice(
 
 
 def _row_of(named: Settings, rows: Sequence[Row]) -> Row:
-    """Return the row of a method that the scene names; without figures where the table has none."""
+    """Return the row of a method that the scene names; with NaN where it is not in the table."""
     label = ", ".join(f"{field} {value}" for field, value in named.items())
     unknown = Row(label, math.nan, math.nan, math.nan, rows[0].unit, named)
     return next((row for row in rows if row.settings == named), unknown)
 
 
 def settle(scene: Scene, profile: Profile, plan: Plan | None = None) -> Plan:
-    """Plan a scene, where no plan is given, and write the choice into it: whatever is built from it then runs the plan.
+    """Write a plan into the scene, so that everything built from it runs its methods; None: plan the scene first.
 
-    What a live picture gives up for time is chosen when it is opened, as that depends on who draws it.
+    Methods that depend on the frame time are chosen when a live picture is opened, because they depend on the driver.
     """
     plan = plan or plan_scene(scene, profile)
     scene.methods = plan.settings

@@ -1,4 +1,4 @@
-"""Largest errors a run accepts: what its scene says, and what its profile says where the scene is silent."""
+"""Largest errors that a run accepts: those of its scene, and those of its profile where the scene states none."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ _BOUNDS: Mapping[str, tuple[float, float, float]] = {
     "colour_levels": (40.0, 2.0, 1.0),
     "effect_share": (1.0, 0.1, 0.05),
 }
-"""Tolerance: the bound of a draft, a training and a study."""
+"""Value of each tolerance in a draft, a training and a study."""
 
 BY_PROFILE: Mapping[Profile, Mapping[str, float]] = {
     profile: {name: bounds[k] for name, bounds in _BOUNDS.items()} for k, profile in enumerate(PROFILES)
 }
-"""By profile and field of `systems.tolerances`.
+"""Tolerances by profile and field of `systems.tolerances`.
 
-draft       what a hand does not notice while a scene is made: 0.5 N, 1 mm, one degree; a bounce is right to a thirtieth
-            of the speed, which no stricter profile can better by much at 1 kHz; sounds need no direction
-            (700 us is the whole width of a head); every second refresh of a 60 Hz screen; edges fall as they fall,
-            surfaces are lit by their corners, and bloom and ambient occlusion may be missing altogether
-training    a tenth of what a hand or the robot's encoder (10 um) distinguishes; sounds come from where they are; edges
-            of bodies to a tenth of a pixel, those of shadows to a fifth of a millimetre
-study       what cannot be seen in the analysis of a recording: a thousandth of the training's, or rounding; far bodies
-            keep their forms for longer
+draft       errors that a hand does not notice while a scene is made: 0.5 N, 1 mm, one degree; restitution to 3 % of the
+            speed, which stricter profiles can hardly improve at 1 kHz; sounds without direction (700 us is the
+            interaural delay of a whole head); every second refresh of a 60 Hz screen; edges without anti-aliasing,
+            light per vertex, and neither bloom nor ambient occlusion
+training    a tenth of the smallest error that a hand or the robot's encoder (10 um) resolves; sounds with direction;
+            edges of objects to a tenth of a pixel, those of shadows to a fifth of a millimetre
+study       errors that the analysis of a recording cannot resolve: a thousandth of the training's, or rounding; levels
+            of detail change at larger distances
 """
 
 
 def tolerances_of(scene: Scene, profile: Profile) -> dict[str, float]:
-    """Largest accepted error by field of `systems.tolerances`; units in the names."""
+    """Return the largest accepted error by field of `systems.tolerances`; the units are in the names."""
     given = msgspec.structs.asdict(scene.system(Tolerances) or Tolerances())
     return {**BY_PROFILE[profile], **{name: value for name, value in given.items() if value is not None}}

@@ -1,4 +1,4 @@
-"""Use of groups of methods by a scene, and the methods that the scene names itself."""
+"""Groups of methods that a scene uses, the methods that it names itself, and those that it allows."""
 
 from __future__ import annotations
 
@@ -47,15 +47,15 @@ def visual_of(scene: Scene) -> VisualSettings:
 
 
 _ONE_MAP = 8.0
-"""Spread of bodies up to which one map holds them all [m]: of 2,048 texels each is 8 mm wide, a pixel of 720 rows 7 m
-away."""
+"""Spread of objects up to which one shadow map covers them [m]: a texel of 2,048 is 8 mm wide, as a pixel of 720 rows
+at 7 m."""
 
 
 def shadow_distance_of(scene: Scene) -> float:
-    """How far from the eyes the sun's shadows are seen, in cascades [m]; 0: everywhere, in one map.
+    """Return the distance from the camera up to which cascades show the sun's shadows [m]; 0: one map for all of them.
 
-    What `systems.visual.shadow_distance` says; of a scene that leaves it open one map where that is enough, else the
-    way across its bodies, but 100 m at most: beyond, the shadow of a person's height is a dozen pixels high.
+    It is `systems.visual.shadow_distance`. Where the scene leaves it open: one map if that is enough, else the extent
+    of its objects, but at most 100 m, where the shadow of a person is a dozen pixels high.
     """
     stated = visual_of(scene).shadow_distance
     if stated != "auto":
@@ -82,12 +82,12 @@ def _unless_auto(name: str, stated: Callable[[Scene], str]) -> Callable[[Scene],
 
 
 def _uses_admittance(scene: Scene) -> bool:
-    """Whether there is a robot; one that takes forces instead has no virtual mass, which its driver reports later."""
+    """Whether there is a robot; one that takes forces has no virtual mass, but its driver is not known yet."""
     return scene.has(Admittance) or scene.has(Robot)
 
 
 def _may_run_form(scene: Scene, settings: Settings) -> bool:
-    """The printed form invents a force on whatever moves and turns: a scene has to request it."""
+    """Exclude the printed form unless the scene requests it: it has a false force on rotating motion."""
     return settings.get("form") != "seed"
 
 
@@ -100,33 +100,33 @@ def _all(scene: Scene, kind: type[S]) -> list[S]:
 
 
 def points_of(scene: Scene) -> int:
-    """How many points of the hand touch."""
+    """Return the number of interaction points."""
     return sum(len(one.points) for one in _all(scene, InteractionPoints)) or 1
 
 
 def grips(scene: Scene) -> bool:
-    """Whether fingers can hold something."""
-    return any(thing.grip for thing in _all(scene, HapticObject))
+    """Whether fingers can hold an object of the scene."""
+    return any(body.grip for body in _all(scene, HapticObject))
 
 
 def touched_shape(scene: Scene) -> str:
-    """The scene's word for the first shape that can be touched: what touching is recognised by."""
-    for thing in _all(scene, HapticObject):
-        if thing.shapes:
-            return str(thing.shapes[0].__struct_config__.tag)
+    """Return the kind of the first shape that can be touched, as the scene file names it."""
+    for body in _all(scene, HapticObject):
+        if body.shapes:
+            return str(body.shapes[0].__struct_config__.tag)
     return "cube"
 
 
 def _surfaces(scene: Scene) -> list[TouchSurface]:
     """Return the material of each touchable surface, defaults filled in."""
     found = [surface_of(walls) for walls in _all(scene, HapticWalls)]
-    for thing in _all(scene, HapticObject):
-        found += [surface_of(solid, thing) for solid in thing.shapes] or [surface_of(thing)]
+    for body in _all(scene, HapticObject):
+        found += [surface_of(solid, body) for solid in body.shapes] or [surface_of(body)]
     return found
 
 
 def _named_law(scene: Scene) -> Settings | None:
-    """The law is how a surface is to feel, and stands in the scene; of several the first's."""
+    """Return the contact law of the first surface: the law is a property of the surface, stated in the scene."""
     first = _surfaces(scene)[0]
     return {"law": first.law} | ({"exponent": first.exponent} if first.law == "hunt_crossley" else {})
 
@@ -136,23 +136,23 @@ def _has_friction(scene: Scene) -> bool:
 
 
 def _moving(scene: Scene) -> list[HapticObject]:
-    return [thing for thing in _all(scene, HapticObject) if thing.enable_translation or thing.enable_rotation]
+    return [body for body in _all(scene, HapticObject) if body.enable_translation or body.enable_rotation]
 
 
 def _named_integrator(scene: Scene) -> Settings | None:
-    stated = [thing.integrator for thing in _moving(scene) if thing.integrator != "auto"]
+    stated = [body.integrator for body in _moving(scene) if body.integrator != "auto"]
     return {"integrator": stated[0]} if len(stated) == len(_moving(scene)) else None
 
 
 def _named_rest(scene: Scene) -> Settings:
-    return {"sleeps": all(thing.sleeps for thing in _moving(scene))}
+    return {"sleeps": all(body.sleeps for body in _moving(scene))}
 
 
 _TICK_S = 1e-3
 
 
 def _may_integrate(scene: Scene, settings: Settings) -> bool:
-    """Integrators that move a body by its old velocity too keep a contact only with b > k h (chart "integrator")."""
+    """Allow integrators that use the old velocity only where they keep a contact: b > k h (chart "integrator")."""
     if settings.get("integrator") == "semi_implicit":
         return True
     return all(
@@ -174,13 +174,13 @@ def _named_spatialiser(scene: Scene) -> Settings | None:
 
 
 _WHOLE_SAMPLES_US = 23.0
-"""What a delay between the ears is off where it is of whole samples, as OpenAL's; who needs less states a tolerance."""
+"""Error of an interaural delay of whole samples, as OpenAL's [us]; a scene that needs less states a tolerance."""
 
 
 def _may_spatialise(scene: Scene, settings: Settings) -> bool:
-    """What the scene says of one of the two holds, and the spectral mixer is named or needed.
+    """Allow the methods that agree with the scene; the spectral mixer only where it is named or needed.
 
-    It is the cheaper and the more exact one, but live it is heard 4 ms later (decision 155), which no cost here says.
+    It is cheaper and more accurate, but its live latency is 4 ms longer (decision 155), which no cost here includes.
     """
     audio, itd_us = audio_of(scene), (scene.system(Tolerances) or Tolerances()).itd_us
     only_spectral = audio.sofa is not None or (audio.hrtf is False and audio.speakers != "stereo")
@@ -214,7 +214,10 @@ def _named_shadows(scene: Scene) -> Settings | None:
 
 
 def _may_shadow(scene: Scene, settings: Settings) -> bool:
-    """A distance means cascades, a named kind for maps. Darkening the picture is a look: never chosen for speed."""
+    """Allow cascades only with a distance, and additive volumes only with neither distance nor a named kind.
+
+    Modulative shadows are a matter of appearance and never chosen for speed.
+    """
     if "cascaded" in settings:
         return settings["cascaded"] == (shadow_distance_of(scene) > 0.0)
     may_be_volumes = shadow_distance_of(scene) == 0.0 and visual_of(scene).shadows == "auto"
@@ -235,7 +238,7 @@ def _bends(scene: Scene) -> bool:
 
 
 _ONE_EYE = ("desktop", "wall", "cave")
-"""Kinds of display for one eye, and those whose file says for how many."""
+"""Kinds of display for one eye, or whose file states the number of eyes."""
 
 
 def _display_of(scene: Scene) -> DisplaySettings:
@@ -252,10 +255,10 @@ def _shows_models(scene: Scene) -> bool:
 
 
 _PROBE_PX = 640 * 360
-"""Picture in which the methods of `lab.visual` are measured [px]."""
+"""Size of the picture in which the methods of `lab.visual` are measured [px]."""
 
 WHOLE_TICK, TOUCH, BODIES = "haptic tick", "touching a shape", "bodies, at rest"
-"""Parts of `explain` that hold others."""
+"""Parts of `explain` that include others."""
 
 USES: Mapping[str, Use] = {
     "tunnel projection": Use(
@@ -282,12 +285,12 @@ USES: Mapping[str, Use] = {
         within=BODIES,
     ),
     "rotation update": Use(
-        "turning of bodies", lambda scene: any(thing.enable_rotation for thing in _moving(scene)), within=BODIES
+        "rotation of bodies", lambda scene: any(body.enable_rotation for body in _moving(scene)), within=BODIES
     ),
     "resting bodies": Use(BODIES, lambda scene: bool(_moving(scene)), _named_rest, count=lambda s: len(_moving(s))),
     "spatialiser": Use("direction of sounds", _has(Sound), _named_spatialiser, _may_spatialise),
     "occlusion": Use("bodies hidden behind others", _shows_models),
-    "level of detail": Use("coarser forms of far bodies", _shows_models),
+    "level of detail": Use("levels of detail of far bodies", _shows_models),
     "skinning": Use(
         "bodies that follow joints", _bends, _unless_auto("skinning", lambda scene: visual_of(scene).skinning)
     ),
@@ -304,28 +307,28 @@ USES: Mapping[str, Use] = {
     ),
     "bloom": Use("bloom", lambda scene: visual_of(scene).bloom > 0.0, pixels=_PROBE_PX),
 }
-"""Groups the planner knows, by name; those that share the frame's budget from what is missed most to what least.
+"""Use of each group that the planner knows; those that share the frame time are ordered by the loss without them.
 
-Some have one method that the product can run: nothing is chosen there, and `explain` says so beside its cost.
+Some groups have only one method that the product can run: `explain` says so beside its cost.
 """
 
 
 def uses() -> Mapping[str, Use]:
-    """Those groups, then those that installed packages bring with a use of their own."""
+    """Return `USES`, and the uses of the groups of installed packages."""
     brought = {plugin.group: plugin.use for plugin in method_plugins() if plugin.use is not None}
     return {**brought, **USES}
 
 
 NOT_PLANNED: Mapping[str, str] = {
     "integrator": 'the integrators of bodies on one wall alone; "colliding bodies" chooses among all a body can have',
-    "bounding geometry": "what a thing is shaped like is its author's to say",
-    "joint mixing": "how a body is to bend is a look: the scene's `animation.skinning` says it",
-    "culling": "which is quicker changes with what is in view: the renderer counts the items of each scene",
+    "bounding geometry": "the shape of an object is its author's choice",
+    "joint mixing": "the bending of a body is a matter of appearance: the scene's `animation.skinning` states it",
+    "culling": "the faster one depends on the view: the renderer counts the items of each scene",
     "frame of nodes": "culling, measured in whole frames",
     "frame of triangles": "level of detail, measured in whole frames",
     "loop scheduling": "the first recipe that the system grants runs",
     "model reading": "kinds of files, not rivals",
-    "haptic tick": "the whole, by the tunnel projection that is chosen",
-    "load of the person": "body signals belong to a run, not to a scene: the best of the chart, or what the task names",
+    "haptic tick": "the whole tick, by the tunnel projection that is chosen",
+    "load of the person": "body signals belong to a run, not to a scene: the best of the chart, or the task's",
 }
-"""Groups with several methods that the product can run, but nothing for the planner to choose: why."""
+"""Groups with several methods of which the planner chooses none, with the reason."""

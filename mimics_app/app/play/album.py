@@ -1,4 +1,4 @@
-"""The pictures that a headless run draws and saves, and its video; the renderer is created at the first of them."""
+"""Pictures that a headless run draws and saves, and its video; the renderer is created at the first of them."""
 
 from __future__ import annotations
 
@@ -8,24 +8,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.app.picture.picture import Picture, picture_quality
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS
 from mimics_app.contracts.trial_state import TaskView, TrialState
-from mimics_app.rendering.visual.surfaces.headless import write_png
 
 if TYPE_CHECKING:
     from concurrent.futures import Future, ThreadPoolExecutor
+
+    from mimics_app.app.picture.picture import Picture
 
 __all__ = ["Album"]
 
 
 class Album:
-    """Keeps pictures of chosen moments, spread evenly from the first trial on. A film has every frame.
+    """Saves pictures at moments spread evenly over the trials. A video has every frame.
 
-    Nobody knows beforehand how long a trial takes, so moments are shares of the trials that are played, the one under
-    way by its progress; where the run's length was requested, of its time too, whichever is farther.
+    The duration of a trial is unknown, so a moment is a share of the trials, the present one counted by its progress,
+    or a share of the run's length where that was requested, whichever comes first.
     """
 
     def __init__(self, session: Session) -> None:
@@ -39,13 +39,13 @@ class Album:
         self._writing: Future[None] | None = None
 
     def look(self, frames: Frames) -> None:
-        """Draw this frame if it is to be saved."""
+        """Draw this frame if it is due or a video is made."""
         due = self._kept < self._wanted and self._is_due(frames)
         if due or self._session.settings.video is not None:
             self._draw(frames, keep=due)
 
     def finish(self, frames: Frames) -> list[Path]:
-        """The pictures kept, written; one of the last frame where the run was too short for any."""
+        """Return the files once they are written; the last frame is saved where the run was too short for any other."""
         if not self._files and self._wanted > 0 and frames.number > 0:
             self._draw(frames, keep=True)
         if self._writer is not None:
@@ -79,8 +79,10 @@ class Album:
             self._files += picture.save(file, self._write)
 
     def _write(self, pixels: NDArray[np.uint8], file: Path) -> None:
-        """Have a picture compressed and written while frames go on; no more than one waits."""
+        """Compress and write a picture in another thread; at most one is pending."""
         from concurrent.futures import ThreadPoolExecutor
+
+        from mimics_app.rendering.visual.surfaces.headless import write_png
 
         self._wait()
         self._writer = self._writer or ThreadPoolExecutor(1, "pictures")
@@ -91,6 +93,7 @@ class Album:
             self._writing.result()
 
     def _open(self) -> Picture:
+        from mimics_app.app.picture.picture import Picture, picture_quality
         from mimics_app.app.picture.shown_on import open_display
         from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 

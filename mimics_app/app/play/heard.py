@@ -1,4 +1,4 @@
-"""The sound of a scene as a wave file: the scene is played on the virtual clock, without recorder or picture."""
+"""Sound of a scene as a wave file: the scene is played on the virtual clock, without recorder and picture."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ __all__ = ["write_sound"]
 
 
 def write_sound(settings: RunSettings, file: Path, seconds: float, read: Scene | None = None) -> AudioReport:
-    """Play a scene and write what is heard from its very start on; the same bytes every time.
+    """Play a scene and write its sound from the beginning on; the bytes are reproducible.
 
     Args:
         settings: Scene, seed and profile; the rest is not used.
         file: Wave file.
-        seconds: How long the simulated patient plays, from where the person of the first trial acts [s].
+        seconds: Time for which the simulated patient plays, from the frame in which it may act in the first trial [s].
         read: The scene, where it was read before; see `prepare`.
 
     Raises:
-        SceneError: the scene is wrong, or has no sound.
-        UsageError: the file cannot be written.
+        SceneError: The scene is faulty, or has no sound.
+        UsageError: The file cannot be written.
     """
     parts = prepare(settings, live=False, read=read)
     with open_core(parts) as core:

@@ -1,7 +1,7 @@
-"""From a scene to its result, and on: each session is a process of its own, whose window ends with a page of results.
+"""Sequence of sessions of a person at a window: each is a process of its own and ends with a page of results.
 
-A session lowers the priority of its main thread for good before it makes its picture, and a fault in a driver may end
-it: so the next one begins in a fresh process, and whoever opened it is still there.
+A session lowers the priority of its main thread permanently before it opens its picture, and a fault in a driver may
+end it. So each session is a new process, and the process that started it survives.
 """
 
 from __future__ import annotations
@@ -22,24 +22,24 @@ __all__ = ["JourneyEnd", "Opening", "play_through", "run_words"]
 
 
 class Opening:
-    """Whoever waits for a session to open; this one only waits."""
+    """Observer of a session until its first picture; by default it does nothing."""
 
     def look(self, doing: str) -> bool:
-        """Called once a frame until the first picture, with what is being done; False: the person gave up waiting."""
+        """Take the present step of the start-up, once a frame; return False to end the session."""
         return True
 
     def shown(self) -> None:
-        """The session's own picture is there."""
+        """Take note of the session's first picture."""
 
 
 @dataclass(frozen=True, slots=True)
 class JourneyEnd:
-    """How the last session ended.
+    """End of the last session.
 
     Attributes:
-        code: Its exit code.
-        other: Whether the person wants another scene.
-        error: Why it could not begin or go on, in words; "" where it could.
+        code: Exit code.
+        other: Whether the person chose another scene.
+        error: Why it could not begin or continue, in words; "" where it could.
     """
 
     code: int
@@ -49,11 +49,11 @@ class JourneyEnd:
 
 _AGAIN, _OTHER = "again", "other"
 _LONGEST_END_S = 20.0
-"""Time-out for a session to close its recording when it is told to end [s]."""
+"""Time-out for a terminated session to close its recording [s]."""
 
 
 def run_words(settings: RunSettings) -> list[str]:
-    """The words of `mimics run` that request these settings; what stands at its default is left out."""
+    """Return the arguments of `mimics run` for these settings, without those at their defaults."""
     words = [str(settings.scene)]
     defaults = RunSettings(settings.scene)
     for each in fields(RunSettings):
@@ -62,12 +62,12 @@ def run_words(settings: RunSettings) -> list[str]:
             continue
         word = f"--{each.name.replace('_', '-')}"
         text = "x".join(map(str, value)) if isinstance(value, tuple) else str(value)
-        words.append(word if value is True else f"{word}={text}")  # a code may begin with a hyphen
+        words.append(word if value is True else f"{word}={text}")  # "=": a participant code may begin with a hyphen
     return words
 
 
 def play_through(settings: RunSettings, opening: Opening | None = None) -> JourneyEnd:
-    """Play a scene in a window, again as often as the person wants."""
+    """Play a scene in a window, and again as long as the person chooses "again"."""
     while True:
         code, noted = _play_once(run_words(settings), opening or Opening())
         if noted.get("next") != _AGAIN:
@@ -99,7 +99,7 @@ def _sudden_end(code: int) -> str:
 
 
 def _waited_for_picture(child: subprocess.Popen[bytes], log: Path, opening: Opening) -> bool:
-    """Wait until the session's own picture is there, or it has ended; False: the person gave up and it is ending."""
+    """Wait for the session's first picture or its end; return False where the person ended the wait."""
     clock = MonotonicClock()
     while child.poll() is None:
         noted = read_journey(log)
@@ -114,7 +114,7 @@ def _waited_for_picture(child: subprocess.Popen[bytes], log: Path, opening: Open
 
 
 def _end(child: subprocess.Popen[bytes]) -> None:
-    """Leave no session behind when its opener is ended."""
+    """End a session that still runs when the process that started it ends."""
     if child.poll() is not None:
         return
     child.terminate()

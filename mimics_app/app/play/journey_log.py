@@ -1,6 +1,6 @@
-"""Reports of a session to the process that started it: its progress, and the person's choice at its end.
+"""Reports of a session to the process that started it: progress, errors, and the person's choice at the end.
 
-Lines of JSON in a file, because a window, a terminal and a launcher on any platform can read that.
+They are lines of JSON in a file, which every platform can read while it is written.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ __all__ = ["JourneyLog", "read_journey"]
 
 
 class JourneyLog:
-    """Appends lines.
+    """Writer of the reports.
 
     Args:
-        path: The file; None: nobody asks.
+        path: The file; None: no reports are requested.
     """
 
     def __init__(self, path: Path | None) -> None:
@@ -48,12 +48,12 @@ class JourneyLog:
 
     @contextmanager
     def reporting(self) -> Iterator[None]:
-        """While it lasts, an error is said here, too: why the session cannot begin or go on."""
+        """Report an error inside the context, the reason why the session cannot begin or continue."""
         try:
             yield
         except MimicsError as error:
-            said = error.issues[0]
-            self._say({"error": "; ".join(part for part in (said.what, said.fix) if part)})
+            first = error.issues[0]
+            self._say({"error": "; ".join(part for part in (first.what, first.fix) if part)})
             raise
 
     def _say(self, line: dict[str, object]) -> None:
@@ -63,7 +63,7 @@ class JourneyLog:
 
 
 def read_journey(path: Path) -> dict[str, object]:
-    """The newest value of each key so far; a line that is still being written is left for the next call."""
+    """Return the newest value of each key; an incomplete last line is left for the next call."""
     noted: dict[str, object] = {}
     for line in path.read_text(encoding="utf-8").splitlines(keepends=True):
         if line.endswith("\n"):

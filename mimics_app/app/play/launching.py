@@ -1,4 +1,4 @@
-"""Contents of the launcher, in a therapist's words: scenes, settings, recent runs, and the last choice."""
+"""Contents of the launcher in a therapist's words: scenes, settings, recent runs, and the last choice."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from datetime import datetime
 from pathlib import Path
 
 from mimics_app.app.installation.display_files import find_display_files
+from mimics_app.app.installation.serial_ports import list_serial_ports
 from mimics_app.app.scenes.shipped import GROUPS, ShippedScene, find_shipped, shipped_scenes, thumbnail_of
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.user_files import read_config, write_config
@@ -20,11 +21,11 @@ __all__ = ["cut_off_notice", "last_choice", "launcher_cards", "launcher_settings
 
 _FILE = "launcher"
 _MOST_RECENT = 12
-_AT_HAND = ""
-"""Setting "who plays": the person at the window."""
+_AT_WINDOW = ""
+"""Value of the setting "who plays" for the person at the window."""
 
 _PLAYERS = {
-    _AT_HAND: "mouse, keys or gamepad",
+    _AT_WINDOW: "mouse, keys or gamepad",
     SIMULATED: "simulated patient",
     "serial": "robot on a serial port",
     "hapticmaster": "HapticMaster in the network",
@@ -32,7 +33,7 @@ _PLAYERS = {
     "simulated_leg": "simulated patient, one leg",
     "simulated_legs": "simulated patient, both legs",
 }
-"""Devices in a person's words; plug-ins are called by their names."""
+"""Captions of the devices; plug-ins are listed by name."""
 
 _DISPLAYS = {
     "": "as the scene says",
@@ -52,7 +53,7 @@ _SIMULATED = tuple(name for name in ADDRESSES if name.startswith("simulated"))
 
 
 def launcher_settings() -> list[Setting]:
-    """Settings of the launcher: what is installed here."""
+    """Return the settings of the launcher, with the devices and displays of this installation."""
     return [*_person_settings(), *_task_settings(), *_output_settings()]
 
 
@@ -67,7 +68,7 @@ def _person_settings() -> list[Setting]:
             "address",
             "Port or address of the robot",
             "Of a serial robot e.g. /dev/ttyUSB0; of a HapticMaster its address, e.g. 192.168.0.10.",
-            _choices({port: port for port in _ports()}),
+            _choices({each["port"]: each["port"] for each in list_serial_ports()}),
             typed=True,
             empty="type it here",
             with_values=_ADDRESSED,
@@ -90,7 +91,7 @@ def _person_settings() -> list[Setting]:
 
 
 def _task_settings() -> list[Setting]:
-    """How hard and how long."""
+    """Return the settings of difficulty and number of trials."""
     return [
         Setting(
             "difficulty",
@@ -108,15 +109,15 @@ def _task_settings() -> list[Setting]:
 
 
 def _output_settings() -> list[Setting]:
-    """Picture and sound."""
+    """Return the settings of picture and sound."""
     kinds = ["", *(kind for kind, wants in DISPLAY_KINDS.items() if wants != "must")]
     displays = {kind: _DISPLAYS.get(kind, kind) for kind in kinds} | _found_displays()
     return [
         Setting(
             "profile",
             "Quality",
-            "Usual holds the frame rate, fast gives up more for it, study keeps the picture as it was set up.",
-            _choices({"training": "usual", "draft": "fast", "study": "study, nothing given up"}),
+            "Usual holds the frame rate, fast lowers more for it, study keeps the picture as it was set up.",
+            _choices({"training": "usual", "draft": "fast", "study": "study, nothing lowered"}),
         ),
         Setting(
             "sound",
@@ -134,7 +135,7 @@ def _output_settings() -> list[Setting]:
 
 
 def _found_displays() -> dict[str, str]:
-    """Walls and headsets by the files of this folder that are in order."""
+    """Return the walls and headsets whose files in this folder are right."""
     return {one["write"]: one["write"] for one in find_display_files(Path.cwd()) if not one["error"]}
 
 
@@ -158,7 +159,7 @@ def settings_of_choice(choice: LauncherChoice) -> RunSettings:
 
 
 def launcher_cards(runs: Path) -> list[ScenarioCard]:
-    """One card per shipped scene, and one per session that was played lately, with its score."""
+    """Return one card per shipped scene, and one per recent session with its score."""
     recent = recent_runs(runs, _MOST_RECENT)
     newest = {run.scene: run for run in reversed(recent)}
     cards = [_card(scene, newest.get(scene.name)) for scene in shipped_scenes()]
@@ -166,12 +167,12 @@ def launcher_cards(runs: Path) -> list[ScenarioCard]:
 
 
 def cut_off_notice(runs: Path) -> str:
-    """Return what to do about sessions that were cut off; "" where there is none."""
+    """Return advice on sessions that were cut off; "" where there is none."""
     left = cut_off_runs(runs)
     if not left:
         return ""
     more = f" (and {len(left) - 1} before it)" if len(left) > 1 else ""
-    return f"A session{more} was cut off; this seals what it recorded: mimics record recover {left[0]}"
+    return f"A session{more} was cut off; this repairs its recording: mimics record recover {left[0]}"
 
 
 def remember(choice: LauncherChoice) -> None:
@@ -180,7 +181,7 @@ def remember(choice: LauncherChoice) -> None:
 
 
 def last_choice() -> LauncherChoice | None:
-    """Return the last choice, as far as it is still offered."""
+    """Return the choice of the last start; None where there is none, or its scene no longer exists."""
     kept = read_config(_FILE)
     scene, settings = find_shipped(str(kept.get("scene", ""))), kept.get("settings")
     if scene is None or not isinstance(settings, dict):
@@ -190,13 +191,6 @@ def last_choice() -> LauncherChoice | None:
 
 def _choices(words: Mapping[str, str]) -> list[Choice]:
     return [Choice(value, text) for value, text in words.items()]
-
-
-def _ports() -> list[str]:
-    """Serial ports that something is plugged into."""
-    from serial.tools import list_ports
-
-    return sorted(str(port.device) for port in list_ports.comports() if port.hwid not in (None, "n/a"))
 
 
 def _card(scene: ShippedScene, last: EarlierRun | None) -> ScenarioCard:
@@ -212,7 +206,7 @@ def _card(scene: ShippedScene, last: EarlierRun | None) -> ScenarioCard:
 
 
 def _played(run: EarlierRun) -> ScenarioCard | None:
-    """A session that was played; None where its scene is no shipped one."""
+    """Return the card of a session; None where its scene is not a shipped one."""
     scene = find_shipped(run.scene)
     if scene is None:
         return None
@@ -231,7 +225,7 @@ def _played(run: EarlierRun) -> ScenarioCard | None:
 
 
 def _local_time(utc: str) -> str:
-    """A moment as this computer's clock shows it; "" for none."""
+    """Return a UTC time in the local time zone; "" where it cannot be read."""
     try:
         return datetime.fromisoformat(utc).astimezone().strftime("%d %b %Y, %H:%M")
     except (ValueError, OverflowError):

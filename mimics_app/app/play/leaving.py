@@ -1,4 +1,4 @@
-"""When a session in a window ends: the person leaves, the cross is clicked, or the task is done."""
+"""End of a session in a window: the person leaves, the window is closed, or the task is done."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ _ASK_NS = 4_000_000_000
 """Time within which a second Escape ends a trial [ns]."""
 
 _LINGER_NS = 3_000_000_000
-"""How long the last line of a task stays before the session ends [ns]."""
+"""Time for which the last line of a task is shown before the session ends [ns]."""
 
 _UNDER_WAY = (TrialState.READY, TrialState.TRAVEL)
 
 
 class Leaving:
-    """Looks at the window once a frame.
+    """Checks the window once a frame.
 
     Attributes:
-        message: What the person should read: that Escape was pressed in the middle of a trial; "" for nothing.
+        message: Line for the person after Escape during a trial; "" otherwise.
     """
 
     def __init__(self, session: Session) -> None:
@@ -40,7 +40,7 @@ class Leaving:
         return self._escaped(frames, now_ns) or self._is_over(now_ns)
 
     def _escaped(self, frames: Frames, now_ns: int) -> bool:
-        """Escape key: ends at once, but must be pressed twice during a trial."""
+        """Whether Escape ends the session: at once, or when pressed twice during a trial."""
         events = self._session.inputs.frame.events
         if not any(
             each.kind == "key" and each.name == "escape" and each.pressed and not each.repeat for each in events
@@ -53,7 +53,7 @@ class Leaving:
         return False
 
     def _is_over(self, now_ns: int) -> bool:
-        """A task that is done leaves its last line for a moment."""
+        """Whether the last line of a task that is done has been shown long enough."""
         if not self._session.tasks.done:
             return False
         self._done_ns = self._done_ns or now_ns

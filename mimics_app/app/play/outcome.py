@@ -1,4 +1,4 @@
-"""Result of a session, in the words of the page of results."""
+"""Content of the page of results."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ def result_content(
     earlier: Sequence[EarlierRun],
     keys: Keys = (),
 ) -> ResultContent:
-    """The page's content.
+    """Return the content of the page.
 
     Args:
-        title: Of the scene.
-        answer: The object of `mimics run --json`.
-        rows: Of trials.csv.
+        title: Title of the scene.
+        answer: Object of `mimics run --json`.
+        rows: Rows of trials.csv.
         earlier: Runs of the same scene and participant before this one, oldest first.
-        keys: Of the session.
+        keys: Keys of the session.
     """
     task = answer["task"]
     head, lines = trial_lines(rows)
@@ -53,7 +53,7 @@ def result_content(
 
 
 def _tiles(task: Mapping[str, Any], earlier: Sequence[EarlierRun]) -> list[tuple[str, str]]:
-    """Totals that apply; the best score is over this run and the earlier ones."""
+    """Return the totals that apply; the best score is that of this run and the earlier ones."""
     if task.get("counted") != COUNTED_TRIALS:
         return []
     tiles = []

@@ -1,4 +1,4 @@
-"""How frames follow each other: as fast as they go on the virtual clock, or 60 a second beside the live loop."""
+"""Loops of frames: on the virtual clock as fast as possible, or beside the live haptic loop at 60 Hz."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from mimics_app.app.play.leaving import Leaving
 from mimics_app.app.play.reload import SceneReload
 from mimics_app.app.play.view_keys import ViewKeys
 from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.safety_watch import hold_message
 from mimics_app.app.session.session import Session
 from mimics_app.app.session.watches import DeviceWatch
 from mimics_app.contracts.clock import FRAME_NS, SECOND_NS
@@ -22,7 +23,7 @@ from mimics_app.rendering.visual.quality_steps import quality_steps, rehearse_st
 __all__ = ["run_live", "run_unseen", "run_virtual"]
 
 _FEWEST_FRAMES = 120
-"""A run of fewer frames says nothing of what can be held."""
+"""Smallest number of frames of a run whose quality is kept for the next one."""
 
 _LATCHED = (SafetyState.SAFE_STOP, SafetyState.E_STOP)
 
@@ -30,9 +31,9 @@ Progress = Callable[[Frames], None]
 
 
 def run_virtual(session: Session, frames: Frames, after_frame: Progress) -> None:
-    """Ticks and frames in a fixed pattern on the virtual clock, until the task is done or its time is over.
+    """Run ticks and frames in a fixed pattern on the virtual clock, until the task is done or the time is over.
 
-    Nobody is there to reset a latched stop, so it ends the run too.
+    A latched stop ends the run too, since no person can reset it.
     """
     limit = _limit_ns(session)
     while not session.tasks.done and session.clock.now_ns() < limit:
@@ -45,10 +46,10 @@ def run_virtual(session: Session, frames: Frames, after_frame: Progress) -> None
 def run_live(
     session: Session, frames: Frames, after_frame: Progress, until: Callable[[], bool] = lambda: False
 ) -> None:
-    """Frames beside the live loop until the person leaves, the task is done, the run's time is over, or `until`.
+    """Run frames beside the live loop until the person leaves, the task is done, the run's time is over, or `until`.
 
-    A haptic loop that ended on its own ends the run too; stopping the session then says why. So does a picture that is
-    lost for good.
+    The end of the haptic loop ends the run too; the stop of the session then reports the reason. So does the loss of
+    the picture.
     """
     governor = session.governor = _govern(session)
     name = _start_lower(session, governor) if governor is not None and governor.steps else ""
@@ -59,7 +60,7 @@ def run_live(
 
 
 def _draw_once(session: Session) -> None:
-    """Compile and upload what the first frame needs before the task's clock begins: seconds on a busy machine."""
+    """Draw a frame before the task's clock begins: compilation and upload may take seconds."""
     if session.picture is not None:
         session.picture.renderer.draw_finished(session.picture.views)
 
@@ -84,7 +85,7 @@ def _run_frames(session: Session, frames: Frames, after_frame: Progress, until: 
             try:
                 done_ns = picture.show_frame(frames.board.saying(message), session.clock)
             except DeviceError as error:
-                keys.give_up(error)
+                keys.end_without_picture(error)
                 return
             governor.note((done_ns - begun_ns) * 1e-6, done_ns)
         after_frame(frames)
@@ -93,12 +94,12 @@ def _run_frames(session: Session, frames: Frames, after_frame: Progress, until: 
 
 
 def _period_ns(session: Session) -> int:
-    """From one frame to the next [ns]: a headset's own, else the usual one."""
+    """Return the period of the frames [ns]: that of a headset, else 60 Hz."""
     return FRAME_NS if session.picture is None else session.picture.presenter.timing.period_ns or FRAME_NS
 
 
 def _govern(session: Session) -> FrameGovernor | None:
-    """The governor of a live picture; a study fixes all of its quality, and so may a person."""
+    """Return the governor of a live picture; all steps are fixed in a study and with `--quality full`."""
     if session.picture is None:
         return None
     steps = quality_steps(session.picture.renderer)
@@ -109,10 +110,10 @@ def _govern(session: Session) -> FrameGovernor | None:
 
 
 def _start_lower(session: Session, governor: FrameGovernor) -> str:
-    """Start from what this picture held last time on this machine, else from what it can hold, as drawn now.
+    """Start at the quality that this picture held in its last run on this machine, else at one that fits now.
 
     Returns:
-        The name that what it holds is kept under.
+        The name under which the quality is kept.
     """
     assert session.picture is not None
     name = name_of_picture(session.picture, session.scene.path.stem, session.settings.profile)
@@ -127,9 +128,9 @@ def _start_lower(session: Session, governor: FrameGovernor) -> str:
 
 
 def run_unseen(session: Session, frames: Frames, after_frame: Progress) -> None:
-    """Frames beside the live loop without a window, until the task is done or the run's time is over.
+    """Run frames beside the live loop without a window, until the task is done or the run's time is over.
 
-    Nobody is there to reset a latched stop: it ends a run that has no other end.
+    A latched stop ends a run without a time limit, since no person can reset it.
     """
     watch = DeviceWatch(session.haptics.plugin, session.recorder)
     limit = session.clock.now_ns() + _limit_ns(session)
@@ -147,8 +148,8 @@ def run_unseen(session: Session, frames: Frames, after_frame: Progress) -> None:
 
 def _message(session: Session, frames: Frames, reload: SceneReload, trouble: str) -> str:
     """Return the message over the picture: of the device, the recorder, a hold, or else a reload."""
-    state = SafetyState.OFF if frames.snapshot is None else frames.snapshot.state
-    return trouble or session.recorder.problem or frames.safety.message(state) or reload.message
+    held = "" if frames.snapshot is None else hold_message(frames.snapshot.state)
+    return trouble or session.recorder.problem or held or reload.message
 
 
 def _limit_ns(session: Session) -> int:

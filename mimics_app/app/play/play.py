@@ -1,4 +1,4 @@
-"""One run of a scene: build, play, close the recording, write the report, print the result."""
+"""One run of a scene: the session is built and played, the recording closed, report and result written."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from mimics_app.app.picture.picture import Picture, live_quality, picture_quality
 from mimics_app.app.play.album import Album
-from mimics_app.app.play.collector import left_alone
+from mimics_app.app.play.collector import frozen_objects
 from mimics_app.app.play.journey_log import JourneyLog
 from mimics_app.app.play.pace import run_live, run_unseen, run_virtual
 from mimics_app.app.play.progress_line import ProgressLine
@@ -40,20 +39,20 @@ __all__ = ["open_picture", "play"]
 _STOPS = (SafetyState.SAFE_STOP.name, SafetyState.E_STOP.name)
 
 _WHO_PLAYS = {False: "the simulated patient plays", True: "the person at the robot plays, without a picture"}
-"""Who does where no window can be opened, by whether the device has a time of its own."""
+"""Who plays where no window can be opened, by whether the device runs in real time."""
 
 
 def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> int:
     """Run a scene.
 
     Args:
-        settings: What was asked for.
+        settings: Settings of the run.
         as_json: Whether the answer is one JSON object.
         read: The scene, where it was read before; see `prepare`.
 
     Returns:
-        0; 4 when the picture was lost for good; 5 when the run ended in a latched stop; 6 when ticks of it could not be
-        recorded or its report not written.
+        0; 4 where the picture was lost for good; 5 where the run ended in a latched stop; 6 where ticks were not
+        recorded or the report could not be written.
     """
     started = MonotonicClock().now_ns()
     windowed = not settings.headless and has_display()
@@ -96,7 +95,7 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
 
 
 def _report(session: Session, manifest: Manifest) -> tuple[Path | None, bool]:
-    """The report, and whether everything that happened is on disk; what is not is reported."""
+    """Write the report; return it, and whether recording and report are complete. Losses are reported on stderr."""
     lost = manifest.dropped.get("samples", 0)
     if lost:
         sys.stderr.write(f"mimics: {session.folder}: {lost} ticks were not recorded; {_why(manifest)}\n")
@@ -108,13 +107,13 @@ def _report(session: Session, manifest: Manifest) -> tuple[Path | None, bool]:
 
 
 def _why(manifest: Manifest) -> str:
-    """The trouble with the disk that lasts, else why rows are missing."""
+    """Return the present problem of the disk, else the reasons for missing rows."""
     return manifest.problem or ", ".join(dict.fromkeys(str(gap["reason"]) for gap in manifest.gaps)) or "see its report"
 
 
 @contextmanager
 def _say_where_kept(session: Session) -> Iterator[None]:
-    """Say where the recording of a run is that somebody broke off: its report is not written on its own."""
+    """Report where the recording of an interrupted run is, since its report is not written."""
     try:
         yield
     except (KeyboardInterrupt, SystemExit):
@@ -123,7 +122,7 @@ def _say_where_kept(session: Session) -> Iterator[None]:
 
 
 def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
-    """A person plays: window, live loop, sound card."""
+    """Play in a window, with the live loop and the sound output."""
     from mimics_app.app.picture.shown_on import chosen_display
     from mimics_app.app.session.person import person_inputs
     from mimics_app.rendering.visual.surfaces.contexts import create_surface
@@ -133,7 +132,7 @@ def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
     log.doing("Making the picture")
     kind = chosen_display(session.scene, session.settings.display).kind
     title = session.scene.title or session.scene.name
-    # A headset keeps its own pace: its mirror in the window waits for no monitor.
+    # A headset has its own frame rate: its mirror in the window must not wait for the monitor.
     vsync = kind not in ("openxr", "sim-hmd")
     surface = create_surface("window", session.settings.size, title, vsync=vsync, stereo=kind == "quad")
     open_picture(session, surface, keep=log.asked)
@@ -146,12 +145,12 @@ def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
         if frames.number == 1:
             log.shown()
 
-    with left_alone():
+    with frozen_objects():
         run_live(session, frames, after_frame)
 
 
 def _show_result(session: Session, answer: dict[str, Any]) -> str:
-    """Show the result in the window of the session, and let the person choose what to do next."""
+    """Show the page of results in the window of the session; return the person's choice."""
     from mimics_app.app.play.outcome import result_content
     from mimics_app.app.play.result_screen import show_result
     from mimics_app.app.play.session_keys import session_keys
@@ -169,7 +168,8 @@ def _show_result(session: Session, answer: dict[str, Any]) -> str:
 
 
 def open_picture(session: Session, surface: Surface, *, keep: bool = False) -> None:
-    """Draw the session on a surface from now on, as well as its settings say; `keep` it for what comes after."""
+    """Draw the session on a surface from now on; `keep` leaves it open for the page of results."""
+    from mimics_app.app.picture.picture import Picture, live_quality, picture_quality
     from mimics_app.app.picture.shown_on import open_display
 
     settings, scene = session.settings, session.scene
@@ -185,7 +185,7 @@ def open_picture(session: Session, surface: Surface, *, keep: bool = False) -> N
 
 
 def _play_headless(session: Session, frames: Frames, log: JourneyLog) -> list[Path]:
-    """The simulated patient plays on the virtual clock; only the frames that are kept are drawn."""
+    """Let the simulated patient play on the virtual clock; only frames that are saved are drawn."""
     album, values = Album(session), ValuePicture(session)
     progress = ProgressLine(sys.stderr, session, log)
 
@@ -200,9 +200,9 @@ def _play_headless(session: Session, frames: Frames, log: JourneyLog) -> list[Pa
 
 
 def _play_unseen(session: Session, frames: Frames) -> list[Path]:
-    """The person of a device with a time of its own plays: live loop, no window."""
+    """Play with a device that runs in real time: live loop, no window."""
     album = Album(session)
     start_loop(session)
-    with left_alone():
+    with frozen_objects():
         run_unseen(session, frames, album.look)
     return album.finish(frames)

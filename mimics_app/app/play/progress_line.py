@@ -1,4 +1,4 @@
-"""Progress of a headless run: a line on a terminal, and the trial to the process that started the run."""
+"""Progress of a headless run: a line on a terminal, and the present trial to the process that started the run."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from mimics_app.app.terminal.progress import draw_bar
 __all__ = ["ProgressLine"]
 
 _EVERY = 30
-"""Frames between two updates."""
+"""Period of the updates [frames]."""
 
 
 class ProgressLine:
-    """A bar of the trial under way.
+    """A bar of the present trial.
 
     Args:
-        stream: Where to write; silent unless it is a terminal.
-        session: For the number of trials.
-        log: Hears of every trial that begins.
+        stream: Stream to write to; nothing is written unless it is a terminal.
+        session: The session, for its trials.
+        log: Log for the beginning of every trial.
     """
 
     def __init__(self, stream: TextIO, session: Session, log: JourneyLog) -> None:
@@ -32,7 +32,7 @@ class ProgressLine:
         self._shown = stream.isatty()
 
     def show(self, frames: Frames) -> None:
-        """Redraw the bar now and then."""
+        """Report a new trial, and redraw the bar every half second."""
         view = frames.orders.view
         if self._trial < view.trial <= view.trials:
             self._trial = view.trial
@@ -46,6 +46,6 @@ class ProgressLine:
         self._stream.flush()
 
     def end(self) -> None:
-        """Leave the line."""
+        """End the line."""
         if self._shown:
             self._stream.write("\n")

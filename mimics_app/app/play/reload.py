@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 __all__ = ["SceneReload"]
 
 _LOOK_NS = 500_000_000
-"""Between two looks at the files [ns]: a stat of each of them takes longer than all other watching."""
+"""Period of the checks of the files [ns]; each check costs a `stat` per file."""
 _SHOW_NS = 6_000_000_000
+"""Time for which a message is shown [ns]."""
 _NEW_TABLES = "models, paths or force fields changed, or there are more objects than there is room for"
 
 
@@ -31,7 +32,7 @@ class SceneReload:
     """Watches the files of the running scene.
 
     Attributes:
-        message: What the person should read over the picture now, "" for nothing.
+        message: Message over the picture; "" for none.
     """
 
     def __init__(self, session: Session) -> None:
@@ -42,7 +43,7 @@ class SceneReload:
         self.message = ""
 
     def look(self) -> None:
-        """Take a changed scene, a few times a second."""
+        """Reload changed files, twice a second."""
         now_ns = self._session.clock.now_ns()
         if now_ns > self._shown_until_ns:
             self.message = ""
@@ -66,7 +67,7 @@ class SceneReload:
         session = self._session
         try:
             scene = load_checked_scene(session.scene.path, before=session.scene)
-            open_scenario(scene, build_world(scene))  # in a world of its own: its faults must not end this one
+            open_scenario(scene, build_world(scene))  # in a separate world, so that its faults leave this one intact
             side = HapticSide(scene)
             if not side.fits(session.side, session.memory):
                 raise SceneError(Issue(scene.file, "", _NEW_TABLES, "end the run and start it again"))

@@ -1,4 +1,4 @@
-"""Result of a run, under the keys that scripts rely on."""
+"""Result of a run, under the documented keys of `mimics run --json`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["summarise"]
 
 
 def summarise(session: Session, frames: Frames, sound: AudioReport | None, wall_s: float) -> dict[str, Any]:
-    """Everything of the `mimics run --json` object that is known before the recording is sealed; the loop has ended."""
+    """Return the part of the object of `mimics run --json` that is known before the recording is closed."""
     late = session.haptics.histogram()
     stability = session.haptics.stability()
     frames.safety.see(session.haptics.events())

@@ -14,13 +14,13 @@ __all__ = ["show_result"]
 
 
 def show_result(surface: Surface, content: ResultContent, report: Path, clock: Clock) -> str:
-    """Return the person's choice: "again", "other" or "leave".
+    """Show the page and return the person's choice: "again", "other" or "leave".
 
     Args:
-        surface: The window; nothing of the session draws on it any more.
-        content: What the page says.
-        report: What "Open report" opens in a browser.
-        clock: Of real time.
+        surface: The window, no longer used by the session.
+        content: Content of the page.
+        report: File that "Open report" opens in a browser.
+        clock: Clock of real time.
     """
     while True:
         choice = _choose(surface, content, clock)
@@ -33,7 +33,7 @@ def show_result(surface: Surface, content: ResultContent, report: Path, clock: C
 
 def _choose(surface: Surface, content: ResultContent, clock: Clock) -> str:
     page = ResultPage(surface, content)
-    surface.poll()  # what was pressed before there was anything to read is no choice
+    surface.poll()  # discard keys that were pressed before the page was visible
     try:
         while not surface.should_close:
             page.handle(surface.poll())

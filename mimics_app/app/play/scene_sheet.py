@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -31,7 +30,7 @@ __all__ = ["SceneLight", "draw_scene_sheet", "light_rows", "measure_light", "sce
 
 _DRAWN = (640, 360)
 _TILE = (320, 180)
-"""Width and height of a scene as it is drawn, and on the sheet [px]."""
+"""Size of a scene as drawn, and on the sheet [px]."""
 _COLUMNS = 5
 _GAP = 4
 _GROUND = (238, 238, 234)
@@ -40,23 +39,23 @@ _NAME = 18
 _QUALITY = 84
 """Quality of the JPEG file, 0 to 100."""
 _SECONDS = 2.0
-"""Of play, from where the person acts."""
+"""Time for which the scene is played before it is drawn [s]."""
 _DARK, _BRIGHT = 0.05, 0.98
-"""Usable range of linear luminance: below it shapes are lost, above it colours."""
+"""Usable range of linear luminance: darker pixels lose shapes, brighter ones colours."""
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-"""Rec. 709."""
+"""Weights of linear RGB in the luminance (ITU-R BT.709)."""
 
 
 @dataclass(frozen=True, slots=True)
 class SceneLight:
-    """One scene of a sheet.
+    """Exposure of one scene of a sheet.
 
     Attributes:
-        scene: Its file's name without suffix.
-        dark: Share of its pixels below 5 % of the linear range.
-        bright: Share of them above 98 %.
-        shade: What level ground in the sun's shadow keeps of its light; None where no sun casts a shadow.
-        night: Whether the scene says that it is meant to be dark.
+        scene: Name of its file without suffix.
+        dark: Share of pixels below 5 % of the linear range.
+        bright: Share of pixels above 98 %.
+        shade: Illumination of level ground in the sun's shadow over that beside it; None where no sun casts a shadow.
+        night: Whether the scene is marked as dark.
     """
 
     scene: str
@@ -67,10 +66,10 @@ class SceneLight:
 
 
 def scenes_in(folder: Path) -> list[Path]:
-    """Every scene in a folder and the folders below it, those of `parts` left out, by their names.
+    """Return the scenes in a folder and its subfolders except `parts`, by name.
 
     Raises:
-        SceneError: there is none.
+        SceneError: There is none.
     """
     found = [file for file in sorted(folder.rglob("*.json")) if file.parent.name != "parts" and _is_scene(file)]
     if not found:
@@ -79,16 +78,16 @@ def scenes_in(folder: Path) -> list[Path]:
 
 
 def draw_scene_sheet(files: Sequence[Path], output: Path, *, backend: str = "auto") -> list[SceneLight]:
-    """Draw scenes without the figures over them onto one picture.
+    """Draw scenes, without their boards, onto one picture; return their exposure.
 
     Args:
-        files: Of the scenes, in reading order.
-        output: The picture; its suffix says which kind, .jpg or .png.
+        files: Scene files in reading order.
+        output: The picture, .jpg or .png.
         backend: "auto", "egl", "osmesa" or "window".
 
     Raises:
-        SceneError: a scene is wrong, or has no camera.
-        DeviceError: the context cannot be had.
+        SceneError: A scene is faulty, or has no camera.
+        DeviceError: The OpenGL context is not available.
     """
     from PIL import Image
 
@@ -108,7 +107,7 @@ def draw_scene_sheet(files: Sequence[Path], output: Path, *, backend: str = "aut
 
 
 def measure_light(file: Path, pixels: U1) -> SceneLight:
-    """How the light is in a scene's picture, [height, width, 3] display values, without figures over it."""
+    """Return the exposure of a scene from its picture without a board, display values [height, width, 3]."""
     scene = load_scene(file)
     luminance = _decode(pixels) @ _LUMINANCE
     night = (scene.first(Environment) or Environment()).night
@@ -117,7 +116,7 @@ def measure_light(file: Path, pixels: U1) -> SceneLight:
 
 
 def shade_share(scene: Scene) -> float | None:
-    """Light of level ground in the sun's shadow over that beside it; None where no sun casts a shadow."""
+    """Return the illumination of level ground in the sun's shadow over that beside it; None without a sun's shadow."""
     lighting = gather_lighting(build_world(scene))
     sun = float(lighting.sun_colour @ _LUMINANCE) * max(float(lighting.sun_direction[1]), 0.0)
     shade = float(lighting.sky_light().sum(axis=0) @ _LUMINANCE)
@@ -125,19 +124,15 @@ def shade_share(scene: Scene) -> float | None:
 
 
 def light_rows(lights: Sequence[SceneLight]) -> list[dict[str, object]]:
-    """The same as objects for JSON, shares rounded to a thousandth."""
-    rows = [asdict(light) for light in lights]
+    """Return the exposures as objects for JSON, shares rounded to a thousandth."""
     return [
-        {
-            key: round(value, 3) if isinstance(value, float) and math.isfinite(value) else value
-            for key, value in row.items()
-        }
-        for row in rows
+        {key: round(value, 3) if isinstance(value, float) else value for key, value in asdict(light).items()}
+        for light in lights
     ]
 
 
 def _is_scene(file: Path) -> bool:
-    """Whether a JSON file says that it is a scene."""
+    """Whether a JSON file has the format of a scene."""
     try:
         head = json.loads(file.read_bytes())
     except (ValueError, RecursionError):
@@ -156,13 +151,13 @@ def _drawn(file: Path, backend: str) -> U1:
 
 
 def _decode(pixels: U1) -> NDArray[np.float64]:
-    """Linear light of display values (IEC 61966-2-1)."""
+    """Return linear light from display values (IEC 61966-2-1)."""
     value = pixels / 255.0
     return np.asarray(np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4))
 
 
 def _name(tile: Image.Image, text: str) -> None:
-    """Write a scene's name into its lower left corner."""
+    """Write a scene's name into the lower left corner of its tile."""
     from PIL import Image
 
     wide = round(_NAME * (0.7 + 0.36 * len(text)))

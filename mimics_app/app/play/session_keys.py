@@ -27,11 +27,7 @@ _ALWAYS = (
 
 
 def session_keys(plugin: DevicePlugin) -> Keys:
-    """The keys of a session.
-
-    Args:
-        plugin: The device that is played with.
-    """
+    """Return the keys of a session with a device, and their functions."""
     if plugin.name == POINTER:
         return (*_AT_MOUSE, *_ALWAYS)
     return (*(_AT_ROBOT if plugin.real_time else _SIMULATED), *_ALWAYS)

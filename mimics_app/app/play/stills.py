@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from contextlib import closing
+from functools import partial
 from pathlib import Path
-from typing import Protocol
 
 from mimics_app.app.picture.drawn import Drawn
 from mimics_app.app.picture.picture import Picture, picture_quality
@@ -41,124 +41,90 @@ def draw_stills(
     board: bool = True,
     read: Scene | None = None,
 ) -> Drawn:
-    """Draw frames of a scene at even distances of simulated play, the last after `seconds` [s].
+    """Draw frames of a scene at even intervals of simulated play, the last after `seconds` [s]; of a video 60 a second.
 
-    A film has 60 of them a second instead.
-
-    A scene that no scenario plays is drawn as it stands.
+    A scene that no scenario plays is drawn without a person.
 
     Args:
         settings: Scene, seed, profile, size and display; the rest is not used.
-        folder: Where frame_00000.png and so on go.
+        folder: Folder of frame_00000.png and so on.
         backend: "auto", "egl", "osmesa" or "window".
-        frames: How many.
-        seconds: How long the simulated patient plays, from where the person of the first trial acts [s].
-        camera: Entity whose camera is looked through; "": the first.
-        video: File of a film (see `video.film_place`) instead of the folder's files, or None.
-        board: Whether the scene's figures lie over the picture.
-        read: What `read_scene` gave for the settings' scene; None: it is read here.
+        frames: Number of frames.
+        seconds: Time for which the simulated patient plays, from the frame in which it may act in the first trial [s].
+        camera: Entity whose camera is used; "": the first.
+        video: File of a video (see `video.film_place`) instead of the folder's files, or None.
+        board: Whether the scene's board is drawn over the picture.
+        read: Result of `read_scene` for the settings' scene; None: it is read here.
 
     Raises:
-        SceneError: the scene is wrong, or has no camera, or none of that name.
-        DeviceError: the context cannot be had.
+        SceneError: The scene is faulty, or has no camera, or none of that name.
+        DeviceError: The OpenGL context is not available.
     """
     scene = check_scene(read or read_scene(settings.scene))
     if video is not None:
         frames = max(1, round(FRAMES_PER_SECOND * seconds))
     with closing(_moments(scene, settings, frames, seconds)) as play:
-        return _draw(play, scene, settings, folder, backend, frames, camera, video, board=board)
-
-
-def _draw(
-    play: _Moments,
-    scene: Scene,
-    settings: RunSettings,
-    folder: Path,
-    backend: str,
-    frames: int,
-    camera: str,
-    video: Path | None,
-    *,
-    board: bool,
-) -> Drawn:
-    quality = picture_quality(scene, settings.profile)
-    surface = open_offscreen(backend, settings.size)
-    display = open_display(scene, settings.display, surface)
-    picture = Picture(surface, scene, play.world, quality, camera, display)
-    play.shown_by(picture.presenter)
-
-    def views(number: int) -> list[View]:
-        figures = play.to(number)
-        picture.presenter.begin(play.time_ns(number))
-        seen = picture.views
-        if board:
-            picture.lay_out(figures, seen)
-        return seen
-
-    if video is None:
-        made = render_frames(picture.renderer, picture.surface, frames, views, folder, picture.presenter)
-    else:
-        made = draw_film(picture.renderer, picture.surface, frames, views, video, picture.presenter)
-    drawn = Drawn.on(picture.surface, made)
-    picture.report_issues()
-    picture.close()
+        surface = open_offscreen(backend, settings.size)
+        display = open_display(scene, settings.display, surface)
+        picture = Picture(surface, scene, play.world, picture_quality(scene, settings.profile), camera, display)
+        play.shown_by(picture.presenter)
+        views = partial(_views_at, picture, play, board)
+        if video is None:
+            made = render_frames(picture.renderer, surface, frames, views, folder, picture.presenter)
+        else:
+            made = draw_film(picture.renderer, surface, frames, views, video, picture.presenter)
+        drawn = Drawn.on(surface, made)
+        picture.report_issues()
+        picture.close()
     return drawn
 
 
-class _Moments(Protocol):
-    """A world at the time of each frame."""
-
-    @property
-    def world(self) -> World: ...
-
-    def to(self, number: int) -> Board:
-        """Bring the world to frame `number` and return its board."""
-
-    def time_ns(self, number: int) -> int:
-        """Session time of frame `number` [ns]."""
-
-    def shown_by(self, presenter: Presenter) -> None:
-        """Attach the presenter that draws."""
-
-    def close(self) -> None:
-        """Nothing is drawn any more."""
+def _views_at(picture: Picture, play: _Standing | _Played, board: bool, number: int) -> list[View]:
+    """Bring the world to a frame and return the views to draw."""
+    figures = play.to(number)
+    picture.presenter.begin(play.time_ns(number))
+    seen = picture.views
+    if board:
+        picture.lay_out(figures, seen)
+    return seen
 
 
-def _moments(scene: Scene, settings: RunSettings, frames: int, seconds: float) -> _Moments:
-    """The scene played, or as it stands where no scenario plays it."""
+def _moments(scene: Scene, settings: RunSettings, frames: int, seconds: float) -> _Standing | _Played:
+    """Return the scene played by its scenario, or standing where it has none."""
     if is_playable(scene):
         return _Played(open_core(prepare_scene(scene, settings)), seconds / frames)
-    return _Standing(build_world(scene), settings.seed, frames, seconds)
+    return _Standing(build_world(scene), settings.seed, seconds / frames)
 
 
 class _Standing:
-    """A world in which nothing happens but what moves on its own; it starts at time 0."""
+    """A world without a task, of which effects and animations move; it starts at time 0."""
 
-    def __init__(self, world: World, seed: int, frames: int, seconds: float) -> None:
+    def __init__(self, world: World, seed: int, seconds_per_still: float) -> None:
         self.world = world
-        self._seconds_per_frame = seconds / frames
+        self._seconds_per_still = seconds_per_still
         world.update()
         world.effects.seed = seed
         world.effects.trigger("start")
 
     def to(self, number: int) -> Board:
-        """Advance to frame `number`."""
-        self.world.effects.time = self.world.motion.time = self._seconds_per_frame * (number + 1)
+        """Bring the world to still `number` and return its board, an empty one."""
+        self.world.effects.time = self.world.motion.time = self._seconds_per_still * (number + 1)
         self.world.update()
         return Board()
 
     def time_ns(self, number: int) -> int:
-        return round(self._seconds_per_frame * (number + 1) * 1e9)
+        """Time of still `number` [ns]."""
+        return round(self._seconds_per_still * (number + 1) * 1e9)
 
     def shown_by(self, presenter: Presenter) -> None:
-        """Nobody is there whose head it could follow."""
+        """Do nothing: there is no head to follow."""
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing: no device is open."""
 
 
 class _Played:
-    """The first trial of the scene, from where the person acts up to each frame."""
+    """The first trial of the scene, from the frame in which the person may act."""
 
     def __init__(self, core: SessionCore, seconds_per_still: float) -> None:
         self._core = core
@@ -169,9 +135,11 @@ class _Played:
 
     @property
     def world(self) -> World:
+        """The world of the session."""
         return self._core.world
 
     def shown_by(self, presenter: Presenter) -> None:
+        """Let the presenter follow the head of the person."""
         self._core.shown_by(presenter)
 
     def to(self, number: int) -> Board:
@@ -182,6 +150,7 @@ class _Played:
         return self._frames.board
 
     def time_ns(self, number: int) -> int:
+        """Session time [ns]."""
         return self._core.clock.now_ns()
 
     def close(self) -> None:

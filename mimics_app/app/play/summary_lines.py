@@ -18,14 +18,14 @@ _STATES = {
     "SAFE_STOP": "stopped",
     "E_STOP": "stopped",
 }
-"""The states a run may end in, in words."""
+"""Final state of the haptic loop, in words."""
 
 
 def summary_lines(answer: Mapping[str, Any]) -> list[str]:
-    """The lines, each with a word in front that says what it is about.
+    """Return the lines, each with a caption.
 
     Args:
-        answer: The object of `mimics run --json`.
+        answer: Object of `mimics run --json`.
     """
     task = answer["task"]
     lines = [("task", _trials(task)), *_practice(task), *_path(task), ("carried", _of_practice(task, _carried(task)))]
@@ -53,7 +53,7 @@ def _points_and_time(task: Mapping[str, Any], trials: int) -> list[str]:
 
 
 def _is_practice(task: Mapping[str, Any]) -> bool:
-    """Whether the figures are those of practice, as no trial has any."""
+    """Whether the totals are those of practice, because no trial has ended."""
     return bool(task.get("counted") == COUNTED_PRACTICE)
 
 
@@ -75,7 +75,7 @@ def _practice(task: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def _path(task: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Distance from the task's path, and the contacts; without a path contacts alone, where there were any."""
+    """Return the distance from the task's path and the contacts; without a path the contacts alone, if any."""
     contacts = str(task.get("contacts", ""))
     if "path_error_m" not in task:
         return [("contacts", _of_practice(task, contacts))] if task.get("contacts") else []
@@ -102,7 +102,7 @@ def _touch(answer: Mapping[str, Any]) -> str:
 
 
 def _safety(safety: Mapping[str, Any]) -> str:
-    """Stops and short holds apart, and what the last of them was; "" where there was none."""
+    """Return the numbers of stops and of short holds, and the cause of the last one; "" where there was none."""
     if not safety["stops"] and not safety["holds"]:
         return ""
     line = f"{counted(safety['stops'], 'stops')}, {counted(safety['holds'], 'short holds')}"

@@ -1,4 +1,4 @@
-"""Draws the picture of every shipped scene for the launcher: the scene played for a moment, without figures over it."""
+"""Thumbnails of the shipped scenes for the launcher: each scene is played for a moment and drawn without its board."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from mimics_app.contracts.errors import UsageError, nearest
 __all__ = ["draw_sheet", "draw_thumbnails"]
 
 _DRAWN, _KEPT = (1024, 576), (512, 288)
-"""Size that is drawn, and that is kept [px]: a picture made smaller has smooth edges."""
+"""Size as drawn, and as saved [px]; the reduction smooths edges."""
 
 _JPEG_QUALITY = 86
 _COLUMNS = 4
-"""Pictures side by side on a sheet."""
+"""Number of pictures in a row of the contact sheet."""
 
 _MOMENT_S = 1.5
 _MOMENTS_S = {"wavy_tunnel": 2.0, "pick_and_place": 3.0, "guided_walk": 4.0, "falling_pairs": 0.5, "tower": 0.3}
-"""How long the simulated patient has played when the picture is taken [s]."""
+"""Time for which the simulated patient plays before the picture is drawn [s], by scene."""
 
 _CAMERAS = {"city_walk": "church_square"}
 """Entity whose camera draws the thumbnail, where it is not the scene's first camera."""
 
 
 def draw_thumbnails(folder: Path, names: Sequence[str] = ()) -> Iterator[Path]:
-    """Write NAME.jpg of scenes into a folder, and report each file when it is there.
+    """Write NAME.jpg of each scene into a folder; yield each file when it is written.
 
     Args:
-        folder: Made when missing.
-        names: Of scenes; () for all that are shipped.
+        folder: Folder of the files; created if missing.
+        names: Names of scenes; () for all shipped ones.
 
     Raises:
-        UsageError: no shipped scene has a name.
+        UsageError: There is no shipped scene of a name.
     """
     scenes = {scene.name: scene for scene in shipped_scenes()}
     for name in names:
@@ -48,7 +48,7 @@ def draw_thumbnails(folder: Path, names: Sequence[str] = ()) -> Iterator[Path]:
 
 
 def draw_sheet(files: Sequence[Path], sheet: Path) -> None:
-    """Put pictures of scenes side by side onto one, each with its title."""
+    """Write a contact sheet of pictures of scenes, each with its title."""
     from PIL import Image, ImageDraw, ImageFont
 
     titles = {scene.name: scene.title for scene in shipped_scenes()}

@@ -1,4 +1,4 @@
-"""Value function of a learning avatar, drawn to a picture in the run folder while it learns."""
+"""Value function of a learning avatar, drawn as a table into the run folder during a session."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ _DEEDS = ("approach", "retreat", "step aside", "wait", "beckon", "point")
 _CELL = (96.0, 34.0)
 _LEFT, _TOP = 250.0, 76.0
 _DIGITS = 2
-"""Of a value, as it is printed."""
+"""Decimal places of a printed value."""
 _DARKEST = 0.6
-"""Opacity of the best cell: its number is still read."""
+"""Opacity of the cell with the largest value, at which its number is still legible."""
 
 
 class ValuePicture:
-    """Renews the picture every five seconds of the session.
+    """Draws the picture every five seconds of a session.
 
     Args:
-        session: Whose learning system it is; of another kind it draws nothing.
+        session: The session; nothing is drawn unless its learning system is a `StepAgent`.
     """
 
     def __init__(self, session: Session) -> None:
@@ -40,15 +40,15 @@ class ValuePicture:
         self._path = session.folder / _NAME
 
     def look(self, frames: Frames) -> None:
-        """A frame is over."""
+        """Draw after a frame where the picture is due."""
         if self._agent is not None and frames.number % _EVERY == 0:
             draw_values(self._agent.table.values, self._path)
 
 
 def draw_values(values: NDArray[np.float64], path: Path) -> None:
-    """Values [states, deeds] as a table whose cells are the darker the more a deed is worth; the best has a frame.
+    """Draw values, shape [states, actions], as a table; larger values are darker, and the largest of a state is framed.
 
-    None has where several read alike: of a state that was not met yet nothing is known.
+    A state whose largest value is not unique as printed has no frame: it was not visited yet.
     """
     width, height = _CELL
     low, span = float(values.min()), float(np.ptp(values)) or 1.0
@@ -62,7 +62,7 @@ def draw_values(values: NDArray[np.float64], path: Path) -> None:
             shade = f"{_DARKEST * (value - low) / span:.3f}"
             parts.append(element("rect", class_="dot", x=x, y=y, width=width, height=height, fill_opacity=shade))
             parts.append(word(x + 0.5 * width, y + 0.62 * height, f"{value:.{_DIGITS}f}", "name", "middle"))
-    for i, row in enumerate(values.round(_DIGITS)):  # over all cells: the next row would cover its lower edge
+    for i, row in enumerate(values.round(_DIGITS)):  # after all cells, which would cover the lower edge of the frame
         best = np.flatnonzero(row == row.max())
         if len(best) > 1:
             continue
@@ -70,14 +70,14 @@ def draw_values(values: NDArray[np.float64], path: Path) -> None:
         parts.append(element("rect", class_="ring", x=x, y=y, width=width, height=height))
     whole = (_LEFT + len(names) * width + 20.0, _TOP + len(values) * height + 40.0)
     foot = [
-        "Distance towards the place [m] that each deed is expected to bring, of this and later steps. Framed: the best "
-        "one; none where several are alike."
+        "Expected distance towards the place [m] of each action, in this and later steps. Framed: the best action; "
+        "none where several are equal."
     ]
     write_atomically(path, str(document(*whole, "What the avatar has learnt", parts, foot)).encode())
 
 
 def _state(i: int) -> str:
-    """A state in words."""
+    """Return a state in words."""
     borders = ("0", *(f"{gap:g}" for gap in GAPS))
     count = len(GAPS) + 1
     k = i % count

@@ -1,4 +1,4 @@
-"""Keys for the picture of a live run: overlay and saved pictures; and the end of a run whose picture is lost."""
+"""Keys for the picture of a live run (overlay, saved pictures, page of keys), and the end of a run that lost it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _BEGIN = ("Enter or click", "begin")
 
 
 class ViewKeys:
-    """Reads the window's events once a frame."""
+    """Handles the window's events once a frame."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
@@ -37,7 +37,7 @@ class ViewKeys:
         self._introduces = session.window is not None
 
     def step(self, frames: Frames) -> None:
-        """Before a frame is drawn: put layers of the overlay on, take a picture, lay out forces."""
+        """Before a frame is drawn: switch layers of the overlay, save a picture, update the arrows of forces."""
         picture, events = self._session.picture, self._session.inputs.frame.events
         if picture is None:
             return
@@ -51,7 +51,7 @@ class ViewKeys:
             picture.renderer.overlay.arrows = self._arrows.of(frames.snapshot, frames.events, now_ns)
 
     def _show_keys(self, picture: Picture, orders: TaskOrders, *, asked: bool) -> None:
-        """The page of keys: before the first trial on its own, later when it is requested."""
+        """Show the page of keys: before the first trial automatically, later on request."""
         if self._introduces:
             view = orders.view
             picture.keys = (*self._page, _BEGIN) if view.reading else self._page
@@ -61,8 +61,8 @@ class ViewKeys:
         elif asked:
             picture.keys = () if picture.keys else self._page
 
-    def give_up(self, error: MimicsError) -> None:
-        """The picture cannot be had any more: the session ends in order, and says so."""
+    def end_without_picture(self, error: MimicsError) -> None:
+        """Report that the picture is lost, and let the session end in order."""
         session = self._session
         session.trouble = f"the picture is lost: {error}"
         session.recorder.journal("picture", {"lost": str(error)})
@@ -72,7 +72,7 @@ class ViewKeys:
             session.picture = session.window = None
 
     def _keep(self) -> None:
-        """Write the frame that is on the glass into the run's folder."""
+        """Write the displayed frame into the run folder."""
         picture = self._session.picture
         assert picture is not None
         self._kept += 1

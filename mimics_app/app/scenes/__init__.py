@@ -1,3 +1,3 @@
-"""Scenes as every command reads them, and which scenario plays which."""
+"""Reading and checking of scenes, and the choice of their scenarios."""
 
 __all__: list[str] = []

@@ -1,6 +1,6 @@
-"""Where a scene file is: the file itself, or the installation's one of that name. It imports no stage.
+"""Search for a scene file by path or by the name of a shipped scene.
 
-A command asks here before it imports compiled code and graphics: a name that leads nowhere is refused at once.
+It imports no stage: commands search before they import compiled code and graphics, so that a wrong name fails at once.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ __all__ = ["find_scene"]
 
 
 def find_scene(path: Path) -> Path:
-    """The scene file itself, or the installation's one of that name (scenes/wavy_tunnel.json, free_objects).
+    """Return the path itself, or the shipped scene that it names (scenes/wavy_tunnel.json, free_objects).
 
     Raises:
-        SceneError: neither is there, or what is there is no file that could be read.
+        SceneError: Neither exists, or the path is no regular file.
     """
-    if os.path.isfile(path):  # False, too, where no file could have this name
+    if os.path.isfile(path):  # False, without an error, for names that no file can have
         return path
     shipped = _shipped(path)
     if shipped is not None:
@@ -39,7 +39,7 @@ def find_scene(path: Path) -> Path:
 
 
 def _shipped(path: Path) -> Path | None:
-    """The installation's scene that is requested by its name, or by its place below `scenes`."""
+    """Return the shipped scene named by `path`, or by its place below `scenes`; None where there is none."""
     scene = find_shipped(path.stem) if path.suffix in ("", ".json") else None
     if scene is None:
         return None

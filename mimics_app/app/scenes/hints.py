@@ -1,4 +1,4 @@
-"""What in a scene without a fault is likely not meant: lengths in millimetres, misspelt triggers, what nobody feels."""
+"""Hints on a scene without faults: likely mistakes, such as lengths in millimetres or misspelt triggers."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ from mimics_app.world.scene.scene import Scene
 __all__ = ["hints"]
 
 _WIDEST = 10.0
-"""Width of what is touched above which it was likely written in another unit [m]; robots reach about one."""
+"""Width of an object above which its unit is likely another one [m]; robots reach about 1 m."""
 
 _FARTHEST = 2.0
-"""Distance from the middle of a robot's reach beyond which nothing is felt [m]."""
+"""Distance from the centre of the workspace beyond which nothing is felt [m]."""
 
 _TRIGGERS = ("contact", "contact_end", "impact", "start", "goal", "step", *(state.name.lower() for state in TrialState))
-"""Triggers of the loop, the task and walkers; models and scenarios have more, so that others are no fault."""
+"""Triggers of the loop, the task and walkers. Models and scenarios have more, so an unknown name is no fault."""
 
 _ALIKE = 0.75
-"""Likeness above which a name is taken for a misspelt one, as in difflib."""
+"""Similarity above which a name is taken as misspelt, as defined in difflib."""
 
 
 def hints(scene: Scene) -> list[Issue]:
-    """What to look at again in a scene that passed every check, each with its place."""
+    """Return the hints on a scene that passed every check, each with its JSON pointer."""
     return [*_triggers(scene), *_sizes(scene), *_out_of_reach(scene)]
 
 
@@ -58,8 +58,8 @@ def _triggers(scene: Scene) -> list[Issue]:
 def _sizes(scene: Scene) -> list[Issue]:
     return [
         scene.issue(pointer, f'"{name}" is {2.0 * radius:g} m wide', "lengths are metres")
-        for name, thing, pointer in scene.components(HapticObject)
-        if 2.0 * (radius := _radius(scene, name, thing)) > _WIDEST
+        for name, body, pointer in scene.components(HapticObject)
+        if 2.0 * (radius := _radius(scene, name, body)) > _WIDEST
     ]
 
 
@@ -67,20 +67,20 @@ def _out_of_reach(scene: Scene) -> list[Issue]:
     if not scene.components(Robot):
         return []
     reach = Reach(scene.one(Robot)[1])
-    middle = reach.points(0.5 * (np.array(reach.limits.lowest) + np.array(reach.limits.highest)))[0]
+    centre = reach.points(0.5 * (np.array(reach.limits.lowest) + np.array(reach.limits.highest)))[0]
     found = []
-    for name, thing, pointer in scene.components(HapticObject):
+    for name, body, pointer in scene.components(HapticObject):
         place = pose_of(scene, name)[0]
-        away = float(np.linalg.norm(reach.from_world(place) - middle)) - _radius(scene, name, thing)
+        away = float(np.linalg.norm(reach.from_world(place) - centre)) - _radius(scene, name, body)
         if away > _FARTHEST:
             what = f'"{name}" is {away:.1f} m from where the robot is: nobody feels it'
             found.append(scene.issue(pointer, what, "move it or the robot (robot_to_world)"))
     return found
 
 
-def _radius(scene: Scene, name: str, thing: HapticObject) -> float:
-    """Of a ball about the entity that holds all of its shapes but triangles [m]."""
-    return max(_radius_of(shape) for shape in shapes_of(scene, name, thing))
+def _radius(scene: Scene, name: str, body: HapticObject) -> float:
+    """Return the radius of the sphere about the entity's origin that contains its shapes, except for meshes [m]."""
+    return max(_radius_of(shape) for shape in shapes_of(scene, name, body))
 
 
 def _radius_of(shape: Solid) -> float:

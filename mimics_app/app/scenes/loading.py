@@ -1,7 +1,7 @@
-"""Scenes as the application reads them: one validator with every stage's own checks, for `check` and `run` alike.
+"""Reading and checking of scenes, the same for every command.
 
-What the files themselves say is checked first, without compiled code: a scene with a fault in it is refused at once,
-and not after kernels were imported, or compiled. A scene without one meets what the stages know of it.
+The files are checked first, without compiled code, so that a faulty scene is rejected before kernels are imported or
+compiled. Then the stages check a scene whose files are right.
 """
 
 from __future__ import annotations
@@ -18,40 +18,39 @@ __all__ = ["check_scene", "load_checked_scene", "read_scene"]
 
 
 def load_checked_scene(path: Path | str, before: Scene | None = None) -> Scene:
-    """Read a scene and everything it names, and check what no single stage can.
+    """Read a scene with the files it names, and check it.
 
     Args:
-        path: The scene file, or a shipped scene's name.
-        before: The scene it replaces, see `load_scene`.
+        path: The scene file, or the name of a shipped scene.
+        before: The scene that it replaces, see `load_scene`.
 
     Raises:
-        SceneError: every fault found in the files, or else every one that a stage has found, each with file and JSON
-            pointer.
-        DeviceError: the scene's robot has a device that nobody has.
+        SceneError: Every fault of the files, else every fault that a stage has found, each with file and JSON pointer.
+        DeviceError: The device of the scene's robot does not exist.
     """
     return check_scene(read_scene(path, before))
 
 
 def read_scene(path: Path | str, before: Scene | None = None) -> Scene:
-    """The first half of `load_checked_scene`, which imports no compiled code: what the files say of themselves.
+    """Do the first half of `load_checked_scene`, the check of the files, which imports no compiled code.
 
     Raises:
-        SceneError: every fault found in the files.
+        SceneError: Every fault of the files.
     """
     return load_scene(find_scene(Path(path)), before=before)
 
 
 def check_scene(scene: Scene) -> Scene:
-    """The second half: the same scene, if the stages find no fault in it.
+    """Do the second half of `load_checked_scene`: return the scene if the stages find no fault in it.
 
     Raises:
-        SceneError: every fault that a stage has found.
-        DeviceError: the scene's robot has a device that nobody has.
+        SceneError: Every fault that a stage has found.
+        DeviceError: The device of the scene's robot does not exist.
     """
     from mimics_app.app.scenes.stage_checks import check_stages
 
     issues = check_stages(scene)
     if issues:
         raise SceneError(issues)
-    scene.read.clear()  # what is checked is not yet made use of
+    scene.read.clear()  # components read by the checks are not in use yet
     return scene

@@ -1,4 +1,4 @@
-"""The scenes that come with the product: their names, groups, what each takes and how long. Reads JSON and no more."""
+"""Shipped scenes: name, group, what a person needs for each, and its duration, read from JSON without other imports."""
 
 from __future__ import annotations
 
@@ -24,31 +24,31 @@ __all__ = [
 ]
 
 ONLY_LOOKED_AT = "none"
-"""What a scene gives as its scenario when nothing is to be done in it."""
+"""Scenario of a scene without a task, which is only looked at."""
 
 GROUPS = {"tasks": "Tasks", "examples": "Examples", "places": "Places"}
-"""What there is to do, what shows one thing each, and what is only looked at."""
+"""Title of each group: scenes with a task, examples of one feature each, scenes that are only looked at."""
 
 _FIRST = ("wavy_tunnel", "pick_and_place", "guided_walk")
 
 _SECONDS = 60.0
-"""Time of a trial where a scene says nothing [s], as `tasks.task.TaskSpec.time_limit_s`; a test compares them."""
+"""Default duration of a trial [s], the same as `tasks.task.TaskSpec.time_limit_s` (a test compares them)."""
 
 _ANSWER_S, _PROBE_S = 10.0, 20.0
-"""How long people take, about, to answer an item of a questionnaire, and to point at where they feel they are [s]."""
+"""Typical time for an item of a questionnaire, and for the localisation probe [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class ShippedScene:
-    """A scene of the installation.
+    """A scene of the installation; its fields are the keys of `mimics scenes --json`.
 
     Attributes:
-        name: By which every command finds it, e.g. "free_objects".
-        file: Where it is.
-        title, description: Of the scene, in a person's words.
+        name: Name by which every command finds it, e.g. "free_objects".
+        file: The scene file.
+        title, description: Title and description of the scene for people.
         group: One of GROUPS.
-        takes: What a person plays it with.
-        lasts: How many trials, and how long at most; "" where nothing is to be done.
+        takes: Body part or tracker that a person plays it with.
+        lasts: Number of trials and longest duration; "" without a task.
     """
 
     name: str
@@ -59,22 +59,10 @@ class ShippedScene:
     takes: str
     lasts: str
 
-    def as_dict(self) -> dict[str, object]:
-        """Plain values for `mimics scenes --json`."""
-        return {
-            "name": self.name,
-            "file": self.file,
-            "title": self.title,
-            "description": self.description,
-            "group": self.group,
-            "takes": self.takes,
-            "lasts": self.lasts,
-        }
-
 
 @cache
 def shipped_scenes() -> tuple[ShippedScene, ...]:
-    """All of them: tasks first, then examples, then places; what people begin with before the others, by name."""
+    """Return all shipped scenes: tasks, examples, places; in each group those of `_FIRST`, then the others by name."""
     found = [_describe(file) for file in _files()]
     groups = list(GROUPS)
     return tuple(sorted(found, key=lambda scene: (groups.index(scene.group), *_rank(scene.name))))
@@ -85,12 +73,12 @@ def _rank(name: str) -> tuple[int, str]:
 
 
 def find_shipped(name: str) -> ShippedScene | None:
-    """The scene of a name, with or without its folder and ending; None where there is none."""
+    """Return the shipped scene of a name; None where there is none."""
     return next((scene for scene in shipped_scenes() if scene.name == name), None)
 
 
 def is_only_looked_at(file: Path) -> bool:
-    """Whether a scene file says that nothing is to be done in it; False of one that cannot be read."""
+    """Whether a scene file has no task and is only looked at; False where the file cannot be read."""
     try:
         document = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -99,7 +87,7 @@ def is_only_looked_at(file: Path) -> bool:
 
 
 def thumbnail_of(name: str) -> Path:
-    """Where the picture of a shipped scene lies."""
+    """Return the file of a shipped scene's thumbnail."""
     return root() / "assets" / "pictures" / "scenes" / f"{name}.jpg"
 
 
@@ -132,7 +120,7 @@ def _takes(document: Mapping[str, Any]) -> str:
 
 
 def _lasts(task: Mapping[str, Any]) -> str:
-    """Trials that count, and the longest that all of them take with their rests."""
+    """Return the number of counted trials, and the longest duration of all trials with their rests."""
     blocks = task.get("trials") or [{}]
     if isinstance(blocks, str):
         return "its own trials"
@@ -153,7 +141,7 @@ def _lasts(task: Mapping[str, Any]) -> str:
 
 
 def _experiment(cord: Mapping[str, Any]) -> list[float]:
-    """How long each condition of an experiment takes [s]: its parts, and as long as people take to answer."""
+    """Return the duration of each condition of an experiment [s]: its phases, and a typical time for the answers."""
     answers = _ANSWER_S * len((cord.get("questionnaire") or {}).get("items", ()))
     return [
         float(condition.get("baseline_s", 5.0)) + float(condition.get("duration_s", 60.0)) + _PROBE_S + answers

@@ -1,4 +1,4 @@
-"""What stages know of a scene whose files are in order: robots, force fields, paths, and what the robot reaches."""
+"""Checks by the stages of a scene whose files are right: robots, force fields, paths, and the robot's reach."""
 
 from __future__ import annotations
 
@@ -38,13 +38,14 @@ _OF_COMPONENTS: tuple[tuple[type[msgspec.Struct], Callable[[Any, str, Scene], li
     (ForceField, check_field_count),
     (ForceField, check_field),
 )
-"""Checks of single components, each with the type it is of."""
+"""Checks of single components, with the type of the component."""
 
 _REACH_CHECKS = 100
+"""Number of points along a tunnel whose reachability is checked."""
 
 
 def check_stages(scene: Scene) -> list[Issue]:
-    """Every fault that only a stage can see; those of the scene as a whole where its components have none."""
+    """Return the faults that only a stage can find; those of the whole scene only where its components have none."""
     return check_components(scene) or [
         *_check_learning(scene),
         *_check_widest_tunnel(scene),
@@ -55,7 +56,7 @@ def check_stages(scene: Scene) -> list[Issue]:
 
 
 def check_components(scene: Scene) -> list[Issue]:
-    """What of it single components have."""
+    """Return the faults of single components."""
     return [
         issue
         for kind, check in _OF_COMPONENTS
@@ -65,7 +66,7 @@ def check_components(scene: Scene) -> list[Issue]:
 
 
 def _check_sounds(scene: Scene) -> list[Issue]:
-    """Sounds that cannot be made; a scene without any imports nothing of their stage."""
+    """Return the faults of sounds; a scene without sounds imports nothing of their stage."""
     if not scene.has(Sound):
         return []
     from mimics_app.rendering.audio.scene_sounds import check_sound
@@ -74,7 +75,7 @@ def _check_sounds(scene: Scene) -> list[Issue]:
 
 
 def _check_learning(scene: Scene) -> list[Issue]:
-    """A policy, a goal and an estimator that the task names must be there."""
+    """Check that the policy, the goal and the estimator that the task names exist."""
     task = scene.section(TaskSpec)
     if task is None:
         return []
@@ -92,10 +93,10 @@ def _check_learning(scene: Scene) -> list[Issue]:
 
 
 def _reach_of(scene: Scene) -> Reach:
-    """What the scene's robot reaches.
+    """Return the reach of the scene's robot.
 
     Raises:
-        DeviceError: with the place of a device that nobody has.
+        DeviceError: Its device does not exist; the error has file and JSON pointer.
     """
     _, robot, pointer = scene.one(Robot)
     try:
@@ -106,7 +107,7 @@ def _reach_of(scene: Scene) -> Reach:
 
 
 def _check_widest_tunnel(scene: Scene) -> list[Issue]:
-    """The task may widen a tunnel only as far as its tightest bend allows (radius x curvature below 1)."""
+    """Check that the task widens no tunnel beyond what its tightest bend allows (radius x curvature below 1)."""
     task = scene.section(TaskSpec)
     if task is None or not scene.components(Tunnel):
         return []
@@ -127,14 +128,14 @@ def _check_widest_tunnel(scene: Scene) -> list[Issue]:
 
 
 def _check_reach(scene: Scene) -> list[Issue]:
-    """The robot must reach the bisector of the task's own tunnel, or the person would push against its end stops."""
+    """Check that the robot reaches the bisector of the task's own tunnel, short of its end stops."""
     if not scene.components(Tunnel) or not scene.components(Robot):
         return []
     pointer = scene.one(Robot)[2]
     curve, _ = tunnel_of_scene(scene, own_tunnel(scene))
     reach = _reach_of(scene)
-    for arc in np.linspace(0.0, curve.length, _REACH_CHECKS):
-        point = curve.point(curve.parameter_at(arc))[0]
+    arcs = np.linspace(0.0, curve.length, _REACH_CHECKS)
+    for arc, point in zip(arcs, curve.point(curve.parameter_at(arcs)), strict=True):
         if not reach.reaches(point):
             what = f"the robot does not reach the tunnel {arc:.3f} m from its start, at {_place(point)}"
             return [scene.issue(f"{pointer}/robot_to_world", what, "move the robot or the tunnel")]
@@ -142,7 +143,7 @@ def _check_reach(scene: Scene) -> list[Issue]:
 
 
 def _check_carry_reach(scene: Scene) -> list[Issue]:
-    """The robot must reach the mark, and whatever lies below where the thing falls from."""
+    """Check that the robot reaches the mark, and the surface below the box that the object falls from."""
     task = scene.section(TaskSpec)
     carry = None if task is None else carry_of(task)
     if carry is None or not scene.components(Robot):

@@ -1,3 +1,3 @@
-"""A session: the objects one run owns, and their construction."""
+"""A session: the objects of one run, their construction, one frame, and their replay."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""The left half of Figure 1 in one session: signals, their processing, the person's state, the learning system."""
+"""Left half of D2.1 Figure 1 in one session: body signals, processing, the person's state, the learning system."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ __all__ = ["Body", "make_stages", "open_body"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:
-    """The parts.
+    """The stages and their sources.
 
     Attributes:
-        sources: Recorders of signals.
-        dsp: Signals to features.
-        estimation: Features to state.
-        learning: State, result and reward to actions.
-        goal: What the learning system is rewarded for.
-        header: What a recording must say for a replay to make the same stages, see `make_stages`.
+        sources: Sources of signals.
+        dsp: Stage from signals to features.
+        estimation: Stage from features to state.
+        learning: Stage from state, result and reward to actions.
+        goal: Reward function of the learning system.
+        header: Entry of the recording from which a replay makes the same stages, see `make_stages`.
     """
 
     sources: tuple[SignalSource, ...] = ()
@@ -44,17 +44,17 @@ class Body:
 
 
 def open_body(settings: RunSettings, task: TaskSpec, preset: str = "") -> Body:
-    """Return the stages that a run requests, and null stages elsewhere.
+    """Return the stages that a run requests; null stages for the others.
 
     Args:
-        settings: Of the run.
-        task: Its parameters' defaults filled in.
-        preset: Of the simulated patient: a simulated body without one of its own takes it.
+        settings: Settings of the run.
+        task: The task; the defaults of its parameters have been filled in.
+        preset: Preset of the simulated patient, which a simulated body without a preset takes.
 
     Raises:
-        SceneError: the action file, or a file of signals, is wrong.
-        UsageError: no such policy, goal, estimator or source.
-        DeviceError: the source cannot be had.
+        SceneError: The action file, or a file of signals, is faulty.
+        UsageError: A policy, goal, estimator or source does not exist.
+        DeviceError: The source is not available.
     """
     body = Body()
     learn = "" if settings.action is not None else settings.learn or task.learn
@@ -67,37 +67,37 @@ def open_body(settings: RunSettings, task: TaskSpec, preset: str = "") -> Body:
 
 
 def make_stages(header: Mapping[str, object]) -> Body:
-    """Signal processing, estimation, learning and goal as a header says, without sources.
+    """Return signal processing, estimation, learning and goal by a header, without sources.
 
     Raises:
-        UsageError: no such policy, goal or estimator.
+        UsageError: The policy, goal or estimator does not exist.
     """
     from mimics_app.dsp.stage import PhysioDsp
     from mimics_app.estimation.registry import build_estimation
     from mimics_app.learning.goals import build_goal
 
-    said = msgspec.convert(header, _Header)
+    read = msgspec.convert(header, _Header)
     learning: Learning = NullLearning()
-    if said.learn:
+    if read.learn:
         from mimics_app.learning.agent import Agent
         from mimics_app.learning.registry import check_policy
         from mimics_app.learning.stepwise import StepAgent
 
-        check_policy(said.learn)
+        check_policy(read.learn)
 
-        space = ActionSpace(said.parameters)
+        space = ActionSpace(read.parameters)
         stepped = next((p for p in space if p.kind == "avatar" and p.step > 0.0), None)
-        learning = StepAgent(said.learn, stepped, said.seed) if stepped else Agent(said.learn, space, said.seed)
+        learning = StepAgent(read.learn, stepped, read.seed) if stepped else Agent(read.learn, space, read.seed)
     try:
-        goal = build_goal(said.goal)
+        goal = build_goal(read.goal)
     except ValueError as error:
         raise UsageError(str(error)) from error
     return Body(
         dsp=PhysioDsp(),
-        estimation=build_estimation(said.estimator, said.baseline_s),
+        estimation=build_estimation(read.estimator, read.baseline_s),
         learning=learning,
         goal=goal,
-        header=msgspec.to_builtins(said),
+        header=msgspec.to_builtins(read),
     )
 
 
@@ -110,7 +110,7 @@ class _Header(msgspec.Struct, frozen=True):
     baseline_s: float
     parameters: list[Parameter]
     estimator: str = "fusion"
-    """What recordings without the word were made with."""
+    """Default: the estimator of recordings without this entry."""
 
 
 def _header(settings: RunSettings, task: TaskSpec, learn: str) -> Mapping[str, object]:
@@ -127,7 +127,7 @@ def _header(settings: RunSettings, task: TaskSpec, learn: str) -> Mapping[str, o
 
 
 def _sources(settings: RunSettings, preset: str) -> tuple[SignalSource, ...]:
-    """The movement, and where body signals were requested, those."""
+    """Return the source of the movement, and that of body signals where one was requested."""
     from mimics_app.inputs.physio.movement import Movement
 
     if not settings.physio:

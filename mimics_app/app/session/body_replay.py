@@ -1,4 +1,4 @@
-"""Replay of the left half of Figure 1: recorded signals and results pass the stages again, every output is compared."""
+"""Replay of the left half of D2.1 Figure 1: stages process recorded signals and results again; outputs are compared."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ _COMPARED = ("features", "person", "choice")
 
 @dataclass(frozen=True, slots=True)
 class BodyReplay:
-    """What was compared.
+    """Result of the comparison.
 
     Attributes:
-        features, states, choices: How many of each.
-        difference: The first that came out otherwise, in words; "" where all are equal.
+        features, states, choices: Number of each that was compared.
+        difference: The first difference, in words; "" where all are equal.
     """
 
     features: int
@@ -44,18 +44,18 @@ class _Lines:
         self.kept: dict[str, list[dict[str, Any]]] = defaultdict(list)
 
     def journal(self, kind: str, data: Mapping[str, object]) -> None:
-        """Keep a line, through the very text it would be."""
+        """Keep a line as it is read from its text."""
         self.kept[kind].append(msgspec.json.decode(encode_line("app", kind, data)))
 
     def signals(self, rows: Sequence[SignalRow]) -> None:
-        """They are what is replayed."""
+        """Do nothing: signals are the input of the replay."""
 
 
 def replay_body(run: Run) -> BodyReplay | None:
-    """Compare; None where the run measured nothing and adapted nothing.
+    """Replay and compare; None where the run neither measured nor adapted.
 
     Raises:
-        PartialDataError: frames or signals are missing.
+        PartialDataError: Frames or signals are missing.
     """
     header = run.session.get("body")
     if not isinstance(header, dict):
@@ -80,10 +80,10 @@ def replay_body(run: Run) -> BodyReplay | None:
 
 
 def _frames(run: Run) -> Iterator[tuple[int, int, list[SignalBlock]]]:
-    """Number, time and blocks of each frame.
+    """Yield number, time [ns] and signal blocks of each frame.
 
     Raises:
-        PartialDataError: one is missing.
+        PartialDataError: A frame is missing.
     """
     blocks: dict[int, list[SignalBlock]] = defaultdict(list)
     for row in run.signals:

@@ -1,7 +1,7 @@
-"""Builds a session: processes first, then the haptic loop, then the picture.
+"""Construction of a session: processes first, then the haptic loop, then the picture.
 
-Spawned children inherit the niceness of the moment, and a software renderer's workers that of the thread that makes the
-GL context; so the order here is what keeps the haptic loop in time.
+The order keeps the haptic loop in time: child processes inherit the priority of the thread that starts them, and the
+workers of a software renderer that of the thread that creates the OpenGL context, and `start_loop` lowers it.
 """
 
 from __future__ import annotations
@@ -28,26 +28,25 @@ __all__ = ["build_session", "start_loop"]
 def build_session(settings: RunSettings, *, live: bool, read: Scene | None = None) -> Session:
     """Load the scene, build the loop and the stages, start the recorder and the sound. Nothing moves yet.
 
-    A device with a time of its own makes the session live, whatever was requested.
-
-    What can be wrong with files and devices is found before the first process starts and the run folder is made.
+    A device that runs in real time makes the session live, even where `live` is False. Faults of files and devices are
+    found before the first process starts and the run folder is created.
 
     Args:
-        settings: What was asked for.
+        settings: Settings of the run.
         live: Whether the haptic loop is to run in real time.
         read: The scene, where it was read before; see `prepare`.
 
     Raises:
-        SceneError: the scene or the action file is wrong.
-        DeviceError: the robot cannot be had.
-        UsageError: no room for the recording.
+        SceneError: The scene or the action file is faulty.
+        DeviceError: The robot is not available.
+        UsageError: The disk has no room for the recording.
     """
     parts = prepare(settings, live=live, read=read)
     with ExitStack() as stack:
         stack.callback(parts.plugin.close)
         parts.parameter_store.fit(device_values(parts.plugin, parts.scene))
         session = _assemble(parts, stack)
-        if session.live:  # the virtual clock waits for room in the rings, and begins meanwhile
+        if session.live:  # on the virtual clock the loop waits for room in the buffers instead
             session.recorder.wait_until_ready()
         session.trackers.start()
         session.on_close = stack.pop_all()
@@ -56,7 +55,7 @@ def build_session(settings: RunSettings, *, live: bool, read: Scene | None = Non
 
 
 def _assemble(parts: Preparation, stack: ExitStack) -> Session:
-    """Start recorder and sound; the stack releases them after a failure."""
+    """Start the recorder and the sound; the stack stops them after a failure."""
     memory = parts.side.memory(parts.plugin)
     folder = create_run_folder(parts.settings.runs, parts.settings.seconds or 0.0)
     recorder = _start_recorder(parts, memory, folder)
@@ -76,7 +75,7 @@ def _start_recorder(parts: Preparation, memory: SessionMemory, folder: Path) -> 
 
 
 def start_loop(session: Session) -> str:
-    """Start the live haptic loop and make way for it; the recipe granted, in words."""
+    """Start the live haptic loop, lower the priority of this thread, and return the scheduling that was granted."""
     granted = session.haptics.start()
     if granted.lower_main:
         scheduler.lower_this_thread()

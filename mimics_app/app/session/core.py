@@ -1,6 +1,6 @@
-"""Core of every session: the haptic side, the scenario, and the stages of Figure 1.
+"""Core of every session: the haptic side, the scenario, and the stages of D2.1 Figure 1.
 
-A run adds a recorder, a sound and a picture; a still, a point of a sweep, a warm-up and a test do without.
+A run adds recorder, sound and picture; a still, a point of a sweep, a warm-up and a test use the core alone.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class SessionCore:
         memory: Memory shared by the loop and its readers.
         recorder: Recorder of the session, or a null object.
         sound: Sound of the session, or a null object.
-        folder: Of the run, None where nothing is kept.
+        folder: Run folder, None where nothing is kept.
 
     Attributes:
         side: Haptic objects of the scene, as they were when the loop was built.
@@ -123,7 +123,7 @@ class SessionCore:
 
     def begin(self) -> None:
         """Send the first parameters to the recorder, then to the loop."""
-        self.parameter_store.hand_to(self.recorder.parameters, self.haptics.publish)
+        self.parameter_store.send_to(self.recorder.parameters, self.haptics.publish)
 
     def stop(self) -> None:
         """End the task and the loop, and close the device; a second call does nothing."""
@@ -150,7 +150,7 @@ def open_core(parts: Preparation, recorder: Callable[[SessionMemory], RecorderPo
     """Return a session without processes, sound or picture, ready for its first frame.
 
     Args:
-        parts: What it is made of.
+        parts: Parts of the session.
         recorder: Creates the recorder of the session.
 
     Raises:

@@ -8,7 +8,7 @@ from typing import Any
 
 import msgspec
 
-from mimics_app.app.planner.explain import describe_plan
+from mimics_app.app.planner.explain import explain_plan
 from mimics_app.app.session.preparation import Preparation
 from mimics_app.rendering.haptic.devices.address import split_device
 from mimics_app.rendering.haptic.devices.device_names import POINTER, REPLAY
@@ -20,7 +20,7 @@ __all__ = ["describe_session"]
 
 
 def describe_session(parts: Preparation) -> dict[str, Any]:
-    """Scene, seed, who moved it, limits, settings, task, plan: as plain objects of JSON."""
+    """Return scene, seed, device and person, limits, settings, task and plan as plain objects of JSON."""
     scene, settings = parts.scene, parts.settings
     return {
         "scene": {
@@ -46,12 +46,12 @@ def describe_session(parts: Preparation) -> dict[str, Any]:
         "task": task_record(parts.task, parts.context),
         "facts": parts.scenario.facts,
         **({"body": parts.body.header} if parts.body.header else {}),
-        "plan": describe_plan(scene, parts.plan.without_picture if parts.live else parts.plan),
+        "plan": explain_plan(scene, parts.plan.without_picture if parts.live else parts.plan),
     }
 
 
 def _kind(parts: Preparation) -> dict[str, str]:
-    """The device whose joints a replayed recording is of."""
+    """Return the kind of device of a replayed recording."""
     planned = (parts.scene.first(Robot) or Robot()).device
     return {"kind": planned} if split_device(parts.robot.device).name == REPLAY else {}
 

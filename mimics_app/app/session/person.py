@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 __all__ = ["person_inputs"]
 
 _LEAST_HALF = 0.1
-"""Of the plane in which the cursor moves, where a device reaches less [m]."""
+"""Smallest half width and half height of the plane of the cursor [m]."""
 
 
 def person_inputs(session: Session) -> Inputs:
-    """The input stage of a window; the cursor moves in the frontal plane through the robot's centre.
+    """Return the input stage of a window; the cursor moves in the frontal plane through the robot's centre.
 
-    On a robot with a time of its own the person leads by the robot, and the mouse by nothing but its stops: one who is
-    simulated, on an emulated robot, does what the screen requests.
+    With a robot that runs in real time the person moves the robot, and only the stops of the mouse count; the simulated
+    person of an emulated robot follows the target of the scene.
     """
     picture = session.picture
     if picture is None:
@@ -45,28 +45,28 @@ def person_inputs(session: Session) -> Inputs:
 
 
 class _WindowAndHands:
-    """The window of a picture, and the buttons of controllers that its display has."""
+    """The window of a picture, and the controllers of its display."""
 
     def __init__(self, picture: Picture) -> None:
         self._picture = picture
 
     @property
     def gamepad(self) -> GamepadState:
-        """Of the window."""
+        """Gamepad of the window."""
         return self._picture.surface.gamepad
 
     def poll(self) -> Sequence[InputEvent]:
-        """Events of both since the last call; a controller's button is let go at once."""
+        """Return the events of both since the last call; a controller's button has no release event."""
         names = self._picture.presenter.display.take_pressed()
         return [*self._picture.surface.poll(), *(InputEvent("pad", name, pressed=True) for name in names)]
 
 
 def _half_sizes(reach: Reach) -> tuple[float, float]:
-    """How far from its middle the robot reaches sideways and up [m]."""
+    """Return the reach of the robot sideways and up from the centre of its workspace [m]."""
     highest = np.array(reach.limits.highest)
     if not reach.descriptor.polar:
-        middle, corner = reach.points(0.5 * (np.array(reach.limits.lowest) + highest))[0], reach.points(highest)[0]
-        away = np.maximum(np.abs(corner - middle), _LEAST_HALF)
+        centre, corner = reach.points(0.5 * (np.array(reach.limits.lowest) + highest))[0], reach.points(highest)[0]
+        away = np.maximum(np.abs(corner - centre), _LEAST_HALF)
         return float(away[1]), float(away[2])
     aside = reach.points(np.array([0.0, highest[1], 0.0]))[0]
     return float(aside[1]), float(highest[2])

@@ -1,4 +1,7 @@
-"""Parts of a session before anything starts: faults of files and devices are found here."""
+"""Preparation of a session: its parts are made and the device opened, before a process starts or anything moves.
+
+Faults of files and devices are found here.
+"""
 
 from __future__ import annotations
 
@@ -11,10 +14,10 @@ from numpy.typing import NDArray
 from mimics_app.app.planner.plan import Plan, settle
 from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import check_scene
-from mimics_app.app.session.asked import as_long_as_asked, read_asked
 from mimics_app.app.session.body import Body, open_body
+from mimics_app.app.session.requested import read_requested, with_requested_trials
 from mimics_app.app.settings import RunSettings
-from mimics_app.app.touch.device_fit import check_shape, fit_context
+from mimics_app.app.touch.device_fit import check_shape, feel_of
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.loop_ports import DevicePlugin
@@ -38,22 +41,22 @@ __all__ = ["Preparation", "prepare", "prepare_scene"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Preparation:
-    """The parts.
+    """Parts of a session.
 
     Attributes:
-        settings: What was requested.
+        settings: Settings of the run.
         live: True when the haptic loop will run in real time.
-        scene: The checked scene, its plan settled.
-        plan: Which methods run, and why.
-        world: Built from the scene.
-        scenario: What plays it.
-        side: What of it can be touched.
-        parameter_store: Its haptic parameters.
-        task: The task, its trial file read and its parameters' defaults taken from the scene.
-        body: Signals of the person, their state, and what chooses the task's actions.
-        robot: The scene's, with the device of this run.
-        patient: The scene's, with the preset of this run.
-        plugin: The device, open: whoever has the parts closes it.
+        scene: The checked scene, with the methods of the plan.
+        plan: The methods that run, and why.
+        world: The world built from the scene.
+        scenario: The scenario of the scene.
+        side: The haptic objects of the scene.
+        parameter_store: The haptic parameters.
+        task: The task; its trial file has been read, and its parameters' defaults taken from the scene.
+        body: Body signals, their processing, the estimated state, and the learning system.
+        robot: The scene's robot, with the device of this run.
+        patient: The scene's simulated patient, with the preset of this run.
+        plugin: The device, open; the owner of the parts closes it.
     """
 
     settings: RunSettings
@@ -73,9 +76,9 @@ class Preparation:
     @property
     def context(self) -> TaskContext:
         """Context of the task: the scene, the device, and the person or simulated patient."""
-        context = fit_context(self.scenario.task_context, self.plugin)
         return replace(
-            context,
+            self.scenario.task_context,
+            feel=feel_of(self.plugin),
             simulated=not self.live,
             by_pointer=self.robot.device == POINTER,
             introduced=self.live and self.settings.journey is not None,
@@ -85,33 +88,33 @@ class Preparation:
 def prepare(settings: RunSettings, *, live: bool, read: Scene | None = None) -> Preparation:
     """Read the scene, plan it, and open the device. Nothing moves, no process runs, and nothing is written.
 
-    A device with a time of its own makes the session live, whatever was requested.
+    A device that runs in real time makes the session live, even where `live` is False.
 
     Args:
-        settings: What was asked for.
+        settings: Settings of the run.
         live: Whether the haptic loop is to run in real time.
-        read: What `read_asked` gave for these settings; None: it is asked here.
+        read: Result of `read_requested` for these settings; None: the scene is read here.
 
     Raises:
-        SceneError: the scene, the action file or the file of the display is wrong.
-        UsageError: the session has no such trial.
-        DeviceError: the robot cannot be had.
+        SceneError: The scene, the action file or the file of the display is faulty.
+        UsageError: The session has no such trial.
+        DeviceError: The robot is not available.
     """
-    return prepare_scene(check_scene(read or read_asked(settings)), settings, live=live)
+    return prepare_scene(check_scene(read or read_requested(settings)), settings, live=live)
 
 
 def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, plan: Plan | None = None) -> Preparation:
-    """As `prepare`, of a checked scene that is there already.
+    """Do the same as `prepare` with a scene that is checked already.
 
     Args:
-        scene: What is played.
-        settings: What was requested.
+        scene: The scene to be played.
+        settings: Settings of the run.
         live: Whether the haptic loop is to run in real time.
-        plan: What runs; None: what the planner chooses for the profile.
+        plan: The methods that run; None: those that the planner chooses for the profile.
 
     Raises:
-        SceneError: the action file is wrong.
-        DeviceError: the robot cannot be had.
+        SceneError: The action file is faulty.
+        DeviceError: The robot is not available.
     """
     plan = settle(scene, settings.profile, plan)
     world = build_world(scene)
@@ -120,7 +123,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     side = HapticSide(scene)
     store = side.parameter_store(scenario.scene_block())
     task = fill_defaults(resolve_files(task_of(scene), scene.path.parent, scene.root), store.value)
-    task = as_long_as_asked(eased(task, settings.difficulty), settings)
+    task = with_requested_trials(eased(task, settings.difficulty), settings)
     robot, patient = _who_moves(settings, scene, live=live)
     body = open_body(settings, task, patient.preset)
     points, objects = scenario.via_points_world, side.for_robot(robot)
@@ -149,9 +152,9 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
 
 
 def _who_moves(settings: RunSettings, scene: Scene, *, live: bool) -> tuple[Robot, Patient]:
-    """The robot and the simulated person of this run: the scene's, with what the settings say over it.
+    """Return the robot and the simulated patient of this run: the scene's, with device and preset of the settings.
 
-    A person at a window takes the place of the simulated one.
+    In a window the pointer replaces the simulated device.
     """
     robot, patient = scene.first(Robot) or Robot(), scene.first(Patient) or Patient()
     if settings.patient:
@@ -161,5 +164,5 @@ def _who_moves(settings: RunSettings, scene: Scene, *, live: bool) -> tuple[Robo
 
 
 def _recorded(settings: RunSettings) -> NDArray[Any] | None:
-    """Samples for the replay device, where a recording was named."""
+    """Return the samples for the replay device; None without a recording."""
     return None if settings.recording is None else Run.open(settings.recording).haptic

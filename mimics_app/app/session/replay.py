@@ -1,4 +1,4 @@
-"""Replay of a recorded session: the loop from the inputs of every tick, the task from the inputs of every frame."""
+"""Replay of a recorded session: the haptic loop from the inputs of each tick, the task from those of each frame."""
 
 from __future__ import annotations
 
@@ -56,10 +56,10 @@ class PlayedAgain:
 
 
 def play_loop(run: Run, data: ReplayData) -> Replayed:
-    """Every tick again, with what each frame saw of it.
+    """Simulate every tick again; the result has the snapshots that the frames read.
 
     Raises:
-        PartialDataError: What the loop was given once is not whole.
+        PartialDataError: The static data of the loop are damaged.
     """
     statics = _statics(data)
     seen = [line["tick"] for line in run.lines_of("app", "frame") if isinstance(line.get("tick"), int)]
@@ -77,10 +77,10 @@ def _statics(data: ReplayData) -> ObjectStatics | None:
 
 
 def _kinematics(session: Mapping[str, Any]) -> Kinematics:
-    """Of the device that was recorded; runs that name none are of a HapticMaster's kind.
+    """Return the kinematics of the recorded device; runs without its name are of a HapticMaster.
 
     Raises:
-        DeviceError: Its plug-in is not installed here.
+        DeviceError: The plug-in of the device is not installed.
     """
     moved_by = session.get("moved_by")
     name = moved_by.get("kind") or moved_by.get("device") if isinstance(moved_by, dict) else None
@@ -88,14 +88,14 @@ def _kinematics(session: Mapping[str, Any]) -> Kinematics:
 
 
 def play_task(run: Run, snapshots: Mapping[int, HapticSnapshot]) -> tuple[dict[str, int] | None, TaskDifference | None]:
-    """The task again, on what the replayed loop showed its frames.
+    """Do the task again with the snapshots of the replayed loop, and compare its output.
 
     Returns:
-        How many "events" and "rows" were compared, and the first that differs. None and None for a recording that does
-        not say what its task was given, as those of earlier versions.
+        Numbers of the compared "events" and "rows", and the first difference. None and None for a recording without the
+        inputs of its task, as those of earlier versions.
 
     Raises:
-        PartialDataError: What it says of its task or of a frame is missing or damaged.
+        PartialDataError: The record of the task or of a frame is missing or damaged.
     """
     if "task" not in run.session:
         return None, None
@@ -115,7 +115,7 @@ def play_task(run: Run, snapshots: Mapping[int, HapticSnapshot]) -> tuple[dict[s
 
 
 def _first_trial(session: Mapping[str, Any]) -> int:
-    """Trial that the session began with, 0 first."""
+    """Return the first trial of the session, 0 first."""
     settings = session.get("settings")
     first = settings.get("from_trial", 1) if isinstance(settings, dict) else 1
     return max(0, first - 1) if isinstance(first, int) else 0
@@ -129,15 +129,15 @@ def play_again(
     end_ns: int | None,
     first_trial: int = 0,
 ) -> PlayedAgain:
-    """Give a task the frames it had.
+    """Do a task again with its recorded frames.
 
     Args:
         spec: The task.
-        context: What it knew of its scene.
-        seed: Of the session.
-        frames: From the first on.
-        end_ns: When the session was ended; None where it never was.
-        first_trial: It began with, 0 first.
+        context: Context of the task.
+        seed: Seed of the session.
+        frames: All frames in order.
+        end_ns: Time at which the session was ended [ns]; None where it was not.
+        first_trial: First trial, 0 first.
     """
     again = PlayedAgain()
     manager = TaskManager(

@@ -13,12 +13,17 @@ from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.trips import Trip, TripReader
 from mimics_app.rendering.haptic.histogram import LatenessReport
 
-__all__ = ["SafetyWatch"]
+__all__ = ["SafetyWatch", "hold_message"]
 
 _QUIET_TICKS = 5 * TICKS_PER_SECOND
 """Shortest time between two reported holds [ticks]: a busy machine holds again and again."""
 
 _PAUSED = "Paused: this computer is too busy. It resumes on its own"
+
+
+def hold_message(state: int) -> str:
+    """Return the text over the picture in a short hold, by SafetyState; "" in other states."""
+    return _PAUSED if state == SafetyState.DEGRADED else ""
 
 
 class SafetyWatch:
@@ -56,11 +61,6 @@ class SafetyWatch:
 
     def _say(self, trip: Trip, kind: str) -> None:
         self._report(f"{trip.seconds:.3f} s: {kind}: {trip.what}; {trip.advice}")
-
-    @staticmethod
-    def message(state: int) -> str:
-        """Return the text over the picture in a SafetyState; "" where the task's own line says enough."""
-        return _PAUSED if state == SafetyState.DEGRADED else ""
 
     def summary(self, state: int, late: LatenessReport) -> dict[str, Any]:
         """Return `safety` of a run's answer: last state, stops and holds, and cause and time of the last of them.

@@ -1,4 +1,4 @@
-"""Everything one run owns, and the order in which it ends."""
+"""Session of one run: its core with recorder, sound and picture, and the order in which they end."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ __all__ = ["Session"]
 
 
 class Session(SessionCore):
-    """One run: its scene, its stages, its shared memory, its record.
+    """One run.
 
     Args:
-        parts: What it is made of.
-        memory: Shared with recorder and sound.
-        recorder: Its process is on its way up.
-        sound: Opening.
+        parts: Parts of the session.
+        memory: Memory shared with recorder and sound.
+        recorder: The recorder; its process is starting.
+        sound: The sound, starting.
 
     Attributes:
-        folder: Of the run.
-        picture: None while nothing is drawn.
-        governor: None while no frame has to keep time.
-        film: Where its film goes, None while there is none.
-        window: What was drawn on, kept open for what comes after the session; None: it closes with the picture.
-        trouble: Why it ends before its time though nobody requested it, "" while it does not.
-        on_close: What must be released if the run ends before `finish`.
+        folder: Run folder.
+        picture: The picture; None while nothing is drawn.
+        governor: Governor of the frame time; None where the frame time is free.
+        film: File of the video; None without one.
+        window: Window that stays open for the page of results; None: it closes with the picture.
+        trouble: Reason of an early end that nobody requested; "" for none.
+        on_close: Cleanup of a run that ends before `finish`.
     """
 
     recorder: Recorder
@@ -59,14 +59,14 @@ class Session(SessionCore):
         self.on_close = ExitStack()
 
     def show(self, picture: Picture) -> None:
-        """Take a picture to draw from now on, into a film where one is wanted."""
+        """Draw on a picture from now on, with a video where one is requested."""
         self.picture = picture
         self.shown_by(picture.presenter)
         if self.settings.video is not None:
             self.on_close.callback(picture.start_film(self.settings.video, live=self.live).finish)
 
     def end_stages(self) -> AudioReport | None:
-        """Stop touch, picture and sound, in that order; the recorder still runs."""
+        """Stop the haptic loop, the picture and the sound, in this order; the recorder still runs."""
         self.stop()
         if self.picture is not None:
             self.film = None if self.picture.film is None else self.picture.film.place
@@ -91,5 +91,5 @@ class Session(SessionCore):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Release whatever `finish` did not: a run that failed leaves no process and no moving robot behind."""
+        """Stop the processes and the robot of a run that failed before `finish`."""
         self.on_close.close()

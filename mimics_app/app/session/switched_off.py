@@ -1,4 +1,4 @@
-"""Interfaces of the recorder and the sound of a session, and null objects for where they are switched off."""
+"""Interfaces of the recorder and the sound of a session, and the null objects that stand for them when switched off."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["NullRecorder", "NullSound", "RecorderPort", "SoundPort"]
 
 
 class RecorderPort(Protocol):
-    """Recorder of a running session; see `recording.recorder.Recorder`."""
+    """Recorder of a running session, as `recording.recorder.Recorder`; by default it writes nothing."""
 
     @property
     def problem(self) -> str:
@@ -49,35 +49,35 @@ class RecorderPort(Protocol):
 
     def journal(self, kind: str, data: Mapping[str, object]) -> None:
         """Write an event as a line of the journal."""
-        ...
+        return
 
     def parameters(self, block: NDArray[Any], rows: Rows | None = None) -> None:
         """Write a SCENE record, shape [1], and its rows."""
-        ...
+        return
 
     def trial(self, row: Mapping[str, Any]) -> None:
         """Write the row of an attempt."""
-        ...
+        return
 
     def signals(self, rows: Sequence[SignalRow]) -> None:
         """Write blocks of body signals."""
-        ...
+        return
 
 
 class SoundPort(Protocol):
-    """Sound of a session; see `cues.sound_stage.SoundStage`."""
+    """Sound of a session, as `cues.sound_stage.SoundStage`; by default silence."""
 
     def step(self, orders: TaskOrders, world: World, now_ns: int) -> None:
         """Play the sounds of one frame at session time `now_ns`."""
-        ...
+        return
 
     def stop(self) -> AudioReport | None:
         """Stop, and return the report; None where there is no sound."""
-        ...
+        return None
 
 
-class NullRecorder:
-    """Records nothing; the samples of the newest frame can be read until the next one begins.
+class NullRecorder(RecorderPort):
+    """Recorder that keeps nothing; the samples of the newest frame can be read until the next one begins.
 
     Args:
         memory: Of the session.
@@ -101,25 +101,6 @@ class NullRecorder:
         """Discard the samples not read."""
         ring.drain(self._memory.sample_words, self._memory.samples, self._drained)
 
-    def journal(self, kind: str, data: Mapping[str, object]) -> None:
-        """Write nothing."""
 
-    def parameters(self, block: NDArray[Any], rows: Rows | None = None) -> None:
-        """Write nothing."""
-
-    def trial(self, row: Mapping[str, Any]) -> None:
-        """Write nothing."""
-
-    def signals(self, rows: Sequence[SignalRow]) -> None:
-        """Write nothing."""
-
-
-class NullSound:
-    """No sound."""
-
-    def step(self, orders: TaskOrders, world: World, now_ns: int) -> None:
-        """Play nothing."""
-
-    def stop(self) -> AudioReport | None:
-        """Return no report."""
-        return None
+class NullSound(SoundPort):
+    """Silence, without a report."""

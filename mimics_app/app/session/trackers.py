@@ -1,4 +1,4 @@
-"""The trackers of a session, made from the scene."""
+"""Construction of the trackers of a session from its scene."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ TAPE = "trackers.jsonl"
 
 
 def make_hub(scene: Scene, clock: Clock, seed: int, folder: Path | None = None) -> TrackerHub:
-    """The trackers a scene requests; not listening yet.
+    """Return the trackers of a scene, not started yet.
 
     Args:
-        scene: Which.
-        clock: Of the session.
-        seed: Of a scripted person.
-        folder: Where a tape goes that the scene wants; None: nowhere.
+        scene: The scene.
+        clock: The session's clock.
+        seed: Seed of a scripted person.
+        folder: Folder for the tape that the scene requests; None: no tape.
 
     Raises:
-        SceneError: axes, calibration or a tape that cannot be.
+        SceneError: Axes, calibration or tape of a tracker are faulty.
     """
     settings = scene.system(TrackersSettings) or TrackersSettings()
     placed = []
@@ -55,11 +55,11 @@ def _source(scene: Scene, spec: TrackerSpec, pointer: str, clock: Clock, seed: i
         return ScriptedPerson(spec.name, seed)
     if spec.kind in ("pointer", "headset"):
         return PointerTracker(spec.name) if spec.kind == "pointer" else HeadsetTracker(spec.name)
-    return _of_a_line(spec, clock)
+    return _connected(spec, clock)
 
 
-def _of_a_line(spec: TrackerSpec, clock: Clock) -> TrackerSource:
-    """One that reports by a serial line or a network; the libraries of each are imported where a scene has it."""
+def _connected(spec: TrackerSpec, clock: Clock) -> TrackerSource:
+    """Return a tracker on a serial line or a network; its libraries are imported only where a scene has it."""
     if spec.kind in ("fastrak", "flock"):
         from mimics_app.inputs.trackers.serial_tracker import fastrak, flock_of_birds
 

@@ -17,7 +17,7 @@ class RecorderWatch:
 
     Args:
         recorder: Of the session.
-        report: Says a line to the person.
+        report: Shows a line to the person.
     """
 
     def __init__(self, recorder: RecorderPort, report: Callable[[str], None] = say) -> None:
@@ -46,9 +46,9 @@ class SignalWatch:
     """Reports a source of body signals that is lost or back; the session goes on.
 
     Args:
-        sources: Of the session; one that can be lost says why in its `lost`, "" while it is there.
-        recorder: Keeps a line of each change.
-        report: Says a line to the person.
+        sources: Sources of the session; one that can be lost has an attribute `lost`: the reason, "" while it is there.
+        recorder: Recorder of each change.
+        report: Shows a line to the person.
     """
 
     def __init__(self, sources: Sequence[SignalSource], recorder: RecorderPort, report: Callable[[str], None]) -> None:
@@ -69,8 +69,8 @@ class DeviceWatch:
     """Reports faults of the device in the recording, on the terminal, and over the picture.
 
     Args:
-        device: Of the loop.
-        recorder: Keeps a line of each change.
+        device: Device of the loop.
+        recorder: Recorder of each change.
     """
 
     def __init__(self, device: DevicePlugin, recorder: RecorderPort) -> None:

@@ -1,4 +1,4 @@
-"""The page of a study."""
+"""Page of a study: means by condition, timing of the taps, and the subjects, as one HTML file."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 
 from mimics_app.app.study.subjects import SubjectRun
 from mimics_app.app.study.tables import Row, summarise_conditions
+from mimics_app.contracts.plural import counted
 from mimics_app.plotting.templates import load_templates
 
 __all__ = ["write_page"]
@@ -21,11 +22,12 @@ def write_page(file: Path, title: str, runs: Sequence[SubjectRun], trials: Seque
     environment = load_templates(Path(__file__).parent / "templates")
     environment.filters["cell"] = _cell
     conditions = summarise_conditions(trials, _MEASURES)
+    finished = sum(row["n"] for row in conditions)
     page = environment.get_template("study.html.j2").render(
         title=title,
         measures=_MEASURES,
         conditions=conditions,
-        finished=sum(row["n"] for row in conditions),
+        size=f"{counted(len(runs), 'subjects')}, {counted(finished, 'finished trials')}",
         taps=[_tap_line(label, taps) for label in dict.fromkeys(str(row.get("condition")) for row in taps)],
         subjects=[_subject_line(run, trials) for run in runs],
     )

@@ -36,11 +36,11 @@ class SubjectRun:
 
 
 def find_run(subject: int, folder: Path) -> SubjectRun:
-    """A run that was made before, with the seed it was made with.
+    """Return an existing run, with its seed.
 
     Args:
-        subject: Number.
-        folder: Of the run.
+        subject: Number of the subject.
+        folder: Run folder.
     """
     try:
         session = json.loads((folder / "session.json").read_text(encoding="utf-8"))
@@ -64,32 +64,32 @@ def run_subject(
     """
     report(f"subject {subject}, seed {seed}")
     command = [sys.executable, "-m", "mimics_app", "run", str(scene), "--headless", "--json", "--seed", str(seed)]
-    code, answered, complaint = _followed([*command, "--runs", str(runs), *extra], f"subject {subject}, ", report)
+    code, stdout, stderr = _run_reporting([*command, "--runs", str(runs), *extra], f"subject {subject}, ", report)
     try:
-        answer = json.loads(answered)
+        answer = json.loads(stdout)
     except json.JSONDecodeError:
-        last = (complaint.strip().splitlines() or [f"exit code {code}"])[-1]
+        last = (stderr.strip().splitlines() or [f"exit code {code}"])[-1]
         return SubjectRun(subject, seed, None, last)
     problem = "" if code == 0 else f"exit code {code}"
     return SubjectRun(subject, seed, Path(answer["run_dir"]) if "run_dir" in answer else None, problem)
 
 
-def _followed(command: list[str], before: str, report: Callable[[str], None]) -> tuple[int, str, str]:
+def _run_reporting(command: list[str], before: str, report: Callable[[str], None]) -> tuple[int, str, str]:
     """Run a session and report its trials; return its exit code, stdout and stderr."""
     with tempfile.TemporaryDirectory(prefix="mimics-study-") as folder:
-        log, said = Path(folder) / "journey.jsonl", ""
+        log, reported = Path(folder) / "journey.jsonl", ""
         log.touch()
         with subprocess.Popen(
             [*command, "--journey", str(log)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         ) as child:
             while True:
                 try:
-                    answered, complaint = child.communicate(timeout=_LOOK_EVERY_S)
+                    stdout, stderr = child.communicate(timeout=_LOOK_EVERY_S)
                 except subprocess.TimeoutExpired:
-                    answered = None
+                    stdout = None
                 trial = str(read_journey(log).get("trial", ""))
-                if trial != said:
-                    said = trial
+                if trial != reported:
+                    reported = trial
                     report(before + trial)
-                if answered is not None:
-                    return child.returncode, answered, complaint
+                if stdout is not None:
+                    return child.returncode, stdout, stderr

@@ -1,3 +1,3 @@
-"""`mimics sweep`: the experiments it can run, and what a worker does."""
+"""`mimics sweep`: its experiments, and the job of a worker."""
 
 __all__: list[str] = []

@@ -8,11 +8,11 @@ from mimics_app.lab.sweep.quantity import SweepExperiment
 __all__ = ["NAMES", "find_experiment"]
 
 NAMES = ("wall_stability", "patient", *catalogue.NAMES)
-"""Names of the experiments: of walls, of patients, and of the stability experiments S1 to S16."""
+"""Names of the experiments: walls, patients, and the stability experiments S1 to S16."""
 
 
 def find_experiment(name: str) -> SweepExperiment | None:
-    """The experiment of a name, or None."""
+    """Return the experiment of a name; None where there is none."""
     if name == "wall_stability":
         from mimics_app.lab.sweep.wall_stability import EXPERIMENT
 

@@ -1,6 +1,6 @@
-"""Sweep experiment: a simulated patient plays a trial of a scene, through the real loop and task manager.
+"""Sweep experiment: a simulated patient plays a trial of a scene with the haptic loop and the task manager.
 
-Every point is one trial (the last one of the scene's list) on the virtual clock, without processes, picture or sound.
+Every point is one trial, the last one of the scene's list, on the virtual clock, without processes, picture and sound.
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ def _load(file: Path) -> Scene:
 
 
 def _scene_file(name: str, folder: Path) -> Path:
-    """A scene beside the sweep file, else one as every command finds it."""
+    """Return a scene file beside the sweep file, else the one that every command finds by the name."""
     beside = folder / name
     return beside.resolve() if os.path.isfile(beside) else find_scene(Path(name))
 
 
 def _last_trial(task: TaskSpec) -> TaskSpec:
-    """A task, its trial file read, with its last trial alone."""
+    """Return a task, whose trial file has been read, with its last trial alone."""
     blocks = [block for block in task.trials if isinstance(block, BlockSpec)]
     if not blocks:
         return task
@@ -58,19 +58,19 @@ def _last_trial(task: TaskSpec) -> TaskSpec:
 def travel(
     scene: Scene, preset: str, seed: int, action: Mapping[str, float], *, profile: Profile, seconds: float
 ) -> dict[str, Any]:
-    """One trial of a scene by one simulated patient.
+    """Let a simulated patient play one trial of a scene.
 
     Args:
-        scene: Checked.
-        preset: Of the patient; "" keeps the scene's.
-        seed: Of patient, sensor and trial order.
-        action: Values of the task's parameters from the trial's beginning on.
-        profile: Whose tolerances hold.
+        scene: The checked scene.
+        preset: Preset of the patient; "" keeps the scene's.
+        seed: Seed of patient, sensor noise and trial order.
+        action: Values of the task's parameters from the beginning of the trial on.
+        profile: Profile whose tolerances hold.
         seconds: Longest simulated time [s].
 
     Returns:
         The row of the trial: `outcome`, `time_s`, `path_error_rms_m`, `contacts`, `smoothness`, `score` ...; {} where
-        it had not ended in time.
+        it did not end in time.
     """
     settings = RunSettings(scene.path, seed=seed, profile=profile, patient=preset)
     chosen = [TimedAction(0.0, TaskAction(dict(action), at_trial=0))] if action else []
@@ -107,7 +107,7 @@ def _results(row: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _check(values: Columns, file: Path) -> tuple[list[Issue], str]:
-    """Every scene is right and knows every action; the digest is that of the scenes."""
+    """Check every scene and its actions; return the faults, and the digest of the scenes."""
     issues, digest = list[Issue](), hashlib.sha256()
     for i, name in enumerate(values["scene"]):
         try:

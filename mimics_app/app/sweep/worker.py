@@ -1,4 +1,4 @@
-"""Job of a sweep worker: the same function computes a chunk here, in a process and on another machine."""
+"""Job of a sweep worker: the same callable computes a chunk in this process, in another one and on another machine."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.lab.sweep.points import points_between
 from mimics_app.lab.sweep.quantity import SweepExperiment
 from mimics_app.lab.sweep.spec import Sweep
-from mimics_app.lab.sweep.store import Piece, pack, source_digest
+from mimics_app.lab.sweep.store import Chunk, pack, source_digest
 
 __all__ = ["SweepJob"]
 
 
 @dataclass(frozen=True)
 class SweepJob:
-    """A sweep as it travels to a worker; calling it with a chunk computes that chunk.
+    """A sweep as it is sent to a worker; a call computes a chunk of it.
 
     Attributes:
-        text: The sweep, canonical.
-        folder: Of the sweep file: what names in it are relative to.
-        sources: Digest of the program that planned it.
+        text: Canonical text of the sweep.
+        folder: Folder of the sweep file, to which its file names are relative.
+        sources: Digest of the source code that planned the sweep.
     """
 
     text: str
@@ -42,8 +42,8 @@ class SweepJob:
         """Its experiment.
 
         Raises:
-            UsageError: This program has no such experiment.
-            DeviceError: This program has another version than the one that planned the sweep.
+            UsageError: There is no such experiment.
+            DeviceError: The sweep was planned by another version of the source code.
         """
         if source_digest() != self.sources:
             raise DeviceError("the worker runs another version of mimics_app", "install the same one everywhere")
@@ -52,11 +52,11 @@ class SweepJob:
             raise UsageError(f'there is no experiment "{self.sweep.experiment}"')
         return experiment
 
-    def __call__(self, piece: Piece) -> bytes:
-        """Compute one piece."""
-        values = points_between(self.sweep, self.experiment, *piece)
-        return pack(self.sweep, self.experiment, piece, values, self.experiment.run(values, Path(self.folder)))
+    def __call__(self, chunk: Chunk) -> bytes:
+        """Compute one chunk and return it packed."""
+        values = points_between(self.sweep, self.experiment, *chunk)
+        return pack(self.sweep, self.experiment, chunk, values, self.experiment.run(values, Path(self.folder)))
 
     def __getstate__(self) -> dict[str, str]:
-        """Return what is pickled: the text, not the objects decoded from it."""
+        """Return the pickled state: the text, without the objects decoded from it."""
         return {"text": self.text, "folder": self.folder, "sources": self.sources}

@@ -1,3 +1,3 @@
-"""What a command says: one JSON object for programs, lines and progress for people."""
+"""Input and output of commands: arguments, one JSON object for programs, lines and progress for people."""
 
 __all__: list[str] = []

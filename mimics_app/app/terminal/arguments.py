@@ -1,4 +1,4 @@
-"""Readers of the command line's values: each refuses in words what its command cannot do."""
+"""Converters of command-line values; each rejects a value out of range with a sentence."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from mimics_app.contracts.errors import UsageError
 
 __all__ = [
     "add_display_argument",
+    "display_forms",
     "file_to_write",
     "frame_count",
     "participant_code",
@@ -24,17 +25,18 @@ __all__ = [
 ]
 
 _MOST_DIGITS = 20
-"""More are no number that anything here could use, and take long to read."""
+"""Largest number of digits: larger numbers have no use, and conversion of very long ones takes seconds."""
 
 _LONGEST_CODE = 60
+"""Largest length of a participant code [characters]."""
 
 
 def whole_number(what: str, allowed: range) -> Callable[[str], int]:
-    """A reader of whole numbers.
+    """Return a converter of whole numbers.
 
     Args:
-        what: What it is, in the words of the refusal: "number of frames".
-        allowed: Those it takes.
+        what: Name of the number for the error message, e.g. "number of frames".
+        allowed: Numbers that are accepted.
     """
 
     def read(text: str) -> int:
@@ -54,7 +56,7 @@ def file_to_write(text: str) -> Path:
 
 
 def participant_code(text: str) -> str:
-    """A person's code in one form, however it was typed: without blanks about it, letters with accents composed."""
+    """Return a participant code in canonical form: without surrounding blanks, letters with accents composed (NFC)."""
     code = unicodedata.normalize("NFC", text).strip()
     if not code.isprintable() or len(code) > _LONGEST_CODE:
         raise ArgumentTypeError(f"a participant code has at most {_LONGEST_CODE} letters, on one line")
@@ -62,11 +64,11 @@ def participant_code(text: str) -> str:
 
 
 def real_number(what: str, fits: Callable[[float], bool]) -> Callable[[str], float]:
-    """A reader of numbers.
+    """Return a converter of real numbers.
 
     Args:
-        what: What it is, with its bounds: "share between 0 and 1".
-        fits: Whether one is taken; never asked about a text that is no number.
+        what: Name of the number with its bounds for the error message, e.g. "share between 0 and 1".
+        fits: Whether a number is accepted; false for NaN, which stands for any other text.
     """
 
     def read(text: str) -> float:
@@ -82,18 +84,17 @@ def real_number(what: str, fits: Callable[[float], bool]) -> Callable[[str], flo
 
 
 positive_time = real_number("time between 0 and 1e6 s", lambda seconds: 0.0 < seconds < 1e6)
-"""Reads a length of time [s]."""
+"""Converter of a length of time [s]."""
 
 random_seed = whole_number("seed", range(10**18))
-"""Reads a seed of everything random."""
-
+"""Converter of a seed."""
 
 frame_count = whole_number("number of frames", range(1, 100_001))
-"""Reads how many frames to draw."""
+"""Converter of a number of frames."""
 
 
 def picture_size(text: str) -> tuple[int, int]:
-    """A size like 1280x720 [px]."""
+    """Return width and height [px] of a size such as 1280x720."""
     width, _, height = text.partition("x")
     if not (width.isdigit() and height.isdigit() and 1 <= int(width) <= 8192 and 1 <= int(height) <= 8192):
         raise ArgumentTypeError(f"{text} is no picture size; write it like 1280x720")
@@ -101,16 +102,21 @@ def picture_size(text: str) -> tuple[int, int]:
 
 
 def add_display_argument(parser: ArgumentParser) -> None:
-    """The option --display."""
-    files = {"never": "", "may": "[:FILE]", "must": ":FILE"}
-    kinds = ", ".join(kind + files[wants] for kind, wants in DISPLAY_KINDS.items())
+    """Add the option --display."""
+    forms = ", ".join(display_forms().values())
     parser.add_argument(
-        "--display", type=_display_kind, default="", metavar="KIND[:FILE]", help=f"instead of the scene's: {kinds}"
+        "--display", type=_display_kind, default="", metavar="KIND[:FILE]", help=f"instead of the scene's: {forms}"
     )
 
 
+def display_forms() -> dict[str, str]:
+    """Return the kinds of display and the form in which --display takes each: KIND, KIND[:FILE] or KIND:FILE."""
+    files = {"never": "", "may": "[:FILE]", "must": ":FILE"}
+    return {kind: kind + files[wants] for kind, wants in DISPLAY_KINDS.items()}
+
+
 def _display_kind(text: str) -> str:
-    """KIND or KIND:FILE of a display; "" keeps the scene's."""
+    """Return KIND or KIND:FILE of a display; "" for the scene's."""
     if not text:
         return ""
     try:

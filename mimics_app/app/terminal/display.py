@@ -1,4 +1,4 @@
-"""Whether a window can be hoped for. Imports no graphics: commands ask before they do."""
+"""Check for a display server, without an import of graphics."""
 
 from __future__ import annotations
 
@@ -8,5 +8,5 @@ __all__ = ["has_display"]
 
 
 def has_display() -> bool:
-    """Whether this process has a display."""
+    """Whether this process has a display server (X11 or Wayland)."""
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

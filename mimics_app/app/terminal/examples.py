@@ -1,4 +1,4 @@
-"""What can be typed: the examples below each command's --help, in a block that is not wrapped."""
+"""Examples below each command's --help, in a block that is not wrapped."""
 
 from __future__ import annotations
 
@@ -48,11 +48,11 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("mimics assets levels model.glb --out models", "levels of detail for a model"),
     ),
 }
-"""By command: what is typed, and what comes of it."""
+"""Command lines and their meaning, by command."""
 
 
 def examples_of(command: str) -> str:
-    """The examples of a command as lines of text; "" where it has none."""
+    """Return the examples of a command as lines of text; "" where it has none."""
     rows = EXAMPLES.get(command, ())
     if not rows:
         return ""
@@ -61,7 +61,7 @@ def examples_of(command: str) -> str:
 
 
 class HelpFormatter(argparse.ArgumentDefaultsHelpFormatter):
-    """Shows defaults that say something; leaves blocks of examples as they are."""
+    """Formatter that shows defaults other than None, False and "", and does not wrap the examples."""
 
     def _get_help_string(self, action: argparse.Action) -> str | None:
         return action.help if action.default in (None, False, "") else super()._get_help_string(action)

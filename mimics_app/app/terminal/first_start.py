@@ -1,4 +1,4 @@
-"""The first start after a change of version compiles the kernels, which takes a minute or two: people are informed."""
+"""Messages of a cold start: the first start of a version compiles the kernels, which takes a minute or two."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from mimics_app.contracts.clock import Clock, MonotonicClock
 __all__ = ["CompileLine", "is_cold", "say_if_cold"]
 
 _USUAL = 350
-"""Functions that a first run of the wavy tunnel compiles; with haptic objects it is about twice as many."""
+"""Number of functions that a cold run of the wavy tunnel compiles; with haptic objects about twice as many."""
 
 _NS = 1_000_000_000
 _SOON_NS = 2 * _NS
-"""What takes less is not worth a word."""
+"""Compile time up to which no progress is shown [ns]."""
 _LINE_NS = 10 * _NS
-"""Time between two lines where nobody watches a terminal."""
+"""Time between two lines of progress where stderr is no terminal [ns]."""
 
 
 def say_if_cold(tell: Callable[[str], None] | None = None) -> None:
-    """Say on stderr that kernels are about to be compiled, where no machine code is kept yet, and how far that is.
+    """Report on stderr that the kernels will be compiled, where none are cached, and show the progress.
 
     Args:
-        tell: Called once a second with the same for the window that waits; None: none does.
+        tell: Receives the progress once a second, for the window that waits; None: there is none.
     """
     from mimics_app.contracts.kernel_cache import cache_folder, compile_listeners
 
@@ -36,17 +36,17 @@ def say_if_cold(tell: Callable[[str], None] | None = None) -> None:
 
 
 def is_cold(folder: Path | None) -> bool:
-    """Whether a cache folder holds no machine code; true of none at all, where every start compiles."""
+    """Whether a cache folder holds no machine code; True without a folder, where every start compiles."""
     return folder is None or next(folder.rglob("*.nbc"), None) is None
 
 
 class CompileLine:
-    """How many functions are compiled, of about how many: in place on a terminal, else a line every ten seconds.
+    """Number of compiled functions of about how many: in place on a terminal, else a line every ten seconds.
 
     Args:
-        stream: Where to write.
-        clock: Any.
-        tell: Called with the text at most once a second; None: nobody else waits.
+        stream: Stream to write to.
+        clock: Clock of the elapsed time.
+        tell: Receives the text at most once a second; None: no window waits.
     """
 
     def __init__(self, stream: TextIO, clock: Clock, tell: Callable[[str], None] | None = None) -> None:
@@ -57,7 +57,7 @@ class CompileLine:
         self._begun_ns = self._said_ns = self._told_ns = clock.now_ns()
 
     def count(self) -> None:
-        """One more function is compiled."""
+        """Count a compiled function."""
         now_ns = self._clock.now_ns()
         if self._done == 0:
             self._begun_ns = self._said_ns = self._told_ns = now_ns
@@ -74,7 +74,7 @@ class CompileLine:
         return f"{self._done}{f' of about {_USUAL}' if self._done <= _USUAL else ''} functions"
 
     def _write(self, now_ns: int) -> None:
-        if self._stream.closed:  # by whoever reads a command's messages and had enough
+        if self._stream.closed:  # by a caller that captured it
             return
         watched = self._stream.isatty()
         if not watched and now_ns - self._said_ns < _LINE_NS:

@@ -1,4 +1,4 @@
-"""What a command line of `mimics run` names is looked for before compiled code and graphics are imported."""
+"""Checks that the files, policies and estimators named on a command line exist, before compiled code is imported."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ __all__ = ["check_adaptation", "check_files"]
 
 
 def check_files(action: Path | None, display: str) -> None:
-    """Refuse a file of actions, and one of walls or a headset, that is not there.
+    """Check that the file of actions, and the file of the display, exist.
 
     Raises:
-        SceneError: With the file.
+        SceneError: A file is missing.
     """
     if action is not None and not action.exists():
         raise SceneError(Issue(str(action), "", "no such file", 'write actions there: [{"t": 5, "values": {..}}]'))
@@ -24,10 +24,10 @@ def check_files(action: Path | None, display: str) -> None:
 
 
 def check_adaptation(learn: str, goal: str, estimator: str) -> None:
-    """Refuse a policy, a goal and an estimator that are not there; "" is none.
+    """Check that a policy, a goal and an estimator exist; "" for none.
 
     Raises:
-        UsageError: With what there is.
+        UsageError: One does not exist; the message names those that do.
     """
     from mimics_app.estimation.registry import check_estimator
     from mimics_app.learning.goals import build_goal

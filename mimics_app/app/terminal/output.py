@@ -1,4 +1,4 @@
-"""What a command says to a program: with `--json` exactly one object on stdout, everything else on stderr.
+"""Answers of commands: lines of text, or with `--json` exactly one object on stdout and everything else on stderr.
 
 While a command runs with `--json`, stdout itself (the Python stream and file descriptor 1, which libraries and child
 processes write to) leads to stderr; only `write_object` reaches the real one.
@@ -10,7 +10,8 @@ import json
 import math
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from argparse import Namespace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
 from pathlib import PurePath
 from typing import Any, TextIO
@@ -19,6 +20,7 @@ from mimics_app.app.terminal.places import line_and_column
 from mimics_app.contracts.errors import Issue, all_sought, listed_issues, more_issues
 
 __all__ = [
+    "answer",
     "errors_of",
     "finite",
     "issue_lines",
@@ -31,7 +33,7 @@ __all__ = [
 
 
 class _ObjectStream:
-    """The one place a JSON object may go to, and whether one went there."""
+    """Stream of the one JSON object of a command, and whether it was written."""
 
     def __init__(self) -> None:
         self.stream: TextIO | None = None
@@ -43,7 +45,7 @@ _target = _ObjectStream()
 
 @contextmanager
 def reserved_stdout() -> Iterator[None]:
-    """Keep stdout for `write_object`; everything else written to stdout inside the block lands on stderr."""
+    """Reserve stdout for `write_object`; everything else written to stdout inside the context goes to stderr."""
     real = sys.stdout
     real.flush()
     saved = _divert_descriptor(real)
@@ -55,7 +57,7 @@ def reserved_stdout() -> Iterator[None]:
     finally:
         stream, _target.stream = _target.stream, None
         if saved is not None and stream is not None:
-            with suppress(OSError):  # its reader is gone or its disk full, which `write_object` reported
+            with suppress(OSError):  # the reader is gone or the disk full, as `write_object` has reported
                 sys.stderr.flush()
                 stream.flush()
             os.dup2(saved, 1)
@@ -64,7 +66,7 @@ def reserved_stdout() -> Iterator[None]:
 
 
 def _divert_descriptor(real: TextIO) -> int | None:
-    """Lead descriptor 1 to stderr and return a copy of what it was; None where stdout is no descriptor (a test)."""
+    """Redirect descriptor 1 to stderr and return a copy of it; None where stdout has no descriptor (in a test)."""
     try:
         if real.fileno() != 1 or sys.stderr.fileno() != 2:
             return None
@@ -76,8 +78,22 @@ def _divert_descriptor(real: TextIO) -> int | None:
 
 
 def say(text: str) -> None:
-    """Say a line to whoever watches the terminal."""
+    """Write a line of text for the person at the terminal, to stderr."""
     sys.stderr.write(f"mimics: {text}\n")
+
+
+def answer(args: Namespace, data: Mapping[str, Any], lines: Iterable[str]) -> None:
+    """Answer a command: with `--json` one object, else lines of text on stdout.
+
+    Args:
+        args: Arguments of the command.
+        data: Object of `--json`, see `write_object`.
+        lines: Lines of text, without their ends; not computed with `--json` where they are generated.
+    """
+    if args.json:
+        write_object(args.command, data)
+    else:
+        sys.stdout.writelines(f"{line}\n" for line in lines)
 
 
 def write_object(command: str, data: Mapping[str, Any], *, schema: str = "", version: int = 1) -> None:
@@ -108,9 +124,9 @@ def object_written() -> bool:
 
 
 def errors_of(issues: Sequence[Issue]) -> dict[str, Any]:
-    """Issues as keys of a JSON object: `errors`, the first of them, and `more_errors`, how many follow, if any.
+    """Return issues as keys of a JSON object: `errors`, the first ones, and `more_errors`, the number of any others.
 
-    `more_errors_at_least` is true beside it where not all were looked for.
+    `more_errors_at_least` is true where the search for errors ended early.
     """
     first, more = listed_issues(issues)
     rows = [{"file": i.file, "pointer": i.pointer, "what": i.what, "fix": i.fix, **_place(i)} for i in first]
@@ -120,30 +136,34 @@ def errors_of(issues: Sequence[Issue]) -> dict[str, Any]:
     return {"errors": rows, **counts}
 
 
+_CONTROLS = {code: f"\\x{code:02x}" for code in (*range(9), *range(11, 32), *range(127, 160))}
+"""What a name from a file or an argument must not do to a terminal: colour it, clear it, retitle it."""
+
+
 def issue_lines(issues: Sequence[Issue]) -> list[str]:
-    """Issues as lines for a terminal: the first of them, and the number of the rest."""
+    """Return issues as lines for a terminal: the first ones, and the number of the rest."""
     more = more_issues(issues)
-    lines = [f"mimics: {with_line(issue)}\n" for issue in listed_issues(issues)[0]]
+    lines = [f"mimics: {with_line(issue).translate(_CONTROLS)}\n" for issue in listed_issues(issues)[0]]
     return [*lines, f"mimics: {more}\n"] if more else lines
 
 
 def _place(issue: Issue) -> dict[str, int]:
-    """Line and column of an issue where they are known."""
+    """Return line and column of an issue where they are known."""
     found = line_and_column(issue)
     return {} if found is None else {"line": found[0], "column": found[1]}
 
 
 def with_line(issue: Issue) -> str:
-    """An issue in one line, with the line and column of its place where they are known."""
+    """Return an issue in one line, with line and column where they are known."""
     found = line_and_column(issue)
     return f"{issue}" if found is None else f"{issue} (line {found[0]}, column {found[1]})"
 
 
 def finite(value: object) -> Any:
-    """The value in the types JSON has; NaN and infinities, which it has not, become None.
+    """Return a value in the types of JSON; NaN and infinities become None.
 
     Raises:
-        TypeError: A value that is neither a container, a number, a text, a path nor an array.
+        TypeError: A value is neither a container, a number, a text, a path nor an array.
     """
     if isinstance(value, float):  # numpy.float64 is one too
         return float(value) if math.isfinite(value) else None
@@ -163,5 +183,5 @@ def finite(value: object) -> Any:
 
 
 def _printable(text: str) -> str:
-    """The text without half characters: names of files whose bytes are not UTF-8 have them."""
+    """Return a text without surrogates, which file names with bytes that are not UTF-8 have."""
     return text.encode("utf-8", "backslashreplace").decode()

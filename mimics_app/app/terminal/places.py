@@ -1,4 +1,4 @@
-"""Line and column of a fault, for people whose editor knows no JSON pointer."""
+"""Line and column of a fault in a JSON file, from its JSON pointer."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from mimics_app.contracts.errors import Issue
 __all__ = ["line_and_column"]
 
 _MOST_CHARACTERS = 400_000
-"""Longer files are not searched: a place in them would take too long to find."""
+"""Largest length of a searched file [characters]: the search in longer ones takes too long."""
 
 
 def line_and_column(issue: Issue) -> tuple[int, int] | None:
-    """Where the value of a fault, or the nearest one around it that is there, begins; each from 1.
+    """Return line and column, 1 first, of the value of a fault, or of the innermost existing value around it.
 
-    None where the fault has no pointer, or its file is no JSON text that can be read.
+    None where the fault has no pointer, or its file is no readable JSON text.
     """
     text = _text_of(issue.file) if issue.pointer else ""
     if not text:
@@ -33,7 +33,7 @@ def line_and_column(issue: Issue) -> tuple[int, int] | None:
 
 @lru_cache(maxsize=4)
 def _text_of(file: str) -> str:
-    """The text of a JSON file; "" for anything else."""
+    """Return the text of a JSON file; "" for any other file."""
     try:
         text = Path(file).read_text(encoding="utf-8-sig") if Path(file).is_file() else ""
         if not text or len(text) > _MOST_CHARACTERS:

@@ -1,4 +1,4 @@
-"""How far a command is, on a terminal; nothing where nobody watches."""
+"""Progress of a command on a terminal; nothing is written elsewhere."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ _WIDTH = 30
 
 
 def draw_bar(share: float) -> str:
-    """A bar and its percentage.
+    """Return a bar with its percentage.
 
     Args:
-        share: Done, 0 to 1.
+        share: Share that is done, 0 to 1.
     """
     filled = round(_WIDTH * share)
     return f"[{'#' * filled}{'.' * (_WIDTH - filled)}] {100 * share:3.0f} %"
 
 
 class ProgressBar:
-    """A bar over a known number of steps, each with a word of what is being done.
+    """A bar over a known number of steps, each with a caption.
 
     Args:
-        stream: Where to write; silent unless it is a terminal.
+        stream: Stream to write to; nothing is written unless it is a terminal.
         total: Number of steps.
-        done: Of these beforehand.
+        done: Number of steps that were done before.
     """
 
     def __init__(self, stream: TextIO, total: int, done: int = 0) -> None:
@@ -46,7 +46,7 @@ class ProgressBar:
             self._stream.flush()
 
     def step(self, word: str) -> None:
-        """Say what begins now; what was said before is done."""
+        """Show the caption of the step that begins; the previous step is done."""
         if self._shown:
             self._stream.write(f"\r\x1b[K{draw_bar(self._done / self._total)}  {word[:60]}")
             self._stream.flush()

@@ -1,4 +1,4 @@
-"""Small files that a person's account keeps from one start to the next, in the system's place for them."""
+"""Settings files of a user, kept from one start to the next in the system's folder for them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["config_folder", "read_config", "write_config"]
 
 
 def config_folder() -> Path:
-    """The folder of this program's settings; it may not be there yet."""
+    """Return the folder of this program's settings; it may not exist yet."""
     if sys.platform == "win32":
         return Path(os.environ.get("APPDATA") or Path.home() / "AppData" / "Roaming") / "mimics"
     if sys.platform == "darwin":
@@ -21,16 +21,16 @@ def config_folder() -> Path:
 
 
 def read_config(name: str) -> dict[str, object]:
-    """What a file holds; {} where there is none, or none that can be read: it is nothing but a convenience."""
+    """Return the contents of a file; {} where it is missing or cannot be read."""
     try:
         content = json.loads((config_folder() / f"{name}.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError, RuntimeError):  # the last: nested too deeply, or an account without a home
+    except (OSError, ValueError, RuntimeError):  # RuntimeError: nested too deeply, or an account without a home folder
         return {}
     return content if isinstance(content, dict) else {}
 
 
 def write_config(name: str, content: Mapping[str, object]) -> None:
-    """Keep it; a folder that cannot be written keeps nothing."""
+    """Write the contents of a file; nothing happens where the folder cannot be written."""
     try:
         folder = config_folder()
         folder.mkdir(parents=True, exist_ok=True)

@@ -1,3 +1,3 @@
-"""The haptic side of a scene: its memory, store and loop, and the loop played without a session."""
+"""The haptic side of a session: objects, memory, parameters, and values that depend on the device."""
 
 __all__: list[str] = []

@@ -3,57 +3,56 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from mimics_app.contracts.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import Controller
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.plural import counted
-from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.scene_block import impedance_values, kinematic_values
 from mimics_app.world.components.robot import Admittance, Impedance, Robot
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["check_shape", "device_values", "feel_of", "fit_context"]
+__all__ = ["check_shape", "device_values", "feel_of"]
+
+_TAKES_FORCES = ("force", "torque")
 
 
 def device_values(plugin: DevicePlugin, scene: Scene) -> Mapping[str, object]:
-    """SCENE fields that depend on the device: its joints, its delay, how it is driven, and whether late ticks latch."""
+    """Return the SCENE fields set by the device: joints, delay, kind of command, and whether late ticks latch."""
     values: dict[str, object] = {"device_delay": plugin.delay, "late_latches": int(not plugin.simulated)}
     values |= _joint_values(plugin, scene)
-    if plugin.follows in ("force", "torque"):
+    if plugin.follows in _TAKES_FORCES:
         values |= impedance_values(scene.first(Impedance) or Impedance())
-    elif plugin.follows != "velocity":  # no virtual mass moves with it whose energy could be controlled
+    elif plugin.follows != "velocity":  # it has no virtual mass whose energy could be controlled
         values["passivity"] = 0
     return values
 
 
 def feel_of(plugin: DevicePlugin) -> Controller:
-    """The controller under which the person leads."""
-    return Controller.IMPEDANCE if plugin.follows in ("force", "torque") else Controller.ADMITTANCE
+    """Return the controller with which the person moves the device."""
+    return Controller.IMPEDANCE if plugin.follows in _TAKES_FORCES else Controller.ADMITTANCE
 
 
 def _joint_values(plugin: DevicePlugin, scene: Scene) -> Mapping[str, object]:
-    """Parameters of a device that replaces the scene's own."""
-    robot = scene.first(Robot) or Robot()
-    planned, there = descriptor_of(robot.device), plugin.descriptor or HAPTICMASTER
-    if there is planned:
+    """Return the parameters of a device that replaces the scene's own."""
+    robot, descriptor = scene.first(Robot) or Robot(), plugin.descriptor or HAPTICMASTER
+    if descriptor is descriptor_of(robot.device):
         return {}
-    return kinematic_values(robot, there, scene.first(Admittance))
+    return kinematic_values(robot, descriptor, scene.first(Admittance))
 
 
 def check_shape(device: str, scene: Scene) -> None:
-    """Whether a device has joints and points of contact as the scene's own, before it is opened.
+    """Check, before a device is opened, that it has as many joints as the scene's own and the same points of contact.
 
     Args:
         device: NAME or NAME:ADDRESS.
-        scene: The scene it is to play.
+        scene: The scene to be played with it.
 
     Raises:
-        DeviceError: It has others.
+        DeviceError: It has other ones.
     """
     planned = (scene.first(Robot) or Robot()).device
     there, wanted = descriptor_of(device), descriptor_of(planned)
@@ -66,8 +65,3 @@ def check_shape(device: str, scene: Scene) -> None:
 
 def _describe(descriptor: DeviceDescriptor) -> str:
     return f"{counted(len(descriptor.joints), 'joints')} and touches with {', '.join(descriptor.contacts)}"
-
-
-def fit_context(context: TaskContext, plugin: DevicePlugin) -> TaskContext:
-    """Return the context of a task: its scene on this device."""
-    return replace(context, feel=feel_of(plugin))

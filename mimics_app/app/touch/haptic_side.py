@@ -1,4 +1,4 @@
-"""Haptic objects of a scene, prepared for a session: memory, rows of the parameter store, arrays of the loop."""
+"""Haptic objects of a scene, prepared for a session: shared memory, rows of the parameter store, arrays of the loop."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class HapticSide:
 
     @property
     def statics(self) -> Statics:
-        """Description for the recording, beside the parameters."""
+        """Arrays and force fields of the objects that a replay needs beside the parameters."""
         return Statics(self._statics.arrays, self._statics.fields)
 
     @property
@@ -52,7 +52,7 @@ class HapticSide:
         return self._objects.shape_entities
 
     def for_robot(self, robot: Robot) -> tuple[DeviceObject, ...]:
-        """Return the objects for a robot that renders them itself; unsupported ones are reported on stderr."""
+        """Return the objects that the robot renders itself; those it cannot render are reported on stderr."""
         if robot.settings.get("mode") != "objects":
             return ()
         shapes = self._objects.rows.shapes[: int(self._objects.counts[0]["shapes"])]
@@ -63,16 +63,16 @@ class HapticSide:
         return objects
 
     def memory(self, plugin: DevicePlugin) -> SessionMemory:
-        """Shared memory with room for them, and for what the device has."""
+        """Return shared memory with room for the objects and for the fields of the device."""
         extent = (plugin.descriptor or HAPTICMASTER).extent
         return SessionMemory(Capacities(objects=self._objects.capacities, extent=extent))
 
     def parameter_store(self, block: NDArray[Any]) -> ParameterStore:
-        """A store with the scene's parameter block and the rows of its objects."""
+        """Return a store with the scene's parameter block and the rows of its objects."""
         return ParameterStore(*self.parameters(block))
 
     def parameters(self, block: NDArray[Any]) -> tuple[NDArray[Any], Rows | None, Names]:
-        """The block with its objects counted, copies of their rows and the names of these; what a store takes."""
+        """Return the arguments of a `ParameterStore`: the block with the counts of objects, copies of rows, names."""
         if not any(count_rows(self._objects.counts[0]).values()):
             return block, None, {}
         block["objects"] = self._objects.counts[0]
@@ -80,12 +80,12 @@ class HapticSide:
         return block, rows, row_names(self._objects)
 
     def engine(self, memory: SessionMemory, plugin: DevicePlugin, *, recipe: str = "auto") -> HapticEngine:
-        """The loop over that memory and a device."""
+        """Return the haptic loop over a memory and a device."""
         if not self._some:
             return HapticEngine(memory, plugin, recipe=recipe)
         work = self._statics.work(memory.capacities.objects)
         return HapticEngine(memory, plugin, recipe=recipe, objects=work, fields=self._statics.functions())
 
     def fits(self, present: HapticSide, memory: SessionMemory) -> bool:
-        """Whether a session that runs with `present` in `memory` can take this one's rows."""
+        """Whether a session that runs with the objects of `present` in `memory` can take over these ones."""
         return fits(self._objects, memory.capacities.objects, present._objects)

@@ -1,4 +1,4 @@
-"""Reports what of a scene's objects the loop does not simulate: once on the terminal, and in the run's answer."""
+"""Report of the objects that the loop does not simulate: once on the terminal, and in the result of the run."""
 
 from __future__ import annotations
 
@@ -9,16 +9,17 @@ from numpy.typing import NDArray
 
 from mimics_app.app.terminal.output import say
 from mimics_app.contracts.haptic import EventKind
+from mimics_app.contracts.plural import counted
 
 __all__ = ["LossWatch"]
 
 
 class LossWatch:
-    """Looks for losses among the loop's events.
+    """Finds losses among the loop's events.
 
     Args:
         effect_entities: Id of the entity of each row of effects.
-        report: Says a line to the person.
+        report: Shows a line to the person.
     """
 
     def __init__(self, effect_entities: Sequence[str], report: Callable[[str], None] = say) -> None:
@@ -33,19 +34,19 @@ class LossWatch:
             if event["kind"] == EventKind.LEFT_OUT:
                 self._leave_out(int(event["force"]))
             elif event["kind"] == EventKind.QUARANTINE:
-                self._put_away(int(event["force"]))
+                self._quarantine(int(event["force"]))
 
     def summary(self) -> dict[str, Any]:
-        """Most pairs without room at once, and the ids of the force fields that were put away."""
+        """Return the largest number of pairs left out at once, and the ids of the force fields switched off."""
         return {"pairs_left_out": self._pairs, "fields_put_away": list(self._fields)}
 
     def _leave_out(self, pairs: int) -> None:
         if self._pairs == 0:
-            what = f"{pairs} pair{'' if pairs == 1 else 's'} of shapes near each other cannot be looked at"
-            self._report(f"{what}: they do not collide; spread the objects, or give them fewer shapes")
+            what = f"{counted(pairs, 'pairs')} of neighbouring shapes exceed the capacity of the collision test"
+            self._report(f"{what}: they do not collide; move the objects apart, or give them fewer shapes")
         self._pairs = max(self._pairs, pairs)
 
-    def _put_away(self, row: int) -> None:
+    def _quarantine(self, row: int) -> None:
         name = self._names[row] if row < len(self._names) else f"effect {row + 1}"
         self._report(f'the force field of "{name}" gave a number that is not finite: it acts no more')
         self._fields.append(name)

@@ -1,4 +1,4 @@
-"""The haptic parameters as the frame changes them: dotted names in, whole parameter blocks out."""
+"""Parameter store: the current haptic parameters, changed by dotted name and published as whole blocks."""
 
 from __future__ import annotations
 
@@ -17,22 +17,26 @@ __all__ = ["ParameterStore"]
 _PREFIX = "haptic."
 
 _DERIVED = frozenset(Rows._fields) - {"tunnels"}
-"""Tables from which the loop caches results until their revision changes."""
+"""Tables whose changes must raise the revision, because the loop caches results derived from them."""
 
 Receiver = Callable[[NDArray[Any], Rows | None], object]
+"""Takes a SCENE record, shape [1], and the tables of objects."""
+
+Record = np.void
+"""A record of a structured array; its fields are numbers or arrays."""
 
 
 class ParameterStore:
-    """Keeps the current parameters and hands a numbered block on whenever a value in it changes.
+    """The current parameters; a block with a new sequence number is sent whenever a value changes.
 
     A dotted name is a field of SCENE ("virtual_mass"), of the task's own tunnel ("tunnel.stiffness"), or of a row of a
     table by its entity ("bodies.apple.mass", "shapes.table.stiffness", "tunnels.left.radius_scale"). Limits are those
-    of the first block, `fit` to the device: what changes names none of them, and whole new parameters keep them.
+    of the first block after `fit`: no later change may name one, and `replace` keeps them.
 
     Args:
-        block: The first SCENE record, shape [1]; the store's own from now on.
-        rows: The tables of objects it counts; None where it counts none.
-        names: Per table, the row of each name; several rows may share one.
+        block: The first SCENE record, shape [1]; owned by the store from now on.
+        rows: Tables of the objects; None without objects.
+        names: Rows of each name, by table; several rows may share a name.
     """
 
     def __init__(
@@ -54,25 +58,25 @@ class ParameterStore:
         return self._block
 
     def fit(self, values: Mapping[str, object]) -> None:
-        """Set the values that the device decides, limits included, before the first block is published.
+        """Set the values that depend on the device, limits included, before the first block is sent.
 
         Raises:
-            UsageError: A name that is no field of the haptic scene, or a block was handed on already.
+            UsageError: A name is no field of the haptic scene, or a block was sent already.
         """
         if self._receivers:
-            raise UsageError("the device is fitted once, at the start", "call fit before hand_to")
+            raise UsageError("the device is fitted once, at the start", "call fit before send_to")
         changed = [self._set(name, value) for name, value in values.items()]
         self._fitted.update(values)
         if any(changed):
             self._publish()
 
-    def hand_to(self, *receivers: Receiver) -> None:
-        """Send the current block and all later ones to the recorder and the loop."""
+    def send_to(self, *receivers: Receiver) -> None:
+        """Send the current block and all later ones to these receivers in order."""
         self._receivers = receivers
         self._publish()
 
     def _publish(self) -> None:
-        """Number the record and hand it, with its rows, to everybody."""
+        """Raise the sequence number and send the block with its rows."""
         self._block["sequence"] += 1
         for receive in self._receivers:
             receive(self._block, self._rows)
@@ -83,10 +87,10 @@ class ParameterStore:
         rows: Rows | None = None,
         names: Mapping[str, Mapping[str, tuple[int, ...]]] | None = None,
     ) -> bool:
-        """Take whole new parameters (a reloaded scene); what was ordered so far still holds where it still exists.
+        """Take the parameters of a reloaded scene; the values changed so far are set again, and the limits are kept.
 
         Returns:
-            Whether the new parameters bring other limits; those of the start hold on.
+            Whether the new parameters have other limits.
         """
         block["sequence"] = self._block["sequence"]
         kept = {name: self._block[0][name].copy() for name in LIMIT_NAMES}
@@ -98,13 +102,13 @@ class ParameterStore:
         return any(others)
 
     def change(self, values: Mapping[str, object]) -> bool:
-        """Set fields by dotted name, e.g. {"tunnel.stiffness": 1500.0}; publish once if anything differs.
+        """Set fields by dotted name, e.g. {"tunnel.stiffness": 1500.0}; send one block if a value differs.
 
         Returns:
             Whether a value changed.
 
         Raises:
-            UsageError: A name that is no field of the haptic scene, or one of a limit.
+            UsageError: A name is no field of the haptic scene, or a limit.
         """
         for name in values:
             self._refuse_limit(name)
@@ -119,10 +123,10 @@ class ParameterStore:
             raise UsageError(f'"{name}" is a limit of the haptic loop, set once at the start', 'set it under "safety"')
 
     def value(self, name: str) -> float:
-        """The present value of a number by dotted name, e.g. "tunnel.stiffness".
+        """Return the present value of a number by dotted name, e.g. "tunnel.stiffness".
 
         Raises:
-            UsageError: a name that is no field of the haptic scene.
+            UsageError: The name is no field of the haptic scene.
         """
         records, field = self._find(name)
         return float(records[0][field])
@@ -131,7 +135,7 @@ class ParameterStore:
         records, field = self._find(name)
         changed = False
         for record in records:
-            wanted = _as_long_as(record[field], value)
+            wanted = _padded(value, np.size(record[field]))
             if not np.array_equal(record[field], wanted):
                 record[field] = wanted
                 changed = True
@@ -139,8 +143,8 @@ class ParameterStore:
             self._block[0]["objects"]["revision"] += 1
         return changed
 
-    def _find(self, name: str) -> tuple[list[Any], str]:
-        """The records a dotted name leads to, and the field in them."""
+    def _find(self, name: str) -> tuple[list[Record], str]:
+        """Return the records of a dotted name, and its field in them."""
         *groups, field = name.removeprefix(_PREFIX).split(".")
         if groups == ["tunnel"] and self._rows is not None and len(self._rows.tunnels):
             records, dtype = [self._rows.tunnels[self._block[0]["own_tunnel"]]], self._rows.tunnels.dtype
@@ -153,17 +157,14 @@ class ParameterStore:
             raise UsageError(f'"{name}" is no parameter of the haptic scene', nearest(field, dtype.names or ()))
         return records, field
 
-    def _named(self, table: NDArray[Any], group: str, who: str, name: str) -> list[Any]:
+    def _named(self, table: NDArray[Any], group: str, who: str, name: str) -> list[Record]:
         known = self._names.get(group, {})
         if who not in known:
             raise UsageError(f'"{name}" is no parameter of the haptic scene', nearest(who, known))
         return [table[row] for row in known[who]]
 
 
-def _as_long_as(place: Any, value: object) -> Any:
-    """A value for a place, a vector of a device's joints followed by zeros for those it does not have."""
-    if np.ndim(place) == 0:
-        return value
-    given = np.asarray(value, np.float64).ravel()
-    short = 0 < given.size < np.size(place)
-    return np.concatenate([given, np.zeros(np.size(place) - given.size)]) if short else value
+def _padded(value: object, size: int) -> NDArray[Any]:
+    """Return a value, a shorter vector followed by zeros: those of the joints that a device does not have."""
+    given = np.asarray(value)
+    return np.concatenate([given.ravel(), np.zeros(size - given.size)]) if 0 < given.size < size else given

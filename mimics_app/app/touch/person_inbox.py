@@ -1,4 +1,4 @@
-"""Input of the person to the haptic loop: one record per frame."""
+"""Input of the person to the haptic loop, one INBOX record per frame."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ __all__ = ["PersonInbox"]
 
 
 class PersonInbox:
-    """The inbox of a loop's device.
+    """Inbox of the device of a loop.
 
     Args:
-        haptics: The loop.
+        haptics: The haptic loop.
     """
 
     def __init__(self, haptics: HapticEngine) -> None:
@@ -26,11 +26,11 @@ class PersonInbox:
         self._record: NDArray[Any] = np.zeros(1, INBOX)
 
     def send(self, pointer: PointerState | None, *, trial: int, may_act: bool) -> None:
-        """Send the pointer of a frame; None keeps the last position, and the person does not act.
+        """Send the pointer of a frame.
 
         Args:
-            pointer: Of a person or a simulated one.
-            trial: Number of the trial under way.
+            pointer: State of the pointing device; None keeps the last position and marks the person as inactive.
+            trial: Number of the present trial.
             may_act: False while the robot leads.
         """
         record = self._record[0]

@@ -1,4 +1,4 @@
-"""A contact sheet: every model of a folder as a tile; one that cannot be read as a tile with the reason."""
+"""Contact sheet of models: one tile each; a model that cannot be shown is a tile with the reason."""
 
 from __future__ import annotations
 
@@ -28,24 +28,24 @@ __all__ = ["Sheet", "Tile", "draw_models", "draw_sheet", "models_in"]
 
 
 TILE = (400, 300)
-"""Width and height of a tile [px]."""
+"""Size of a tile [px]."""
 
 _GAP = 6
 _GROUND = (22, 24, 28)
 _WALL = (0.035, 0.035, 0.042)
-"""Sky behind a reason, linear RGB."""
+"""Background of a tile with a reason, linear RGB."""
 _MOST_TILES = 1000
 _MOST_NOTES = 3
-"""Notes of a model that are reported as the reason why there is nothing to see."""
+"""Largest number of notes that are reported as the reason why nothing is visible."""
 _SCALE = 1.8
-"""Of the letters on a tile."""
+"""Factor on the font size of a tile."""
 _RAISED, _BACK = 0.11, -1.9
-"""How far a model is lifted above its caption, in tiles, and the camera moved back, in steps of the wheel."""
+"""Shift of a model above its caption [tiles], and of the camera backwards [steps of the wheel]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tile:
-    """One model of a sheet: its file, why it is not shown ([] where it is), and whether there is nothing in it."""
+    """One model of a sheet: its file, the reasons why it is not shown ([] for none), and whether it is empty."""
 
     file: Path
     issues: list[Issue]
@@ -68,10 +68,10 @@ class Sheet:
 
 
 def models_in(folder: Path) -> list[Path]:
-    """Every model in a folder and all below it, in the order of their names.
+    """Return the models in a folder and its subfolders, by name.
 
     Raises:
-        SceneError: it is no folder, or holds no model.
+        SceneError: The path is no folder, or has no model.
     """
     if not folder.is_dir():
         raise SceneError(Issue(str(folder), "", "is no folder"))
@@ -82,27 +82,27 @@ def models_in(folder: Path) -> list[Path]:
 
 
 def draw_sheet(folder: Path, output: Path, *, backend: str = "auto") -> Sheet:
-    """Draw every model of a folder onto one PNG.
+    """Draw every model of a folder onto one PNG; one that is faulty or empty is a tile with the reason.
 
     Args:
-        folder: Where they are.
+        folder: Folder of the models.
         output: The PNG file.
         backend: "auto", "egl", "osmesa" or "window".
 
     Raises:
-        SceneError: no model is there; one that is wrong or shows nothing is a tile with the reason.
-        UsageError: there are more than a sheet can hold.
-        DeviceError: the context cannot be had.
+        SceneError: The folder has no model.
+        UsageError: It has too many models for a sheet.
+        DeviceError: The OpenGL context is not available.
     """
     return draw_models(models_in(folder), output, backend=backend)
 
 
 def draw_models(models: Sequence[Path], output: Path, *, sides: int = 1, backend: str = "auto") -> Sheet:
-    """Draw models onto one PNG; with several sides each is a row, and turned about its height from tile to tile.
+    """Draw models onto one PNG; with several sides each model is a row of views from equally spaced directions.
 
     Raises:
-        UsageError: there are more than a sheet can hold.
-        DeviceError: the context cannot be had.
+        UsageError: There are too many models for a sheet.
+        DeviceError: The OpenGL context is not available.
     """
     from PIL import Image
 
@@ -110,22 +110,22 @@ def draw_models(models: Sequence[Path], output: Path, *, sides: int = 1, backend
         raise UsageError(f"{len(models)} models do not go on a sheet of {_MOST_TILES}", "give a folder below it")
     output.parent.mkdir(parents=True, exist_ok=True)
     surface = open_offscreen(backend, TILE)
-    press = _Press(surface)
+    renderer = _TileRenderer(surface)
     tiles, pictures = [], []
     for file in models:
         for side in range(sides):
-            tile = press.print(file, 2.0 * math.pi * side / sides)
+            tile = renderer.draw(file, 2.0 * math.pi * side / sides)
             pictures.append(read_pixels(surface)[..., :3])
         tiles.append(tile)
     sheet = Sheet(output, tiles, surface.backend, surface.driver)
-    press.release()
+    renderer.release()
     surface.close()
     Image.fromarray(_laid_out(pictures, sides)).save(output, optimize=True)
     return sheet
 
 
-class _Press:
-    """Draws one tile after the other on one surface."""
+class _TileRenderer:
+    """Draws the tiles one after the other on one surface."""
 
     def __init__(self, surface: Surface) -> None:
         self._surface = surface
@@ -134,20 +134,20 @@ class _Press:
         wall.environment = Sky(_WALL, _WALL, _WALL, 0.0)
         self._wall = Renderer(surface, wall, RenderSettings(msaa=0, shadow_size=0, fog_density=0.0))
 
-    def print(self, file: Path, turn: float = 0.0) -> Tile:
-        """Draw a model, turned about its height [rad], or why it cannot be drawn."""
+    def draw(self, file: Path, rotation: float) -> Tile:
+        """Draw a model rotated about the vertical [rad], or the reason why it cannot be drawn."""
         try:
             shown = open_shown(file)
         except SceneError as error:
-            self._print_reason(file.name, "cannot be shown", error.issues)
+            self._draw_reason(file.name, "cannot be shown", error.issues)
             return Tile(file, error.issues)
         if shown.extent is None:
             why = "; ".join(shown.notes[:_MOST_NOTES]) or "no mesh is visible in its scene"
             nothing = [Issue(str(file), "", f"nothing to see: {why}")]
-            self._print_reason(file.name, "nothing to see", [Issue("", "", why)])
+            self._draw_reason(file.name, "nothing to see", [Issue("", "", why)])
             return Tile(file, nothing, empty=True)
         viewport = self._put_on(shown)
-        viewport.orbit.yaw += turn
+        viewport.orbit.yaw += rotation
         viewport.orbit.pan(0.0, _RAISED * TILE[1], TILE[1])
         viewport.orbit.zoom(_BACK)
         hud = viewport.renderer.hud
@@ -171,7 +171,7 @@ class _Press:
             self._viewport.reset()
         return self._viewport
 
-    def _print_reason(self, name: str, verdict: str, issues: Sequence[Issue]) -> None:
+    def _draw_reason(self, name: str, verdict: str, issues: Sequence[Issue]) -> None:
         hud = self._wall.hud
         hud.clear()
         hud.width = CANVAS_HEIGHT * TILE[0] / TILE[1]
@@ -180,7 +180,7 @@ class _Press:
 
 
 def _laid_out(pictures: Sequence[U1], sides: int) -> U1:
-    """Tiles in rows: of one model each where there are several sides, else about half as wide again as high."""
+    """Return the sheet with the tiles in rows: one model per row with several sides, else about 3:2 in all."""
     width, height = TILE
     columns = (
         min(len(pictures), max(1, round(math.sqrt(1.5 * len(pictures) * height / width)))) if sides == 1 else sides

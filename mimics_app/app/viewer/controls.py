@@ -14,23 +14,23 @@ from mimics_app.world.extent import world_extent
 __all__ = ["ViewerControls"]
 
 _CLICK_PX = 4.0
-"""A press that moves less is a click."""
+"""Travel of the pointer below which a press is a click [px]."""
 _FLY_PER_S, _FASTER = 0.6, 4.0
-"""Speed of flight in distances to the target, and with Shift."""
+"""Speed of flight [distances to the target per second], and factor with Shift."""
 _FLIGHT = {"d": (1, 0, 0), "a": (-1, 0, 0), "e": (0, 1, 0), "q": (0, -1, 0), "w": (0, 0, 1), "s": (0, 0, -1)}
 _SHIFT, _CONTROL = frozenset({"left_shift", "right_shift"}), frozenset({"left_control", "right_control"})
 
 
 class ViewerControls:
-    """Turns events into movements of the orbit camera and the selection.
+    """Control of the orbit camera and the selection by the events of the window.
 
     Args:
-        viewport: Whose orbit camera.
-        selection: What chooses and moves.
-        commands: What a key does, by its name ("s" with Control held: "ctrl+s").
+        viewport: Viewport with the orbit camera.
+        selection: The selection.
+        commands: Function of each key, by its name ("s" with Control: "ctrl+s").
 
     Attributes:
-        dirty: True when the picture is another than the one drawn last; whoever draws sets it to False.
+        dirty: True when the picture must be drawn again; the caller that draws it sets it to False.
     """
 
     def __init__(self, viewport: Viewport, selection: Selection, commands: dict[str, Callable[[], object]]) -> None:
@@ -45,12 +45,12 @@ class ViewerControls:
         self._button = ""
         self._travelled = 0.0
         self._last = (0.0, 0.0)
-        # Keys held at each event in turn: a quick person's Ctrl is up again before the events are read.
+        # Keys held at the time of each event: Ctrl may be released again before the events are read.
         self._held: frozenset[str] = frozenset()
         self.dirty = True
 
     def handle(self, events: Sequence[InputEvent]) -> None:
-        """Take what happened since the last call."""
+        """Process the events since the last call."""
         for event in events:
             self.dirty = self.dirty or event.kind not in ("move", "pad") or bool(self._button)
             if event.kind == "key":
@@ -113,7 +113,7 @@ class ViewerControls:
             orbit.orbit(right, up)
 
     def ray(self, x: float, y: float) -> Ray:
-        """The ray through a place of the window, each coordinate in [-1, 1]."""
+        """Return the ray through a point of the window, each coordinate in [-1, 1]."""
         return self._viewport.orbit.view(self._viewport.surface.size).ray(x, y)
 
     def _frame(self) -> None:

@@ -13,21 +13,22 @@ __all__ = ["axis_under", "gizmo_arrows"]
 
 
 _LENGTH = 0.34
-"""Of an arrow, in half heights of the picture at its place."""
+"""Length of an arrow, in half heights of the picture at its depth."""
 _FROM = 0.2
-"""Share of an arrow, from the middle, at which it cannot be grabbed: there all three meet."""
+"""Share of an arrow from its base that cannot be grabbed, because all three meet there."""
 _REACH_PX = 9.0
+"""Distance from an arrow within which the pointer grabs it [px]."""
 _TINTS: tuple[Colour, ...] = ((0.95, 0.30, 0.28, 1.0), (0.40, 0.85, 0.35, 1.0), (0.36, 0.58, 1.0, 1.0))
 _FAINT = 0.35
 
 
 def gizmo_arrows(place: F8, view: View, axis: int | None) -> list[Arrow]:
-    """Arrows along x, y and z; where it moves along one of them only, the others are faint.
+    """Return the arrows along x, y and z, of the same length on the screen at any distance.
 
     Args:
-        place: What they stand at, world [m], [3].
-        view: From where; they look equally long from everywhere.
-        axis: 0, 1 or 2, or None.
+        place: Base of the arrows, world [m], [3].
+        view: View of the camera.
+        axis: 0, 1 or 2: movement is limited to this axis, and the others are faint; None: no limit.
     """
     vectors = _length(place, view) * np.eye(3)
     strength = [1.0 if axis in (None, number) else _FAINT for number in range(3)]
@@ -37,12 +38,12 @@ def gizmo_arrows(place: F8, view: View, axis: int | None) -> list[Arrow]:
 
 
 def axis_under(place: F8, ray: tuple[F8, F8], view: View) -> int | None:
-    """Number of the arrow under the pointer, None where there is none.
+    """Return the axis of the arrow under the pointer, None where there is none.
 
     Args:
-        place: What the arrows stand at, world [m], [3].
-        ray: Through the pointer.
-        view: From where they are seen.
+        place: Base of the arrows, world [m], [3].
+        ray: Ray through the pointer.
+        view: View of the camera.
     """
     origin, direction = ray[0], ray[1] / np.linalg.norm(ray[1])
     length = _length(place, view)

@@ -24,41 +24,43 @@ _WHOLE_TURN_PX = 1200.0
 _PER_STEP = 0.87
 """Factor on the distance for one step of the wheel."""
 _NEAREST, _FARTHEST = 1e-5, 1e7
+"""Range of the distance [m]."""
 _MARGIN = 1.08
-_ARMS_LENGTH = 12.0
+"""Factor on the distance at which a framed box fits the picture exactly."""
+_LONGEST_RADIUS = 12.0
 """Largest orbit radius of a scene's camera [m]."""
-_LOOKED_DOWN, _LOOKED_ASIDE = math.radians(20.0), math.radians(32.0)
-"""From where a model is first seen."""
+_FIRST_PITCH, _FIRST_YAW = math.radians(20.0), math.radians(32.0)
+"""Direction of the first view of a model [rad]."""
 
 
 class OrbitCamera:
-    """Looks at a target from a distance; +y is up.
+    """Camera that looks at a target from a distance; +y is up.
 
     Attributes:
-        target: What it goes round, world [m], float64 [3].
-        distance: From there to the eye [m].
-        yaw: About +y, 0 looks along -z from +z [rad].
-        pitch: Height over the horizon as seen from the target [rad].
-        fov: Vertical angle of view [rad].
-        reach: Of the scene about the target [m].
-        near, far: How near and far is seen [m], as a camera of the scene has it; 0: as distance and reach ask.
+        target: Centre of the orbit, world [m], float64 [3].
+        distance: Distance from the target to the camera [m].
+        yaw: Rotation about +y [rad]; at 0 the camera looks along -z.
+        pitch: Elevation of the camera as seen from the target [rad].
+        fov: Vertical field of view [rad].
+        reach: Radius of the scene about the target [m].
+        near, far: Near and far plane of a camera of the scene [m]; 0: derived from distance and reach.
     """
 
     def __init__(self) -> None:
         self.target: F8 = np.zeros(3)
         self.distance, self.reach = 3.0, 10.0
-        self.yaw, self.pitch, self.fov = _LOOKED_ASIDE, _LOOKED_DOWN, _FOV
+        self.yaw, self.pitch, self.fov = _FIRST_YAW, _FIRST_PITCH, _FOV
         self.near = self.far = 0.0
 
     @property
     def backward(self) -> F8:
-        """From the target to the eye, unit, [3]."""
+        """Unit vector from the target to the camera, [3]."""
         level = math.cos(self.pitch)
         return np.array([level * math.sin(self.yaw), math.sin(self.pitch), level * math.cos(self.yaw)])
 
     @property
     def position(self) -> F8:
-        """Where the eye is, world [m], [3]."""
+        """Position of the camera, world [m], [3]."""
         return self.target + self.distance * self.backward
 
     @property
@@ -73,57 +75,57 @@ class OrbitCamera:
         return View(self.pose, compute_tangents(self.fov, size), (0, 0, *size), near, far)
 
     def frame(self, extent: Extent, size: Size, *, turn: bool = True) -> None:
-        """Go where a box is seen whole on a surface of a size [px].
+        """Move so that a box fits into the picture.
 
         Args:
-            extent: The box.
-            size: Of the surface [px].
-            turn: True to look from where a model is first seen; False keeps the direction.
+            extent: The box, lowest and highest corner [m].
+            size: Size of the surface [px].
+            turn: True for the direction of the first view; False keeps the present one.
         """
         least, greatest = extent
         radius = max(0.5 * float(np.linalg.norm(greatest - least)), _NEAREST)
         if turn:
-            self.yaw, self.pitch = _LOOKED_ASIDE, _LOOKED_DOWN
+            self.yaw, self.pitch = _FIRST_YAW, _FIRST_PITCH
         self.target = 0.5 * (least + greatest)
         up = math.tan(0.5 * self.fov)
         narrow = math.atan(min(up, up * size[0] / size[1]))
         self.distance, self.reach = _MARGIN * radius / math.sin(narrow), radius
 
     def stand_at(self, camera: Camera, reach: float) -> None:
-        """Begin where a camera of the scene is, looking as it does; what it rolls is left out."""
+        """Take position, direction, field of view and planes of a camera of the scene, without its roll."""
         pose = camera.world_from_eye
         backward = pose[:3, 2]
         self.fov, self.reach = camera.vertical_fov, max(reach, _NEAREST)
         self.near, self.far = camera.near, camera.far if math.isfinite(camera.far) else 0.0
         self.yaw = math.atan2(backward[0], backward[2])
         self.pitch = min(max(math.asin(min(max(backward[1], -1.0), 1.0)), -_STEEPEST), _STEEPEST)
-        self.distance = min(0.2 * self.reach, _ARMS_LENGTH)
+        self.distance = min(0.2 * self.reach, _LONGEST_RADIUS)
         self.target = pose[:3, 3] - self.distance * self.backward
 
     def orbit(self, right_px: float, up_px: float) -> None:
-        """Go round the target as the pointer moves; the scene turns with it."""
+        """Orbit the target with the movement of the pointer [px]."""
         self.yaw -= 2.0 * math.pi * right_px / _WHOLE_TURN_PX
         self._tilt(-up_px)
 
     def look_round(self, right_px: float, up_px: float) -> None:
-        """Turn on the spot."""
+        """Rotate the camera at its position with the movement of the pointer [px]."""
         here = self.position
         self.yaw -= math.pi * right_px / _WHOLE_TURN_PX
         self._tilt(-0.5 * up_px)
         self.target = here - self.distance * self.backward
 
     def pan(self, right_px: float, up_px: float, height_px: int) -> None:
-        """Shift eye and target so that what is at the target stays under the pointer."""
+        """Move camera and target so that the target follows the pointer, in a picture of a height [px]."""
         per_px = 2.0 * self.distance * math.tan(0.5 * self.fov) / height_px
         axes = self.pose[:3, :3]
         self.target = self.target - per_px * (right_px * axes[:, 0] + up_px * axes[:, 1])
 
     def zoom(self, steps: float) -> None:
-        """Go nearer by steps of the wheel."""
+        """Approach the target by steps of the wheel."""
         self.distance = min(max(self.distance * _PER_STEP**steps, _NEAREST), _FARTHEST)
 
     def fly(self, right: float, up: float, forward: float) -> None:
-        """Move eye and target along the eye's own axes [m], `up` along +y."""
+        """Move camera and target along the camera's axes [m], `up` along +y."""
         axes = self.pose[:3, :3]
         self.target = self.target + right * axes[:, 0] - forward * axes[:, 2] + np.array([0.0, up, 0.0])
 

@@ -1,4 +1,4 @@
-"""The words over the viewer's picture: what is shown, what there is to say about it, and the keys."""
+"""Texts over the viewer's picture: caption, hint, message, reason for an empty tile, and the page of keys."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from mimics_app.rendering.visual.figures.palette import FAINT, INK
 __all__ = ["KEYS", "draw_caption", "draw_hint", "draw_message", "draw_reason"]
 
 KEYS: tuple[tuple[str, str], ...] = (
-    ("Drag", "go round; the chosen thing or an arrow: move it"),
-    ("Shift + drag, middle", "shift the view"),
-    ("Right drag", "look round"),
+    ("Drag", "orbit; on the selected object or an arrow: move it"),
+    ("Shift + drag, middle", "pan"),
+    ("Right drag", "look around"),
     ("Wheel", "nearer, farther"),
     ("W A S D, E Q", "fly; Shift: faster"),
-    ("F", "see the chosen thing, or all, whole"),
-    ("Home", "back to the first view"),
-    ("Click", "choose what is under the pointer"),
+    ("F", "fit the selected object, or all, into the picture"),
+    ("Home", "first view"),
+    ("Click", "select the object under the pointer"),
     ("X  Y  Z", "move along one axis; again: freely"),
-    ("Ctrl + Z", "put back where it was"),
-    ("Ctrl + S", "save moved things to the scene file"),
-    ("N   P   Space", "next clip, the one before;  hold it"),
+    ("Ctrl + Z", "undo the last move"),
+    ("Ctrl + S", "save moved objects to the scene file"),
+    ("N   P   Space", "next clip, previous clip;  hold it"),
     ("G   L", "floor;  studio light or the model's own"),
     ("F1 - F6", "frame graph, wireframe, bounds, lights, forces, shadow atlas"),
     ("F11   F12", "full screen;  picture to a PNG file"),
     ("H   Esc", "this page;  leave"),
 )
-"""Keys and what they do, in the order they are listed."""
+"""Keys and their functions, in the order of the page."""
 
 _PANEL: Colour = (0.05, 0.06, 0.08, 0.66)
 _WARN: Colour = (0.98, 0.76, 0.40, 1.0)
@@ -42,14 +42,14 @@ _MOST_ISSUES, _REASON_LINES = 4, 5
 
 
 def draw_caption(hud: Hud, title: str, lines: Sequence[str], notes: Sequence[str] = (), *, scale: float = 1.0) -> None:
-    """What is shown, in the lower left corner.
+    """Draw a caption in the lower left corner.
 
     Args:
-        hud: What to draw on.
-        title: What people call it.
-        lines: What there is of it.
-        notes: What is to be known about it; of many the first ones.
-        scale: Of the letters.
+        hud: Display to draw on.
+        title: Title of the model or scene.
+        lines: Facts about it.
+        notes: Notes on it; of many the first ones.
+        scale: Factor on the font size.
     """
     shown_notes = list(notes[:_MOST_NOTES])
     if len(notes) > _MOST_NOTES:
@@ -67,7 +67,7 @@ def draw_caption(hud: Hud, title: str, lines: Sequence[str], notes: Sequence[str
 
 
 def draw_hint(hud: Hud, hint: str) -> None:
-    """A few words in the upper left corner."""
+    """Draw a hint in the upper left corner."""
     wide = hud.measure(hint, 15.0) + 24.0
     x, top = _MARGIN, CANVAS_HEIGHT - _MARGIN - 30.0
     hud.box(x, top, wide, 30.0, _PANEL, radius=10.0)
@@ -75,7 +75,7 @@ def draw_hint(hud: Hud, hint: str) -> None:
 
 
 def draw_reason(hud: Hud, title: str, verdict: str, issues: Sequence[Issue], scale: float) -> None:
-    """Why there is no picture, all over the canvas."""
+    """Draw the reason for the lack of a picture, over the whole canvas."""
     small, large = 15.0 * scale, 22.0 * scale
     width = hud.width - 2.0 * (_MARGIN + _PAD)
     x, y = _MARGIN + _PAD, CANVAS_HEIGHT - _MARGIN - _PAD - large
@@ -93,7 +93,7 @@ def draw_reason(hud: Hud, title: str, verdict: str, issues: Sequence[Issue], sca
 
 
 def draw_message(hud: Hud, text: str, *, alarm: bool = False) -> None:
-    """One line of news, below the middle."""
+    """Draw a message below the centre; "" draws nothing."""
     if not text:
         return
     width = min(hud.measure(text, 19.0) + 48.0, hud.width - 2.0 * _MARGIN)

@@ -20,20 +20,20 @@ def animators_of(shown: Shown) -> list[Animator]:
 
 
 def clips_of(shown: Shown) -> list[str]:
-    """Names of the clips of what is shown, in the order of the files."""
+    """Return the names of the clips of the model or scene, in the order of the files."""
     return list(dict.fromkeys(name for animator in animators_of(shown) for name in animator.clips))
 
 
 def add_motion(shown: Shown, path: Path) -> None:
-    """Add a recorded motion to the first person shown, as a further clip; its report goes to the notes.
+    """Add a recorded motion to the first person shown, as a further clip; its report is added to the notes.
 
     Args:
-        shown: What is shown; has notes and a clip more.
-        path: A .bvh or .c3d file; its name without the ending is the clip's.
+        shown: The model or scene; it gets a clip and notes.
+        path: A .bvh or .c3d file; its name without extension is that of the clip.
 
     Raises:
-        SceneError: the file is wrong, or no person is shown.
-        UsageError: the file is of neither kind.
+        SceneError: The file is faulty, or no person is shown.
+        UsageError: The file is of neither kind.
     """
     from mimics_app.world.motion.capture import read_motion
     from mimics_app.world.motion.humanoid import find_humanoid
@@ -49,16 +49,16 @@ def add_motion(shown: Shown, path: Path) -> None:
 
 
 def play_clip(shown: Shown, name: str, at: float = 0.0, *, speed: float = 1.0) -> None:
-    """Play a clip in every model that has it, in place of what played; "" puts all to rest.
+    """Play a clip in every model that has it, instead of the present one; "" returns all models to rest.
 
     Args:
-        shown: What is shown; its world is updated.
-        name: Of the clip.
-        at: Where in it to begin [s].
-        speed: Seconds of the clip in a second; 0 holds it.
+        shown: The model or scene; its world is updated.
+        name: Name of the clip.
+        at: Time in the clip at which to begin [s].
+        speed: Clip time per time [-]; 0 holds the clip.
 
     Raises:
-        SceneError: nothing that is shown has such a clip; the message names those there are.
+        SceneError: No model has such a clip; the message names the existing ones.
     """
     playing = animators_of(shown)
     if name and not any(name in animator.clips for animator in playing):
@@ -74,13 +74,13 @@ def play_clip(shown: Shown, name: str, at: float = 0.0, *, speed: float = 1.0) -
 
 
 def write_vertices(shown: Shown, path: Path) -> int:
-    """Write where every vertex is that is drawn; returns how many.
+    """Write the positions of all drawn vertices, and return their number.
 
-    The file holds `positions`, float64 [n, 3], in the world after morphs and skins [m], and of each vertex `mesh` and
-    `node`, their names in the model. Of several levels of detail the finest counts.
+    The file has `positions`, world [m] after morphs and skins, float64 [n, 3], and for each vertex `mesh` and `node`,
+    the names in the model. Of several levels of detail the finest is written.
 
     Raises:
-        UsageError: the file cannot be written.
+        UsageError: The file cannot be written.
     """
     world, listed = shown.world, shown.world.subentities()
     stand = None if shown.stand is None else shown.stand.index

@@ -1,4 +1,4 @@
-"""A scene as it was written, with what only its scenario makes: walls of a tunnel, the hand at rest."""
+"""A scene at rest, with the parts that only its scenario makes: the wall of a tunnel, the hand."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ __all__ = ["rest"]
 
 
 def rest(scene: Scene, world: World) -> None:
-    """Add to a scene's world what its scenario makes, before anything has moved; or bring it up to the scene again.
+    """Add to a scene's world the parts that its scenario makes, at rest; or update them after a reload of the scene.
 
-    No haptic loop is made, and bodies stand where they were put.
+    There is no haptic loop: bodies stay where the scene has placed them.
     """
     if is_playable(scene):
         scenario = open_scenario(scene, world)
@@ -30,16 +30,16 @@ def rest(scene: Scene, world: World) -> None:
 
 
 def _resting_hand(scene: Scene, scenario: Scenario) -> HapticSnapshot:
-    """The state of a hand that rests at the beginning of the path, or in the middle of the robot's room.
+    """Return the snapshot of a hand at rest, at the beginning of the path or in the centre of the workspace.
 
-    No body has a pose yet, which leaves each where it is.
+    The poses of bodies are zero, which leaves each body where it is.
     """
     values: dict[str, Any] = {
         field.name: 0 if field.type in ("int", "float") else np.zeros(3) for field in fields(HapticSnapshot)
     }
     via_points = scenario.via_points_world
-    middle = (scene.first(Robot) or Robot()).robot_to_world.translation
-    values["hip_world"] = np.array(via_points[0] if len(via_points) else middle, np.float64)
+    centre = (scene.first(Robot) or Robot()).robot_to_world.translation
+    values["hip_world"] = np.array(via_points[0] if len(via_points) else centre, np.float64)
     values["others_seen"] = np.tile(values["hip_world"], (MAX_CONTACTS - 1, 1))
     values["ball_radius"] = (scene.first(Ball) or Ball()).radius_max
     values["poses"] = np.zeros((len(scene.entities), 7))

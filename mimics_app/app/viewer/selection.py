@@ -1,4 +1,4 @@
-"""Selection in the viewer: picks what is under the pointer, drags it, and saves where it was put."""
+"""Selection in the viewer: the object under the pointer is selected, dragged, and saved at its new position."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ __all__ = ["Selection", "drag_offset"]
 Ray = tuple[F8, F8]
 
 _FLAT = 0.17
-"""Sine of the angle to the horizon below which a floor is seen too flat to drag along."""
+"""Sine of the angle to the horizon below which a floor is seen too flat for dragging along it."""
 _UP = np.array([0.0, 1.0, 0.0])
 
 
 class Selection:
-    """Chooses and moves nodes of what is shown.
+    """Selection and movement of nodes.
 
     Attributes:
-        chosen: The node, or None.
-        axis: 0, 1 or 2: it moves along x, y or z; None: along the floor, or across the view where that is seen flat.
+        chosen: The selected node, or None.
+        axis: 0, 1 or 2: the node moves along x, y or z; None: along the floor, or across the view where that is flat.
     """
 
     def __init__(self, shown: Shown) -> None:
@@ -49,7 +49,7 @@ class Selection:
 
     @property
     def unsaved(self) -> Mapping[str, SceneNode]:
-        """Entities that were moved and not saved, by id."""
+        """Entities that were moved and are not saved, by id."""
         return self._moved
 
     def show(self, shown: Shown) -> None:
@@ -61,12 +61,12 @@ class Selection:
         self._moved = {name: node for name, node in self._moved.items() if name in shown.world}
 
     def choose(self, ray: Ray) -> SceneNode | None:
-        """Take what a ray meets first, as the scene file names it; None where it meets nothing that may be chosen."""
+        """Select the first entity of the scene file, or part of the model, on a ray; None where there is none."""
         self.chosen = self._under(ray)
         return self.chosen
 
     def grab(self, ray: Ray, view: View) -> bool:
-        """Begin to drag, if the ray meets what is chosen or one of its handles."""
+        """Begin to drag if the ray hits the selected node or one of its arrows; return whether it does."""
         if self.chosen is None:
             return False
         place = self.chosen.world_matrix()[:3, 3]
@@ -80,7 +80,7 @@ class Selection:
         return True
 
     def drag(self, ray: Ray, view: View) -> None:
-        """Bring what is held to where a ray points now."""
+        """Move the dragged node so that the grabbed point follows a ray."""
         if self.chosen is None or self._grip is None:
             return
         point, before = self._grip
@@ -91,14 +91,14 @@ class Selection:
         self.chosen.set_position(place.round(4))
 
     def handles(self, view: View) -> list[Arrow]:
-        """The arrows at what is chosen."""
+        """Return the arrows of the gizmo at the selected node."""
         if self.chosen is None:
             return []
         axis = self._handle if self.holding and self._handle is not None else self.axis
         return gizmo_arrows(self.chosen.world_matrix()[:3, 3], view, axis)
 
     def release(self) -> None:
-        """Let go."""
+        """End the drag."""
         if self._grip is None or self.chosen is None:
             return
         before, self._grip = self._grip[1], None
@@ -108,7 +108,7 @@ class Selection:
             self._moved[self.chosen.name] = self.chosen
 
     def undo(self) -> bool:
-        """Put back what was moved last; False where nothing was."""
+        """Undo the last move; return False where there is none."""
         if not self._undo or self.holding:
             return False
         node, place = self._undo.pop()
@@ -121,7 +121,7 @@ class Selection:
         """Write every moved entity to the file that defines it; return the files.
 
         Raises:
-            SceneError: one of them cannot be written; what was written before stays, the rest is still unsaved.
+            SceneError: A file cannot be written; earlier ones are saved, the others are still unsaved.
         """
         scene, files = self._shown.scene, []
         for name, node in list(self._moved.items()):
@@ -139,7 +139,7 @@ class Selection:
         return None
 
     def _meets(self, ray: Ray, node: SceneNode) -> F8 | None:
-        """Where a ray first meets what hangs on a node, if nothing that may be chosen stands before it."""
+        """Return the first intersection of a ray with a node's meshes; None where another node is in front."""
         for hit in cast_ray(self._shown.world, *ray):
             owner = self._owner(self._shown.world.node(hit.entity))
             if owner is not None:
@@ -162,10 +162,10 @@ def drag_offset(point: F8, ray: Ray, view: View, axis: int | None) -> F8:
     """Return the displacement that keeps a grabbed point under the pointer, world [m], [3].
 
     Args:
-        point: Where it was grabbed, world [m], [3].
-        ray: Through the pointer now.
-        view: What is seen.
-        axis: 0, 1 or 2 for a line along x, y or z; None for a plane: that of the floor, or across the view.
+        point: Grabbed point, world [m], [3].
+        ray: Ray through the pointer now.
+        view: View of the camera.
+        axis: 0, 1 or 2 for movement along x, y or z; None for a plane, horizontal or across the view.
     """
     origin, direction = ray
     if axis is not None:
@@ -187,7 +187,7 @@ def _along_axis(point: F8, axis: int, ray: Ray) -> F8:
     if square < 1e-9 * float(direction @ direction):
         return np.zeros(3)
     away = point - origin
-    # The ray's parameter at its nearest place to the line, then that place's shadow on the line.
+    # The ray's parameter at its point nearest to the line, then the projection of that point onto the line.
     parameter = float((away - (away @ line) * line) @ across) / square
     nearest = origin + parameter * direction
     return np.asarray(((nearest - point) @ line) * line)

@@ -1,4 +1,4 @@
-"""The viewer's window: handles events, draws when something changed, and watches the file."""
+"""The viewer's window: it handles events, draws after changes, and watches the files."""
 
 from __future__ import annotations
 
@@ -25,26 +25,29 @@ from mimics_app.world.scene.watcher import SceneWatcher
 __all__ = ["ViewerSession"]
 
 _LOOK_NS = SECOND_NS // 4
+"""Period of the checks of the files [ns]."""
 _SHOW_NS = 5 * SECOND_NS
+"""Time for which a message is shown [ns]."""
 _REST_NS = SECOND_NS // 5
-"""Time without a change after which edges are smoothed [ns]."""
+"""Time without a change after which a picture is drawn with anti-aliasing [ns]."""
 _LONGEST_STEP_S = 0.1
+"""Longest time step of the flight [s]."""
 
 
 class ViewerSession:
     """One window, from opening to closing.
 
     Args:
-        shown: Model or scene shown first.
-        size: Of the window [px].
+        shown: The first model or scene.
+        size: Size of the window [px].
         profile: Quality of a scene's picture.
-        camera: As `Viewport`.
-        up: Upward axis of a mesh file, for reloading it.
+        camera: See `Viewport`.
+        up: Upward axis of a mesh file, for its reload.
 
     Attributes:
-        pictures: PNG files the person made.
+        pictures: PNG files that the person saved.
         saved: Scene files that were written.
-        backend: What drew it.
+        backend: Backend of the surface.
     """
 
     def __init__(self, shown: Shown, size: Size, profile: Profile = "training", camera: str = "", up: Up = "y") -> None:
@@ -63,7 +66,7 @@ class ViewerSession:
         self.backend = self._surface.backend
 
     def run(self, shown: Callable[[], None] | None = None) -> None:
-        """Show it until the window closes; `shown` is called after the first picture is on the screen."""
+        """Run until the window closes; `shown` is called after the first picture."""
         self._draw(smooth=False)
         if shown is not None:
             shown()
@@ -99,7 +102,7 @@ class ViewerSession:
         self._surface.close()
 
     def _draw(self, *, smooth: bool) -> None:
-        """Draw a frame: with anti-aliasing, or quickly, while a picture drawn by the processor moves."""
+        """Draw a frame, with anti-aliasing or, while a picture drawn on the processor changes, without."""
         shown, hud = self._viewport.shown, self._viewport.renderer.hud
         shown.world.update()
         hud.clear()
@@ -116,13 +119,13 @@ class ViewerSession:
         self._surface.swap()
 
     def _pass_time(self, seconds: float) -> None:
-        """Let particles fly; a scene without them is drawn only when something else changes."""
+        """Advance effects and animations; a scene without them is drawn only after other changes."""
         effects, motion = self._viewport.shown.world.effects, self._viewport.shown.world.motion
         effects.time = motion.time = seconds
         self._controls.dirty = self._controls.dirty or bool(effects.emitters) or motion.alive
 
     def _mark_chosen(self) -> None:
-        """Have a box drawn about what is chosen; there is no overlay before something is."""
+        """Draw a box and arrows at the selected node; the overlay is created at the first selection."""
         if self._selection.chosen is not None:
             self._marked = True
             overlay = self._viewport.renderer.overlay
@@ -153,7 +156,7 @@ class ViewerSession:
         }
 
     def _next_clip(self, step: int) -> None:
-        """Play the next clip of the model or the one before; between the last and the first it rests."""
+        """Play the next or the previous clip of the model; between the last and the first it is at rest."""
         from mimics_app.app.viewer.playing import clips_of, play_clip
 
         names = ["", *clips_of(self._viewport.shown)]
@@ -165,7 +168,7 @@ class ViewerSession:
         self._say(f'clip "{self._clip}"' if self._clip else "at rest")
 
     def _hold(self) -> None:
-        """Hold what plays, or let it go on."""
+        """Hold the present clip, or let it continue."""
         layers = [
             layer for animator in self._viewport.shown.world.motion.animators.values() for layer in animator.layers
         ]
@@ -190,7 +193,7 @@ class ViewerSession:
             studio.toggle_lights()
 
     def _leave(self) -> None:
-        """Close what is open first: the page of keys, then what is chosen, then the window."""
+        """Close the page of keys, else deselect, else close the window, after a warning about unsaved moves."""
         if self._keys_shown:
             self._keys_shown = False
         elif self._selection.chosen is not None:
@@ -202,7 +205,7 @@ class ViewerSession:
             self._left = True
 
     def _take_picture(self) -> None:
-        """Keep the window's picture, with anti-aliasing and without the news of the one before."""
+        """Save the window's picture, with anti-aliasing and without a message."""
         self._message = ""
         self._draw(smooth=True)
         number = 1
@@ -228,7 +231,7 @@ class ViewerSession:
         self._say(f"saved {', '.join(str(file) for file in files)}" if files else "nothing was moved")
 
     def _look(self, now_ns: int) -> None:
-        """Take over changed files, and let old news go."""
+        """Remove an old message, and reload changed files."""
         if self._message and now_ns > self._message_until_ns:
             self._message, self._controls.dirty = "", True
         renderer = self._viewport.renderer
@@ -244,10 +247,10 @@ class ViewerSession:
             self._say("loaded again")
         except MimicsError as error:
             self._say(with_line(error.issues[0]), alarm=True)
-            self._message_until_ns = sys.maxsize  # until the file is repaired
+            self._message_until_ns = sys.maxsize  # until the file is corrected
 
     def _take_over(self) -> None:
-        """Show the file as it is now; where that cannot be, the old picture stays."""
+        """Show the present contents of the file; where it is faulty, the old picture stays."""
         shown = self._viewport.shown
         if shown.scene is None:
             fresh = open_shown(shown.path, self._up)

@@ -20,28 +20,28 @@ if TYPE_CHECKING:
 __all__ = ["MODEL_SUFFIXES", "Shown", "Up", "open_shown"]
 
 Up = Literal["y", "z"]
-"""Which axis of a model is up; a scene and a glTF file say it themselves."""
+"""Upward axis of a mesh file; scenes and glTF files define their own."""
 
 _GLTF_SUFFIXES = (".glb", ".gltf")
 MODEL_SUFFIXES = (*_GLTF_SUFFIXES, *MESH_SUFFIXES)
-"""Endings of the files that are models."""
+"""Extensions of model files."""
 
 _QUARTER = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
-"""Turns +z up to +y up."""
+"""Rotation from +z up to +y up, quaternion xyzw."""
 
 
 @dataclass(eq=False)
 class Shown:
-    """One model or scene to show.
+    """A model or scene to show.
 
     Attributes:
         path: The file.
-        world: What it holds, after its update.
+        world: The world with its contents, updated.
         scene: The scene, or None for a model.
-        stand: What a model hangs on; None for a scene.
-        notes: What was left out, repaired or is not shown, for people.
-        files: Every file it was read from.
-        model: The glTF file, or None for anything else.
+        stand: Node of a model; None for a scene.
+        notes: Notes on parts that were left out, repaired or are not shown.
+        files: All files that it was read from.
+        model: The glTF file, or None for other files.
     """
 
     path: Path
@@ -53,27 +53,27 @@ class Shown:
     model: ModelPrefab | None = None
 
     def mesh_name(self, key: str) -> str:
-        """Return the model's name of a mesh of the world; its key where it has none."""
+        """Return the name in the model of a mesh of the world; its key where it has none."""
         return (self.model.mesh_name(key) if self.model is not None else "") or key
 
     def node_name(self, entity: int) -> str:
-        """Return the model's name of an entity's node; in a scene the name of the node in the world."""
+        """Return the name in the model of an entity's node; in a scene its name in the world."""
         name = self.world.graph.name(entity)
         return name if self.stand is None else name.removeprefix(f"{self.stand.name}/")
 
     @property
     def title(self) -> str:
-        """What people call it."""
+        """Title of the scene, or name of the model file."""
         return self.path.name if self.scene is None else self.scene.title
 
     @property
     def extent(self) -> Extent | None:
-        """The box about what is seen; None where nothing is."""
+        """Bounding box of the visible meshes; None where there are none."""
         return world_extent(self.world, None if self.stand is None else self.stand.index)
 
     @property
     def size(self) -> str:
-        """How much there is of it, in words; of levels of detail, of which one is ever seen, the finest counts."""
+        """Numbers of triangles and parts, and extent, in words; of levels of detail the finest counts."""
         listed, world = self.world.subentities(), self.world
         inside = [
             name
@@ -93,11 +93,11 @@ def open_shown(path: Path, up: Up = "y") -> Shown:
     """Read a file to show.
 
     Args:
-        path: A scene (also by the name of a shipped one), a glTF model, or one of `MESH_SUFFIXES`.
-        up: Which axis of a mesh file is up.
+        path: A scene file or the name of a shipped scene, a glTF model, or a mesh file (`MESH_SUFFIXES`).
+        up: Upward axis of a mesh file.
 
     Raises:
-        SceneError: there is no such file, it is of no kind that is shown, or it is wrong.
+        SceneError: The file is missing, of an unknown kind, or faulty.
     """
     suffix = path.suffix.lower()
     if suffix in (".json", ""):
@@ -134,5 +134,5 @@ def _open_scene(path: Path) -> Shown:
 
 
 def _count(number: int, word: str) -> str:
-    """A number with its thing, thousands apart."""
+    """Return a number with a noun, with blanks between thousands."""
     return f"{number:,} {word}{'' if number == 1 else 's'}".replace(",", " ")

@@ -13,6 +13,7 @@ from mimics_app.app.settings import Profile
 from mimics_app.app.viewer.page import draw_caption
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.app.viewer.viewport import Viewport
+from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.frame_set import FrameSet
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen, save_png
 from mimics_app.rendering.visual.surfaces.surface import Size
@@ -33,28 +34,28 @@ def draw_turntable(
     caption: bool = False,
     video: Path | None = None,
 ) -> Drawn:
-    """Draw one picture per frame, spread over one turn of the camera.
+    """Draw one picture per frame, spread over one full rotation of the camera.
 
     Args:
-        shown: What.
-        output: The PNG file; of several frames NAME_000.png and so on.
-        size: Of the picture [px].
-        frames: How many, >= 1.
+        shown: The model or scene.
+        output: The PNG file; for several frames NAME_000.png and so on.
+        size: Size of the picture [px].
+        frames: Number of frames, >= 1.
         backend: "auto", "egl", "osmesa" or "window".
         profile: Quality of a scene's picture.
-        camera: As `Viewport`.
-        caption: True writes name and notes over the picture.
-        video: File of a film (see `video.film_place`) instead of PNG files, or None.
+        camera: See `Viewport`.
+        caption: True draws name and notes over the picture.
+        video: File of a video (see `video.film_place`) instead of PNG files, or None.
 
     Raises:
-        SceneError: there is nothing to see, or no camera of that name.
-        DeviceError: the context cannot be had.
+        SceneError: Nothing is visible, or there is no camera of that name.
+        DeviceError: The OpenGL context is not available.
     """
     output.parent.mkdir(parents=True, exist_ok=True)
     surface = open_offscreen(backend, size)
     viewport = Viewport(surface, shown, profile, camera)
     if caption:
-        viewport.renderer.hud.width = 720.0 * size[0] / size[1]
+        viewport.renderer.hud.width = CANVAS_HEIGHT * size[0] / size[1]
         draw_caption(viewport.renderer.hud, shown.title, [shown.size], shown.notes)
     yaw = viewport.orbit.yaw
 
@@ -75,7 +76,7 @@ def draw_turntable(
 
 
 def _draw_files(viewport: Viewport, frames: int, views: Callable[[int], list[View]], output: Path) -> FrameSet:
-    """One PNG file a frame: of one alone the very file that was requested."""
+    """Draw one PNG file per frame; a single frame goes to the requested file itself."""
     files, spent = [], []
     for number in range(frames):
         spent.append(viewport.renderer.draw_finished(views(number)).cpu_ms)

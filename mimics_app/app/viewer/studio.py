@@ -1,4 +1,4 @@
-"""A quiet place for a model: a floor with a grid, a soft sky, and light from three sides."""
+"""Studio around a model: a floor with a grid, a soft sky, and light from three sides."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ __all__ = ["Studio", "studio_settings"]
 
 _FLOOR = "studio floor"
 _WIDTH = 60.0
-"""Of the floor, in radii of the model."""
+"""Width of the floor [radii of the model]."""
 _HORIZON = (0.46, 0.49, 0.53)
 _KEY, _FILL, _RIM = (0.55, 0.75, 0.62), (-0.95, 0.30, 0.55), (-0.30, 0.55, -0.95)
-"""Where light comes from, as seen from where a model is first seen: right, up, towards the eye."""
+"""Directions to the key, fill and rim light in the first view: right, up, towards the camera."""
 _KEY_COLOUR, _FILL_COLOUR, _RIM_COLOUR = (1.0, 0.96, 0.90), (0.75, 0.85, 1.0), (1.0, 1.0, 1.0)
 _KEY_LIGHT, _FILL_LIGHT, _RIM_LIGHT = 0.85, 0.16, 0.30
 _AWAY = 12.0
-"""Distance of fill and rim, in radii."""
+"""Distance of fill and rim light [radii of the model]."""
 _SINK = 0.002
-"""How far below the model the floor lies, in radii, so that a flat model on it does not flicker."""
+"""Depth of the floor below the model [radii], so that a flat model on it does not flicker."""
 
 
 def studio_settings(extent: Extent) -> RenderSettings:
-    """Quality of a picture of a model that fills a box."""
+    """Return the quality of the picture of a model with a bounding box."""
     radius = _radius(extent)
     return RenderSettings(msaa=4, shadow_size=2048, shadow_reach=4.0 * radius, fog_density=0.0)
 
@@ -41,9 +41,9 @@ class Studio:
     """Surroundings of a model: floor, lights and sky, below one node.
 
     Args:
-        world: Of the model; its sky is replaced.
-        extent: The box about the model.
-        yaw: From where it is first seen [rad].
+        world: World of the model; its sky is replaced.
+        extent: Bounding box of the model.
+        yaw: Yaw of the first view [rad].
     """
 
     def __init__(self, world: World, extent: Extent, yaw: float) -> None:
@@ -60,15 +60,15 @@ class Studio:
 
     @property
     def has_own_lights(self) -> bool:
-        """Whether the model brought lights."""
+        """Whether the model has lights."""
         return bool(self._own)
 
     def toggle_floor(self) -> None:
-        """Take the floor away, or bring it back."""
+        """Hide or show the floor."""
         self._floor.visible = not self._floor.visible
 
     def toggle_lights(self) -> None:
-        """Change between the studio's light and the model's own, where it has any."""
+        """Switch between the studio's lights and the model's own, where it has any."""
         if not self._own:
             return
         self._lit_by_own = not self._lit_by_own
@@ -82,7 +82,7 @@ class Studio:
                 self._world.content.lights.remove(index)
 
     def take_over(self, other: Studio) -> None:
-        """Show floor and light as another studio does."""
+        """Take the state of floor and lights from another studio."""
         if other._floor.visible != self._floor.visible:
             self.toggle_floor()
         if other._lit_by_own != self._lit_by_own:
@@ -96,14 +96,14 @@ class Studio:
         place = (middle[0], extent[0][1] - _SINK * radius, middle[2])
         self._floor = self._node.create_child("", place)
         body = self._floor.create_entity(_FLOOR, _FLOOR)
-        for piece in body.subentities:
-            piece.casts_shadow = False
+        for part in body.subentities:
+            part.casts_shadow = False
 
     def _light_up(self, middle: F8, radius: float, yaw: float) -> None:
         key = self._lamps.create_child("", middle + radius * _turned(_KEY, yaw))
         key.create_light("directional", colour=_KEY_COLOUR, intensity=_KEY_LIGHT, casts_shadow=True)
         key.look_at(middle)
-        far = min(max(_AWAY * radius, 1.0), 1e15)  # no nearer and no farther than a shader can distinguish
+        far = min(max(_AWAY * radius, 1.0), 1e15)  # the range of a shader's numbers
         for towards, colour, strength in ((_FILL, _FILL_COLOUR, _FILL_LIGHT), (_RIM, _RIM_COLOUR, _RIM_LIGHT)):
             lamp = self._lamps.create_child("", middle + far * _turned(towards, yaw))
             lamp.create_light("point", colour=colour, intensity=strength * far * far)
@@ -115,7 +115,7 @@ def _sky(radius: float) -> Sky:
 
 
 def _take_lights(world: World) -> dict[int, dict[str, object]]:
-    """Put out the lights a model brought; what each was, by node."""
+    """Remove the lights of a model from the world, and return their settings by node."""
     table = world.content.lights
     taken: dict[int, dict[str, object]] = {}
     for light in world.lights:

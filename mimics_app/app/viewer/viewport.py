@@ -1,4 +1,4 @@
-"""The viewer's viewport: what is shown, with studio or without, through an orbit camera, on a surface."""
+"""The viewer's viewport: a model in a studio, or a scene, seen through an orbit camera and drawn on a surface."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ __all__ = ["Viewport"]
 
 
 class Viewport:
-    """Draws one thing.
+    """View of one model or scene.
 
     Args:
-        surface: Where to draw; owned by the caller.
-        shown: What.
+        surface: Surface to draw on; owned by the caller.
+        shown: The model or scene.
         profile: Quality of a scene's picture.
-        camera: Entity whose camera the orbit begins at; "": the scene's first one, or one that sees all.
+        camera: Entity whose camera is the first view; "": the scene's first camera, or a view of everything.
 
     Attributes:
-        surface: Where it is drawn.
-        shown: What is shown now.
-        orbit: The orbit camera it is seen through.
-        renderer: What draws it.
-        studio: What was put about a model; None for a scene.
+        surface: The surface.
+        shown: The present model or scene.
+        orbit: The orbit camera.
+        renderer: The renderer.
+        studio: Studio around a model; None for a scene.
 
     Raises:
-        SceneError: there is nothing to see, or no camera of that name.
+        SceneError: Nothing is visible, or there is no camera of that name.
     """
 
     def __init__(self, surface: Surface, shown: Shown, profile: Profile = "training", camera: str = "") -> None:
@@ -56,7 +56,7 @@ class Viewport:
 
     @property
     def in_software(self) -> bool:
-        """Whether the processor draws."""
+        """Whether the picture is drawn on the processor."""
         return draws_in_software(self.surface)
 
     def show(self, shown: Shown) -> None:
@@ -66,7 +66,7 @@ class Viewport:
         self.renderer.world = shown.world
 
     def reset(self) -> None:
-        """Go back to the first view."""
+        """Return to the first view."""
         start, extent = self._start(), self.shown.extent
         if start is not None:
             reach = 1.0 if extent is None else 0.5 * float(((extent[1] - extent[0]) ** 2).sum() ** 0.5)
@@ -78,16 +78,16 @@ class Viewport:
         """Draw one frame with the heads-up display; a lost context is created again.
 
         Args:
-            smooth: False leaves edges as they fall, which is much quicker on the processor.
+            smooth: False: without anti-aliasing, which is much faster on the processor.
 
         Raises:
-            DeviceError: it was lost, and there is no other.
+            DeviceError: The context was lost and cannot be created again.
         """
         self.renderer.set_quality(msaa=self._samples if smooth else 0)
         return draw_or_recover(self.surface, lambda: self._report(self.renderer.draw(self.views())), self._recover)
 
     def draw_finished(self) -> FrameStats:
-        """As `draw`, but return only when the driver has drawn all of it."""
+        """Draw one frame, and wait until the driver has finished it."""
         return self._report(self.renderer.draw_finished(self.views()))
 
     def release(self) -> None:
@@ -99,7 +99,7 @@ class Viewport:
         self.renderer.renew()
 
     def views(self) -> list[View]:
-        """The view as the renderer wants it; the display's canvas takes the picture's shape."""
+        """Return the view of the orbit camera; the canvas of the display gets the aspect ratio of the picture."""
         width, height = self.surface.size
         self.renderer.hud.width = CANVAS_HEIGHT * width / height
         return [self.orbit.view(self.surface.size)]

@@ -50,11 +50,11 @@ def write_figure(figure: Figure, seed: int) -> bytes:
     base, slopes = paint_face(person, figure.head, pieces["head"], figure.face_corners)
     clothes = dict(person.clothes)
     paints = {
-        "skin_head": Paint((1.0, 1.0, 1.0), 0.58, base, slopes, soft=_SOFT),
-        "skin_body": Paint(_linear(person.looks.skin, _HAND_TINT), 0.62, _HANDS, _HANDS_SLOPES, soft=_SOFT),
+        "skin_head": Paint((1.0, 1.0, 1.0), 0.64, base, slopes, soft=_SOFT),
+        "skin_body": Paint(_linear(person.looks.skin, _HAND_TINT), 0.64, _HANDS, _HANDS_SLOPES, soft=_SOFT),
         "eye": Paint((1.0, 1.0, 1.0), 0.12, paint_eye(person.looks.iris, seed)),
         "mouth": Paint((1.0, 1.0, 1.0), 0.35),
-        "hair": Paint(_linear(person.looks.hair, 205.0), 0.66, *(_CURLS if person.looks.style in _CURLY else _HAIR)),
+        "hair": Paint(_linear(person.looks.hair, 205.0), 0.80, *(_CURLS if person.looks.style in _CURLY else _HAIR)),
         "shoes": Paint(_linear(clothes["shoes"]), 0.5),
     }
     for name, colour in person.clothes:

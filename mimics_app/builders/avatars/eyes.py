@@ -1,4 +1,4 @@
-"""Eyeballs, teeth, tongue and ears."""
+"""Eyeballs, teeth and tongue."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from mimics_app.builders.avatars.face_mesh import face_uvs, welded_normals
+from mimics_app.builders.avatars.face_mesh import welded_normals
 from mimics_app.builders.avatars.face_shape import EYE_RADIUS, Head
 from mimics_app.builders.avatars.fields import F8, step
 from mimics_app.builders.avatars.piece import Piece, joined
@@ -14,15 +14,11 @@ from mimics_app.builders.avatars.sheet import I8, Sheet, triangles_of
 from mimics_app.builders.avatars.skeleton import Skeleton
 from mimics_app.builders.avatars.weights import rigid
 
-__all__ = ["IRIS", "make_ears", "make_eyes", "make_mouth"]
+__all__ = ["IRIS", "make_eyes", "make_mouth"]
 
 IRIS = 0.0059
 """Radius of the coloured part of an eye [m]."""
 
-_EAR_SIDE = 74.5
-"""Position of the ears on the side of the plain head [mm]."""
-_EAR_SHADES = (0.6, 0.75, 1.0, 1.0, 0.62, 0.92, 0.50, 0.36)
-"""Of its rings, from behind over the rim to the bowl."""
 _AROUND = 10
 _RINGS = (0.0, 0.22, 0.50, 0.70, 1.05, 1.75)
 """Angles of an eyeball's rings from its front [rad]."""
@@ -134,59 +130,3 @@ def _tongue(head: Head) -> tuple[F8, I8, F8]:
     sheet.close(rim, head.mark(0.0, -73.0, 48.0))
     places = sheet.places()
     return places, triangles_of(sheet.faces, places), np.array([0.52, 0.20, 0.19])
-
-
-def make_ears(head: Head, bones: Skeleton) -> Piece:
-    """Two ears: bowl, inner fold, outer rim and lobe as a dish, and its back."""
-    around = 10
-    turn = 2.0 * math.pi * np.arange(around) / around
-    # outline seen from the side: ahead and up of its middle [mm]
-    high, low = 31.0, 30.0
-    ahead = np.where(np.cos(turn) > 0.0, 12.0, 18.5) * (1.0 + 0.10 * np.sin(turn))
-    rim_x = ahead * np.cos(turn)
-    rim_y = np.where(np.sin(turn) > 0.0, high, low) * np.sin(turn)
-    rim_x = (
-        np.where(np.sin(turn) < -0.2, rim_x * (1.0 - 0.42 * (-np.sin(turn) - 0.2)), rim_x)
-        + 3.0 * np.minimum(np.sin(turn), 0.0) * -1.0
-    )
-    front = np.cos(turn) > 0.55
-    parts = []
-    for side in (1, -1):
-        sheet = Sheet()
-        rim = None
-        rings = (
-            # share of the outline, height over the head [mm]: behind, then over the rim into the bowl
-            (0.60, -6.0), (0.95, 4.0), (1.0, 8.5), (0.94, 10.5), (0.80, 6.6), (0.62, 8.0), (0.44, 2.6), (0.22, 0.2),
-        )  # fmt: skip
-        for share, height in rings:
-            x, y = share * rim_x, share * rim_y
-            lift = np.where(front & (share > 0.3), np.minimum(height, 0.6 + 3.0 * (share < 0.7)), height)
-            lift = lift + 0.20 * np.maximum(-x, 0.0) * (share > 0.3)  # the back edge stands off the head
-            if share > 0.85:
-                lift = lift - 2.6 * step(-0.35, -0.95, np.sin(turn))
-            leaning = -0.22 * y
-            corners = np.array([
-                head.mark(side * (_EAR_SIDE + height_), y_ - 7.0, -6.0 + x_ + lean)
-                for x_, y_, height_, lean in zip(x, y, lift, leaning, strict=True)
-            ])  # fmt: skip
-            ring = sheet.add(corners)
-            if rim is None:
-                sheet.cap(ring, head.mark(side * 62.0, -7.0, -6.0), flip=side > 0)
-            else:
-                sheet.join(rim, ring, flip=side < 0)
-            rim = ring
-        assert rim is not None
-        sheet.close(rim, head.mark(side * (_EAR_SIDE - 1.0), -9.0, -3.0))
-        places = sheet.places()
-        triangles = triangles_of(sheet.faces, places)
-        offset = places - head.middle
-        turns = np.stack(
-            [np.arctan2(offset[:, 0], offset[:, 2]), np.arcsin(offset[:, 1] / np.linalg.norm(offset, axis=1))], axis=1
-        )
-        behind, *others = _EAR_SHADES
-        shades = np.repeat([behind, behind, *others, 0.3], [around, 1, *[around] * len(others), 1])[:, None]
-        parts.append(
-            Piece("skin_head", places, welded_normals(places, triangles), face_uvs(turns), triangles,
-                  rigid(bones, "head", len(places)), shades * np.array([1.0, 0.93, 0.90]))
-        )  # fmt: skip
-    return joined(parts)

@@ -17,7 +17,7 @@ __all__ = ["LID_LIFT", "LID_POINTS", "LIP_POINTS", "MOUTH_RISE", "FaceMap", "dir
 
 LID_POINTS = 9
 """Vertices of a lid from one end to the other."""
-MOUTH_RISE = 1.2
+MOUTH_RISE = 1.8
 """Height of the ends of the line of the lips over its middle [mm]: a mouth at ease."""
 LIP_POINTS = 6
 """Vertices of half a lip from the middle to the end."""
@@ -137,7 +137,7 @@ def _lip_points(points: _Points, head: Head, face: Face) -> list[I8]:
     lower = 9.2 * face.lips * (1.0 - share**2.4)
     rings = []
     for grow in (0.0, *_LIP_RINGS):
-        gap, wide = 1.2, 1.0 + (0.06 * grow if grow <= 1.0 else 0.06 + 0.30 * (grow - 1.0))
+        gap, wide = 1.2, 1.0 + (0.06 * grow if grow <= 1.0 else 0.06 + 0.18 * (grow - 1.0))
         more = max(grow - 1.0, 0.0) * 6.0
         above = np.stack(
             [x * wide, line + gap * (1.0 - share**2) + upper * min(grow, 1.0) + more * (1.0 - share**3)], axis=1

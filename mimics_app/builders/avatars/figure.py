@@ -11,7 +11,8 @@ import numpy as np
 from mimics_app.builders.avatars.cage import AROUND, Cage, make_cage
 from mimics_app.builders.avatars.cloth import Tailor
 from mimics_app.builders.avatars.draft import Draft, openness
-from mimics_app.builders.avatars.eyes import make_ears, make_eyes, make_mouth
+from mimics_app.builders.avatars.ears import make_ears
+from mimics_app.builders.avatars.eyes import make_eyes, make_mouth
 from mimics_app.builders.avatars.face_mesh import FaceMesh, face_uvs, make_face
 from mimics_app.builders.avatars.face_shape import Head, make_head
 from mimics_app.builders.avatars.fields import F8, step
@@ -76,7 +77,7 @@ def make_figure(person: Person, seed: int) -> Figure:
     neck = _shared_normals(face, cage)
     pieces = {"skin": smooth_folds(_skin(person, bones, cage, flesh, held, tailor, neck), bones)}
     pieces |= _head_pieces(person, bones, head, face, cage, weights, flesh, neck)
-    pieces["hair"] = make_hair(head, bones, person.looks.style, seed)
+    pieces["hair"] = make_hair(head, bones, person.looks, seed)
     pieces |= clothes
     for name in ("skin", *(name for name in clothes if name != "shoes")):
         pieces[name] = _breathing(pieces[name], bones)

@@ -16,11 +16,13 @@ from mimics_app.builders.avatars.face_map import directions
 from mimics_app.builders.avatars.face_shape import Head
 from mimics_app.builders.avatars.fields import F8, step
 from mimics_app.builders.avatars.locks import LAID, Lock, add_lock
+from mimics_app.builders.avatars.person import Looks
 from mimics_app.builders.avatars.piece import Piece
 from mimics_app.builders.avatars.sheet import I8
 from mimics_app.builders.avatars.skeleton import Skeleton
 from mimics_app.builders.avatars.weights import rigid
 from mimics_app.builders.kit.chance import Chance
+from mimics_app.builders.market.clay import noise
 
 __all__ = ["hairline", "make_hair"]
 
@@ -31,9 +33,11 @@ _ROUND = 0.75
 """Share of the head's round shape in the normals of hair, 0 to 1: the rest is that of the single locks."""
 _INSIDE = 0.018
 """Distance of the cap's edge behind the painted hairline [rad]: the edge is seen on painted hair."""
+_RECESS, _PEAK = 0.13, 0.025
+"""How far the hairline lies back over the temples and forward in the middle of the forehead at a recess of 1 [rad]."""
 _WIDEST = 0.05
 """Elevation where the back of the head stands out farthest [rad]."""
-_KNOT = (0.0, 30.0, -104.0)
+_KNOT = (0.0, 30.0, -94.0)
 """Place of the knot of hair drawn back, as `Head.mark` [mm]."""
 
 Course = Literal["crown", "knot", "none"]
@@ -53,6 +57,7 @@ class _Style:
         course: Of the strands on the texture.
         tile: Width of the texture on the cap where there is no course [m].
         columns: Vertices of a ring of the cap.
+        recess: Of the hairline, as in `Looks`.
         shares: Of the cap's rings.
     """
 
@@ -64,32 +69,43 @@ class _Style:
     course: Course = "crown"
     tile: float = 0.05
     columns: int = 30
+    recess: float = 0.0
     shares: tuple[float, ...] = (0.10, 0.26, 0.44, 0.62, 0.80, 1.0)
 
 
 _EVEN = (0.09, 0.19, 0.30, 0.41, 0.52, 0.63, 0.74, 0.85, 0.94, 1.0)
 _STYLES = {
-    "short": _Style((0.015, 0.0045), 0.70, 0.0, 0.55, 0.0015, columns=24),
-    "crop": _Style((0.0075, 0.0060), 0.86, course="none", tile=0.030, columns=32, shares=_EVEN),
+    "short": _Style((0.015, 0.0045), 0.70, 0.0, 0.55, 0.0015, columns=26),
+    "crop": _Style((0.0060, 0.0042), 0.74, course="none", tile=0.034, columns=38, shares=_EVEN),
     "bob": _Style((0.013, 0.011), 0.60, 0.125, 0.25, 0.0008, columns=28,
                   shares=(0.10, 0.26, 0.44, 0.62, 0.80, 1.0, 1.35, 1.7, 1.9)),
-    "tail": _Style((0.0110, 0.0075), 0.70, course="knot", columns=30, shares=(0.10, 0.25, 0.40, 0.55, 0.70, 0.86, 1.0)),
-    "curls": _Style((0.026, 0.020), 0.66, lumps=0.0130, course="none", tile=0.058, columns=36,
+    "tail": _Style((0.0095, 0.0065), 0.50, course="knot", columns=40, shares=(0.10, 0.25, 0.40, 0.55, 0.70, 0.86, 1.0)),
+    "curls": _Style((0.029, 0.019), 0.48, lumps=0.0180, course="none", tile=0.062, columns=42,
                     shares=(*_EVEN[:-2], 0.93, 0.98, 1.0)),
 }  # fmt: skip
 
 
-def hairline(azimuth: F8) -> F8:
-    """Return the elevation of the hairline at azimuths, equal on both sides [rad]."""
-    knots = np.array([0.0, 0.35, 0.62, 0.86, 1.10, 1.24, 1.38, 1.50, 1.70, 1.95, 2.20, 2.60, math.pi])
-    heights = np.array([0.76, 0.76, 0.71, 0.55, 0.38, 0.06, 0.06, 0.30, 0.34, 0.10, -0.35, -0.66, -0.72])
-    line: F8 = np.interp(np.abs(azimuth), knots, heights)
-    return line
+def hairline(azimuth: F8, recess: float) -> F8:
+    """Return the elevation of the hairline at azimuths, equal on both sides [rad].
+
+    Args:
+        azimuth: [rad].
+        recess: Of the hairline over the temples, as in `Looks`.
+    """
+    away = np.abs(azimuth)
+    knots = np.array([0.0, 0.35, 0.62, 0.84, 1.00, 1.10, 1.17, 1.24, 1.37, 1.43, 1.52, 1.70, 1.95, 2.20, 2.60, math.pi])
+    heights = np.array(
+        [0.76, 0.77, 0.71, 0.58, 0.46, 0.36, 0.16, 0.05, 0.05, 0.12, 0.31, 0.34, 0.10, -0.35, -0.66, -0.70]
+    )
+    line: F8 = np.interp(away, knots, heights)
+    temple, peak = np.exp(-(((away - 0.44) / 0.20) ** 2)), np.exp(-((away / 0.13) ** 2))
+    return line + recess * (_RECESS * temple - _PEAK * peak)
 
 
-def make_hair(head: Head, bones: Skeleton, style: str, seed: int) -> Piece:
+def make_hair(head: Head, bones: Skeleton, looks: Looks, seed: int) -> Piece:
     """Return the hair of a person in one of the styles "short", "crop", "bob", "tail" and "curls"."""
-    worn = _STYLES[style]
+    style = looks.style
+    worn = replace(_STYLES[style], recess=looks.recess)
     draft = Draft(len(bones.names))
     shades: list[F8] = []
     _cap(draft, shades, head, bones, worn, seed)
@@ -145,7 +161,7 @@ def _path(
         brow: Largest elevation that hair before the face hangs below the hairline, at 2 [rad].
     """
     azimuth = np.remainder(azimuth + math.pi, 2.0 * math.pi) - math.pi
-    line = hairline(azimuth) + _INSIDE + ragged
+    line = hairline(azimuth, worn.recess) + _INSIDE + ragged
     front = step(1.15, 0.75, np.abs(azimuth))
     elevation = _CROWN + (line - _CROWN) * np.minimum(share, 1.0) - brow * front * np.maximum(share - 1.0, 0.0)
     turns = np.stack([azimuth, elevation], axis=1)
@@ -172,17 +188,23 @@ def _path(
     return places
 
 
+def _lump(azimuth: F8, share: float) -> F8:
+    """Return the height of the tufts of a cap at directions from the whorl, -0.5 to 0.5, [n]."""
+    at = np.stack([share * np.sin(azimuth), share * np.cos(azimuth), np.full(len(azimuth), share * share)], axis=1)
+    return np.asarray(0.65 * noise(at, 0.34, 61) + 0.35 * noise(at, 0.15, 62) - 0.5)
+
+
 def _cap(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn: _Style, seed: int) -> None:
     count = worn.columns
     azimuth = -math.pi + 2.0 * math.pi * np.arange(count) / count
     rings, bump = [], Chance(seed, "cap")
     ragged = 0.045 * np.array([bump.share() - 0.5 for _ in range(count)])
     for share in worn.shares:
-        rough = worn.lumps * np.array([bump.share() - 0.5 for _ in range(count)])
-        rough = rough * (share < 0.97) * step(0.0, 0.3, np.array([share]))
+        rough = worn.lumps * _lump(azimuth, share)
+        rough = rough * step(1.0, 0.90, np.array([share])) * step(0.0, 0.3, np.array([share]))
         places = _path(head, worn, azimuth, np.full(count, share), rough, ragged)
         rings.append(draft.add(places, _held(bones, places, head)))
-        shades += [np.full(3, 0.85 + 25.0 * float(r)) for r in rough]
+        shades += [np.full(3, 0.85 + 18.0 * float(r)) for r in rough]
     laid = _texture_of(head, worn)
     for number, (one, two) in enumerate(itertools.pairwise(rings)):
         for i in range(count):
@@ -242,7 +264,7 @@ def _underside(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, worn
     """Close the cap inside the head, by vertices of its own: they would bend the normals of the rim."""
     count = worn.columns
     azimuth = -math.pi + 2.0 * math.pi * np.arange(count) / count
-    under = _skull(head, np.stack([azimuth, hairline(azimuth) - 0.01], axis=1), np.full(count, -0.004))
+    under = _skull(head, np.stack([azimuth, hairline(azimuth, worn.recess) - 0.01], axis=1), np.full(count, -0.004))
     u = [8.0 * i / count for i in range(count + 1)]
     tips = np.array([draft.corners[i] for i in rim])
     ring = draft.add(tips, np.array([draft.weights[i] for i in rim]))
@@ -279,9 +301,9 @@ def _tail(draft: Draft, shades: list[F8], head: Head, bones: Skeleton, chance: C
         shades += [np.full(3, 0.45 if 0 < number < 2 else 0.92)] * count
     u = [2.0 * i / count for i in range(count + 1)]
     for number, (one, two) in enumerate(itertools.pairwise(rings)):
-        draft.band(one, two, u, (0.25 * number, 0.25 * number + 0.25))
-    draft.lid(rings[0], root, (0.0, 0.0), flip=True)
-    draft.lid(rings[-1], root + _hang(1.06), (1.0, 2.2))
+        draft.band(one, two, u, (0.25 * number, 0.25 * number + 0.25), flip=True)
+    draft.lid(rings[0], root, (0.0, 0.0))
+    draft.lid(rings[-1], root + _hang(1.06), (1.0, 2.2), flip=True)
     shades += [np.full(3, 0.6), np.full(3, 0.9)]
     for number in range(5):
         angle = 2.0 * math.pi * number / 5.0

@@ -161,7 +161,7 @@ def _finger(shaping: _Shaping, name: str, root: I8) -> None:
         (0, 0.62, 1.02, 1.04, 0.0), (0, 0.88, 1.05, 1.04, 0.28), (1, 0.10, 1.02, 1.00, 0.72),
         (1, 0.52, 0.94, 0.94, 1.0),
         (1, 0.90, 0.93, 0.91, 1.35), (2, 0.20, 0.89, 0.85, 1.85), (2, 0.62, 0.84, 0.76, 2.0),
-        (2, 0.90, 0.58, 0.50, 2.0),
+        (2, 0.93, 0.64, 0.52, 2.0),
     )  # fmt: skip
     _tube(shaping, name, names, root, stations, shaping.axes[1])
 
@@ -173,7 +173,7 @@ def _thumb(shaping: _Shaping, rows: list[I8]) -> None:
     names = [f"Thumb{kind}" for kind in ("Metacarpal", "Proximal", "Distal")]
     stations = (
         (0, 0.62, 1.36, 1.30, 0.0), (0, 0.92, 1.12, 1.06, 0.4), (1, 0.40, 0.96, 0.96, 0.95),
-        (1, 0.88, 0.97, 0.92, 1.35), (2, 0.28, 0.97, 0.84, 1.9), (2, 0.68, 0.87, 0.69, 2.0), (2, 0.92, 0.56, 0.44, 2.0),
+        (1, 0.88, 0.97, 0.92, 1.35), (2, 0.28, 0.97, 0.84, 1.9), (2, 0.68, 0.87, 0.69, 2.0), (2, 0.93, 0.64, 0.48, 2.0),
     )  # fmt: skip
     # the ring of the root starts at the side towards the wrist and turns by the palm
     _tube(shaping, "Thumb", names, np.array(root, np.int64), stations, shaping.axes[0], quarter=True)
@@ -218,7 +218,7 @@ def _tube(
         ring = shaping.add(middle + places, shares, finger, bone + share)
         shaping.sheet.join(root, ring, flip=shaping.side < 0)
         root = ring
-    tip = joints[-1] + 0.001 * axis
+    tip = joints[-1] + 0.0002 * axis
     shaping.sheet.close(root, tip)
     shaping.weights.append(np.eye(len(shaping.bones.names))[indices[2]])
     shaping.finger.append(finger)

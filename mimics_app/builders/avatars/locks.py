@@ -72,9 +72,9 @@ def add_lock(draft: Draft, line: F8, middle: F8, lock: Lock, held: Callable[[F8]
         shades += [np.full(3, 0.80 * tone), np.full(3, 0.80 * tone), np.full(3, tone)]
     u, tall = (0.0, 0.5, 0.25, 0.0), 0.8 / lock.rings
     for number, (one, two) in enumerate(itertools.pairwise(rings)):
-        draft.band(one, two, u, (number * tall, (number + 1) * tall))
-    draft.face(rings[0].tolist(), [(0.25, 0.0)] * 3, flip=True)
-    draft.lid(rings[-1], line[-1], (0.25, 0.8))
+        draft.band(one, two, u, (number * tall, (number + 1) * tall), flip=True)
+    draft.face(rings[0].tolist(), [(0.25, 0.0)] * 3)
+    draft.lid(rings[-1], line[-1], (0.25, 0.8), flip=True)
     return [*shades, np.full(3, 1.1 * lock.shade)]
 
 
@@ -127,8 +127,8 @@ def _brushed_up(chance: Chance) -> list[Lock]:
         *row(np.linspace(-0.80, 0.76, 13), 0.34, (0.985, 0.60), (0.0075, 0.0065), 0.021),
         *row(np.linspace(-1.02, 0.98, 11), 0.36, (0.80, 0.38), (0.0050, 0.0060), 0.024),
         *row(np.linspace(-1.25, 1.20, 8), 0.40, (0.55, 0.12), (0.0040, 0.0050), 0.028),
-        *row(np.linspace(1.60, 4.70, 8), 0.15, (0.22, 0.56), (0.0020, 0.0025), 0.028),
-        *row(np.linspace(1.75, 4.55, 8), 0.10, (0.46, 0.80), (0.0015, 0.0010), 0.026),
+        *row(np.linspace(1.60, 4.70, 7), 0.15, (0.22, 0.56), (0.0020, 0.0025), 0.028),
+        *row(np.linspace(1.75, 4.55, 6), 0.10, (0.46, 0.80), (0.0015, 0.0010), 0.026),
         *row(np.linspace(1.05, 1.75, 4), 0.06, (0.40, 0.74), (0.0020, 0.0015), 0.024),
         *row(-np.linspace(1.05, 1.75, 4), -0.06, (0.40, 0.74), (0.0020, 0.0015), 0.024),
     ]

@@ -119,7 +119,7 @@ def _idle(bones: Skeleton, t: float) -> Pose:
     for _, word in SIDES:
         pose.turn(f"{word}Eye", (Y, quick), (X, 1.0))
     pose.morphs["blink"] = min(sum(_pulse(t, at, 0.075) for at in (1.1, 2.68, 5.1, 7.95, 10.25)), 1.0)
-    pose.morphs["smile"] = 0.12 + 0.10 * math.sin(_TURN * t / 12.0) ** 2
+    pose.morphs["smile"] = 0.30 + 0.12 * math.sin(_TURN * t / 12.0) ** 2
     return pose.ground()
 
 
@@ -152,7 +152,7 @@ def _stride(bones: Skeleton, phase: float, size: float, arms: float, bend: float
 
 def _walk(bones: Skeleton, t: float) -> Pose:
     pose = _stride(bones, t / 1.08, 1.0, 19.0, 20.0, 2.0)
-    pose.morphs["smile"] = 0.15  # no blink: one a cycle would be one a second
+    pose.morphs["smile"] = 0.26  # no blink: one a cycle would be one a second
     return pose
 
 

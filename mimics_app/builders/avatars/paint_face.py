@@ -70,7 +70,7 @@ def _skin(person: Person, mm: F8, places: F8) -> F8:
     colour = _mix(colour, red, 0.45 * _spot(mm, 0.0, -36.0, 13.0, 9.0))
     colour = _mix(colour, red, 0.25 * _spot(mm, 0.0, -98.0, 14.0, 10.0))
     colour = _mix(colour, warm, 0.5 * _spot(mm, 0.0, 45.0, 45.0, 22.0))
-    colour = _mix(colour, dark, (0.08 + 0.30 * person.face.age) * _spot(mm, 27.0, -13.0, 12.0, 4.0))
+    colour = _mix(colour, dark, (0.05 + 0.22 * person.face.age) * _spot(mm, 27.0, -13.0, 12.0, 4.0))
     colour = _mix(colour, dark, 0.12 * _spot(mm, 30.0, 8.5, 15.0, 5.0))
     colour = _mix(colour, dark, 0.35 * person.face.age * _spot(mm, 27.5, -50.0, 3.2, 11.0))
     colour = _mix(
@@ -99,17 +99,17 @@ def _lips(person: Person, head: Head, mm: F8, places: F8, colour: F8) -> F8:
     lower = 9.0 * full * (1.0 - inside**2.4)
     up = mm[:, 1] - line
     red = (
-        step(upper + 1.1, upper - 0.9, up)
-        * step(-lower - 1.3, -lower + 1.0, up)
-        * step(1.06, 0.94, share)
+        step(upper + 1.2, upper - 1.2, up)
+        * step(-lower - 1.2, -lower + 2.2, up)
+        * step(1.02, 0.86, share)
         * step(60.0, 75.0, mm[:, 2])
     )
     lips = (
         np.array(person.looks.lips, float) * (1.0 + 0.10 * (noise(places * [3.0, 0.6, 1.0], 0.0016, 7) - 0.5))[:, None]
     )
     lips = lips * (1.0 - 0.12 * step(0.0, upper + 0.1, up))[:, None]
-    colour = _mix(colour, lips, 0.88 * red)
-    seam = np.exp(-((up / 0.75) ** 2)) * step(1.08, 0.98, share) * step(60.0, 75.0, mm[:, 2])
+    colour = _mix(colour, lips, 0.80 * red)
+    seam = np.exp(-((up / (0.85 - 0.25 * inside)) ** 2)) * step(1.02, 0.80, share) * step(60.0, 75.0, mm[:, 2])
     return _mix(colour, np.array(person.looks.lips, float) * 0.35, 0.75 * seam)
 
 
@@ -130,32 +130,33 @@ def _eyes(person: Person, head: Head, places: F8, colour: F8) -> F8:
 
 def _brows(person: Person, mm: F8, places: F8, colour: F8) -> F8:
     x = np.abs(mm[:, 0])
-    middle = np.interp(x, [9.0, 14.0, 26.0, 38.0, 47.0, 54.0], [18.2, 19.2, 20.8, 21.6, 19.8, 15.8])
+    middle = np.interp(x, [9.0, 14.0, 26.0, 38.0, 47.0, 54.0], [19.4, 19.9, 20.9, 21.2, 19.4, 15.8])
     if person.body.woman:
         middle = middle + 1.0 + 1.4 * np.exp(-(((x - 38.0) / 9.0) ** 2))
-    wide = np.interp(x, [9.0, 14.0, 30.0, 46.0, 54.0], [1.6, 3.4, 3.2, 2.1, 0.8]) * (
-        0.72 if person.body.woman else 1.12
+    wide = np.interp(x, [9.0, 14.0, 30.0, 46.0, 54.0], [2.0, 3.4, 3.3, 2.3, 0.9]) * (
+        0.80 if person.body.woman else 1.08
     )
     off = mm[:, 1] - middle
     # hairs stand up at the inner end and lie down outwards
     lean = np.interp(x, [8.0, 20.0, 50.0], [0.25, 0.8, 1.6])
     across = np.stack([x - lean * off, 0.25 * off, np.where(mm[:, 0] > 0.0, 0.0, 50.0)], axis=1)
     hairs = np.clip(0.42 + 2.1 * (noise(across, 0.75, 9) - 0.42), 0.0, 1.0)
-    mask = step(1.25, 0.45, np.abs(off) / wide) * step(8.0, 12.0, x) * step(57.0, 52.0, x) * step(40.0, 55.0, mm[:, 2])
+    mask = step(1.25, 0.45, np.abs(off) / wide) * step(7.5, 17.0, x) * step(57.0, 49.0, x) * step(40.0, 55.0, mm[:, 2])
     dark = 0.75 * np.array(person.looks.hair, float)
-    return _mix(colour, dark, 0.92 * mask * (0.35 + 0.65 * hairs))
+    return _mix(colour, dark, 0.86 * mask * (0.30 + 0.70 * hairs))
 
 
 def _scalp(person: Person, head: Head, places: F8, colour: F8) -> F8:
     offset = places - head.middle
     azimuth = np.arctan2(offset[:, 0], offset[:, 2])
     elevation = np.arcsin(np.clip(offset[:, 1] / np.linalg.norm(offset, axis=1), -1.0, 1.0))
-    # single hairs stand before the line, close together behind it
+    # single hairs stand before the line, close together behind it; the line itself is not even
     turned = np.stack([azimuth * _HAIRS, elevation * 9.0 + 2.0 * azimuth, 0 * azimuth], axis=1)
-    dense = step(-0.065, 0.035, elevation - hairline(azimuth) + 0.04 * (noise(turned * 0.12, 0.6, 12) - 0.5))
-    hairs = step(0.0, 0.15, dense) * step(-0.30, 0.25, 1.2 * dense - noise(turned, 1.0, 11))
+    line = hairline(azimuth, person.looks.recess) + 0.05 * (noise(places, 0.014, 12) - 0.5)
+    dense = step(-0.085, 0.045, elevation - line)
+    hairs = step(0.0, 0.2, dense) * step(-0.45, 0.35, 1.2 * dense - noise(turned, 1.0, 11))
     dark = np.array(person.looks.hair, float) * (0.62 + 0.3 * noise(turned, 0.9, 13))[:, None]
-    return _mix(colour, dark, 0.94 * hairs)
+    return _mix(_mix(colour, dark, 0.30 * dense), dark, 0.90 * hairs)
 
 
 def _heights(person: Person, head: Head, mm: F8, places: F8) -> F8:

@@ -136,19 +136,21 @@ def paint_hair() -> tuple[bytes, bytes]:
     high, wide = 256, 256
     across = np.arange(wide)[None, :] / wide
     waver = smooth_noise(high, wide, 2, 6, 43) - 0.5
-    locks = np.sin(math.pi * _LOCKS * (across + 0.10 * waver)) ** 2
+    uneven = 0.9 * (smooth_noise(1, wide, 1, 5, 45) - 0.5) / _LOCKS * 2.0
+    locks = np.sin(math.pi * _LOCKS * (across + uneven + 0.10 * waver)) ** 2
     strands = hash_noise(np.arange(wide)[None, :], np.zeros((1, wide), np.int64), 41)
     fine = 0.6 * strands + 0.4 * smooth_noise(1, wide, 1, 48, 42)
     column = (np.arange(wide)[None, :] + np.round(0.10 * wide * waver).astype(int)) % wide
     tone = fine[0][column] * (0.85 + 0.3 * smooth_noise(high, wide, 4, 64, 44))
-    colour = (128.0 + 127.0 * np.clip(tone, 0.0, 1.0)) * (0.82 + 0.18 * locks)
-    heights = _HAIR_TILE * (0.0045 * tone + 0.010 * locks)
+    colour = (128.0 + 127.0 * np.clip(tone, 0.0, 1.0)) * (0.80 + 0.20 * smooth_noise(high, wide, 3, 14, 46))
+    colour *= 0.90 + 0.10 * locks
+    heights = _HAIR_TILE * (0.0032 * tone + 0.0036 * locks)
     return encode(colour[..., None] * np.ones(3), 82), encode(slopes(heights, _HAIR_TILE / wide, wrap=True), 82)
 
 
 def paint_curls() -> tuple[bytes, bytes]:
     """Return the factor on the colour and the normal map of curls, coils side by side; it repeats."""
-    n, cells = 256, 9
+    n, cells = 256, 12
     y, x = (np.mgrid[0:n, 0:n] + 0.5) * (cells / n)
     column, row = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
     nearest, angle, own = np.full((n, n), 9.0), np.zeros((n, n)), np.zeros((n, n))
@@ -164,8 +166,9 @@ def paint_curls() -> tuple[bytes, bytes]:
             own = np.where(closer, hash_noise(i, j, 53), own)
     dome = np.sqrt(np.clip(1.0 - nearest**2, 0.0, 1.0))
     coil = 0.5 + 0.5 * np.sin(13.0 * nearest + np.where(own > 0.5, 1.0, -1.0) * angle + 6.0 * own)
-    colour = (95.0 + 85.0 * dome + 45.0 * own) * (0.72 + 0.28 * coil)
-    heights = _HAIR_TILE / cells * (0.42 * dome + 0.075 * coil)
+    frizz = 0.5 * smooth_noise(n, n, 128, 128, 54) + 0.5 * smooth_noise(n, n, 51, 51, 55)
+    colour = (85.0 + 60.0 * dome + 35.0 * own + 75.0 * frizz) * (0.80 + 0.20 * coil)
+    heights = _HAIR_TILE / cells * (0.24 * dome + 0.030 * coil + 0.16 * frizz)
     return encode(colour[..., None] * np.ones(3), 82), encode(slopes(heights, _HAIR_TILE / n, wrap=True), 82)
 
 
@@ -176,7 +179,7 @@ def paint_eye(iris: Rgb, seed: int) -> bytes:
     angle = 2.0 * np.hypot(x, y) * 1.75
     turn = np.arctan2(y, x)
     edge = math.asin(IRIS / EYE_RADIUS)
-    white = np.array([224.0, 214.0, 206.0]) * (1.0 - 0.30 * step(0.55, 1.25, angle))[..., None]
+    white = np.array([214.0, 205.0, 198.0]) * (1.0 - 0.30 * step(0.55, 1.25, angle))[..., None]
     veins = smooth_noise(n, n, 26, 26, seed) * step(0.62, 1.2, angle)
     white = white * (1.0 - veins[..., None] * [0.02, 0.12, 0.12])
     rays = 0.5 + 0.5 * np.sin(

@@ -84,7 +84,14 @@ class Face:
 
 @dataclass(frozen=True)
 class Looks:
-    """Colours, sRGB, and the style of the hair ("short", "crop", "bob", "tail", "curls")."""
+    """Colours, sRGB, and the hair.
+
+    Attributes:
+        skin, hair, iris, lips: Colours.
+        style: Of the hair: "short", "crop", "bob", "tail" or "curls".
+        stubble: Density of the beard, 0 to 1.
+        recess: Of the hairline over the temples, 0: round, to 1: far back with a peak in the middle.
+    """
 
     skin: Rgb
     hair: Rgb
@@ -92,6 +99,7 @@ class Looks:
     style: str
     lips: Rgb
     stubble: float = 0.0
+    recess: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -130,7 +138,7 @@ _MARA = Person(
     ),
     Face(breadth=1.01, length=0.95, jaw=1.02, chin=-2.0, cheek=2.0, brow=-2.0, lips=1.25, mouth=1.03, eyes=1.02,
          nose=0.95, nose_breadth=1.10, bridge=-2.0, full=3.0, age=0.45),
-    Looks((160, 110, 82), (28, 22, 20), (62, 40, 26), "curls", (142, 78, 72)),
+    Looks((160, 110, 82), (28, 22, 20), (62, 40, 26), "curls", (142, 78, 72), recess=0.4),
     (("blouse", (232, 226, 214)), ("skirt", (70, 92, 84)), ("shoes", (40, 36, 40))),
 )  # fmt: skip
 _TOM = Person(
@@ -139,7 +147,7 @@ _TOM = Person(
         False, 1.80, 0.420, 0.345, 0.274, 0.197, 0.275, 0.385, 1.000, 0.860, 0.985, 0.585, 0.380, 0.226, 0.325, 0.173,
     ),
     Face(jaw=1.02, brow=0.5, chin=1.0, age=0.15),
-    Looks((214, 164, 134), (66, 48, 34), (76, 100, 128), "short", (176, 106, 96), stubble=0.25),
+    Looks((214, 164, 134), (66, 48, 34), (76, 100, 128), "short", (176, 106, 96), stubble=0.25, recess=0.55),
     (("shirt", (64, 104, 146)), ("trousers", (64, 60, 56)), ("shoes", (66, 62, 60))),
 )  # fmt: skip
 _OMAR = Person(
@@ -150,7 +158,7 @@ _OMAR = Person(
     ),
     Face(breadth=1.03, length=0.98, jaw=1.08, chin=-0.5, cheek=1.5, brow=1.5, nose=1.06, nose_breadth=1.14, bridge=1.0,
          lips=1.15, mouth=1.05, eyes=0.95, full=2.5, age=0.7),
-    Looks((148, 100, 72), (30, 26, 26), (54, 36, 24), "crop", (126, 76, 68), stubble=0.7),
+    Looks((148, 100, 72), (30, 26, 26), (54, 36, 24), "crop", (126, 76, 68), stubble=0.7, recess=0.6),
     (("shirt_long", (92, 112, 84)), ("trousers", (150, 132, 104)), ("shoes", (52, 44, 40))),
 )  # fmt: skip
 

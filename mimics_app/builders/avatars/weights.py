@@ -98,9 +98,9 @@ def _shoulder(weights: F8, cage: Cage, bones: Skeleton, side: int, word: str) ->
     offset = places - shoulder
     reach = offset @ along
     # the top of the shoulder follows the clavicle farther out than the armpit does
-    late = reach - 1.15 * np.maximum(offset @ arm_axes(side)[1], 0.0)
+    late = reach - 0.6 * np.maximum(offset @ arm_axes(side)[1], 0.0)
     away = np.linalg.norm(offset - reach[:, None] * along, axis=1)
-    arm = step(-0.055, 0.075, late) * (1.0 - step(0.055, 0.10, away)) * step(0.0, 0.10, places[:, 0] * side)
+    arm = step(-0.085, 0.085, late) * (1.0 - step(0.060, 0.11, away)) * step(0.0, 0.10, places[:, 0] * side)
     _hand_over(weights, bones.index(f"{word}UpperArm"), arm)
 
 

@@ -16,7 +16,7 @@ from mimics_app.contracts.clock import SECOND_NS, MonotonicClock
 from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.inputs.physio.integrity import Grid, LiveSignals
-from mimics_app.inputs.physio.recording import name_of_channel
+from mimics_app.inputs.physio.recording import columns_of
 
 if TYPE_CHECKING:
     from pylsl import StreamInfo, StreamInlet
@@ -137,14 +137,7 @@ def _columns(info: object) -> dict[str, int]:
     for _ in range(info.channel_count()):  # type: ignore[attr-defined]
         labels.append(channel.child_value("label") or channel.child_value("type") or "")
         channel = channel.next_sibling()
-    if not any(name_of_channel(label) for label in labels):
-        labels = [info.type(), *labels[1:]]  # type: ignore[attr-defined]
-    columns: dict[str, int] = {}
-    for i, label in enumerate(labels):
-        name = name_of_channel(label)
-        if name and name not in columns:
-            columns[name] = i
-    return columns
+    return columns_of(labels) or columns_of([info.type()])  # type: ignore[attr-defined]
 
 
 def _library() -> ModuleType:

@@ -6,7 +6,7 @@ Missing samples are NaN; nothing is interpolated.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import Issue, SceneError, UsageError, first_line
+from mimics_app.contracts.input_port import SignalSource
 from mimics_app.contracts.messages import Experience, SignalBlock
 
-__all__ = ["FileSource", "Recorded", "name_of_channel", "read_signal_file"]
+__all__ = ["FileSource", "Recorded", "columns_of", "name_of_channel", "read_signal_file"]
 
 _LONGEST_S = 7 * 24 * 3600.0
 """Longest recording [s]."""
@@ -58,6 +59,16 @@ def name_of_channel(label: str) -> str:
     return next((name for name, pattern in _NAMES if re.search(pattern, plain)), "")
 
 
+def columns_of(labels: Iterable[str]) -> dict[str, int]:
+    """Return the number of the first channel of each body signal, by the labels of the channels."""
+    columns: dict[str, int] = {}
+    for i, label in enumerate(labels):
+        name = name_of_channel(label)
+        if name:
+            columns.setdefault(name, i)
+    return columns
+
+
 def read_signal_file(path: Path) -> list[Recorded]:
     """Read the body signals of a file; of several channels of one signal, the first.
 
@@ -65,11 +76,10 @@ def read_signal_file(path: Path) -> list[Recorded]:
         SceneError: The file is missing, cannot be read, or has no body signal.
         UsageError: The library that reads its format is not installed.
     """
-    found = reader_of(path)(path)
     signals: dict[str, Recorded] = {}
-    for signal in found:
-        if signal.name and len(signal.values) and signal.name not in signals:
-            signals[signal.name] = signal
+    for signal in reader_of(path)(path):
+        if signal.name and len(signal.values):
+            signals.setdefault(signal.name, signal)
     if not signals:
         raise SceneError(Issue(str(path), "", "it has no body signal", "name columns t_s, ecg, gsr, emg, resp"))
     return list(signals.values())
@@ -185,7 +195,7 @@ def _read_wfdb(path: Path) -> list[Recorded]:
     ]
 
 
-class FileSource:
+class FileSource(SignalSource):
     """Playback of a file in session time; after its end there are no more samples.
 
     Args:

@@ -9,7 +9,7 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.inputs.physio.amplifier_frames import AmplifierReader, Samples
 from mimics_app.inputs.physio.integrity import Grid, LiveSignals
-from mimics_app.inputs.physio.recording import name_of_channel
+from mimics_app.inputs.physio.recording import columns_of
 
 __all__ = ["SerialAmplifier"]
 
@@ -56,7 +56,6 @@ class SerialAmplifier(LiveSignals):
         self._failures = (serial.SerialException, OSError)
         self._reader = AmplifierReader()
         self._early: list[Samples] = []
-        self._columns: dict[str, int] = {}
         self._doubted: Samples | None = None
         self._start_ns: int | None = None
         self._place = self._next = 0
@@ -132,11 +131,8 @@ class SerialAmplifier(LiveSignals):
                 )
             self._clock.sleep_until_ns(self._clock.now_ns() + 5_000_000)
         self._header = self._reader.rate, self._reader.channels
-        for i, label in enumerate(self._reader.channels):
-            name = name_of_channel(label)
-            if name and name not in self._columns:
-                self._columns[name] = i
-                self._grids[name] = Grid(name, self._reader.rate)
+        self._columns = columns_of(self._reader.channels)
+        self._grids = {name: Grid(name, self._reader.rate) for name in self._columns}
         if not self._columns:
             self._port.close()
             raise DeviceError(

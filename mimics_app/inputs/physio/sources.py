@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
+from typing import cast
 
 from mimics_app.contracts.errors import DeviceError, UsageError, nearest
 from mimics_app.contracts.input_port import SignalSource
-from mimics_app.contracts.plugins import load_plugin
+from mimics_app.contracts.plugins import PluginError, PluginGroup, fault_of_builder
 
-__all__ = ["ENTRY_POINT_GROUP", "KINDS", "look_for_source", "open_source"]
+__all__ = ["KINDS", "PLUGINS", "look_for_source", "open_source", "source_kinds"]
 
-ENTRY_POINT_GROUP = "mimics_app.signal_sources"
+PLUGINS = PluginGroup("mimics_app.signal_sources", fault_of_builder(SignalSource))
 
 _Opener = Callable[[str, int], SignalSource]
 
@@ -58,6 +58,11 @@ KINDS: dict[str, _Opener] = {"sim": _simulated, "file": _file, "lsl": _lsl, "ser
 """Built-in kinds of sources."""
 
 
+def source_kinds() -> set[str]:
+    """Return the kinds of sources: the built-in ones, and those of installed packages."""
+    return {*KINDS, *PLUGINS.names()}
+
+
 def open_source(address: str, seed: int) -> SignalSource:
     """Open the source of an address.
 
@@ -67,13 +72,7 @@ def open_source(address: str, seed: int) -> SignalSource:
         SceneError: The file is missing or cannot be read.
     """
     kind, rest = _split(address)
-    if kind in KINDS:
-        return KINDS[kind](rest, seed)
-    try:
-        opener: _Opener = load_plugin(_installed()[kind])
-    except ValueError as fault:
-        raise DeviceError(f'there is no source "{kind}": {fault}') from fault
-    return opener(rest, seed)
+    return (KINDS[kind] if kind in KINDS else _plugin(kind))(rest, seed)
 
 
 def look_for_source(address: str, tell: Callable[[str], None]) -> None:
@@ -87,7 +86,9 @@ def look_for_source(address: str, tell: Callable[[str], None]) -> None:
         UsageError, DeviceError, SceneError: As `open_source`.
     """
     kind, rest = _split(address)
-    if kind in _LOOKS:
+    if kind not in KINDS:
+        _plugin(kind)
+    elif kind in _LOOKS:
         _LOOKS[kind](rest, tell)
 
 
@@ -121,8 +122,11 @@ _LOOKS: dict[str, Callable[[str, Callable[[str], None]], None]] = {
 }
 
 
-def _installed() -> dict[str, EntryPoint]:
-    return {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
+def _plugin(kind: str) -> _Opener:
+    try:
+        return cast(_Opener, PLUGINS.load(kind))
+    except PluginError as error:
+        raise DeviceError(f'the source of body signals "{kind}" is not available: {error}') from error
 
 
 def _split(address: str) -> tuple[str, str]:
@@ -134,6 +138,6 @@ def _split(address: str) -> tuple[str, str]:
     kind, _, rest = address.partition(":")
     if kind in KINDS and kind != "sim" and not rest:
         raise UsageError(f'"{address}" names no {kind} source', f"write {kind}:NAME")
-    if kind not in KINDS and kind not in _installed():
-        raise UsageError(f'"{address}" is no source of body signals', nearest(kind, [*KINDS, *_installed()]))
+    if kind not in (known := source_kinds()):
+        raise UsageError(f'"{address}" is no source of body signals', nearest(kind, known))
     return kind, rest

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
+from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink
+from mimics_app.inputs.trackers.polled_tracker import PolledTracker
 
 __all__ = ["HeadsetTracker"]
 
 
-class HeadsetTracker(TrackerSource):
+class HeadsetTracker(PolledTracker):
     """Tracker that polls the display of the session once a frame; a display without tracking reports nothing.
 
     Args:
@@ -17,8 +18,7 @@ class HeadsetTracker(TrackerSource):
     """
 
     def __init__(self, name: str) -> None:
-        self.name, self.problem, self.rejected = name, "", 0
-        self._sink: TrackerSink | None = None
+        super().__init__(name)
         self._ask: Callable[[], Sequence[TrackerSample]] = tuple
         self._newest_ns = -1
 
@@ -26,16 +26,8 @@ class HeadsetTracker(TrackerSource):
         """Set the function that returns the display's reports, each with the time its pose is predicted for."""
         self._ask = ask
 
-    def start(self, sink: TrackerSink) -> None:
-        self._sink = sink
-
-    def poll(self, now_ns: int) -> None:
-        if self._sink is None:
-            return
+    def _report(self, now_ns: int, sink: TrackerSink) -> None:
         samples = [sample for sample in self._ask() if sample.t_ns > self._newest_ns]
         for sample in samples:
-            self._sink(sample)
+            sink(sample)
             self._newest_ns = max(self._newest_ns, sample.t_ns)
-
-    def stop(self) -> None:
-        self._sink = None

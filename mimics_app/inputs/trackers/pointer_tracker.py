@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 from mimics_app.contracts.input_port import WindowFrame
-from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
-from mimics_app.inputs.trackers.polhemus import euler_quaternion
+from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink
+from mimics_app.inputs.trackers.polled_tracker import PolledTracker
+from mimics_app.inputs.trackers.scripted_person import person_quaternion
 
 __all__ = ["PointerTracker"]
 
@@ -17,7 +18,7 @@ _STICK_M = 0.25
 _HANDS = {"hand_left": ("left_x", "left_y", -0.25), "hand_right": ("right_x", "right_y", 0.25)}
 
 
-class PointerTracker(TrackerSource):
+class PointerTracker(PolledTracker):
     """The pointer rotates the head; the sticks of a gamepad move the hands in front of the body.
 
     Args:
@@ -25,8 +26,7 @@ class PointerTracker(TrackerSource):
     """
 
     def __init__(self, name: str) -> None:
-        self.name, self.problem, self.rejected = name, "", 0
-        self._sink: TrackerSink | None = None
+        super().__init__(name)
         self._look = (0.0, 0.0)
         self._sticks: dict[str, float] = {}
 
@@ -37,22 +37,14 @@ class PointerTracker(TrackerSource):
                 self._look = (event.x, event.y)
         self._sticks = dict(frame.gamepad.axes) if frame.gamepad.connected else {}
 
-    def start(self, sink: TrackerSink) -> None:
-        self._sink = sink
-
-    def poll(self, now_ns: int) -> None:
-        if self._sink is None:
-            return
+    def _report(self, now_ns: int, sink: TrackerSink) -> None:
         right, up = self._look
-        x, y, z, w = euler_quaternion(-math.degrees(_LOOK_RAD * right), math.degrees(_LOOK_RAD * up), 0.0)
-        self._sink(TrackerSample("head", now_ns, (0.0, 1.70, 0.0), (y, z, x, w)))
+        rotation = person_quaternion(-math.degrees(_LOOK_RAD * right), math.degrees(_LOOK_RAD * up), 0.0)
+        sink(TrackerSample("head", now_ns, (0.0, 1.70, 0.0), rotation))
         for sensor, (across, along, side) in _HANDS.items():
             place = (
                 side + _STICK_M * self._sticks.get(across, 0.0),
                 1.05 - _STICK_M * self._sticks.get(along, 0.0),
                 -0.3,
             )
-            self._sink(TrackerSample(sensor, now_ns, place, (0.0, 0.0, 0.0, 1.0)))
-
-    def stop(self) -> None:
-        self._sink = None
+            sink(TrackerSample(sensor, now_ns, place, (0.0, 0.0, 0.0, 1.0)))

@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 
-from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
+from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink
 from mimics_app.inputs.trackers.polhemus import euler_quaternion
+from mimics_app.inputs.trackers.polled_tracker import PolledTracker
 
-__all__ = ["PERSON_SENSORS", "ScriptedPerson", "person_at"]
+__all__ = ["PERSON_SENSORS", "ScriptedPerson", "person_at", "person_quaternion"]
 
 PERSON_SENSORS = ("head", "chest", "hand_left", "hand_right")
 """Sensors of the upper body, by role."""
@@ -42,7 +43,16 @@ def person_at(sensor: str, t_s: float, seed: int) -> tuple[tuple[float, float, f
     return place, (turn * wave[3], 0.4 * turn * wave[4], 0.2 * turn * wave[5])
 
 
-class ScriptedPerson(TrackerSource):
+def person_quaternion(yaw: float, pitch: float, roll: float) -> tuple[float, float, float, float]:
+    """Return the quaternion x y z w of a person's rotations about up, across and forward [deg].
+
+    Trackers rotate about z, y, x in this order; a person rotates about y, x, z.
+    """
+    x, y, z, w = euler_quaternion(yaw, pitch, roll)
+    return y, z, x, w
+
+
+class ScriptedPerson(PolledTracker):
     """Tracker that reports a scripted upper body at 120 Hz of session time, on any clock.
 
     Args:
@@ -51,26 +61,15 @@ class ScriptedPerson(TrackerSource):
     """
 
     def __init__(self, name: str, seed: int) -> None:
-        self.name, self.problem, self.rejected = name, "", 0
+        super().__init__(name)
         self._seed = seed
-        self._sink: TrackerSink | None = None
         self._done_ns = -_PERIOD_NS
 
-    def start(self, sink: TrackerSink) -> None:
-        self._sink = sink
-
-    def poll(self, now_ns: int) -> None:
-        if self._sink is None:
-            return
+    def _report(self, now_ns: int, sink: TrackerSink) -> None:
         # After a long pause only the reports that a track keeps are made up.
         self._done_ns = max(self._done_ns, now_ns - now_ns % _PERIOD_NS - 64 * _PERIOD_NS)
         while self._done_ns + _PERIOD_NS <= now_ns:
             self._done_ns += _PERIOD_NS
             for sensor in PERSON_SENSORS:
-                place, (yaw, pitch, roll) = person_at(sensor, self._done_ns * 1e-9, self._seed)
-                x, y, z, w = euler_quaternion(yaw, pitch, roll)
-                # The convention rotates about z, y, x; a person turns about y, x, z.
-                self._sink(TrackerSample(sensor, self._done_ns, place, (y, z, x, w), self._done_ns))
-
-    def stop(self) -> None:
-        self._sink = None
+                place, angles = person_at(sensor, self._done_ns * 1e-9, self._seed)
+                sink(TrackerSample(sensor, self._done_ns, place, person_quaternion(*angles), self._done_ns))

@@ -12,16 +12,24 @@ from mimics_app.inputs.trackers.calibration import UNITS
 from mimics_app.inputs.trackers.polhemus import FastrakParser
 from mimics_app.inputs.trackers.threaded_tracker import ThreadedTracker
 
-__all__ = ["SerialTracker", "fastrak", "flock_of_birds"]
+__all__ = ["RecordParser", "SerialTracker", "fastrak", "flock_of_birds"]
 
 _PATIENCE_S = 0.05
 """Time-out of a read [s]."""
 
 
-class _Parser(Protocol):
+class RecordParser(Protocol):
+    """Parser of the records of a device.
+
+    Attributes:
+        rejected: Number of records that could not be read.
+    """
+
     rejected: int
 
-    def feed(self, data: bytes, t_ns: int) -> list[TrackerSample]: ...
+    def feed(self, data: bytes, t_ns: int) -> list[TrackerSample]:
+        """Take bytes that arrived at a time [ns] and return the complete reports."""
+        ...
 
 
 class SerialTracker(ThreadedTracker):
@@ -42,7 +50,7 @@ class SerialTracker(ThreadedTracker):
         name: str,
         port: str,
         baud: int,
-        parser: _Parser,
+        parser: RecordParser,
         begin: bytes,
         end: bytes,
         clock: Clock | None = None,

@@ -9,8 +9,10 @@ from typing import IO
 
 import msgspec
 
+from mimics_app.contracts.clock import SECOND_NS
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink, TrackerSource
+from mimics_app.contracts.tracker_port import TrackerSample, TrackerSink
+from mimics_app.inputs.trackers.polled_tracker import PolledTracker
 
 __all__ = ["TapeTracker", "TapeWriter", "read_tape"]
 
@@ -75,7 +77,7 @@ def read_tape(file: Path) -> list[TrackerSample]:
     return samples
 
 
-class TapeTracker(TrackerSource):
+class TapeTracker(PolledTracker):
     """Tracker that plays a tape in session time: a report is delivered with the frame after its own time.
 
     Args:
@@ -87,27 +89,20 @@ class TapeTracker(TrackerSource):
     """
 
     def __init__(self, name: str, file: Path) -> None:
-        self.name, self.problem, self.rejected = name, "", 0
+        super().__init__(name)
         self._samples = read_tape(file)
         self._next = 0
-        self._sink: TrackerSink | None = None
         self._begun_ns: int | None = None
 
-    def start(self, sink: TrackerSink) -> None:
-        self._sink = sink
-
-    def poll(self, now_ns: int) -> None:
-        if self._sink is None or not self._samples:
+    def _report(self, now_ns: int, sink: TrackerSink) -> None:
+        if not self._samples:
             return
         if self._begun_ns is None:
             # A tape of a live session starts at its first report, one of the virtual clock at zero.
             first = self._samples[0].t_ns
-            self._begun_ns = 0 if first < 1_000_000_000 else first - now_ns
+            self._begun_ns = 0 if first < SECOND_NS else first - now_ns
         while self._next < len(self._samples) and self._samples[self._next].t_ns - self._begun_ns <= now_ns:
             sample = self._samples[self._next]
             moved = sample.t_ns - self._begun_ns
-            self._sink(TrackerSample(sample.sensor, moved, sample.position, sample.rotation, sample.device_ns))
+            sink(TrackerSample(sample.sensor, moved, sample.position, sample.rotation, sample.device_ns))
             self._next += 1
-
-    def stop(self) -> None:
-        self._sink = None

@@ -1,4 +1,4 @@
-"""Rival forms of admittance control (D2.1 equations 6, 7) with their measured cost and their false force.
+"""Forms of admittance control (D2.1 equations 6, 7) with their cost and spurious force.
 
 Importing this module registers them.
 """
@@ -27,7 +27,7 @@ GROUP = "admittance form"
 _D1 = 0.46
 _MASS = 3.0
 _DT = 1e-3
-"""The loop's tick [s]: a form's false force grows with it."""
+"""Tick of the loop [s]: the spurious force of a form grows with it."""
 _FREE = 1e9
 _CALLS = 20_000
 
@@ -40,18 +40,18 @@ def _run(form: int, calls: int, dt: float, q: Floats, v: Floats, dq: Floats, scr
 
 
 def _moving() -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """(q, v, dq) of a free mass at r = 0.46 m with r' = 0.2 m/s and phi' = 1 rad/s."""
+    """Return q, v and dq of a free mass at r = 0.46 m with r' = 0.2 m/s and phi' = 1 rad/s."""
     q, dq, v = np.zeros(3), np.array([0.2, 1.0, 0.0]), np.zeros(3)
     apply_jacobian(q, _D1, dq, v)
     return q, v, dq
 
 
 def false_force(form: AdmittanceForm) -> float:
-    """Force [N] that a form invents on a free mass of 3 kg: mass x how fast its velocity turns from a straight line."""
+    """Return the spurious force of a form on a free mass of 3 kg [N]: mass times change of its velocity per tick."""
     q, v, dq = _moving()
     before = v.copy()
     _run(int(form), 1, _DT, q, v, dq, np.zeros(3))
-    # One step on, the joints of a mass that flies straight have moved: its velocity is read at the new place.
+    # The joints have moved by one step: the velocity is evaluated at the new position.
     q_next = q + _DT * dq
     after = np.zeros(3)
     if form is AdmittanceForm.CARTESIAN:

@@ -1,11 +1,11 @@
-"""Methods to advance colliding bodies, with their cost and the error of a bounce.
+"""Integrators of colliding bodies, and sleeping of bodies at rest, with their cost and error.
 
-Importing this module registers them. Cost: one tick of boxes that rest on a floor, all awake, four points of contact
-and friction each. Error: a ball of 0.2 kg dropped on 2 kN/m at zeta = 0.3 and 1 ms; restitution against the closed form
-of a contact that only pushes, the worst of the phases at which a tick may meet the floor.
+Importing this module registers them. Cost: one tick of boxes at rest on a floor, all awake, with four points of contact
+and friction each. Error: restitution of a ball of 0.2 kg dropped on 2 kN/m at zeta = 0.3 and 1 ms against the closed
+form of a contact without tension, the largest over the phases of the tick at impact.
 
-Two or four steps to a tick halve and quarter the error for two and four times the cost. They are drawn as yardsticks:
-the error of 1 ms is below what a hand can feel of a bounce, and a stiffer contact is bound by the device's own tick.
+Two or four steps per tick halve and quarter the error at two and four times the cost. They are yardsticks: the error at
+1 ms is below the perceptible difference of a bounce, and a stiffer contact is limited by the device's own tick.
 """
 
 from __future__ import annotations
@@ -39,11 +39,11 @@ _METHODS: dict[str, tuple[ObjectIntegrator, int]] = {
     "semi-implicit, 2 steps": (ObjectIntegrator.SEMI_IMPLICIT, 2),
     "semi-implicit, 4 steps": (ObjectIntegrator.SEMI_IMPLICIT, 4),
 }
-"""Integrator and steps to a tick."""
+"""Integrator and steps per tick, by method."""
 
 
 def _bounce(method: str, phase: float) -> float:
-    """Restitution of the probe ball that meets the floor at a phase 0..1 of the tick."""
+    """Return the restitution of the ball with the impact at a phase 0..1 of the tick."""
     integrator, steps = _METHODS[method]
     world = new_world(1, 2, dt=1e-3 / steps)
     damping = 2.0 * _ZETA * math.sqrt(_STIFFNESS * _MASS)
@@ -63,13 +63,13 @@ def _bounce(method: str, phase: float) -> float:
 
 
 def bounce_error(method: str) -> float:
-    """Worst difference of the restitution from the closed form over the phases of the touch."""
+    """Return the largest difference of the restitution from the closed form over the phases of the impact."""
     exact = restitution_spring_damper(_ZETA)
     return max(abs(_bounce(method, float(phase)) - exact) for phase in np.arange(1, _PHASES + 1) / _PHASES)
 
 
 def step_us(method: str, bodies: int) -> float:
-    """Cost of a tick of so many boxes at rest on a floor [us]."""
+    """Return the cost of a tick of boxes at rest on a floor [us]."""
     integrator, steps = _METHODS[method]
     world = rest_on_floor(bodies, integrator=integrator)
     world.dt /= steps
@@ -79,7 +79,7 @@ def step_us(method: str, bodies: int) -> float:
 
 
 def _rest(sleeps: bool, bodies: int) -> BodyWorld:
-    """Boxes that have lain on a floor for a second."""
+    """Return boxes after a second at rest on a floor."""
     world = rest_on_floor(bodies)
     if sleeps:
         world.rows.bodies["flags"][:bodies] |= int(BodyFlag.SLEEPS)
@@ -89,13 +89,13 @@ def _rest(sleeps: bool, bodies: int) -> BodyWorld:
 
 
 def rest_us(sleeps: bool, bodies: int) -> float:
-    """What so many boxes at rest on a floor add to a tick [us]."""
+    """Return the cost of a tick of boxes that were at rest for a second [us]."""
     world, ticks = _rest(sleeps, bodies), max(20, _TICKS // bodies)
     return shortest_us(lambda: world.run(ticks), ticks)
 
 
 def rest_drift(sleeps: bool) -> float:
-    """How far a box at rest moves in another second [m]."""
+    """Return the displacement of a box at rest in another second [m]."""
     world = _rest(sleeps, 1)
     before = world.motions[0]["position"].copy()
     world.run(1000)

@@ -1,4 +1,4 @@
-"""Worlds of haptic objects alone, without device, scene or person: what their methods are measured and tested on."""
+"""Worlds of haptic objects without device, scene or person, on which their methods are measured and tested."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ __all__ = ["FREE", "GRAVITY", "BodyWorld", "box_inertia", "heap_of_boxes", "new_
 
 
 FREE = int(BodyFlag.TRANSLATION | BodyFlag.ROTATION | BodyFlag.FORCE_ON_OBJECT | BodyFlag.TORQUE_ON_OBJECT)
-"""Flags of a body that moves and turns, and never sleeps."""
+"""Flags of a body that translates and rotates, and never sleeps."""
 
 GRAVITY = (0.0, -9.81, 0.0)
 _UPRIGHT = (0.0, 0.0, 0.0, 1.0)
@@ -52,7 +52,7 @@ def _run(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, dt: float, ti
 
 
 def box_inertia(mass: float, edges: Edges) -> F8:
-    """Inertia of a solid box [kg m^2]: m/12 (b^2 + c^2, a^2 + c^2, a^2 + b^2)."""
+    """Return the inertia of a solid box [kg m^2], m/12 (b^2 + c^2, a^2 + c^2, a^2 + b^2), shape [3, 3]."""
     a, b, c = (x * x for x in edges)
     inertia: F8 = mass / 12.0 * np.diag([b + c, a + c, a + b])
     return inertia
@@ -60,11 +60,11 @@ def box_inertia(mass: float, edges: Edges) -> F8:
 
 @dataclass
 class BodyWorld:
-    """Rows that grow by `add_body` and `add_shape`, and what the loop makes of them.
+    """Tables of haptic objects, extended by `add_body` and `add_shape`, with the working memory of the loop.
 
     Attributes:
-        rows: What the main thread would publish.
-        work: What the loop makes of it.
+        rows: Tables as the main thread publishes them.
+        work: Working memory of the loop.
         counts: OBJECT_COUNTS, shape [1].
         dt: Tick [s].
     """
@@ -80,7 +80,7 @@ class BodyWorld:
         return self.work.motions
 
     def add_body(self, mass: float = 0.2, inertia: F8 | None = None, **fields: object) -> int:
-        """A body without shapes; `fields` are those of BODY. Returns its row."""
+        """Add a body without shapes, with fields of BODY, and return its row."""
         k = int(self.counts[0]["bodies"])
         body = self.rows.bodies[k]
         body["flags"], body["mass"], body["orientation"], body["spawn"] = FREE, mass, _UPRIGHT, 1
@@ -94,7 +94,7 @@ class BodyWorld:
         return k
 
     def add_shape(self, kind: ShapeKind, size: ArrayLike, body: int = STATIC, **fields: object) -> int:
-        """A shape of a body or the static scene; `fields` are those of SHAPE. Returns its row."""
+        """Add a shape of a body or of the static scene, with fields of SHAPE, and return its row."""
         i = int(self.counts[0]["shapes"])
         shape = self.rows.shapes[i]
         shape["kind"], shape["body"], shape["enabled"], shape["orientation"] = kind, body, 1, _UPRIGHT
@@ -108,13 +108,13 @@ class BodyWorld:
     def add_box(
         self, edges: Edges = (0.04, 0.04, 0.04), mass: float = 0.2, surface: Fields | None = None, **fields: object
     ) -> int:
-        """A body of one box."""
+        """Add a body of one box and return its row."""
         k = self.add_body(mass, box_inertia(mass, edges), **fields)
         self.add_shape(ShapeKind.BOX, edges, k, **(surface or {}))
         return k
 
     def add_ball(self, radius: float = 0.02, mass: float = 0.2, surface: Fields | None = None, **fields: object) -> int:
-        """A body of one sphere."""
+        """Add a body of one sphere and return its row."""
         k = self.add_body(mass, np.eye(3) * 0.4 * mass * radius**2, **fields)
         self.add_shape(ShapeKind.SPHERE, radius, k, **(surface or {}))
         return k
@@ -128,28 +128,28 @@ class BodyWorld:
         surface: Fields | None = None,
         **fields: object,
     ) -> int:
-        """A body of one cylinder or capsule, with the inertia of a cylinder."""
+        """Add a body of one cylinder or capsule, with the inertia of a cylinder, and return its row."""
         across = mass * (3.0 * radius**2 + length**2) / 12.0
         k = self.add_body(mass, np.diag([across, 0.5 * mass * radius**2, across]), **fields)
         self.add_shape(kind, (radius, length), k, **(surface or {}))
         return k
 
     def add_floor(self, height: float = 0.0, **fields: Any) -> int:
-        """A wall that is a floor: its +z is up."""
+        """Add a wall with its normal +z upwards and return its row."""
         up = (-_HALF_TURN, 0.0, 0.0, _HALF_TURN)
         return self.add_shape(ShapeKind.WALL, (), position=(0.0, height, 0.0), orientation=up, **fields)
 
     def run(self, ticks: int = 1) -> None:
-        """Advance by some ticks."""
+        """Advance by a number of ticks."""
         _run(self.rows, self.work, self.counts[0], self.dt, ticks)
 
     def change(self) -> None:
-        """Say that rows were changed."""
+        """Mark the rows as changed."""
         self.counts[0]["revision"] += 1
 
 
 def new_world(bodies: int = 8, shapes: int = 32, dt: float = 1e-3) -> BodyWorld:
-    """An empty world with room for so many bodies and shapes."""
+    """Return an empty world with capacities for bodies and shapes."""
     capacities = ObjectCapacities(shapes=shapes, bodies=bodies)
     return BodyWorld(new_rows(capacities), new_object_work(capacities), dt=dt)
 
@@ -157,12 +157,12 @@ def new_world(bodies: int = 8, shapes: int = 32, dt: float = 1e-3) -> BodyWorld:
 def rest_on_floor(
     bodies: int, kind: ShapeKind = ShapeKind.BOX, integrator: ObjectIntegrator = ObjectIntegrator.SEMI_IMPLICIT
 ) -> BodyWorld:
-    """Free bodies of 0.2 kg and 4 cm on a floor, 2 cm between neighbours: the scene the peers are measured on.
+    """Return free bodies of 0.2 kg and 4 cm on a floor, 2 cm between neighbours.
 
     Args:
-        bodies: How many.
+        bodies: Number of bodies.
         kind: SPHERE, BOX, CYLINDER or CAPSULE.
-        integrator: Of all of them.
+        integrator: Integrator of all of them.
     """
     world = new_world(bodies, bodies + 1)
     world.add_floor(**_FIRM)
@@ -180,11 +180,11 @@ def rest_on_floor(
 
 
 def heap_of_boxes(bodies: int) -> BodyWorld:
-    """Boxes dropped in any attitude into a square shaft of 24 cm: after 3 s a heap, all in contact."""
+    """Return boxes in random orientations above a square shaft of 24 cm: after 3 s a heap, all in contact."""
     world = new_world(bodies, bodies + 5)
     world.add_floor(**_FIRM)
     for x, z in ((-0.12, 0.0), (0.12, 0.0), (0.0, -0.12), (0.0, 0.12)):
-        half = 0.5 * math.atan2(-x, -z)  # local +z looks to the middle
+        half = 0.5 * math.atan2(-x, -z)  # local +z points to the axis of the shaft
         turn = (0.0, math.sin(half), 0.0, math.cos(half))
         world.add_shape(ShapeKind.WALL, (), position=(x, 0.0, z), orientation=turn, **_FIRM)
     random = np.random.default_rng(1)

@@ -1,6 +1,6 @@
-"""What a round thing may be given to be touched by (4.2.8). Importing this module registers the rivals.
+"""Bounding geometries of a round object (4.2.8); importing this module registers them.
 
-Cost: the whole of touching, with friction. Error: false force of a frictionless slide over a ball of 2 cm.
+Cost: cull, narrow phase, force and friction. Error: spurious force of a frictionless slide over a ball of 2 cm.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ __all__ = ["GROUP", "false_force"]
 GROUP = "bounding geometry"
 
 _FEW = (1, 10, 100)
-"""Numbers of meshes at which the cost of a tick is measured."""
+"""Numbers of meshes at which the cost of a tick is measured, for large ones."""
 
 
 def false_force(kind: ShapeKind, triangles: int = 0) -> float:
-    """Greatest difference [N] from the force of a frictionless ball of RADIUS on the path of the probe."""
+    """Return the largest difference [N] from the force of a frictionless ball of RADIUS on the path of the probe."""
     path = slide_path(np.array([0.0, 0.0, RADIUS]))[0]
     far = np.linalg.norm(path, axis=1)
     scene = touch_scene(kind, 1, triangles, friction=0.0)

@@ -1,11 +1,9 @@
-"""Rival contact laws and rival rules for the face of a box, with their cost and their error.
-
-Importing this module registers them.
+"""Contact laws, and rules for the face of a box, with their cost and error; importing this module registers them.
 
 - "contact law": a free mass of 0.2 kg bounces on 2 kN/m at 1 ms; error of its restitution against the closed form of a
-  contact that only pushes, the worst of the phases at which a tick may meet the surface.
-- "box face": a point pressed 3 mm into a box slides towards its corner; error is the greatest difference [N] from a
-  force along the normal of the face it came in by.
+  contact without tension, the largest over the phases of the tick at impact.
+- "box face": a point pressed 3 mm into a box slides towards its edge; error is the largest difference [N] from a force
+  along the normal of the face of entry.
 """
 
 from __future__ import annotations
@@ -83,7 +81,7 @@ _HERTZIAN = 1.5
 """Exponent of Hertz's sphere."""
 
 _MIDDLE = 1e-3
-"""Depth [m] that the pressed ones move about."""
+"""Mean depth of pressed contacts [m]."""
 
 
 @kernel
@@ -110,18 +108,18 @@ def _bounce(number: int, outside: float, dt: float) -> float:
 
 
 def bounce(law: str, phase: float = 0.0, dt: float = _DT) -> float:
-    """Restitution, speed after over speed before, of the probe mass under one law and tick dt [s].
+    """Return the restitution, speed after over speed before, of the probe mass under a law.
 
     Args:
-        law: Name of one.
-        phase: Where between two ticks the surface is met, 0 to 1 (1: just before the next).
+        law: Name of the law.
+        phase: Time of the impact between two ticks, 0 to 1 (1: just before the next).
         dt: Tick [s].
     """
     return _bounce(_NUMBERS[law], phase * _SPEED * dt, dt)
 
 
 def restitution_spring_damper(zeta: float) -> float:
-    """Closed form of (9) clamped: exp(-2 zeta a), a = arccos(zeta)/sqrt(1 - zeta^2), beyond 1 arccosh and its root."""
+    """Return the restitution of (9) clamped: exp(-2 zeta a), a = arccos(zeta)/sqrt(1 - zeta^2); above 1 by arccosh."""
     if zeta == 1.0:
         return math.exp(-2.0)
     a = math.acos(zeta) if zeta < 1.0 else math.acosh(zeta)
@@ -129,7 +127,7 @@ def restitution_spring_damper(zeta: float) -> float:
 
 
 def restitution_hunt_crossley(u: float) -> float:
-    """The e in 0..1 with (1 + e) u = ln((1 + u)/(1 - e u)), for u = lam v0/k > 0, any exponent and mass (bisection)."""
+    """Return e in 0..1 with (1 + e) u = ln((1 + u)/(1 - e u)), u = lam v0/k > 0, for any exponent and mass."""
     low, high = 0.0, min(1.0, (1.0 - 1e-15) / u)
     for _ in range(200):
         e = 0.5 * (low + high)
@@ -141,14 +139,14 @@ def restitution_hunt_crossley(u: float) -> float:
 
 
 def restitution_error(law: str, dt: float = _DT) -> float:
-    """Worst difference of the restitution from that of a contact that only pushes, over the phases of the touch."""
+    """Return the largest difference of the restitution from the closed form over the phases of the impact."""
     exact = restitution_spring_damper(_ZETA) if law.startswith("(9)") else restitution_hunt_crossley(_U)
     return max(abs(bounce(law, phase / _PHASES, dt) - exact) for phase in range(_PHASES))
 
 
 @kernel
 def _press(number: int, ticks: int, depth: F8, rate: F8, total: F8) -> None:
-    """One tick after the other of some contacts, their depths moving so that nothing can be taken out of the loop."""
+    """Run ticks of contacts with changing depths, so that the compiler cannot hoist work out of the loop."""
     for _ in range(ticks):
         for i in range(depth.shape[0]):
             total[i] += _force(number, depth[i], rate[i])
@@ -202,7 +200,7 @@ def _slide(number: int, path: F8, v: F8, dimensions: F8, contacts: Table[Contact
 
 
 def _corner_path() -> F8:
-    """In by the top to 3 mm in 1 s, then along x to 0.5 mm from the side: 8 and 4 um a tick."""
+    """Return a path: into the top to 3 mm in 1 s, then along x to 0.5 mm from the side; 8 and 4 um per tick."""
     down = np.linspace(0.025, 0.017, 1001)
     along = np.linspace(0.015, 0.0195, 1126)
     path = np.zeros((len(down) + len(along), 3))
@@ -212,7 +210,7 @@ def _corner_path() -> F8:
 
 
 def false_force(rule: str) -> float:
-    """Largest difference [N] from the force of Figure 27, parallel to the normal of the entered face, on the slide."""
+    """Return the largest difference [N] from the force of Figure 27, along the normal of the face of entry."""
     path = _corner_path()
     forces = np.zeros_like(path)
     _slide(_BOX_NUMBERS[rule], path, _INWARD, np.array(_EDGES), np.zeros(1, CONTACT), forces)

@@ -1,7 +1,7 @@
-"""Rival methods to find the shapes a point may touch. Importing this module registers them.
+"""Broad phases of a point against shapes; importing this module registers them.
 
-Probe: spheres of 2 cm on a square grid of 6 cm, and two thousand points anywhere in their plane. Error: points with a
-shape too many or too few.
+Probe: spheres of 2 cm on a square grid of 6 cm, and two thousand random points in their plane. Error: number of points
+with a wrong number of shapes.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _CELL = 0.06
 
 @kernel
 def _in_cell(starts: Words, members: Words, bounds: F8, side: int, x: float, y: float, near: Words) -> int:
-    """Shapes found through a grid of cells that was filled beforehand; a point outside it is near nothing."""
+    """Find shapes by a grid of cells filled in advance; none near a point outside of it."""
     column, row = math.floor(x / _CELL + 0.5), math.floor(y / _CELL + 0.5)
     if column < 0 or row < 0 or column >= side or row >= side:
         return 0
@@ -61,7 +61,7 @@ def _cull_often(
 
 
 def spread_bounds(count: int) -> tuple[F8, int]:
-    """(bounds [4, count] of spheres of RADIUS in the plane on a square grid of 6 cm, cells along its side)."""
+    """Return bounds [4, count] of spheres of RADIUS on a square grid of 6 cm in a plane, and cells along its side."""
     side = max(1, math.ceil(math.sqrt(count)))
     places = np.arange(count)
     bounds = np.zeros((4, count))
@@ -83,7 +83,7 @@ def _cull_us(number: int, count: int) -> float:
 
 
 def misses(number: int, count: int = _TYPICAL) -> float:
-    """Queries, of two thousand, whose number of near shapes differs from that of all distances."""
+    """Return the number of queries, of two thousand, whose number of shapes differs from that by all distances."""
     arguments = _cull_arguments(count)
     _cull_often(number, *arguments)
     bounds, points = arguments[0], arguments[1]

@@ -1,8 +1,7 @@
-"""Rival friction laws with their cost and the drift of an object they should hold.
+"""Friction laws with their cost and the drift of an object that they should hold; importing this module registers them.
 
-Importing this module registers them. Probe: a body of 0.5 kg slides at 0.5 m/s, is stopped by friction of 4 N, and from
-0.5 s on carries a load of 1 N that shakes by 0.5 N at 5 Hz, well inside the cone, for 62 s at 1 ms. The hand on it
-damps with 5 N s/m.
+Probe: a body of 0.5 kg slides at 0.5 m/s, is stopped by friction of 4 N, and from 0.5 s on carries a load of 1 N that
+oscillates by 0.5 N at 5 Hz, well inside the cone, for 62 s at 1 ms, damped with 5 N s/m by the hand.
 """
 
 from __future__ import annotations
@@ -46,7 +45,7 @@ LAWS: dict[str, Callable[..., None]] = {
     "LuGre explicit": lugre_explicit,
     "LuGre implicit": lugre_implicit,
 }
-"""The rivals in the order of their numbers in the compiled loops."""
+"""The laws by name, in the order of their numbers in the compiled loops."""
 
 NUMBERS = {name: number for number, name in enumerate(LAWS)}
 
@@ -69,20 +68,20 @@ _CALLS = 20_000
 _FAILED = 1.01  # of the cone: what has left it by more holds nothing
 
 _SHAKE_HZ = 5.0
-"""Of the load."""
+"""Frequency of the load."""
 
-_TO_AND_FRO = 100.0
-"""Square of the rate of the slide, 10 rad/s."""
+_SQUARE_RATE = 100.0
+"""Square of the angular frequency of a sliding oscillation [rad^2/s^2]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """What a law makes of an object it should hold.
+    """Motion of an object that a law should hold.
 
     Attributes:
-        drift: Distance between its places 2 s and 62 s after the load came on, at equal load [m].
-        cone: Greatest friction force over mu F_N; 1 is on the cone.
-        stop: Where it came to rest before the load came on [m].
+        drift: Distance between its positions 2 s and 62 s after the start of the load, at equal load [m].
+        cone: Largest friction force over mu F_N; 1 is on the cone.
+        stop: Position at rest before the load [m].
     """
 
     drift: float
@@ -142,7 +141,7 @@ def _load_at(tick: int) -> float:
 
 @kernel
 def _hold(number: int, ticks: int, states: Table[FrictionRecord], vectors: F8, path: F8) -> float:
-    """Place [m] at every tick into path; returns the greatest friction force [N]."""
+    """Write the position at every tick to `path` [m] and return the largest friction force [N]."""
     x, v, load, force = vectors[0], vectors[1], vectors[2], vectors[3]
     state = states[0]
     greatest = 0.0
@@ -159,14 +158,14 @@ def _hold(number: int, ticks: int, states: Table[FrictionRecord], vectors: F8, p
 
 
 def _fresh() -> tuple[NDArray[Any], F8]:
-    """(state, rows of position, velocity, load and force along one axis) of the probe body."""
+    """Return the law's state, and rows of position, velocity, load and force of the probe body along one axis."""
     vectors = np.zeros((4, 1))
     vectors[1, 0] = _SPEED
     return np.zeros(1, FRICTION), vectors
 
 
 def hold(law: str) -> Hold:
-    """Slide, stop and hold the probe body under one law."""
+    """Simulate slide, stop and hold of the probe body under a law."""
     states, vectors = _fresh()
     path = np.empty(_TICKS)
     greatest = _hold(NUMBERS[law], _TICKS, states, vectors, path)
@@ -175,7 +174,7 @@ def hold(law: str) -> Hold:
 
 
 def _error(law: str) -> float:
-    """Drift [m] in 60 s; infinite for a law that left its cone by more than 1 %: it holds nothing."""
+    """Return the drift in 60 s [m]; infinite for a law whose force exceeds its cone by more than 1 %."""
     held = hold(law)
     return held.drift if held.cone <= _FAILED else math.inf
 
@@ -185,7 +184,7 @@ def _slide(number: int, ticks: int, states: Table[FrictionRecord], x: F8, v: F8,
     for i in range(x.shape[0]):
         x_i, v_i, load_i, state_i, out_i = x[i], v[i], load[i], states[i], out[i]
         for _ in range(ticks):
-            v_i[0] -= _DT * _TO_AND_FRO * x_i[0]
+            v_i[0] -= _DT * _SQUARE_RATE * x_i[0]
             x_i[0] += _DT * v_i[0]
             friction_by(number, x_i, v_i, load_i, _NORMAL, _MU, _THRESHOLD, _BRISTLES, 0.0, _DT, state_i, out_i)
 

@@ -1,7 +1,7 @@
-"""Rival integrators of a body on a spring-damper contact, each at 1, 4 and 16 kHz.
+"""Integrators of a body on a spring-damper contact, each at 1, 4 and 16 kHz; importing this module registers them.
 
-Importing this module registers them. The body of 0.2 kg meets a wall of 2 kN/m and 4 N s/m at 5 cm/s, pushed by 10 N,
-and stays in touch: w = 100 rad/s, so that h w = 0.1 at 1 kHz. The reference is the exact step every 10 us.
+A body of 0.2 kg meets a wall of 2 kN/m and 4 N s/m at 5 cm/s, pushed by 10 N, and remains in contact: w = 100 rad/s, so
+that h w = 0.1 at 1 kHz. The reference is the exact step every 10 us.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ STEPS: dict[str, Callable[..., Any]] = {
     "rk4": step_rk4,
     "exact": step_exact,
 }
-"""The rivals in the order of their numbers in the compiled loops."""
+"""The integrators by name, in the order of their numbers in the compiled loops."""
 
 _NUMBERS = {name: number for number, name in enumerate(STEPS)}
 
@@ -78,7 +78,7 @@ def step_by(number: int, x: float, v: float, f: float, m: float, b: float, k: fl
 
 @kernel
 def _walk(number: int, ticks: int, steps: int, x: F8, v: F8) -> None:
-    """Advance every body by some ticks of `steps` steps each."""
+    """Advance every body by a number of ticks of `steps` steps each."""
     dt = _TICK / steps
     for _ in range(ticks):
         for i in range(x.shape[0]):
@@ -87,7 +87,7 @@ def _walk(number: int, ticks: int, steps: int, x: F8, v: F8) -> None:
 
 
 def follow_contact(name: str, steps: int, ticks: int = _TICKS) -> F8:
-    """Depth [m] at every tick of the probe contact by one integrator, `steps` steps a tick; shape [ticks]."""
+    """Return the depth at every tick [m] by an integrator with a number of steps per tick, shape [ticks]."""
     x, v = np.zeros(1), np.full(1, _SPEED)
     depth = np.empty(ticks)
     for tick in range(ticks):
@@ -102,7 +102,7 @@ def _reference_depth() -> F8:
 
 
 def contact_error(name: str, steps: int) -> float:
-    """Greatest difference [m] of the depth from the exact step every 10 us, in 0.2 s."""
+    """Return the largest difference of the depth from the reference in 0.2 s [m]."""
     return float(np.max(np.abs(follow_contact(name, steps) - _reference_depth())))
 
 
@@ -113,10 +113,10 @@ def _cost_us(name: str, steps: int, bodies: int) -> float:
 
 
 def _at_rates(name: str, source: str, valid: str, settings: Settings | None = None) -> list[Rival]:
-    """An integrator at 1, 4 and 16 steps to a tick, of which the loop takes the first.
+    """Return an integrator at 1, 4 and 16 steps per tick, of which the loop uses the first.
 
-    The closed forms have no settings: they need the contact inside the step, and the loop holds its force for the tick,
-    so that an object's implicit midpoint and exact drag are other methods than these (group "colliding bodies").
+    The closed forms have no settings: they include the contact in the step, whereas the loop holds its force for the
+    tick; implicit midpoint and exact drag of the objects are other methods (group "colliding bodies").
     """
     return [
         Rival(f"{name}, {rate} kHz", source, valid, None if i else settings, (name, rate), () if i else SIZES)

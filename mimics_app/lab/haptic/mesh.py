@@ -1,7 +1,7 @@
-"""Rivals for where a point behind a triangle mesh rests. Importing this module registers them.
+"""Proxies of a point behind a triangle mesh; importing this module registers them.
 
-Cost: a slide over a ball of 1000 triangles. Error: false force [N] of a slide to the edge of a block, 3 mm under its
-top on 2 kN/m, against k d straight up.
+Cost: a slide over a ball of 1000 triangles. Error: spurious force [N] of a slide to the edge of a block, 3 mm under its
+top on 2 kN/m, against k d upwards.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _SIZES = (100, 1000, 10_000, 100_000, 1_000_000)
 
 @kernel
 def _hold_nearest(meshes: MeshTable, mesh: MeshRecord, p: F8, brute: bool, out: F8, n: F8, force: F8) -> None:
-    """Push out of the closest triangle of every tick, found through the tree or among all."""
+    """Push out of the closest triangle of every tick, found by the tree or among all."""
     if brute:
         t, best = -1, np.inf
         for k in range(mesh.first_triangle, mesh.first_triangle + mesh.triangles):
@@ -90,7 +90,7 @@ def _slide(number: int, meshes: MeshTable, path: F8) -> tuple[F8, Callable[[], N
 
 
 def false_slide(number: int) -> float:
-    """Greatest difference [N] from k d straight up, 3 mm under the top of a block of 4 cm to 0.5 mm from its side."""
+    """Return the largest difference [N] from k d upwards, 3 mm deep in a 4 cm block, to 0.5 mm off its side."""
     corners = RADIUS * np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
     squares = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
     block = np.array([face for a, b, c, d in squares for face in ((a, b, c), (a, c, d))], np.int32)

@@ -1,7 +1,7 @@
-"""What the probes of the haptic methods share: a loop to compare costs with, and how many there may be of a thing.
+"""Common parts of the probes of haptic methods: reference loop, and numbers of bodies or contacts.
 
-A probe times a loop compiled around the very kernel the tick runs, so that a call costs what it costs there: no
-interpreter, and inlined.
+A probe times a compiled loop around the kernel of the tick, so that a call costs as much as there: inlined, without the
+interpreter.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ SIZES = (1, 10, 100, 1000)
 _REFERENCE_CALLS = 100_000
 
 _PULL = 0.1
-"""Keeps the chain of the reference loop near 1."""
+"""Keeps the value of the reference loop near 1."""
 
 
 @kernel
@@ -31,5 +31,5 @@ def _reference_loop(calls: int) -> float:
 
 
 def reference_us() -> float:
-    """Cost [us] of one turn of the reference loop: a square root and a division that wait for one another."""
+    """Return the cost of one iteration of the reference loop [us]: a dependent square root and division."""
     return shortest_us(lambda: _reference_loop(_REFERENCE_CALLS), _REFERENCE_CALLS)

@@ -1,7 +1,7 @@
-"""Rival updates of a body's orientation (D2.1 equation 12) with their cost and their drift.
+"""Updates of a body's orientation (D2.1 equation 12) with their cost and drift; importing this module registers them.
 
-Importing this module registers them. Probe: a free asymmetric top with moments .01, .02, .03 kg m^2 that starts at
-(.05, 7, .05) rad/s, turning about its middle axis, so that it tumbles (Dzhanibekov); 10 s at 1 ms.
+Probe: a free asymmetric top with moments .01, .02, .03 kg m^2 that starts at (.05, 7, .05) rad/s about its intermediate
+axis, so that it flips repeatedly (Dzhanibekov effect); 10 s at 1 ms.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ MOMENTS = (0.01, 0.02, 0.03)
 """Principal moments of the probe top [kg m^2]."""
 
 RATE = (0.05, 7.0, 0.05)
-"""Its angular velocity at the start [rad/s]; body and world axes agree there."""
+"""Its initial angular velocity [rad/s]; body and world axes coincide then."""
 
 _UPDATES = (
     Rival(
@@ -77,12 +77,12 @@ _COST_STEPS = 20_000
 
 @dataclass(frozen=True, slots=True)
 class Drift:
-    """How far a free top strays in 10 s.
+    """Drift of a free top in 10 s.
 
     Attributes:
-        angle: Greatest angle from the reference orientation [rad].
-        energy: Greatest relative change of its energy.
-        momentum: Greatest relative difference of R I R^T omega from L, omega being the one the update turned by.
+        angle: Largest angle from the reference orientation [rad].
+        energy: Largest relative change of its energy.
+        momentum: Largest relative difference of R I R^T omega from L, with the omega of the update.
     """
 
     angle: float
@@ -113,13 +113,13 @@ def _walk(number: int, steps: int, q: F8, momentum: F8, inverse_inertia: F8, dt:
 
 
 def _top() -> tuple[F8, F8, F8]:
-    """(orientation [1, 4], angular momentum [3], inverse inertia [3]) of the probe top."""
+    """Return orientation [1, 4], angular momentum [3] and inverse inertia [3] of the probe top."""
     moments = np.array(MOMENTS)
     return np.array([[0.0, 0.0, 0.0, 1.0]]), moments * np.array(RATE), 1.0 / moments
 
 
 def follow_top(name: str, dt: float = _DT) -> F8:
-    """Orientation of the probe top every 0.1 s for 10 s by one update; shape [100, 4], xyzw."""
+    """Return the orientation of the probe top every 0.1 s for 10 s by an update, shape [100, 4], xyzw."""
     q, momentum, inverse = _top()
     steps = round(_SECONDS / _SAMPLES / dt)
     path = np.empty((_SAMPLES, 4))
@@ -135,14 +135,14 @@ def _reference_path() -> F8:
 
 
 def angle_between(a: F8, b: F8) -> F8:
-    """Angle [rad] of the turn between unit quaternions, shape [n, 4] each; q and -q are one orientation."""
+    """Return the angle between unit quaternions [rad], shape [n, 4] each; q and -q are the same orientation."""
     nearer = np.where(np.sum(a * b, axis=-1, keepdims=True) < 0.0, -b, b)
     chord = np.linalg.norm(a - nearer, axis=-1)
     return np.asarray(4.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)))
 
 
 def drift_of(name: str, dt: float = _DT) -> Drift:
-    """What one update makes of the probe top."""
+    """Return the drift of the probe top by an update."""
     path = follow_top(name, dt)
     _, momentum, inverse = _top()
     first = kinetic_energy(np.array([0.0, 0.0, 0.0, 1.0]), momentum, inverse)

@@ -1,7 +1,7 @@
-"""Points on a prescribed path through many shapes: what the cost of touch is measured on.
+"""Workload of touch: a point on a prescribed path through one of many shapes.
 
-As the peers were measured: shapes of 2 cm on a square grid of 6 cm, and a point that presses 1 mm into the middle one
-while it slides +-4 mm, with friction.
+As for the peers: shapes of 2 cm on a square grid of 6 cm, and a point that slides +-4 mm at a depth of 1 mm in the
+middle one, with friction.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ DT = 1e-3
 
 _PITCH = 0.06
 _TICKS = 5000
-_RUNS = 20  # of a millisecond or so: one of them is not interrupted
+_RUNS = 20  # about a millisecond each: at least one is not interrupted
 _APPROACH = 100
 _SIZES = {
     ShapeKind.SPHERE: (RADIUS, 0.0, 0.0),
@@ -76,10 +76,10 @@ class TouchScene:
 
     Attributes:
         rows: Tables of objects.
-        work: What the loop makes of them.
+        work: Working memory of the loop.
         counts: OBJECT_COUNTS, shape [1].
         path: HIP at every tick [m], shape [ticks, 3]; the first hundred lead into the shape.
-        velocities: Its velocity [m/s], shape [ticks, 3].
+        velocities: Velocity of the HIP [m/s], shape [ticks, 3].
     """
 
     rows: Rows
@@ -89,13 +89,13 @@ class TouchScene:
     velocities: F8
 
     def forces(self) -> F8:
-        """Force on the user at every tick of the path [N], shape [ticks, 3]."""
+        """Return the force on the user at every tick of the path [N], shape [ticks, 3]."""
         forces = np.zeros_like(self.path)
         _touch_often(self.rows, self.work, self.counts[0], self.path, self.velocities, DT, forces)
         return forces
 
     def cost_us(self) -> float:
-        """Cull, narrow, force and friction of one tick in contact [us], the shortest of a few runs."""
+        """Return the cost of cull, narrow phase, force and friction of a tick in contact [us]."""
         self.forces()
         path, velocities = self.path[_APPROACH:], self.velocities[_APPROACH:]
         forces = np.zeros_like(path)
@@ -104,7 +104,7 @@ class TouchScene:
 
 
 def ball_mesh(triangles: int) -> tuple[F8, NDArray[np.int32]]:
-    """(vertices, triangles) of a ball of RADIUS about its middle with roughly so many of them, of similar size at z."""
+    """Return vertices and triangles of a ball of RADIUS around the origin; approximate number, of similar size at z."""
     n = max(4, round((0.5 * triangles) ** 0.5))
     polar, around = np.meshgrid(np.linspace(0.0, np.pi, n + 1), np.linspace(0.0, 2.0 * np.pi, n + 1), indexing="ij")
     directions = np.sin(polar) * np.sin(around), np.cos(polar), np.sin(polar) * np.cos(around)
@@ -116,7 +116,7 @@ def ball_mesh(triangles: int) -> tuple[F8, NDArray[np.int32]]:
 
 
 def slide_path(top: F8) -> tuple[F8, F8]:
-    """(path, velocities): down along z to 1 mm under `top` [m] in 0.1 s, then about it for 5 s."""
+    """Return path and velocities: down along z to 1 mm under `top` [m] in 0.1 s, then around this point for 5 s."""
     ticks = np.arange(_APPROACH + _TICKS)
     t = DT * ticks
     depth = np.where(ticks < _APPROACH, 0.01 - 1.1e-4 * ticks, -1e-3 + 3e-4 * np.sin(2.0 * np.pi * 3.0 * t))
@@ -127,7 +127,7 @@ def slide_path(top: F8) -> tuple[F8, F8]:
 
 
 def touch_scene(kind: ShapeKind, count: int = 1, triangles: int = 0, friction: float = 0.4) -> TouchScene:
-    """`count` shapes of a kind that rest on a grid; a mesh has roughly `triangles`, the same for all."""
+    """Return `count` shapes of a kind at rest on a grid; a mesh, the same for all, has roughly `triangles`."""
     capacities = ObjectCapacities(shapes=count, bodies=1, effects=1, wires=1, paths=1)
     meshes = build_mesh_table([ball_mesh(triangles)] if kind == ShapeKind.MESH else [])
     rows, work = new_rows(capacities), new_object_work(capacities, meshes)

@@ -1,6 +1,6 @@
-"""The tunnel's rival methods with their measured cost and error: closest point, and frame along the bisector.
+"""Methods of the tunnel with their cost and error: closest point, and frame along the bisector.
 
-Importing this module registers them. Probes run when asked: each takes well under a second once compiled.
+Importing this module registers them. Each probe takes well under a second once compiled.
 """
 
 from __future__ import annotations
@@ -41,17 +41,17 @@ _PIECES = 16
 _SIZES = (6, 12, 24, 48, MAX_PIECES)
 _TICKS = 4000
 _TICKS_OF = (_TICKS, _TICKS, 40, 400)
-"""How far along the path each rival's cost is measured, by its number: the slow ones need less of it."""
+"""Ticks over which the cost of a method is measured, by its number: fewer for slow ones."""
 _EVERY = 20
 _HELIX_POINTS = 385  # two turns of a tunnel of 24 pieces, 16 steps each
 _UP = np.array([0.0, 1.0, 0.0])
 
 
 def closest_by_roots(pieces: F8, p: F8) -> tuple[float, float]:
-    """(s, distance [m]) of the closest point by the real roots of the slope of every piece: the slow reference.
+    """Return parameter s and distance [m] of the closest point by the roots of the slope of every segment.
 
     Args:
-        pieces: Cubic pieces, shape [n, 3, 4].
+        pieces: Cubic segments, shape [n, 3, 4].
         p: Point [m], shape [3].
     """
     best = (0.0, np.inf)
@@ -71,7 +71,7 @@ def closest_by_roots(pieces: F8, p: F8) -> tuple[float, float]:
 
 @cache
 def _probe_tunnel(pieces: int = _PIECES) -> tuple[TunnelCurve, NDArray[Any], F8]:
-    """A wavy tunnel, its record (shape [1]), and a ball's path in it at 0.3 m/s, shape [4000, 3]."""
+    """Return a wavy tunnel, its record, shape [1], and the path of a ball in it at 0.3 m/s [m], shape [4000, 3]."""
     i = np.arange(pieces + 3)
     points = np.column_stack([0.03 * i - 0.27, 0.05 * np.sin(0.9 * i), 0.02 * np.cos(0.7 * i)])
     curve = build_tunnel(points, 0.02)
@@ -88,7 +88,7 @@ def _probe_tunnel(pieces: int = _PIECES) -> tuple[TunnelCurve, NDArray[Any], F8]
 
 @kernel
 def _walk(number: int, tunnels: Table[TunnelRecord], path: F8, states: Table[TunnelStateRecord], out: F8) -> None:
-    """The parameter found at every point of a path, by the rival of a number."""
+    """Compute the parameter at every point of a path by the method of a number."""
     for i in range(path.shape[0]):
         x, y, z = path[i, 0], path[i, 1], path[i, 2]
         if number == 0:
@@ -115,7 +115,7 @@ def _reference_parameters() -> F8:
 
 
 def _projection_error(number: int) -> float:
-    """Greatest distance between the point found and the closest point along the probe path [m]."""
+    """Return the largest distance between the computed and the closest point along the path [m]."""
     curve, record, path = _probe_tunnel()
     out = np.empty(len(path))
     _walk(number, record, path, np.zeros(1, TUNNEL_STATE), out)
@@ -124,17 +124,16 @@ def _projection_error(number: int) -> float:
 
 
 def helix(count: int, radius: float = 0.1, pitch: float = 0.08, turns: float = 2.0) -> Helix:
-    """Points along a helix about y and their exact frames.
+    """Return points along a helix around y and their exact frames.
 
     Returns:
-        (points [m], first and second derivative by the turning angle, unit tangents, rotation-minimising normals that
-        start as the principal normal), each of shape [count, 3]. The last ones lag the principal normal by
-        torsion x arc length (closed form).
+        Points [m], first and second derivative by the angle, unit tangents, and rotation-minimising normals that start
+        as the principal normal, each of shape [count, 3]. The normals lag the principal ones by torsion x arc length.
     """
     angle = np.linspace(0.0, 2.0 * np.pi * turns, count)
     rise = pitch / (2.0 * np.pi)
     cos, sin, zero = np.cos(angle), np.sin(angle), np.zeros(count)
-    # About +y with x towards z, the left-handed turn: torsion = -rise / (radius^2 + rise^2).
+    # Rotation around +y from x to z, left-handed: torsion = -rise / (radius^2 + rise^2).
     points = np.column_stack([radius * cos, rise * angle, radius * sin])
     first = np.column_stack([-radius * sin, np.full(count, rise), radius * cos])
     second = np.column_stack([-radius * cos, zero, -radius * sin])
@@ -148,7 +147,7 @@ def helix(count: int, radius: float = 0.1, pitch: float = 0.08, turns: float = 2
 
 
 def twist_between(tangents: F8, normals: F8, reference: F8) -> F8:
-    """Angle [rad] in -pi..pi by which normals are turned about the tangents against the reference, shape [m]."""
+    """Return the angle around the tangents from reference normals to normals [rad], in -pi..pi, shape [m]."""
     along = np.sum(normals * reference, axis=1)
     across = np.sum(np.cross(reference, normals) * tangents, axis=1)
     return np.arctan2(across, along)
@@ -168,7 +167,7 @@ def _projected_up(curve: Helix) -> F8:
 
 
 def _frame_error(normals_of: Callable[[Helix], F8]) -> float:
-    """Greatest turn about the tangent against the closed form, both starting alike [rad]."""
+    """Return the largest angle around the tangent from the closed form, with equal initial normals [rad]."""
     curve = helix(_HELIX_POINTS)
     twist = np.unwrap(twist_between(curve[3], normals_of(curve), curve[4]))
     return float(np.max(np.abs(twist - twist[0])))

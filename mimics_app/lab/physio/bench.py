@@ -1,4 +1,4 @@
-"""The physiological loop in figures: detector, cost, latency, policies on simulated people, guided walk, rivals."""
+"""`mimics bench physio`: detector, cost, latency, policies on simulated people, guided walk, and peers."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ __all__ = ["measure_noise", "measure_physio"]
 _SIMULATED = "simulated people; a simulation is no clinical evidence"
 _NOISY_MINUTES = 5.0
 _GAPS = (0.08, 0.15, 0.22)
-"""Demand off the best in a trial that is too easy or too hard."""
+"""Deviation of the demand from the best one in a trial that is too easy or too hard."""
 
 
 def measure_physio(folder: Path | None, peers: Path | None) -> dict[str, Any]:
-    """Everything.
+    """Return the object of `mimics bench physio`.
 
     Args:
-        folder: Of annotated records; None: simulated ones.
-        peers: Folder whose physio/bench_rpeaks.py runs released detectors on the same records; None: not measured.
+        folder: Folder of annotated records; None: simulated ones.
+        peers: Folder whose physio/bench_rpeaks.py runs other detectors on the same records; None: not measured.
     """
     records = list(annotated_records(folder))
     clean = [_row(record) for record in records]
@@ -62,7 +62,7 @@ def measure_physio(folder: Path | None, peers: Path | None) -> dict[str, Any]:
 
 
 def measure_noise(folder: Path | None) -> list[dict[str, Any]]:
-    """F1, missed and invented beats by kind of record and noise; none where no folder of records is named."""
+    """Return F1, missed and false beats by kind of record and noise; [] without a folder of records."""
     rows = noise_rows(folder) if folder is not None else ()
     return [{**asdict(row), "f1": row.f1} for row in rows]
 
@@ -83,14 +83,14 @@ def _p95(values: NDArray[np.float64]) -> float:
 
 
 def _head(record: Annotated) -> Annotated:
-    """The first minutes of a record."""
+    """Return the first minutes of a record."""
     n = min(len(record.values), round(60.0 * _NOISY_MINUTES * record.rate))
     beats = record.beats[record.beats < n / record.rate]
     return Annotated(record.name, record.rate, record.values[:n], beats)
 
 
 def _load(gap: float) -> dict[str, dict[str, float]]:
-    """Shares of trials whose load was estimated right, with 95 % intervals over people and calibration."""
+    """Return the share of trials estimated right, with 95 % interval and calibration, by estimator."""
     scores = state_study(draw_load_people(2, gap)).items()
     return {
         name: {"share": score.share, "half_width": score.half_width, "calibration": score.calibration}

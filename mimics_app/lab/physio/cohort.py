@@ -1,8 +1,7 @@
-"""Policies on simulated people, thousands at once; a trial is one step; regret against the hidden best.
+"""Policies on cohorts of simulated people; regret against the best demand, which the policies do not know.
 
-What a policy sees is what a session would show it: success in ten repetitions, and a load read from a heart rate and a
-skin that are noisy, drift, and in some people say nothing. The scorer alone knows how hard the task should have been.
-Simulation is no clinical evidence.
+A policy gets the same data as in a session: success in ten repetitions, and a load from heart rate and skin conductance
+with noise and drift, which in some people do not respond. Simulation is no clinical evidence.
 """
 
 from __future__ import annotations
@@ -25,21 +24,21 @@ _TRIAL_S = 20.0
 _STEP_S = 5.0
 _REPETITIONS = 10
 _BAND = 0.15
-"""Demand off the best by which the benefit of a trial falls to 1/e."""
+"""Deviation of the demand from the best one at which the benefit of a trial is 1/e."""
 _HEART_NOISE, _SKIN_NOISE = 2.5, 1.5
-"""Of a trial's mean [1/min, 1/min]."""
+"""Noise of a trial's mean [1/min, 1/min]."""
 _DRIFT = 0.05
-"""Standard deviation of a linear drift of either [1/min per trial]."""
+"""Standard deviation of the linear drift of both [1/min per trial]."""
 
 
 @dataclass(frozen=True, slots=True)
 class CohortResult:
-    """Of one policy.
+    """Result of one policy.
 
     Attributes:
         regret: 1 less the benefit, by trial and person, shape [trials, n].
-        demand: As it was chosen, same shape.
-        responds: Which people's bodies answer to arousal, shape [n].
+        demand: Chosen demand, shape [trials, n].
+        responds: Whether a person's skin responds to arousal, shape [n].
     """
 
     regret: F8
@@ -52,7 +51,7 @@ class CohortResult:
         return float(self.regret.mean())
 
     def reversals(self, last: int = 10) -> float:
-        """Changes of direction of the demand in the last trials, per person."""
+        """Return the number of changes of direction of the demand in the last trials, per person."""
         moves = np.sign(np.round(np.diff(self.demand[-last - 1 :], axis=0), 3))
         return float((moves[1:] * moves[:-1] < 0.0).sum(axis=0).mean())
 
@@ -69,12 +68,12 @@ def play_cohort(
     """Let a policy adapt the task of n people.
 
     Args:
-        build: Makes the policy.
-        n: People.
-        trials: Of each.
-        seed: Of people, chance and policy.
-        family: Of the people.
-        blind: Their bodies answer to something that has nothing to do with the demand, which must not help.
+        build: Builds the policy.
+        n: Number of people.
+        trials: Number of trials of each.
+        seed: Seed of people, trials and policy.
+        family: Family of the people.
+        blind: Their bodies respond to a random quantity instead of the demand, as a control.
     """
     people_rng, noise, chance = np.random.default_rng([seed, 160]).spawn(3)
     traits = draw_traits(people_rng, n, family)
@@ -100,7 +99,7 @@ def play_cohort(
 
 
 def _read(people: LatentPeople, noise: np.random.Generator, drift: F8, t: int) -> F8:
-    """Arousal as a session reads it from heart and skin over rest, shape [n]."""
+    """Return the arousal that heart and skin indicate relative to rest, shape [n]."""
     traits, n = people.traits, len(people.skill)
     drive = people.drive(np.zeros(n))
     heart = drive.heart_rate - traits.heart_rest - traits.heart_effort * people.effort

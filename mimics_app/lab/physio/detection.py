@@ -1,4 +1,4 @@
-"""R peaks against expert annotations and against noise; cost and latency of all four signals together."""
+"""R peaks against annotations, also with added noise; cost and latency of the processing of four signals."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ __all__ = [
 
 
 NOISE_DB = (12.0, 6.0, 0.0)
-"""Signal to noise of the synthetic noise, with a QRS's power as its peak-to-peak squared over eight [dB]."""
+"""Signal-to-noise ratios of the synthetic noise [dB]; power of a QRS: its peak-to-peak squared over eight."""
 _WITHIN_S = 0.15
-"""ANSI/AAMI EC57."""
+"""Largest distance of a detected from an annotated beat [s]: ANSI/AAMI EC57."""
 _BLOCK_S = 0.02
 
 
@@ -51,14 +51,14 @@ class Annotated:
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """Of one record.
+    """Score of the detector on one record.
 
     Attributes:
-        record: Its name.
-        beats: Annotated.
-        found: Beats that the detector says there are.
-        hits: Of those, beats that there are.
-        latency_s: From each R peak that was found until it was known [s].
+        record: Name of the record.
+        beats: Number of annotated beats.
+        found: Number of detected beats.
+        hits: Number of detected beats that match an annotated one.
+        latency_s: Time from each detected R peak to its detection [s], shape [found].
     """
 
     record: str
@@ -69,26 +69,26 @@ class Score:
 
     @property
     def f1(self) -> float:
-        """Of sensitivity and positive predictive value."""
+        """Harmonic mean of sensitivity and positive predictive value."""
         return 2.0 * self.hits / max(self.beats + self.found, 1)
 
     @property
     def sensitivity(self) -> float:
-        """Share of the beats that were found."""
+        """Share of the annotated beats that were detected."""
         return self.hits / max(self.beats, 1)
 
     @property
     def ppv(self) -> float:
-        """Share of what was found that is a beat."""
+        """Share of the detected beats that are annotated."""
         return self.hits / max(self.found, 1)
 
 
 def annotated_records(folder: Path | None, minutes: float = 0.0) -> Iterator[Annotated]:
-    """Every .npz of a folder that has ecg_adc, gain_per_mV, fs and beats; without a folder simulated people.
+    """Yield every .npz of a folder with ecg_adc, gain_per_mV, fs and beats; without a folder, simulated people.
 
     Args:
-        folder: With records, or None.
-        minutes: Of each record; 0: all of it.
+        folder: Folder of records, or None.
+        minutes: Length to be read of each record [min]; 0: all of it.
     """
     if folder is None:
         for seed, ectopic in ((1, 0.0), (2, 0.05)):
@@ -107,7 +107,7 @@ def annotated_records(folder: Path | None, minutes: float = 0.0) -> Iterator[Ann
 
 
 def mixed_noise(record: Annotated, decibel: float, seed: int) -> Annotated:
-    """A record with muscle (20-90 Hz), wander (0.05-0.5 Hz) and bursts of electrode motion (0.5-10 Hz) at one SNR."""
+    """Return a record with muscle noise (20-90 Hz), wander (0.05-0.5 Hz) and bursts of motion (0.5-10 Hz)."""
     rng, n, rate = np.random.default_rng([seed, len(record.values)]), len(record.values), record.rate
 
     def band(low: float, high: float) -> F8:
@@ -123,7 +123,7 @@ def mixed_noise(record: Annotated, decibel: float, seed: int) -> Annotated:
 
 
 def noise_size(record: Annotated, decibel: float) -> float:
-    """Standard deviation of noise at a signal to noise ratio [mV], with a QRS's power as that of a sine as high."""
+    """Return the standard deviation of noise at a signal-to-noise ratio, see `NOISE_DB` [mV]."""
     w = round(0.05 * record.rate)
     places = np.round(record.beats * record.rate).astype(int)
     peaks = [np.ptp(record.values[max(0, at - w) : at + w]) for at in places if at + w > 1]
@@ -131,7 +131,7 @@ def noise_size(record: Annotated, decibel: float) -> float:
 
 
 def score_beats(record: Annotated) -> Score:
-    """The detector of the product, fed in blocks of 20 ms, over a whole record without leaving out its beginning."""
+    """Score the product's detector, fed in blocks of 20 ms, over a whole record including its beginning."""
     channel, block = Ecg(record.rate), max(1, round(_BLOCK_S * record.rate))
     events = [e for i in range(0, len(record.values), block) for e in channel.push(record.values[i : i + block])]
     found = np.array([event.t_s for event in events])
@@ -140,7 +140,7 @@ def score_beats(record: Annotated) -> Score:
 
 
 def matched(truth: F8, found: F8) -> int:
-    """Pairs within the window, one to one in time order, the nearer one where two are near."""
+    """Return the number of pairs within the tolerance, one to one in order of time, the nearer of two candidates."""
     i = j = hits = 0
     while i < len(truth) and j < len(found):
         away = found[j] - truth[i]
@@ -157,7 +157,7 @@ def matched(truth: F8, found: F8) -> int:
 
 
 def measure_cost(seconds: int = 120) -> dict[str, Any]:
-    """Four signals at 1 kHz in blocks of 20 ms through the whole stage: seconds per hour, longest push, latencies."""
+    """Measure the stage with four signals at 1 kHz in blocks of 20 ms: seconds per hour, longest push, latencies."""
     signals, truth = _all_signals(seconds)
     events: list[tuple[str, Event]] = []
     dsp, clock = PhysioDsp(lambda name, event: events.append((name, event))), MonotonicClock()
@@ -190,7 +190,7 @@ def _simulated(seconds: int, seed: int, ectopic: float) -> tuple[F8, Truth]:
 
 
 def _all_signals(seconds: int, seed: int = 1, ectopic: float = 0.0) -> tuple[dict[str, F8], Truth]:
-    """Signals of a person at rest who is then challenged and works in bouts."""
+    """Return signals of a person, first at rest, then with a task and bouts of work."""
     rng = np.random.default_rng([seed, 77])
     people, generator = LatentPeople(draw_traits(rng, 1)), SignalGenerator(rng, Disturbance(ectopic=ectopic))
     made: list[dict[str, F8]] = []

@@ -1,6 +1,6 @@
-"""A task with a simulated person as an environment of gymnasium: the space of actions, what is observed, the reward.
+"""Gymnasium environment: a task with a simulated person; a step is a trial, an episode a session.
 
-Needs the extra `learning`. One step is a trial; an episode is a session. Simulation is no clinical evidence.
+Needs the extra `learning`. Simulation is no clinical evidence.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _DEFAULT = ActionSpace([Parameter("difficulty", 0.5, 0.0, 1.0, harder=1)])
 
 
 def gym_space(space: ActionSpace) -> spaces.Dict:
-    """The parameters as a Dict: Discrete where they have steps, else a Box."""
+    """Return the parameters as a Dict: Discrete for stepped ones, else a Box."""
     parts: dict[str, spaces.Space[Any]] = {}
     for parameter in space:
         if parameter.step > 0.0:
@@ -36,14 +36,14 @@ def gym_space(space: ActionSpace) -> spaces.Dict:
 
 
 class TrainingEnv(gymnasium.Env[NDArray[np.float32], dict[str, Any]]):
-    """Sessions of one person after the other.
+    """Sessions of a new person each.
 
-    Observed are demand, success, heart rate over rest and SCR rate over rest, the last two over ten; the reward is 1 at
-    70 % success and falls to -1.
+    The observation is demand, success, and heart rate and SCR rate relative to rest, both divided by ten; the reward is
+    1 at 70 % success and falls to -1.
 
     Args:
-        space: Parameters of the task; those that are `harder` make the demand.
-        trials: Of a session.
+        space: Parameters of the task; those with `harder` determine the demand.
+        trials: Number of trials of a session.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012  gymnasium's own form
@@ -57,7 +57,7 @@ class TrainingEnv(gymnasium.Env[NDArray[np.float32], dict[str, Any]]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Another person sits down."""
+        """Begin a session of another person."""
         super().reset(seed=seed)
         self._people = LatentPeople(draw_traits(self.np_random, 1))
         self._slope = self.np_random.uniform(8.0, 16.0)
@@ -65,7 +65,7 @@ class TrainingEnv(gymnasium.Env[NDArray[np.float32], dict[str, Any]]):
         return self._see(0.5, _TARGET), {}
 
     def step(self, action: dict[str, Any]) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
-        """A trial."""
+        """Simulate a trial."""
         demand = self._space.demand(self._values(action))
         demand = 0.5 if demand is None else demand
         gap = demand - float(self._people.skill[0])

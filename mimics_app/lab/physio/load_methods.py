@@ -1,7 +1,6 @@
-"""Rival methods to estimate the load of a person, with their cost an update and how often they err on unseen families.
+"""Estimators of a person's load with their cost per update and their error on unseen families of people.
 
-Importing this module registers them. The people are the simulated ones that come with the product: no clinical
-evidence.
+Importing this module registers them. The people are the simulated ones shipped with the product: no clinical evidence.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ def _scores() -> dict[str, StateScore]:
 
 
 def _cost_us(estimator: str) -> float:
-    """Of one update with new features, the baseline done."""
+    """Return the cost of an update with new features after the baseline [us]."""
     estimation, seconds = build_estimation(estimator, _BASELINE_S), count()
 
     def update() -> None:
@@ -49,7 +48,7 @@ def _cost_us(estimator: str) -> float:
 
 
 def _study_us(rival: str) -> float:
-    """Of one trial judged in the study, training and learning in it."""
+    """Return the cost of a trial of the study, training included [us]."""
     people = shipped_people()
     return shortest_us(lambda: RIVALS[rival](people), people.classes.size, 2)
 

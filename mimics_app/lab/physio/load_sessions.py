@@ -1,8 +1,8 @@
 """Sessions of simulated people for the study of the load: a rest, then trials that are too easy, right or too hard.
 
-Raw signals go through the very processing and the very calibration of a session. What success a person has where the
-task is just right differs between people: proposals reach from a half (Atkinson, Psychol Rev 64, 1957) over 0.7
-(Metzger et al., JNER 11:154, 2014) to 0.85 (Wilson et al., Nat Commun 10:4646, 2019). No clinical evidence.
+Raw signals pass the processing and calibration of a session. The success at the right demand differs between people:
+proposals reach from 0.5 (Atkinson, Psychol Rev 64, 1957) over 0.7 (Metzger et al., JNER 11:154, 2014) to 0.85 (Wilson
+et al., Nat Commun 10:4646, 2019). No clinical evidence.
 """
 
 from __future__ import annotations
@@ -25,24 +25,24 @@ __all__ = ["draw_load_people", "write_shipped_people"]
 
 
 _REST_S, _TRIAL_S, _ROUNDS = 90, 90, 4
-"""Trials of a minute and a half: the features look at one minute."""
+"""Lengths of rest and trials [s], longer than the windows of the features, and number of rounds of three trials."""
 _BASELINE_S = 60.0
 _POWER_W = 0.2
-"""Of an arm that moves slowly against little."""
+"""Mechanical power of a slow arm against a small resistance [W]."""
 _RIGHT = (0.5, 0.9)
-"""Range of the success a person has where the task is just right."""
+"""Range of the success at the right demand."""
 _SLOPES = (8.0, 16.0)
 """Range of the slope of success over demand [logit per unit]."""
 _REPETITIONS = 10
 
 
 def draw_load_people(each: int, gap: float, seed: int = 1) -> LoadPeople:
-    """Play the sessions.
+    """Simulate the sessions.
 
     Args:
-        each: People of each family.
-        gap: Demand off the best in a trial that is too easy or too hard: the smaller, the harder for an estimator.
-        seed: Of all chance.
+        each: Number of people of each family.
+        gap: Deviation of the demand in a trial that is too easy or too hard; small ones are hard to estimate.
+        seed: Seed of the simulation.
     """
     places = np.repeat(np.arange(len(FAMILIES)), each)
     streams = np.random.default_rng([seed, 164]).spawn(len(places))
@@ -52,7 +52,7 @@ def draw_load_people(each: int, gap: float, seed: int = 1) -> LoadPeople:
 
 
 def write_shipped_people(path: Path) -> None:
-    """Play and write the people that discriminants of the product are trained on (assets/load_people.json).
+    """Simulate and write the people on whom the product's discriminants are trained (assets/load_people.json).
 
     Raises:
         OSError: The file cannot be written.
@@ -63,7 +63,7 @@ def write_shipped_people(path: Path) -> None:
 
 
 class _Session:
-    """One person at the task."""
+    """Session of one person."""
 
     def __init__(self, rng: np.random.Generator, family: Family) -> None:
         self.people = LatentPeople(draw_traits(rng, 1, family), family)
@@ -71,7 +71,7 @@ class _Session:
         self._dsp, self._fusion, self._second = PhysioDsp(), FusionEstimation(_BASELINE_S), 0
 
     def live(self, seconds: int, demand: float, power: float) -> tuple[TrialView, F8]:
-        """Let time pass; what was seen towards its end, and what the fusion said of the load then."""
+        """Advance in time; return the features and the mean load by the fusion at its end."""
         view, loads = TrialView(), []
         for _ in range(seconds):
             acting = np.array([float(np.isfinite(demand))])
@@ -88,7 +88,7 @@ class _Session:
 
 
 def _play(rng: np.random.Generator, family: Family, gap: float) -> tuple[F8, F8, F8]:
-    """One person: features [t, f], classes [t] and the fusion's word [t, 3] of each trial."""
+    """Simulate a person; return features [t, f], classes [t] and probabilities by the fusion [t, 3] of the trials."""
     session = _Session(rng, family)
     slope, right = rng.uniform(*_SLOPES), rng.uniform(*_RIGHT)
     order = np.concatenate([rng.permutation(3) for _ in range(_ROUNDS)])

@@ -1,7 +1,7 @@
-"""The whole loop on simulated people: raw signals, features, the estimator that a session takes, and a policy.
+"""The whole loop on simulated people: raw signals, features, the default estimator, and a policy.
 
-A trial is a minute and a half; what a policy sees of the load is what the estimator gave when the trial ended. Only the
-scorer knows how hard the task should have been. A simulation is no clinical evidence.
+A trial takes a minute and a half; a policy gets the load estimated at its end. The regret is relative to the best
+demand, which the policy does not know. Simulation is no clinical evidence.
 """
 
 from __future__ import annotations
@@ -26,25 +26,25 @@ __all__ = ["PEOPLE", "SEEDS", "TRIALS", "LoopScore", "loop_study", "pooled"]
 
 
 PEOPLE, TRIALS = 20, 14
-"""Of the study."""
+"""Numbers of people of a group, and of trials of each."""
 SEEDS = (1, 2, 3)
-"""Of its groups of people: one group alone has another ratio to a rival by a fifth (decision 166)."""
+"""Seeds of the groups of people: the ratio of two policies differs by a fifth between groups (decision 166)."""
 
 _REST_S, _TRIAL_S, _BASELINE_S = 90, 90, 60.0
 _POWER_W = 0.2
-"""Of an arm that moves slowly against little."""
+"""Mechanical power of a slow arm against a small resistance [W]."""
 _BAND = 0.15
-"""Demand off the best by which the benefit of a trial falls to 1/e."""
+"""Deviation of the demand from the best one at which the benefit of a trial is 1/e."""
 _REPETITIONS = 10
 _SLOPES = (8.0, 16.0)
 """Range of the slope of success over demand [logit per unit]."""
 _EASE = (0.085, 0.03)
-"""Mean and standard deviation of how much easier than the best a demand is at which half of the repetitions succeed."""
+"""Mean and standard deviation of the demand of 50 % success above the best demand."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoopScore:
-    """Of one policy.
+    """Score of one policy.
 
     Attributes:
         regret: 1 less the benefit, by person and trial, shape [n, trials].
@@ -54,12 +54,12 @@ class LoopScore:
 
     @property
     def mean(self) -> float:
-        """Of a trial."""
+        """Mean regret of a trial."""
         return float(self.regret.mean())
 
     @property
     def half_width(self) -> float:
-        """Of its 95 % interval over people."""
+        """Half width of the 95 % interval of the mean over people."""
         each = self.regret.mean(axis=1)
         return float(1.96 * each.std(ddof=1) / np.sqrt(len(each)))
 
@@ -67,15 +67,15 @@ class LoopScore:
 def loop_study(
     policy: str, n: int = PEOPLE, trials: int = TRIALS, seed: int = 1, *, silent: bool = False, blind: bool = False
 ) -> LoopScore:
-    """Let a policy adapt the task of people, one after the other, of every family in turn.
+    """Let a policy adapt the task of people of every family.
 
     Args:
-        policy: Of `POLICIES`; signals are made only for one that goes by the load.
-        n: People.
-        trials: Of each.
-        seed: Of all chance; the same people come to every policy.
-        silent: Only people whose skin does not answer.
-        blind: Their bodies answer to something that has nothing to do with the demand, which must not help.
+        policy: Name in `POLICIES`; signals are simulated only for the one that uses the load.
+        n: Number of people.
+        trials: Number of trials of each.
+        seed: Seed of the simulation; the people are the same for every policy.
+        silent: Only people whose skin does not respond.
+        blind: Their bodies respond to a random quantity instead of the demand, as a control.
     """
     streams = np.random.default_rng([seed, 166]).spawn(n)
     sees = policy == "kalman"
@@ -92,12 +92,12 @@ def loop_study(
 
 
 def pooled(scores: Sequence[LoopScore]) -> LoopScore:
-    """Several groups of people as one."""
+    """Return the score of several groups of people together."""
     return LoopScore(np.concatenate([score.regret for score in scores]))
 
 
 class _Person:
-    """One person at the task."""
+    """Session of one person."""
 
     def __init__(self, rng: np.random.Generator, family: Family, *, silent: bool, blind: bool) -> None:
         who, self._chance, self._body, self._choice, self._felt = rng.spawn(5)
@@ -109,7 +109,7 @@ class _Person:
         self._generator, self._dsp, self._second = SignalGenerator(self._body), PhysioDsp(), 0
 
     def play(self, policy: Policy, trials: int, *, sees: bool) -> F8:
-        """Regret of each trial, shape [trials]; `sees`: signals are made and the load is estimated."""
+        """Return the regret of each trial, shape [trials]; `sees`: signals are simulated and the load is estimated."""
         estimation = build_estimation(DEFAULT, _BASELINE_S) if sees else None
         policy.begin(np.full(1, 0.5), self._choice)
         self._live(_REST_S, np.nan, 0.0, estimation)
@@ -141,7 +141,7 @@ class _Person:
 
 
 def _outcome(demand: float, share: float, state: UserState | None) -> Outcome:
-    """As a session's agent passes it to a policy."""
+    """Return the outcome of a trial for the policy, as `Agent` does."""
     load, spread = np.nan, np.nan
     if state is not None and state.load is not None and state.arousal is not None:
         load, spread = state.load[2] - state.load[0], state.arousal.variance

@@ -1,7 +1,7 @@
-"""R peaks under noise, kind by kind: real electrode motion, laid anew upon other records, and synthetic noise.
+"""R peaks under noise: recorded electrode motion, added to other records, and synthetic noise.
 
-The electrode noise is that of the noise stress test (Moody et al., 1984): two of its excerpts are the same heart with
-the same noise at two sizes, and their difference is the noise alone.
+The electrode noise is that of the noise stress test (Moody et al., 1984): two of its excerpts are the same ECG with the
+same noise at two amplitudes, and their difference is the noise alone.
 """
 
 from __future__ import annotations
@@ -28,25 +28,25 @@ __all__ = ["NoiseRow", "noise_of", "noise_rows"]
 
 _EXCERPT = "nst_118e"
 _LOUD_DB, _SOFT_DB, _CLEANEST_DB = 0.0, 6.0, 24.0
-"""Of the two excerpts whose difference is the noise, and of the one that is nearest to the heart alone."""
+"""Signal-to-noise ratios of the two excerpts whose difference is the noise, and of the cleanest one [dB]."""
 _ELECTRODE_DB = (6.0, 0.0)
 _PIECES, _PIECE_S = 4, 120.0
-"""Pieces of each record, and how long they are [s]."""
+"""Number of parts of each record, and their length [s]."""
 _ANEW = 20
-"""Seeds by which the noise is laid upon the heart that it was recorded with."""
+"""Number of random shifts of the noise on the ECG that it was recorded with."""
 _SYNTHETIC_S = 300.0
 
 
 @dataclass(frozen=True, slots=True)
 class NoiseRow:
-    """All records of a kind together.
+    """Score over all records of a kind.
 
     Attributes:
-        kind: Of records and noise.
-        beats: Annotated.
-        missed: Of those.
-        invented: Beats that were found and are none.
-        worst: F1 of the worst record or piece.
+        kind: Kind of records and noise.
+        beats: Number of annotated beats.
+        missed: Number of these that were not detected.
+        invented: Number of false detections.
+        worst: F1 of the worst record or part.
     """
 
     kind: str
@@ -57,15 +57,15 @@ class NoiseRow:
 
     @property
     def f1(self) -> float:
-        """Over all beats."""
+        """F1 over all beats."""
         return 1.0 - (self.missed + self.invented) / (2.0 * self.beats - self.missed + self.invented)
 
 
 def noise_rows(folder: Path) -> Iterator[NoiseRow]:
-    """Every kind of record and noise; what the folder has no records for is left out.
+    """Yield a row for every kind of record and noise that the folder has records for.
 
     Args:
-        folder: Of annotated records, see `annotated_records`.
+        folder: Folder of annotated records, see `annotated_records`.
     """
     records = {record.name: record for record in annotated_records(folder)}
     hearts = [record for name, record in records.items() if not name.startswith(_EXCERPT)]
@@ -92,12 +92,12 @@ def noise_rows(folder: Path) -> Iterator[NoiseRow]:
 
 
 def noise_of(loud: Annotated, soft: Annotated) -> F8:
-    """The noise of the excerpt of 0 dB, from that and the one of 6 dB: the same heart, the same noise [mV]."""
+    """Return the noise of the excerpt of 0 dB [mV], from that and the one of 6 dB."""
     return (loud.values - soft.values) / (1.0 - 10.0 ** ((_LOUD_DB - _SOFT_DB) / 20.0))
 
 
 def _pieces(hearts: list[Annotated], noise: F8, decibel: float) -> Iterator[Annotated]:
-    """Pieces of each record, spread over it, with the noise laid upon them."""
+    """Yield evenly spaced parts of each record with the noise added."""
     for k, heart in enumerate(hearts):
         last = max(len(heart.values) / heart.rate - _PIECE_S, 0.0)
         for n in range(_PIECES):
@@ -106,7 +106,7 @@ def _pieces(hearts: list[Annotated], noise: F8, decibel: float) -> Iterator[Anno
 
 
 def _laid(heart: Annotated, noise: F8, decibel: float, seed: int) -> Annotated:
-    """A piece with noise of the same rate that begins elsewhere, and every second time upside down."""
+    """Return a part with noise of the same rate, shifted at random, and inverted for odd seeds."""
     n = len(heart.values)
     whole = np.resize(np.roll(noise, np.random.default_rng([seed, 126]).integers(len(noise))), n)
     size = noise_size(heart, decibel) / whole.std() * (-1.0) ** seed
@@ -114,7 +114,7 @@ def _laid(heart: Annotated, noise: F8, decibel: float, seed: int) -> Annotated:
 
 
 def _piece(record: Annotated, begin_s: float, seconds: float) -> Annotated:
-    """Some seconds of a record."""
+    """Return a part of a record."""
     first = round(begin_s * record.rate)
     values = record.values[first : first + round(seconds * record.rate)]
     beats = record.beats - first / record.rate

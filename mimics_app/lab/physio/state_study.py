@@ -1,7 +1,7 @@
-"""Three classes of load: trained on people of four families, tested on people of the fifth, each family in turn.
+"""Three classes of load: trained on people of four families, tested on people of the fifth (cross-validation).
 
-After each trial the person is asked, which is what the adaptive discriminant learns from; without asking it goes by how
-likely each class is. Every trial is judged before anything is learnt from it. No clinical evidence.
+The adaptive discriminant learns after each trial from the person's answer, or without one from the probabilities of the
+classes. Every trial is classified before it is learnt. No clinical evidence.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ __all__ = ["RIVALS", "StateScore", "state_study"]
 
 @dataclass(frozen=True, slots=True)
 class StateScore:
-    """What one estimator gave.
+    """Score of one estimator.
 
     Attributes:
         hits: Share of each person's trials that were estimated right, shape [p].
@@ -32,17 +32,17 @@ class StateScore:
 
     @property
     def share(self) -> float:
-        """Of all trials."""
+        """Share of all trials that were estimated right."""
         return float(self.hits.mean())
 
     @property
     def half_width(self) -> float:
-        """Of its 95 % interval over people."""
+        """Half width of the 95 % interval of the share over people."""
         return float(1.96 * self.hits.std(ddof=1) / np.sqrt(len(self.hits)))
 
 
 def _follow(build: Callable[[LoadModel], Lda], columns: slice, *, asked: bool) -> Callable[[LoadPeople], StateScore]:
-    """A discriminant over some of the features, trained without the family of the person it is tested on."""
+    """Return the study of a discriminant over some features, trained without the family of the tested person."""
 
     def estimated(people: LoadPeople) -> StateScore:
         seen = people.features[:, :, columns]
@@ -66,14 +66,14 @@ def _scored(probable: F8, classes: I8) -> StateScore:
 
 
 def _calibration(stated: F8, right: F8, bins: int = 8) -> float:
-    """Mean distance of stated probability and share right, weighted by how often it was stated."""
+    """Return the expected calibration error: mean difference of probability and share right, weighted by frequency."""
     places = np.clip(((stated - 1.0 / 3.0) * 1.5 * bins).astype(int), 0, bins - 1)
     inside = [places == k for k in range(bins)]
     return sum(abs(float(np.sum(stated[each] - right[each]))) for each in inside) / len(stated)
 
 
 def _by_threshold(people: LoadPeople) -> StateScore:
-    """Two borders of the heart rate over rest, between the classes' means in this person's first three trials."""
+    """Classify by two thresholds of the heart rate between the class means of the person's first three trials."""
     hits = []
     for heart, classes in zip(np.nan_to_num(people.features[:, :, 0]), people.classes, strict=True):
         means = [heart[:3][classes[:3] == k].mean() for k in range(3)]
@@ -102,9 +102,9 @@ RIVALS: dict[str, Callable[[LoadPeople], StateScore]] = {
     "threshold per person": _by_threshold,
     "majority": _majority,
 }
-"""Estimators of the product, then what they must beat, by name."""
+"""Studies by name: estimators of the product, then baselines."""
 
 
 def state_study(people: LoadPeople) -> dict[str, StateScore]:
-    """The score of each rival."""
+    """Return the score of each rival."""
     return {name: estimated(people) for name, estimated in RIVALS.items()}

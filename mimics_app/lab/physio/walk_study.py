@@ -1,4 +1,4 @@
-"""The guided walk on many simulated walkers: who is brought to the place within seven minutes, by condition."""
+"""The guided walk with simulated walkers: share that reaches the goal within seven minutes, by condition."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ _DEEDS = len(Deed)
 
 @dataclass(frozen=True, slots=True)
 class WalkResult:
-    """Of one condition.
+    """Result of one condition.
 
     Attributes:
-        condition: Its name.
-        people: How many walked.
-        share: Of them that came to the place in time.
-        low, high: 95 % interval of that share.
+        condition: Name of the condition.
+        people: Number of walkers.
+        share: Share of them that reached the goal in time.
+        low, high: 95 % interval of the share.
     """
 
     condition: str
@@ -35,7 +35,7 @@ class WalkResult:
 
 
 def walk_study(condition: str, people: int = 300, seed: int = 1) -> WalkResult:
-    """Each walker meets a guide that has learnt nothing yet; the same walkers in every condition of a seed."""
+    """Simulate walkers with an untrained guide each; the walkers of a seed are the same in every condition."""
     times = np.array([_walk(condition, [seed, i]) for i in range(people)])
     came = np.isfinite(times)
     low, high = wilson(int(came.sum()), people)
@@ -43,7 +43,7 @@ def walk_study(condition: str, people: int = 300, seed: int = 1) -> WalkResult:
 
 
 def _walk(condition: str, seed: list[int]) -> float:
-    """Time to the place [s], infinite where it was not reached."""
+    """Return the time to the goal [s], infinite where it was not reached."""
     rng, other = np.random.default_rng(seed).spawn(2)
     alley = Alley()
     walker, guide = Walker(rng, alley), Guide(alley, NEAREST[condition])
@@ -64,7 +64,7 @@ def _walk(condition: str, seed: list[int]) -> float:
 
 
 def wilson(hits: int, n: int, z: float = 1.96) -> tuple[float, float]:
-    """95 % interval of a share (Wilson, J Am Stat Assoc 22, 1927)."""
+    """Return the 95 % interval of a share (Wilson, J Am Stat Assoc 22, 1927)."""
     share = hits / n
     middle = (share + z * z / (2 * n)) / (1 + z * z / n)
     half = z / (1 + z * z / n) * float(np.sqrt(share * (1 - share) / n + z * z / (4 * n * n)))

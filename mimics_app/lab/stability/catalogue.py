@@ -1,4 +1,4 @@
-"""The experiments: a module `sNN_noun` holds one `EXPERIMENT` and is imported when it is requested."""
+"""Catalogue of the stability experiments; a module `sNN_noun` holds one `EXPERIMENT` and is imported on request."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ _MODULES = {
     "S15B": "s15b_dropped_ticks",
     "S16": "s16_contact_directions",
 }
-"""Name -> the module of this package that holds it, in the order of their numbers."""
+"""Module of this package by the name of its experiment, in the order of their numbers."""
 
 NAMES = tuple(_MODULES)
 
 
 def load_experiment(name: str) -> Experiment:
-    """The experiment of a name like "S3" (any case).
+    """Return the experiment of a name such as "S3", in any case.
 
     Raises:
         UsageError: There is none.
@@ -55,5 +55,5 @@ def load_experiment(name: str) -> Experiment:
 
 
 def load_experiments(names: tuple[str, ...] = ()) -> list[Experiment]:
-    """The experiments of these names, or all of them."""
+    """Return the experiments of these names, or all."""
     return [load_experiment(name) for name in names or NAMES]

@@ -1,8 +1,7 @@
-"""Several sampled, delayed contacts at one device, simulated and exact: what S16 sweeps.
+"""Several sampled, delayed contacts of one device, simulated and exact, for S16.
 
-As `wall_loop`, in three directions: a device of mass m and own damping b is pressed into contacts of different
-normals. Each tick its position is sampled, each contact's law gives a force along its normal from depth and differenced
-depth, and their sum acts, held, n ticks later.
+As `wall_loop` in three directions: each contact's law gives a force along its normal from depth and differenced depth,
+and their sum acts, held, n ticks later.
 """
 
 from __future__ import annotations
@@ -47,10 +46,10 @@ __all__ = [
 
 
 _HARD = 1e6
-"""The stiffest of them that is looked at [N/m]."""
+"""Upper end of the search for a limit [N/m]."""
 
 _SLOW = 1e-9
-"""What an eigenvalue may come short of 1: the slow motion of a soft contact dies by more in a tick."""
+"""Distance of a spectral radius from 1 within rounding: the slow mode of a soft contact decays faster per tick."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,10 +57,10 @@ class Contact:
     """One contact.
 
     Attributes:
-        angle: Of its normal to that of the first [rad], in the plane of the first two axes.
-        stiffness: K [N/m].
-        damping: B [N s/m].
-        lift: Of its normal out of that plane [rad].
+        angle: Angle of its normal to that of the first [rad], in the plane of the first two axes.
+        stiffness: Stiffness K [N/m].
+        damping: Damping B [N s/m].
+        lift: Elevation of its normal out of that plane [rad].
     """
 
     angle: float
@@ -71,18 +70,18 @@ class Contact:
 
     @property
     def normal(self) -> Vec:
-        """Unit, shape [3]."""
+        """Unit normal, shape [3]."""
         flat = np.cos(self.lift)
         return np.array([flat * np.cos(self.angle), flat * np.sin(self.angle), np.sin(self.lift)])
 
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """What is pressed into them.
+    """The device.
 
     Attributes:
-        mass: [kg].
-        damping: Its own, virtual and the arm's, b [N s/m].
+        mass: Mass [kg].
+        damping: Damping b: its own, virtual, and that of the arm [N s/m].
         rate: Ticks per second [Hz].
         delay: Whole ticks between sampling and acting.
     """
@@ -94,7 +93,7 @@ class Device:
 
     @property
     def lag(self) -> float:
-        """T / 2 + n T [s]."""
+        """Delay of the force, T / 2 + n T [s]."""
         return (0.5 + self.delay) / self.rate
 
 
@@ -102,14 +101,14 @@ Contacts = tuple[Contact, ...]
 
 
 def stiffer(contacts: Contacts, first: float) -> Contacts:
-    """The same contacts, the first of another stiffness [N/m]."""
+    """Return the contacts with another stiffness of the first [N/m]."""
     one = contacts[0]
     return (Contact(one.angle, first, one.damping, one.lift), *contacts[1:])
 
 
 @kernel
 def _feel(normals: Mat, k: Vec, B: Vec, x: Vec, last: Vec, dt: float, force: Vec) -> None:
-    """Force [N] of all contacts on the device, less what holds it at rest DEPTH inside of each."""
+    """Compute the force of all contacts on the device, less the force at rest at DEPTH in each [N]."""
     force[:] = 0.0
     for c in range(k.shape[0]):
         depth, rate = DEPTH, 0.0
@@ -125,7 +124,7 @@ def _feel(normals: Mat, k: Vec, B: Vec, x: Vec, last: Vec, dt: float, force: Vec
 def press_contacts(
     normals: Mat, k: Vec, B: Vec, m: float, b: float, dt: float, delay: int, ticks: int, line: Mat, peaks: Vec
 ) -> None:
-    """Press the device into contacts and let it go.
+    """Simulate the device in the contacts, released at a distance from rest.
 
     Args:
         normals: Shape [n, 3].
@@ -135,10 +134,9 @@ def press_contacts(
         b: Its own damping [N s/m].
         dt: Tick [s].
         delay: Ticks between sampling and acting.
-        ticks: How long.
-        line: Room for the forces under way, zeros, shape [at least delay + 1, 3].
-        peaks: Receives the peaks of the distance from rest [m] by quarter of the run, shape [4]; the last infinite
-            where it does not come back.
+        ticks: Length of the run [ticks].
+        line: Delay line of the forces, zeros, shape [at least delay + 1, 3].
+        peaks: Receives the peaks of the distance from rest by quarter of the run [m], shape [4], see `note_peak`.
     """
     x, last, v = np.zeros(3), np.zeros(3), np.zeros(3)
     for c in range(k.shape[0]):
@@ -158,7 +156,7 @@ def press_contacts(
 
 
 def _is_stable(device: Device, contacts: Contacts) -> bool:
-    """Whether the device comes to rest in the contacts, by simulation."""
+    """Whether the device in the contacts is stable, by simulation."""
     normals = np.array([contact.normal for contact in contacts])
     k = np.array([contact.stiffness for contact in contacts])
     B = np.array([contact.damping for contact in contacts])
@@ -173,7 +171,7 @@ def _is_stable(device: Device, contacts: Contacts) -> bool:
 
 
 def simulated_limit(device: Device, contacts: Contacts) -> float:
-    """Largest stable stiffness [N/m] of the first contact beside the others, by simulation."""
+    """Return the largest stable stiffness of the first contact beside the others, by simulation [N/m]."""
     return find_limit(lambda first: _is_stable(device, stiffer(contacts, first)), SOFT, _HARD, PRECISION)
 
 
@@ -188,7 +186,7 @@ def exact_matrix(device: Device, contacts: Contacts) -> Mat:
 
 
 def exact_limit(device: Device, contacts: Contacts) -> float:
-    """Largest stable stiffness [N/m] of the first contact beside the others, by eigenvalues."""
+    """Return the largest stable stiffness of the first contact beside the others, by eigenvalues [N/m]."""
 
     def is_contracting(first: float) -> bool:
         return spectral_radius(exact_matrix(device, stiffer(contacts, first))) < 1.0 - _SLOW
@@ -205,23 +203,23 @@ def _span_of(contacts: Contacts) -> NDArray[np.void]:
 
 
 def rule_margin(device: Device, contacts: Contacts) -> float:
-    """Margin of the worst direction [-], as the loop shows it."""
+    """Return the stability margin of the worst direction [-], as the loop computes it."""
     span = _span_of(contacts)
     find_worst_direction(span[0], device.damping, device.lag)
     return float(span[0]["margin"])
 
 
 def needed(device: Device, contacts: Contacts, margin: float = 0.0) -> float:
-    """Damping [N s/m] the device must have for the contacts to keep a margin in every direction, as the loop's cap."""
+    """Return the damping of the device that gives a margin in every direction, as in the stiffness cap [N s/m]."""
     return float(needed_damping(_span_of(contacts)[0], device.lag * (1.0 + margin)))
 
 
 def rule_limit(device: Device, contacts: Contacts) -> float:
-    """Largest stiffness [N/m] of the first contact by the worst direction: what the loop goes by."""
+    """Return the largest stiffness of the first contact by the worst direction, the rule of the loop [N/m]."""
     return find_limit(lambda first: needed(device, stiffer(contacts, first)) < device.damping, SOFT, _HARD)
 
 
 def sum_limit(device: Device, contacts: Contacts) -> float:
-    """The same from sums over all contacts whatever their direction [N/m]: it lends one the damping of another."""
+    """Return the same from sums over all contacts regardless of their direction [N/m]."""
     damping = device.damping + sum(contact.damping for contact in contacts)
     return damping / device.lag - sum(contact.stiffness for contact in contacts[1:])

@@ -1,8 +1,8 @@
-"""A hand on the simulated robot under admittance control, along its vertical axis: simulated and exact.
+"""An arm on the simulated robot under admittance control, along its vertical axis: simulated and exact.
 
-Two hands. A *rigid* one is the textbook arm, mass, damper and spring on the handle itself: F = -(m a + b v + k x). The
-*gripping* one is the simulated person of the product, an arm behind a soft grip. With the rigid hand the command of a
-tick takes effect one tick later (sensor, sum, send), with the gripping one in the order of the product's loop.
+The *rigid* arm is the textbook model, mass, damper and spring on the handle itself: F = -(m a + b v + k x). The
+*gripping* arm is the simulated person of the product, behind a soft grip. With the rigid arm the command of a tick
+takes effect one tick later (sensor, sum, send), with the gripping one in the order of the product's loop.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ _GRIP_STIFFNESS = 4000.0
 _GRIP_DAMPING = 50.0
 
 _SPEED_SHARE = 0.1
-"""Distance [m] that a speed [m/s] counts as, where it is asked how far a motion is from rest [s]."""
+"""Weight of the speed in the distance from rest [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Arm:
-    """A person's arm at the handle: mass [kg], damping [N s/m], stiffness [N/m]."""
+    """Arm of a person: mass [kg], damping [N s/m], stiffness [N/m]."""
 
     mass: float
     damping: float
@@ -52,7 +52,7 @@ class Arm:
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """A loop: who holds the robot, its servo bandwidth [Hz], delay of the command [ticks], virtual damping [N s/m]."""
+    """A loop: arm, bandwidth of the servo [Hz], delay of the command [ticks], virtual damping [N s/m], kind of arm."""
 
     arm: Arm
     servo_hz: float = 60.0
@@ -62,7 +62,7 @@ class Hold:
 
 
 def _robot_memory(loop: Hold) -> Vec:
-    """A robot without noise, quanta and limits, so that the loop is linear."""
+    """Return the memory of a robot without noise, quantisation and limits, so that the loop is linear."""
     memory = np.zeros(robot.ROBOT_LENGTH)
     memory[robot.TICK] = 1.0 / _RATE
     memory[robot.SERVO] = 2.0 * math.pi * loop.servo_hz
@@ -79,7 +79,7 @@ def _robot_memory(loop: Hold) -> Vec:
 
 
 def _arm_memory(hand: Arm) -> Vec:
-    """A person who wants to stay where they are: a path of two equal points, no tremor, no error of aim."""
+    """Return the memory of a person who holds a position: a path of two equal points, no tremor, no error of aim."""
     memory = np.zeros(arm.ARM_LENGTH)
     memory[arm.ARM_MASS] = hand.mass
     memory[arm.ARM_DAMPING] = hand.damping
@@ -95,14 +95,14 @@ def _arm_memory(hand: Arm) -> Vec:
 
 @kernel
 def _next_command(machine: Vec) -> float:
-    """Command of the vertical axis that acts from now on."""
+    """Return the command of the vertical axis that acts in this tick [m/s]."""
     due = int(machine[robot.WRITTEN]) - 1 - int(machine[robot.DELAY])
     return machine[robot.LINE + 3 * (due % (robot.MAX_DELAY + 1)) + _AXIS] if due >= 0 else 0.0
 
 
 @kernel
 def _rigid_force(machine: Vec, hand: Vec) -> float:
-    """Force [N] of a rigid hand (mass, damping, stiffness) on the handle."""
+    """Return the force of a rigid arm (mass, damping, stiffness) on the handle [N]."""
     v = machine[robot.DQ + _AXIS]
     a = machine[robot.SERVO] * (_next_command(machine) - v)
     return -(hand[0] * a + hand[1] * v + hand[2] * machine[robot.Q + _AXIS])
@@ -110,7 +110,7 @@ def _rigid_force(machine: Vec, hand: Vec) -> float:
 
 @kernel
 def _hold_rigidly(machine: Vec, hand: Vec, mass: float, damping: float, ticks: int, peaks: Vec) -> None:
-    """Simulate the rigid hand; peaks of the handle's distance from rest by quarter, shape [4]."""
+    """Simulate the rigid arm; peaks of the handle's distance from rest by quarter, shape [4]."""
     dt = machine[robot.TICK]
     scratch, v, dq, f, data = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(DATA_LENGTH)
     machine[robot.Q + _AXIS] = _APART
@@ -128,7 +128,7 @@ def _hold_rigidly(machine: Vec, hand: Vec, mass: float, damping: float, ticks: i
 
 @kernel
 def _hold_softly(machine: Vec, person: Vec, mass: float, damping: float, ticks: int, peaks: Vec) -> None:
-    """Simulate the product's person; peaks of handle and hand from rest by quarter, shape [4]."""
+    """Simulate the gripping arm; peaks of the handle's distance from rest by quarter, shape [4]."""
     dt = machine[robot.TICK]
     scratch, v, dq, data = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(DATA_LENGTH)
     place_handle(machine)
@@ -149,7 +149,7 @@ def _hold_softly(machine: Vec, person: Vec, mass: float, damping: float, ticks: 
 
 
 def is_stable(loop: Hold, mass: float) -> bool:
-    """Whether a virtual mass [kg] comes to rest, by simulation with the product's controller, robot and person."""
+    """Whether a virtual mass [kg] is stable, by simulation with the product's controller, robot and person."""
 
     def run(ticks: int) -> Vec:
         peaks = np.zeros(4)
@@ -165,10 +165,10 @@ def is_stable(loop: Hold, mass: float) -> bool:
 
 
 def _servo(loop: Hold) -> tuple[Mat, Mat]:
-    """One tick of handle position and velocity under a held velocity command, as the simulated robot states it.
+    """Return one tick of handle position and velocity under a held velocity command, as in the simulated robot.
 
-    The velocity is the exact first-order lag; the position follows the mean of the velocities of its two ends, which
-    comes 0.03 ticks late at 60 Hz.
+    The velocity is an exact first-order lag; the position integrates it by the trapezoidal rule, a delay of 0.03 ticks
+    at 60 Hz.
     """
     dt = 1.0 / _RATE
     share = 1.0 - math.exp(-2.0 * math.pi * loop.servo_hz * dt)
@@ -177,7 +177,7 @@ def _servo(loop: Hold) -> tuple[Mat, Mat]:
 
 
 def _rigid_matrix(loop: Hold, mass: float) -> Mat:
-    """States: handle x, v, and the virtual velocities under way, newest last, shape [3 + n, 3 + n]."""
+    """Return the matrix of handle x, v, and the delayed virtual velocities, newest last, shape [3 + n, 3 + n]."""
     n, dt = loop.delay, 1.0 / _RATE
     wp = 2.0 * math.pi * loop.servo_hz
     A, held = _servo(loop)
@@ -197,14 +197,14 @@ def _rigid_matrix(loop: Hold, mass: float) -> Mat:
 
 
 def _gripping_matrix(loop: Hold, mass: float) -> Mat:
-    """States: handle x, v, hand x, v, virtual velocities under way, newest last, shape [5 + n, 5 + n]."""
+    """Return the matrix of handle x, v, hand x, v, delayed virtual velocities, newest last, shape [5 + n, 5 + n]."""
     n, dt = loop.delay, 1.0 / _RATE
     A, held = _servo(loop)
     size = 5 + n
     moved = np.eye(size)
     moved[:2, :2] = A
     moved[:2, 4] = held[:, 0]
-    # Hand: semi-implicit Euler under muscle and grip, with the handle where it is now.
+    # Hand: semi-implicit Euler under muscle and grip, at the present position of the handle.
     grip = np.zeros(size)
     grip[0], grip[1], grip[2], grip[3] = -_GRIP_STIFFNESS, -_GRIP_DAMPING, _GRIP_STIFFNESS, _GRIP_DAMPING
     pulled = np.eye(size)
@@ -212,7 +212,7 @@ def _gripping_matrix(loop: Hold, mass: float) -> Mat:
     pulled[3, 2] -= dt / loop.arm.mass * loop.arm.stiffness
     pulled[3, 3] -= dt / loop.arm.mass * loop.arm.damping
     pulled[2] += dt * pulled[3]
-    # The controller takes the grip's force as it was before the hand moved on.
+    # The controller takes the force of the grip before the hand moves.
     controlled = np.eye(size)
     for i in range(4, size - 1):
         controlled[i] = np.eye(size)[i + 1]
@@ -223,10 +223,10 @@ def _gripping_matrix(loop: Hold, mass: float) -> Mat:
 
 
 def exact_matrix(loop: Hold, mass: float) -> Mat:
-    """One tick of the loop as a matrix, for a virtual mass [kg]."""
+    """Return one tick of the loop as a matrix, for a virtual mass [kg]."""
     return _gripping_matrix(loop, mass) if loop.gripping else _rigid_matrix(loop, mass)
 
 
 def is_exactly_stable(loop: Hold, mass: float) -> bool:
-    """Whether a virtual mass [kg] comes to rest, by eigenvalues."""
+    """Whether a virtual mass [kg] is stable, by eigenvalues."""
     return is_contracting(exact_matrix(loop, mass))

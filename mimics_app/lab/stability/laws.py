@@ -1,6 +1,6 @@
-"""Signatures by which experiments take a law as an argument: the loop's own function, a rival, or a planted fault.
+"""Signatures of laws that are arguments of compiled experiments: a function of the loop, a rival, or a planted fault.
 
-Taken from the module's names when an experiment runs, so that a test may put a faulty law in the place of a right one.
+An experiment looks the law up in its module when it runs, so that a test can replace it by a faulty one.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ __all__ = ["NORMAL_LAW", "ROTATION", "SHAPE", "NormalLaw", "Rotation", "identifi
 
 
 NormalLaw = Callable[[float, float, float, float], float]
-"""What `NORMAL_LAW` is to a type checker."""
+"""Python type of `NORMAL_LAW`."""
 
 Rotation = Callable[[Vec, Vec, Vec, float], None]
-"""What `ROTATION` is."""
+"""Python type of `ROTATION`."""
 
 NORMAL_LAW = types.FunctionType(types.float64(types.float64, types.float64, types.float64, types.float64))
 """force [N] = law(depth [m], rate [m/s], k [N/m], b [N s/m])."""
@@ -33,16 +33,16 @@ ROTATION = types.FunctionType(types.void(types.float64[::1], types.float64[::1],
 
 
 def identified_rate(motion: Vec, dt: float) -> float:
-    """Growth rate [1/s] of a simulated motion: the larger of the two multipliers that explain it (Prony 1795).
+    """Return the growth rate of a simulated motion [1/s] by the larger of its two multipliers (Prony 1795).
 
     Args:
         motion: Distance from rest at successive ticks, shape [n], n >= 4, of a linear system of order two.
         dt: Tick [s].
 
     Returns:
-        ln|z| / dt of the multiplier z of greatest magnitude; > 0: it grows.
+        ln|z| / dt of the multiplier z of largest magnitude; > 0: it grows.
     """
     past = np.column_stack([motion[1:-1], motion[:-2]])
-    scale = np.linalg.norm(past, axis=1, keepdims=True)  # every tick counts alike, however far it has grown
+    scale = np.linalg.norm(past, axis=1, keepdims=True)  # equal weight of all ticks, however large the motion
     trace, product = np.linalg.lstsq(past / scale, motion[2:] / scale[:, 0], rcond=None)[0]
     return float(np.log(np.max(np.abs(np.roots([1.0, -trace, -product])))) / dt)

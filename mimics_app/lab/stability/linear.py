@@ -1,6 +1,6 @@
-"""Exact stability of sampled linear loops: matrices, their spectral radius, and where it passes 1.
+"""Exact stability of sampled linear loops by the spectral radius of their matrices.
 
-Nothing here comes from the code under test. The simulations stand beside it in `growth`.
+Nothing here uses the code under test; `growth` judges the simulations.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _MARGIN = 1e-12
 
 
 def exponential(A: Mat) -> Mat:
-    """Matrix exponential of A, shape [n, n], by scaling, Taylor series and squaring; error near rounding."""
+    """Return the matrix exponential of A, shape [n, n], by scaling, Taylor series and squaring."""
     halvings = max(0, math.ceil(math.log2(max(float(np.linalg.norm(A)), 1e-300))) + 1)
     scaled = A / 2.0**halvings
     total = np.eye(A.shape[0])
@@ -37,7 +37,7 @@ def exponential(A: Mat) -> Mat:
 
 
 def hold(A: Mat, B: Mat, dt: float) -> tuple[Mat, Mat]:
-    """(A_d, B_d) of x_{k+1} = A_d x_k + B_d u_k for x' = A x + B u under an input held for dt [s].
+    """Return A_d and B_d of x_{k+1} = A_d x_k + B_d u_k for x' = A x + B u under an input held for dt [s].
 
     Args:
         A: Shape [n, n].
@@ -53,28 +53,28 @@ def hold(A: Mat, B: Mat, dt: float) -> tuple[Mat, Mat]:
 
 
 def spectral_radius(A: NDArray[Any]) -> float:
-    """Largest |eigenvalue| of A: below 1 the sampled loop x_{k+1} = A x_k dies away."""
+    """Return the largest |eigenvalue| of A: below 1 the sampled loop x_{k+1} = A x_k is stable."""
     return float(np.abs(np.linalg.eigvals(A)).max())
 
 
 def is_contracting(A: Mat) -> bool:
-    """Whether x_{k+1} = A x_k dies away, rounding left aside."""
+    """Whether x_{k+1} = A x_k is stable, within rounding."""
     return spectral_radius(A) < 1.0 - _MARGIN
 
 
 def find_limit(
     is_stable: Callable[[float], bool], stable: float, unstable: float, precision: float = _PRECISION
 ) -> float:
-    """Where stability ends between two positive values, by bisection of their logarithm.
+    """Return the stability limit between two positive values, by bisection of their logarithm.
 
     Args:
         is_stable: Decides for one value.
-        stable: A value > 0 that is stable; above or below the other.
-        unstable: A value > 0 that is not.
+        stable: A stable value > 0, above or below the other.
+        unstable: An unstable value > 0.
         precision: Relative width of the last bracket.
 
     Raises:
-        ValueError: The ends are not what they are called: there is no limit between them, or more than one.
+        ValueError: `stable` is unstable, or `unstable` stable.
     """
     if not is_stable(stable) or is_stable(unstable):
         raise ValueError(f"no limit between {stable:g} (stable) and {unstable:g} (unstable)")

@@ -1,12 +1,13 @@
-"""A wall stroked at constant speed while ticks come late or not at all: the energy it generates, by the loop's tick.
+"""Energy that a wall generates under strokes at constant speed while ticks are late or dropped, by the loop's tick.
 
-Between ticks the force is held, so that a stroke through depths x_i costs sum f_i (x_{i+1} - x_i): a spring generates
-K/2 sum (x_{i+1} - x_i)^2 and a damper takes b v |x_{i+1} - x_i|. At constant speed both sums are of holds h_i, and
+Between ticks the force is held, so that a stroke through depths x_i takes the work sum f_i (x_{i+1} - x_i): a spring
+generates K/2 sum (x_{i+1} - x_i)^2 and a damper dissipates b v |x_{i+1} - x_i|. At constant speed both are sums over
+the periods h_i, and
 
     b needed = K/2 sum(h_i^2) / sum(h_i)
 
-the mean hold weighted by its own length, not K T/2. The tick that is run is the product's, with its late-tick policy
-(hold beyond 2 ms, ramp down beyond 10 ms) on or off; energy is counted by the passivity observer.
+the mean period weighted by its length, not K T/2. The tick is that of the product, with its late-tick policy (hold
+beyond 2 ms, ramp down beyond 10 ms) on or off; the passivity observer integrates the energy.
 """
 
 from __future__ import annotations
@@ -85,13 +86,13 @@ _PERIOD_NS = 1_000_000
 
 @dataclass(frozen=True, slots=True)
 class Stroke:
-    """A hand that goes in and out of the wall at constant speed, from `gap` before to `depth` behind its surface.
+    """Motion in and out of the wall at constant speed, from `gap` before to `depth` behind its surface.
 
     Attributes:
-        speed: [m/s].
-        depth: [m].
-        gap: [m].
-        count: Strokes in and out.
+        speed: Speed [m/s].
+        depth: Largest depth [m].
+        gap: Distance before the surface [m].
+        count: Number of strokes in and out.
     """
 
     speed: float = 0.1
@@ -101,11 +102,11 @@ class Stroke:
 
     @property
     def seconds(self) -> float:
-        """Length of the run [s], with the time at rest at its start in which the force is ramped up."""
+        """Length of the run [s], with the initial time at rest in which the force is ramped up."""
         return _QUIET + 2.0 * self.count * (self.depth + self.gap) / self.speed + 0.1
 
     def at(self, t: Vec) -> tuple[Vec, Vec]:
-        """(depth behind the surface [m], its rate [m/s]) at times t [s]."""
+        """Return depth behind the surface [m] and its rate [m/s] at times t [s]."""
         half = (self.depth + self.gap) / self.speed
         phase = (t - _QUIET) / half
         moving = (phase >= 0.0) & (phase < 2 * self.count)
@@ -118,11 +119,11 @@ class Stroke:
 
 @dataclass(frozen=True, slots=True)
 class Wakes:
-    """When the ticks of a loop ran.
+    """Times at which the ticks of a loop ran.
 
     Attributes:
-        t: Time of each [s], shape [n], rising.
-        late_ns: After its release [ns], shape [n].
+        t: Time of each tick [s], shape [n], ascending.
+        late_ns: Lateness of each tick [ns], shape [n].
     """
 
     t: Vec
@@ -130,10 +131,10 @@ class Wakes:
 
 
 def wakes_with(lateness: Vec, seconds: float) -> Wakes:
-    """Ticks of a loop that wakes `lateness` [s] after each release; repeated as often as `seconds` need.
+    """Return the ticks of a loop with a lateness [s] after each release, repeated over a number of seconds.
 
-    Ticks behind a late one follow back to back, 10 us each. The first second, in which the hand rests, is in time: the
-    soft start of the loop would wait for ever for a loop that is never in time.
+    Ticks after a late one follow back to back, 10 us each. The first second, at rest, is in time: the loop's soft start
+    waits for ticks in time.
     """
     ticks = round(seconds / PERIOD)
     due = PERIOD * np.arange(ticks)
@@ -144,7 +145,7 @@ def wakes_with(lateness: Vec, seconds: float) -> Wakes:
 
 
 def wakes_without(dropped: NDArray[np.bool_], seconds: float) -> Wakes:
-    """Ticks of a loop of which some never run; the pattern is repeated as often as `seconds` need."""
+    """Return the ticks of a loop that drops some by a pattern, repeated over a number of seconds."""
     ticks = round(seconds / PERIOD)
     due = PERIOD * np.arange(ticks)
     t = np.asarray(due, np.float64)[~np.resize(dropped, ticks) | (due < _QUIET)]
@@ -152,14 +153,14 @@ def wakes_without(dropped: NDArray[np.bool_], seconds: float) -> Wakes:
 
 
 def weighted_period(wakes: Wakes) -> float:
-    """Mean hold [s] weighted by its length, sum(h^2) / sum(h): what the live stiffness limit takes for T."""
+    """Return the mean period weighted by its length, sum(h^2) / sum(h), the T of the live stiffness limit [s]."""
     hold = np.diff(wakes.t[wakes.t >= _QUIET])
     return float(np.sum(hold**2) / np.sum(hold))
 
 
 @kernel
 def _classes(scenes: Table[SceneRecord], late_ns: Ints, held: Ints) -> None:
-    """Late-tick class of every tick, as `run_live` counts misses in a row (ticks of no length)."""
+    """Compute the late-tick class of every tick, with misses in a row counted as in `run_live`."""
     in_row = 0
     before = 0
     for i in range(late_ns.shape[0]):
@@ -210,7 +211,7 @@ def _stroke(
     observers: Table[ObserverRecord],
     out: Vec,
 ) -> None:
-    """Run the product's tick over a prescribed motion; energy taken from the user after each tick [J]."""
+    """Run the product's tick over a prescribed motion; `out`: energy taken from the user after each tick [J]."""
     rows, objects, states = borrowed(rows), borrowed(objects), borrowed(states)
     data, command = np.zeros(DATA_LENGTH), np.zeros(COMMAND_LENGTH)
     for i in range(depth.shape[0]):
@@ -257,7 +258,7 @@ def _scene() -> NDArray[Any]:
 
 
 def classes_of(wakes: Wakes, policy: bool) -> NDArray[np.int64]:
-    """Late-tick class of every tick; all in time with the policy off."""
+    """Return the late-tick class of every tick; all in time with the policy off."""
     held = np.full(len(wakes.t), IN_TIME, np.int64)
     if policy:
         _classes(_scene(), wakes.late_ns, held)
@@ -265,7 +266,7 @@ def classes_of(wakes: Wakes, policy: bool) -> NDArray[np.int64]:
 
 
 def energy_of(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Stroke()) -> float:
-    """Energy [J] that the wall has taken from the user in the end, by the tick and the observer; < 0: generated."""
+    """Return the energy that the wall took from the user in total, by tick and observer [J]; < 0: generated."""
     depth, rate = stroke.at(wakes.t)
     out = np.zeros(len(wakes.t))
     held = classes_of(wakes, policy)
@@ -278,10 +279,10 @@ def energy_of(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Strok
 
 
 def exact_energy(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = Stroke()) -> float:
-    """The same as a sum of held forces times displacements, without any loop.
+    """Return the same energy as the sum of held forces times displacements.
 
     Raises:
-        ValueError: The policy would ramp the force down, which this sum does not know.
+        ValueError: The policy would ramp the force down, which the sum does not include.
     """
     depth, rate = stroke.at(wakes.t)
     force = np.where(depth > 0.0, np.maximum(0.0, STIFFNESS * depth + damping * rate), 0.0)
@@ -293,10 +294,10 @@ def exact_energy(wakes: Wakes, damping: float, policy: bool, stroke: Stroke = St
 
 
 def needed_damping(wakes: Wakes, policy: bool, stroke: Stroke = Stroke()) -> float:
-    """Damping [N s/m] at which the wall gives nothing away in the end, by simulation."""
+    """Return the damping at which the wall generates no energy in total, by simulation [N s/m]."""
     return find_limit(lambda b: energy_of(wakes, b, policy, stroke) > 0.0, _MOST, _LEAST)
 
 
 def exact_needed(wakes: Wakes, policy: bool, stroke: Stroke = Stroke()) -> float:
-    """The same by `exact_energy`."""
+    """Return the same damping by `exact_energy`."""
     return find_limit(lambda b: exact_energy(wakes, b, policy, stroke) > 0.0, _MOST, _LEAST, _FINE)

@@ -1,6 +1,6 @@
-"""S1: how much one step of each integrator amplifies a free oscillation, and the step at which it breaks.
+"""S1: amplification of a free oscillation by one step of each integrator, and its largest stable step.
 
-Simulated with the step functions of the loop; exact: eigenvalues of the amplification matrix written down for each.
+Simulated with the step functions of the loop; exact by the eigenvalues of the amplification matrices.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ _TICKS = 20_000
 _NEUTRAL = 1e-9
 _PRECISION = 1e-3
 _SMALLEST_GROWTH = 1e-6
-"""Growths per step below this are compared as they are, larger ones in proportion."""
+"""Growth per step below which the absolute, not the relative difference is compared."""
 
 _BREAKING = {"explicit": 0.05, "semi-implicit": 0.0, "rk4": 0.0}
-"""Methods with a largest step, and the least damping ratio for which they have one."""
+"""Methods with a largest stable step, and the smallest damping ratio for which they have one."""
 
 
 @kernel
@@ -46,14 +46,14 @@ def _follow(method: int, b: float, h: float, ticks: int, sums: Vec) -> None:
 
 
 def simulated_growth(method: str, zeta: float, h_w: float, ticks: int = _TICKS) -> float:
-    """Growth per step, ln |lambda|, of an oscillation of damping ratio zeta at step h_w = h sqrt(k / m)."""
+    """Return the growth per step, ln |lambda|, of an oscillation of damping ratio zeta at step h_w = h sqrt(k / m)."""
     sums = np.zeros(2)
     _follow(METHODS.index(method), 2.0 * zeta, h_w, ticks, sums)
     return largest_exponent(sums, ticks)
 
 
 def _amplification(method: str, zeta: float, h_w: float) -> NDArray[Any]:
-    """Matrix of one step of x'' + 2 zeta x' + x = 0 on (x, v), shape [2, 2]."""
+    """Return the matrix of one step of x'' + 2 zeta x' + x = 0 on (x, v), shape [2, 2]."""
     eye = np.eye(2)
     hA = h_w * np.array([[0.0, 1.0], [-1.0, -2.0 * zeta]])
     if method == "explicit":
@@ -71,17 +71,17 @@ def _amplification(method: str, zeta: float, h_w: float) -> NDArray[Any]:
 
 
 def exact_growth(method: str, zeta: float, h_w: float) -> float:
-    """The same by the eigenvalues of the amplification matrix."""
+    """Return the same growth by the eigenvalues of the amplification matrix."""
     return math.log(spectral_radius(_amplification(method, zeta, h_w)))
 
 
 def simulated_limit(method: str, zeta: float) -> float:
-    """Largest stable h w by simulation."""
+    """Return the largest stable h w by simulation."""
     return find_limit(lambda h: simulated_growth(method, zeta, h) < _NEUTRAL, 0.08, 20.0, _PRECISION)
 
 
 def exact_limit(method: str, zeta: float) -> float:
-    """Largest stable h w by eigenvalues."""
+    """Return the largest stable h w by eigenvalues."""
     return find_limit(lambda h: exact_growth(method, zeta, h) < _NEUTRAL, 0.08, 20.0)
 
 

@@ -1,9 +1,9 @@
 """S2: a free mass on a sampled spring without damping gains energy at every rate, 60 to 4000 Hz.
 
-The force of each tick is held until the next, so the spring pushes a little too long as the mass leaves. The growth per
+The force of each tick is held until the next, so the spring pushes too long as the mass leaves. The growth per
 tick has a closed form, |lambda| = sqrt(1 + K T^2 / 2 m) > 1. Below 500 Hz the rendering "can become unstable"
-(D2.1 4.3.1); nothing changes at 500 Hz: without damping the wall is unstable at any rate, only ever more slowly.
-Where damping makes it stable is S3.
+(D2.1 4.3.1); nothing changes at 500 Hz: without damping the wall is unstable at any rate, with a growth that falls
+with the rate. S3 shows where damping makes it stable.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ _LOWEST_RATE = 60.0
 _HIGHEST_RATE = 4000.0
 _TICKS = 20_000
 _DEPTH = 1.0
-"""Rest inside the wall [m], so deep that the surface is never reached."""
+"""Depth at rest [m], so large that the surface is never reached."""
 
 _APART = 1e-3
-"""Distance of the neighbours from rest [m, m/s]."""
+"""Size of the perturbations of rest [m, m/s]."""
 
 
 @kernel
 def _tick(x: float, v: float, m: float, k: float, b: float, dt: float) -> tuple[float, float]:
-    """One tick of a mass on the wall z < 0 under a push that holds it at _DEPTH; x is its depth."""
+    """Advance a mass on a wall at depth x by a tick, under a push that holds it at _DEPTH."""
     force = k * _DEPTH - spring_damper(x, v, k, b)
     return step_free(x, v, force, m, 0.0, dt)
 
@@ -55,14 +55,14 @@ def _follow(m: float, k: float, b: float, dt: float, ticks: int, sums: Vec) -> N
 
 
 def simulated_growth_rate(stiffness: float, rate: float, damping: float = 0.0, mass: float = _MASS) -> float:
-    """Growth [1/s] of a free mass [kg] on a wall [N/m, N s/m] sampled at a rate [Hz]."""
+    """Return the growth rate of a free mass [kg] on a wall [N/m, N s/m] sampled at a rate [Hz], in 1/s."""
     sums = np.zeros(2)
     _follow(mass, stiffness, damping, 1.0 / rate, _TICKS, sums)
     return largest_exponent(sums, _TICKS) * rate
 
 
 def exact_growth_rate(stiffness: float, rate: float, mass: float = _MASS) -> float:
-    """The same in closed form, for no damping: ln(1 + K T^2 / 2 m) / 2 T."""
+    """Return the same without damping in closed form: ln(1 + K T^2 / 2 m) / 2 T."""
     return 0.5 * rate * math.log1p(stiffness / (2.0 * mass * rate**2))
 
 

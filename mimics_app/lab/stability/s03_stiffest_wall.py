@@ -1,9 +1,9 @@
 """S3: the stiffest stable wall against device damping, wall damping, delay and mass (Z-width).
 
-Drawn for a light device (0.1 kg, 5 N s/m) over the damping of the wall's law, one curve for each delay. The rule in
-use, (b + B) / (T/2 + n T), promises more and more: at B = 20 N s/m and 2 ticks of delay the truth is 27 % below it, and
-where too much damping shakes on its own it still promises a wall. The table holds the sweeps over the device's own
-damping (the hand's adds to it) and over its mass too.
+Drawn for a light device (0.1 kg, 5 N s/m) over the damping of the wall's law, one curve for each delay. The common
+rule, (b + B) / (T/2 + n T), overestimates: at B = 20 N s/m and 2 ticks of delay the limit is 27 % below it, and it
+gives a limit even where the damping alone is unstable. The table also has sweeps over the device's damping, that of
+the hand included, and over its mass.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ __all__ = ["EXPERIMENT", "compare"]
 
 _LIGHT = 0.1
 _MOST_WALL_DAMPING = {0: 100.0, 1: 60.0, 2: 45.0, 3: 35.0, 5: 20.0}
-"""Largest B [N s/m] drawn by delay [ticks]; some further on no stiffness is stable at all."""
+"""Largest B in the chart [N s/m] by delay [ticks]; at larger ones no stiffness is stable."""
 
 
 def compare(sweep: str, wall: Wall) -> Row:
-    """One row: simulated, exact and the rule's limit of a wall [N/m]."""
+    """Return a row: simulated limit, exact limit and that of the rule for a wall [N/m]."""
     simulated, exact, rule = simulated_limit(wall), exact_limit(wall), rule_limit(wall)
     return {
         "sweep": sweep,

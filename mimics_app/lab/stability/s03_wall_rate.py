@@ -1,8 +1,8 @@
 """S3R: the stiffest stable wall against the rate of the loop, 60 to 4000 Hz, and the 500 Hz of D2.1 4.3.1.
 
-"Below 500 Hz, the rendering can become unstable." It can: the stiffest wall is 2 b / T for a device of damping b. What
-500 Hz is good for depends on the device: 5000 N/m at 5 N s/m, 2000 N/m at 2 N s/m. At the 60 Hz of a picture loop
-5 N s/m carry 603 N/m, which is why the wall does not live there.
+"Below 500 Hz, the rendering can become unstable." The stiffest wall is 2 b / T for a device of damping b: at 500 Hz
+5000 N/m with 5 N s/m, 2000 N/m with 2 N s/m. At the 60 Hz of a picture loop 5 N s/m allow 603 N/m, hence the wall is
+rendered in the haptic loop.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""S5: energy that a tap on a sampled spring gives to the hand, and what the passivity observer sees of it.
+"""S5: energy that a sampled spring generates in a tap, and the part that the passivity observer registers.
 
 A hand enters a wall at speed v, turns at depth d and leaves as fast. Each force is held for a tick, too small on the
 way in and too large on the way out: the wall generates K T v d (Gillespie & Cutkosky 1996), exactly, over all phases
@@ -21,7 +21,7 @@ _DEPTHS = (1e-3, 3e-3, 10e-3)
 
 
 def closed_leak(speed: float, depth: float, stiffness: float = _STIFFNESS, rate: float = _RATE) -> float:
-    """The same in closed form [J], for a tap of at least one tick: K T v d - K (v T)^2 / 3."""
+    """Return the same energy in closed form, for a tap of at least one tick: K T v d - K (v T)^2 / 3 [J]."""
     step = speed / rate
     return stiffness * step * depth - stiffness * step**2 / 3.0
 

@@ -1,7 +1,7 @@
-"""S6: the least stable virtual mass over arm, delay and servo, and why D2.1 4.2.7 requires at least 3 kg.
+"""S6: the smallest stable virtual mass over arm, delay and servo, and the reason for the 3 kg of D2.1 4.2.7.
 
 Simulated: the product's admittance controller and simulated robot with a rigid textbook arm on the handle, and with the
-product's own person behind a soft grip. Exact: eigenvalues of the same loops. Two closed limits stand beside. With a
+product's own person behind a soft grip. Exact: eigenvalues of the same loops. There are two closed limits. With a
 long delay and a fast servo the virtual mass must exceed that of arm and handle, m_v > m_h: at most 2 kg, and 3 kg is
 that with half as much again for safety. At low frequency mass does not help but harm: a heavy mass in a stiff, little
 damped arm swings, and needs b_v + b_h > k_h (T + n T + 1/w_p). Where that leaves no stable mass at all, or only a span
@@ -35,35 +35,35 @@ _LONGEST_DELAY = 20
 _PRECISION = 4e-3
 _EXACT_PRECISION = 1e-5
 _DAMPINGS = (200.0, 0.01)
-"""Virtual damping [N s/m] that is enough, and that is none."""
+"""Ends of the search for a virtual damping: sufficient, and negligible [N s/m]."""
 
 _MASSES = tuple(float(mass) for mass in np.geomspace(0.005, 60.0, 60))
-"""Virtual masses [kg] among which the stable ones are looked for."""
+"""Virtual masses of the search [kg]."""
 
 _COARSE = 6
 
 _FULL = 8
-"""Points from which on the slow swings of heavy masses are looked at too."""
+"""Number of points from which on slow oscillations of heavy masses are included."""
 
 _STARTS = 20
-"""The simulation looks for a stable mass to start from in this many steps of 5 % from the exact limit inwards."""
+"""Number of steps of 5 % from the exact limit in the search for a stable mass to start from."""
 
 
 def least_mass(loop: Hold, extra_delay: int = 0) -> tuple[float | None, float | None]:
-    """Least stable virtual mass [kg], simulated and exact; None where no mass of _MASSES is stable.
+    """Return the smallest stable virtual mass [kg], simulated and exact; None where no mass of _MASSES is stable.
 
-    `extra_delay` ticks are a fault of the simulated side that the exact one does not know.
+    `extra_delay` [ticks] is a fault of the simulation alone.
     """
     return _edge(loop, _MASSES, extra_delay)
 
 
 def greatest_mass(loop: Hold) -> tuple[float | None, float | None]:
-    """Greatest stable virtual mass [kg], simulated and exact; None where no mass of _MASSES is stable."""
+    """Return the largest stable virtual mass [kg], simulated and exact; None where no mass of _MASSES is stable."""
     return _edge(loop, _MASSES[::-1], 0)
 
 
 def _edge(loop: Hold, masses: tuple[float, ...], extra_delay: int) -> tuple[float | None, float | None]:
-    """Between the first stable mass of a list and the one before it: simulated and exact; a stable end counts."""
+    """Return the limit between the first stable mass of a list and the one before, simulated and exact."""
     late = replace(loop, delay=loop.delay + extra_delay)
     stable = next((i for i, mass in enumerate(masses) if is_exactly_stable(loop, mass)), None)
     if stable is None:
@@ -80,7 +80,7 @@ def _edge(loop: Hold, masses: tuple[float, ...], extra_delay: int) -> tuple[floa
 
 
 def least_damping(loop: Hold, mass: float = _SEED_MASS) -> tuple[float | None, float | None]:
-    """Least total damping b_v + b_h [N s/m] for a virtual mass [kg], simulated and exact; None where none is needed."""
+    """Return the smallest stable damping b_v + b_h [N s/m], simulated and exact; None where none is needed."""
 
     def damped(damping: float) -> Hold:
         return replace(loop, virtual_damping=damping)
@@ -98,7 +98,7 @@ def _limit(decide: Callable[[float], bool], stable: float, unstable: float, prec
 
 
 def damping_rule(loop: Hold) -> float:
-    """Total damping b_v + b_h [N s/m] that the low-frequency limit requires, the most that any mass needs."""
+    """Return the total damping b_v + b_h by the low-frequency limit, sufficient for any mass [N s/m]."""
     return loop.arm.stiffness * ((1.0 + loop.delay) * 1e-3 + 1.0 / (2.0 * math.pi * loop.servo_hz))
 
 

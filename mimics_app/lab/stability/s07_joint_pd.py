@@ -1,7 +1,7 @@
 """S7: gains of the joint PD controller, equation (5), for which a robot that follows one tick later is stable.
 
 z^2 - (1 - Kp T - Kd) z - Kd = 0 has its roots inside the circle iff Kp > 0, Kd > -1 and Kp T + 2 Kd < 2. The printed
-sign (Kp < 0 here) is stable nowhere. A servo that follows one tick later still loses most of the region.
+sign (Kp < 0 here) is stable nowhere. A servo with one more tick of delay reduces most of the region.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _SHORTEST = 2_000
 _LONGEST = 200_000
 _PRECISION = 4e-3
 _LARGE = 1e6
-"""An error [m] from 1 m on from which the robot does not come back."""
+"""Error from which the robot does not return, for an initial one of 1 m [m]."""
 
 _LEAST = 1e-2
 _MOST = 8e3
@@ -31,7 +31,7 @@ _MOST = 8e3
 
 @kernel
 def _follow(kp: float, kd: float, dt: float, delay: int, printed: bool, ticks: int, peaks: Vec) -> None:
-    """A robot whose joints move with the command of 1 + delay ticks ago; peaks of the error by quarter, shape [4]."""
+    """Simulate joints with the command of 1 + delay ticks ago; peaks of the error by quarter, shape [4]."""
     q = np.ones(3)
     dq = np.zeros(3)
     target = np.zeros(3)
@@ -53,7 +53,7 @@ def _follow(kp: float, kd: float, dt: float, delay: int, printed: bool, ticks: i
 
 
 def is_stable(kp: float, kd: float, delay: int = 0, printed: bool = False) -> bool:
-    """Whether the error dies away, by simulation; kp [1/s], kd [-], delay of the servo beyond one tick [ticks]."""
+    """Whether the loop is stable, by simulation; kp [1/s], kd [-], delay of the servo beyond one tick [ticks]."""
 
     def run(ticks: int) -> Vec:
         peaks = np.zeros(4)
@@ -64,12 +64,12 @@ def is_stable(kp: float, kd: float, delay: int = 0, printed: bool = False) -> bo
 
 
 def simulated_limit(kd: float, delay: int = 0) -> float:
-    """Largest stable Kp [1/s] by simulation."""
+    """Return the largest stable Kp by simulation [1/s]."""
     return find_limit(lambda kp: is_stable(kp, kd, delay), _LEAST, _MOST, _PRECISION)
 
 
 def _matrix(kp: float, kd: float, delay: int) -> Mat:
-    """One tick as a matrix on joint error and the commands under way, newest first, shape [2 + n, 2 + n]."""
+    """Return one tick as a matrix on joint error and delayed commands, newest first, shape [2 + n, 2 + n]."""
     n = delay
     dt = 1.0 / _RATE
     step = np.zeros((2 + n, 2 + n))
@@ -84,12 +84,12 @@ def _matrix(kp: float, kd: float, delay: int) -> Mat:
 
 
 def exact_limit(kd: float, delay: int = 0) -> float:
-    """Largest stable Kp [1/s] by eigenvalues."""
+    """Return the largest stable Kp by eigenvalues [1/s]."""
     return find_limit(lambda kp: is_contracting(_matrix(kp, kd, delay)), _LEAST, _MOST)
 
 
 def closed_limit(kd: float) -> float:
-    """Largest stable Kp [1/s] of a one-tick servo: 2 (1 - Kd) / T."""
+    """Return the largest stable Kp of a one-tick servo, 2 (1 - Kd) / T [1/s]."""
     return 2.0 * (1.0 - kd) * _RATE
 
 

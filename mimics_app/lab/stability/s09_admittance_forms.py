@@ -1,6 +1,6 @@
-"""S9: equations (6) and (7) leave out the coupling of polar axes; a free mass turns a corner and gains energy.
+"""S9: equations (6) and (7) omit the coupling of polar axes; a free mass leaves its line and gains energy.
 
-Printed, r' and phi' of a free mass stay as they are, so that after a time t it is at r0 + r' t instead of on its line:
+As printed, r' and phi' of a free mass are constant, so that after a time t it is at r0 + r' t instead of on its line:
 
     energy gained    m phi'^2 (r^2 - r0^2) / 2
     off the line     |(r cos phi't - r0 - r' t, r sin phi't - r0 phi't)|
@@ -43,7 +43,7 @@ _KEPT = {AdmittanceForm.CARTESIAN: 1e-12, AdmittanceForm.POLAR: 5e-3}
 
 @kernel
 def _fly(form: int, ticks: int, dt: float, q: Vec, v: Vec, dq: Vec, out: Vec) -> None:
-    """Fly free for `ticks`; out: energy gained [J], place in the robot frame [m] (3), greatest false force [N]."""
+    """Simulate a free mass; out: energy gained [J], position in the robot frame [m] (3), largest spurious force [N]."""
     none = np.zeros(3)
     scratch = np.zeros(3)
     place = np.zeros(3)
@@ -57,7 +57,7 @@ def _fly(form: int, ticks: int, dt: float, q: Vec, v: Vec, dq: Vec, out: Vec) ->
         for k in range(3):
             q[k] += dt * dq[k]
             last[k] = now[k]
-        # What the Cartesian form carries is the velocity itself; of the others it is where the joints are by now.
+        # The state of the Cartesian form is the velocity; that of the others is evaluated at the present joints.
         if form == _CARTESIAN:
             copy(v, now)
         else:
@@ -72,7 +72,7 @@ def _fly(form: int, ticks: int, dt: float, q: Vec, v: Vec, dq: Vec, out: Vec) ->
 
 
 def fly(form: AdmittanceForm, turn: float, dt: float = _DT) -> tuple[float, float, float]:
-    """What a form makes of half a second of free flight that starts at r = 0.46 m with r' = 0.2 m/s.
+    """Simulate half a second of free motion from r = 0.46 m with r' = 0.2 m/s by a form.
 
     Args:
         form: Form of the admittance controller.
@@ -80,7 +80,7 @@ def fly(form: AdmittanceForm, turn: float, dt: float = _DT) -> tuple[float, floa
         dt: Tick [s].
 
     Returns:
-        (energy gained [J], distance from where the straight line ends [m], greatest false force [N]).
+        (energy gained [J], distance from the end of the straight line [m], largest spurious force [N]).
     """
     q, dq, v = np.zeros(3), np.array([_RADIAL_SPEED, turn, 0.0]), np.zeros(3)
     apply_jacobian(q, _D1, dq, v)
@@ -91,7 +91,7 @@ def fly(form: AdmittanceForm, turn: float, dt: float = _DT) -> tuple[float, floa
 
 
 def exact_flight(turn: float) -> tuple[float, float, float]:
-    """The same of the printed form in closed form; the force where it is greatest, at the end."""
+    """Return the same values of the printed form in closed form; the force is largest at the end."""
     r = _D1 + _RADIAL_SPEED * _SECONDS
     phi = turn * _SECONDS
     energy = 0.5 * _MASS * turn**2 * (r**2 - _D1**2)

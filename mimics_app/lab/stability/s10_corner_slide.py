@@ -1,4 +1,4 @@
-"""S10: sliding round the corner of a cube (Figure 27): the nearest face jumps, the held face does not.
+"""S10: slide over the edge of a cube (Figure 27): the nearest face jumps, the face of entry does not.
 
 A point presses `depth` into the top and slides to the side. The nearest face changes where both are equally near, and
 the force turns by a right angle within one tick: sqrt(2) k d. With the face of entry held nothing happens until the
@@ -30,7 +30,7 @@ __all__ = ["EXPERIMENT", "slide"]
 
 
 Shape = Callable[[Vec, Vec, Vec, "ContactRecord"], None]
-"""Nearest surface of a shape: place, velocity, dimensions, contact."""
+"""Surface of a shape: function of position, velocity, dimensions, contact."""
 
 _EDGE = 0.1
 _STIFFNESS = 2000.0
@@ -40,7 +40,7 @@ _RUN_UP = 0.005
 _UNFELT = 0.1
 
 _ABOVE = 1e-3
-"""Where the slide begins, over the top [m]."""
+"""Start of the slide above the top [m]."""
 
 
 @kernel
@@ -53,7 +53,7 @@ def nearest(p: Vec, v: Vec, dimensions: Vec, contact: ContactRecord) -> None:
     types.void(SHAPE, types.float64, types.int64, types.float64[::1], from_dtype(CONTACT)[::1], types.float64[::1])
 )
 def _slide(shape: Shape, depth: float, ticks: int, dimensions: Vec, contacts: Table[ContactRecord], out: Vec) -> None:
-    """out: greatest change of the force in one tick inside [N], on leaving [N], ticks pushed by another face."""
+    """out: largest change of the force in one tick inside [N], on leaving [N], number of ticks with another face."""
     contact = contacts[0]
     p = np.array([0.5 * dimensions[0] - depth - _RUN_UP, 0.0, 0.5 * dimensions[2] + _ABOVE])
     v = np.array([0.0, 0.0, -1.0])
@@ -81,10 +81,10 @@ def _slide(shape: Shape, depth: float, ticks: int, dimensions: Vec, contacts: Ta
 
 
 def slide(shape: Shape, depth: float) -> tuple[float, float, int]:
-    """Press `depth` [m] into the top of a cube and slide out of its side at 10 mm/s.
+    """Simulate a slide at a depth [m] under the top of a cube, out of its side at 10 mm/s.
 
     Returns:
-        (greatest change of the force within one tick while inside [N], the same on leaving [N], ticks in which the
+        (largest change of the force within one tick while inside [N], the same on leaving [N], ticks in which the
         force pushed anywhere but up).
     """
     out = np.zeros(3)

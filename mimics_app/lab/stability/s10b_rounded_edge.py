@@ -41,7 +41,7 @@ _RUN_UP = 2e-3
 
 @kernel
 def _leave(rounding: float, ticks: int, core: Vec, p: Vec, v: Vec, contacts: Table[ContactRecord], force: Vec) -> float:
-    """Greatest change of the force in one tick of a slide along +x [N], until the point is out."""
+    """Return the largest change of the force in one tick of a slide along +x until the point is outside [N]."""
     contact = contacts[0]
     greatest = 0.0
     for i in range(ticks):
@@ -59,7 +59,7 @@ def _leave(rounding: float, ticks: int, core: Vec, p: Vec, v: Vec, contacts: Tab
 
 
 def leaving_change(rounding: float) -> float:
-    """Greatest change of the force in one tick [N] of a slide at 10 mm/s, 3 mm deep, over an edge of this radius."""
+    """Return the largest change of the force in a tick of a slide at 10 mm/s, 3 mm deep, over a rounded edge [N]."""
     reach = max(rounding, _DEPTH) + _RUN_UP
     p, v = np.array([0.5 * _EDGE - reach, 0.0, 0.5 * _EDGE + 1e-3]), np.array([_SPEED, 0.0, 0.0])
     contacts, force, core = np.zeros(1, CONTACT), np.zeros(3), np.full(3, _EDGE - 2.0 * rounding)
@@ -69,7 +69,7 @@ def leaving_change(rounding: float) -> float:
 
 
 def exact_change(rounding: float) -> float:
-    """What geometry gives for `leaving_change` [N]: k d where nothing rounds, else the steepest place of the arc."""
+    """Return `leaving_change` by geometry: k d for a sharp edge, else the steepest point of the arc [N]."""
     if rounding <= _DEPTH:
         return _STIFFNESS * _DEPTH
     height = rounding - _DEPTH

@@ -1,4 +1,4 @@
-"""S11: an object that friction holds for a minute: does it stay, and does friction stay in its cone?
+"""S11: an object held by friction for a minute: its creep, and whether the force remains in the friction cone.
 
 The load stays below mu F_N and trembles by a tenth. Regularised friction (4.3.2 with the right sign) is a damper of
 mu F_N / v_th below its threshold, hence creeps v_th F / (mu F_N): F for the mean load. Karnopp and the anchor of
@@ -43,7 +43,7 @@ _HELD_M = 1e-6
 _CONE_ROUNDING = 1e-12
 
 _PUSH_BACK = 1e3
-"""Load on the held object for its speed [N s/m]: it says the direction of friction that is needed."""
+"""Load on the held object per speed [N s/m], which determines the direction of friction."""
 
 
 @kernel
@@ -142,7 +142,7 @@ def _simulate_grid(points: int) -> Outcome:
     ]
 
     def curve(model: str) -> Points:
-        # 1 nm stands for nothing at all: the axis is logarithmic.
+        # Zero is drawn as 1 nm on the logarithmic axis.
         return [(share, max(1e-6, 1e3 * abs(off))) for share, (off, _) in zip(shares, crept[model], strict=True)]
 
     simulated = curve("regularised")

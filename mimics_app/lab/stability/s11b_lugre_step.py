@@ -1,4 +1,4 @@
-"""S11B: explicit LuGre friction blows up when it slides fast: h < 2 g(v) / (sigma0 |v|).
+"""S11B: explicit LuGre friction diverges in fast slides unless h < 2 g(v) / (sigma0 |v|).
 
 At constant speed the bristle's deflection is multiplied by 1 - h sigma0 |v| / g(v) every tick, with g the friction of
 steady sliding. The implicit form divides instead, and settles at g / sigma0 in any tick.
@@ -32,15 +32,15 @@ _TICKS = 20_000
 _LOST = 3.0
 
 _TENTHS = 10
-"""Of a slide."""
+"""Parts of a slide, of which the last one counts."""
 
 _RUNAWAY = 1e6
-"""Deflection [m] beyond which a bristle is lost."""
+"""Deflection of bristles that have diverged [m]."""
 
 
 @kernel
 def _slide(implicit: bool, speed: float, dt: float, ticks: int, states: Table[FrictionRecord]) -> float:
-    """Greatest deflection of the bristles [m] in the last tenth of a slide at constant speed."""
+    """Return the largest deflection of the bristles in the last tenth of a slide at constant speed [m]."""
     v, force = np.full(1, speed), np.zeros(1)
     worst = 0.0
     for i in range(ticks):
@@ -61,18 +61,18 @@ def _steady_friction(speed: float) -> float:
 
 
 def deflection(implicit: bool, speed: float, dt: float) -> float:
-    """Deflection after a long slide as a multiple of the steady one, g / sigma0; 1 where it settled."""
+    """Return the deflection after a long slide relative to the steady one, g / sigma0."""
     states = np.zeros(1, FRICTION)
     return float(_slide(implicit, speed, dt, _TICKS, states)) * _STIFFNESS / _steady_friction(speed)
 
 
 def exact_limit(speed: float) -> float:
-    """2 g(v) / (sigma0 |v|) [s]."""
+    """Return 2 g(v) / (sigma0 |v|) [s]."""
     return 2.0 * _steady_friction(speed) / (_STIFFNESS * speed)
 
 
 def largest_tick(speed: float) -> float:
-    """Largest tick [s] in which the explicit form settles, by bisection."""
+    """Return the largest tick in which the explicit form converges, by simulation [s]."""
     around = exact_limit(speed)
     return find_limit(lambda dt: deflection(False, speed, dt) < _LOST, 0.1 * around, 10.0 * around)
 

@@ -1,4 +1,4 @@
-"""S12: a product of axis rotations drifts from the turn about one axis; equation (12) as printed turns elsewhere.
+"""S12: a product of axis rotations drifts from the rotation about one axis; equation (12) as printed has another axis.
 
 At constant omega a step of rot(x) rot(y) rot(z) is always the same rotation, so that N steps are its N-th power: exact
 without any simulation. To first order it drifts (h/2) |wx wy wz| / |w| rad/s. The printed rot(x) rot(y) rot(y) does not
@@ -27,7 +27,7 @@ __all__ = ["DIRECTION", "EXPERIMENT", "drift", "exact_drift"]
 
 
 DIRECTION = np.array([3.0, 4.0, 5.0]) / np.sqrt(50.0)
-"""Axis of the turn."""
+"""Axis of the rotation."""
 
 _SECONDS = 10.0
 _DT = 1e-3
@@ -36,14 +36,14 @@ _EXACT_DEG = 1e-6
 
 @typed_kernel(types.void(ROTATION, types.float64[::1], types.int64, types.float64, types.float64[::1]))
 def _spin(rotate: Rotation, omega: Vec, ticks: int, dt: float, q: Vec) -> None:
-    """Turn q by `ticks` steps at constant omega: a body whose three moments are 1 kg m^2."""
+    """Rotate q by `ticks` steps at constant omega: a body with three moments of 1 kg m^2."""
     inverse_inertia = np.ones(3)
     for _ in range(ticks):
         rotate(q, omega, inverse_inertia, dt)
 
 
 def drift(rotate: Rotation, omega: Vec, dt: float = _DT, seconds: float = _SECONDS) -> float:
-    """Angle [deg] between a simulated orientation and the exact one after turning at constant omega [rad/s]."""
+    """Return the angle between a simulated and the exact orientation at constant omega [rad/s], in degrees."""
     q = np.array([0.0, 0.0, 0.0, 1.0])
     ticks = round(seconds / dt)
     _spin(rotate, np.ascontiguousarray(omega), ticks, dt, q)
@@ -51,7 +51,7 @@ def drift(rotate: Rotation, omega: Vec, dt: float = _DT, seconds: float = _SECON
 
 
 def exact_drift(omega: Vec, axes: str, dt: float = _DT, seconds: float = _SECONDS) -> float:
-    """The same angle [deg] of a product of axis rotations, e.g. "xyz", by powers of its matrix."""
+    """Return the same angle of a product of axis rotations such as "xyz" by powers of its matrix [deg]."""
     step = np.eye(3)
     for axis in axes:
         i = "xyz".index(axis)
@@ -61,7 +61,7 @@ def exact_drift(omega: Vec, axes: str, dt: float = _DT, seconds: float = _SECOND
 
 
 def _about(omega: Vec, t: float) -> Mat:
-    """Rotation matrix by |omega| t about omega (Rodrigues 1840)."""
+    """Return the rotation matrix by |omega| t about omega (Rodrigues 1840)."""
     speed = float(np.linalg.norm(omega))
     if speed == 0.0:
         return np.eye(3)
@@ -79,7 +79,7 @@ def _matrix(q: Vec) -> Mat:
 
 
 def _angle_deg(a: Mat, b: Mat) -> float:
-    """Angle between two orientations, well conditioned near 0 and near 180 degrees."""
+    """Return the angle between two orientations [deg], well conditioned near 0 and near 180 degrees."""
     away = a @ b.T
     sine = 0.5 * np.linalg.norm([away[2, 1] - away[1, 2], away[0, 2] - away[2, 0], away[1, 0] - away[0, 1]])
     return float(np.degrees(np.arctan2(sine, 0.5 * (np.trace(away) - 1.0))))

@@ -1,12 +1,13 @@
-"""S12B: a free asymmetric top that spins about its middle axis turns over and back (Dzhanibekov): how often, exactly.
+"""S12B: period of the flips of a free asymmetric top that rotates about its intermediate axis (Dzhanibekov effect).
 
 Euler's equations have a closed form in Jacobi's elliptic functions. With moments I1 < I2 < I3, energy E, momentum L and
-L^2 > 2 E I2 the middle component is proportional to sn(p t, m) and changes sign every
+L^2 > 2 E I2 the intermediate component is proportional to sn(p t, m) and changes sign every
 
     2 K(m) / p,   p^2 = (I3 - I2)(L^2 - 2 E I1) / (I1 I2 I3),   m = (I2 - I1)(2 E I3 - L^2) / ((I3 - I2)(L^2 - 2 E I1))
 
-Near the middle axis m is nearly 1 and K grows like -ln(1 - m): a small error of energy moves the flips far. |L| is
-constant in every rival, for L itself is the state. With the constant inertia of (12) as printed the top never flips.
+Near the intermediate axis m is nearly 1 and K grows like -ln(1 - m): the period is sensitive to errors of the energy.
+|L| is constant in every rival, for L itself is the state. With the constant inertia of (12) as printed the top never
+flips.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ INERTIA = np.array([0.01, 0.02, 0.03])
 """Principal moments [kg m^2]."""
 
 OMEGA = np.array([0.05, 7.0, 0.05])
-"""Start: nearly about the middle axis [rad/s]."""
+"""Initial angular velocity, nearly about the intermediate axis [rad/s]."""
 
 _SECONDS = 10.0
 _ENERGY_AT_1_MS = 1e-5
@@ -53,7 +54,7 @@ _ENERGY_AT_1_MS = 1e-5
     )
 )
 def _tumble(rotate: Rotation, q: Vec, momentum: Vec, inverse_inertia: Vec, ticks: int, dt: float, out: Vec) -> None:
-    """out: flips, time of the first and of the last [s], greatest relative error of the energy."""
+    """out: number of flips, time of the first and of the last [s], largest relative error of the energy."""
     omega = np.zeros(3)
     start = kinetic_energy(q, momentum, inverse_inertia)
     before = 0.0
@@ -75,10 +76,10 @@ def _tumble(rotate: Rotation, q: Vec, momentum: Vec, inverse_inertia: Vec, ticks
 
 
 def tumble(rotate: Rotation, dt: float, seconds: float = _SECONDS) -> tuple[int, float, float]:
-    """Let the top turn freely.
+    """Simulate the free top.
 
     Returns:
-        (flips seen, mean time between them [s] (inf for less than two), greatest relative error of the energy).
+        (number of flips, mean time between them [s] (inf for fewer than two), largest relative error of the energy).
     """
     out = np.zeros(4)
     q = np.array([0.0, 0.0, 0.0, 1.0])
@@ -88,14 +89,14 @@ def tumble(rotate: Rotation, dt: float, seconds: float = _SECONDS) -> tuple[int,
 
 
 def exact_interval() -> float:
-    """Time between flips [s] by the complete elliptic integral, itself by Gauss's arithmetic-geometric mean."""
+    """Return the time between flips by the complete elliptic integral, from the arithmetic-geometric mean [s]."""
     i1, i2, i3 = INERTIA
     twice_energy = float(np.sum(INERTIA * OMEGA**2))
     square = float(np.sum((INERTIA * OMEGA) ** 2))
     if square <= twice_energy * i2:
         i1, i3 = i3, i1
     rate = np.sqrt((i3 - i2) * (square - twice_energy * i1) / (i1 * i2 * i3))
-    # 1 - m without the difference of two numbers that are nearly equal.
+    # 1 - m without cancellation.
     rest = (i3 - i1) * (square - twice_energy * i2) / ((i3 - i2) * (square - twice_energy * i1))
     a, b = 1.0, float(np.sqrt(rest))
     for _ in range(40):

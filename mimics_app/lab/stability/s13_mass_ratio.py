@@ -1,8 +1,8 @@
-"""S13: a heavy body on a light one: how light may the lighter of the two be?
+"""S13: a heavy body on a light one: the smallest stable mass of the lighter one.
 
 The rule m > n (h^2 k + 2 h b) / 4 counts the contacts n of a body and takes its partners as fixed. It is exact at both
-ends of the map, where one of the two is very heavy; two equal bodies need 31 % more, for they push one another out of
-step.
+ends of the map, where one of the two is very heavy; two equal bodies need 31 % more, because they oscillate in opposite
+phase.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ __all__ = ["EXPERIMENT"]
 
 
 def _lighter(ratio: float, unit: float) -> float:
-    """Mass of the lighter body [g] when the lower one has `unit` kg and the upper one `ratio` times as much."""
+    """Return the mass of the lighter body [g]; the lower one has `unit` kg, the upper one `ratio` times that."""
     return 1e3 * unit * min(1.0, ratio)
 
 

@@ -1,7 +1,7 @@
-"""S13B: a stack of equal bodies: the taller, the heavier each must be, up to twice the rule for two contacts.
+"""S13B: a stack of equal bodies: the smallest stable mass grows with the height, to twice the rule for two contacts.
 
-Each inner body has n = 2 contacts, but with partners that move against it: the stiffness matrix of a stack of N has the
-greatest eigenvalue 4 sin^2((2N - 1) pi / (4N + 2)) in closed form, which goes to 4.
+Each inner body has n = 2 contacts, with partners in opposite phase: the stiffness matrix of a stack of N has the
+largest eigenvalue 4 sin^2((2N - 1) pi / (4N + 2)) in closed form, which tends to 4.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ __all__ = ["EXPERIMENT", "tallest_mode"]
 
 
 def tallest_mode(bodies: int) -> float:
-    """Greatest eigenvalue of a stack of equal bodies, for k = 1 N/m and m = 1 kg."""
+    """Return the largest eigenvalue of a stack of equal bodies, for k = 1 N/m and m = 1 kg."""
     return 4.0 * math.sin((2 * bodies - 1) * math.pi / (4 * bodies + 2)) ** 2
 
 

@@ -1,10 +1,10 @@
-"""S14: where does n point? At an inflection Frenet's normal turns over, and with it every force given along n and b.
+"""S14: Frenet's normal reverses at an inflection, and with it every force given along n and b.
 
-A ball is carried along a wavy tunnel, pressed into the same wall throughout. What the wall does is the same in any
-frame; what a task shows or records along n and b is not: along Frenet's normal the force changes sign at every
-inflection of the bisector, by twice its size in one tick. In the frame of the tick it stays as it is.
+A ball moves along a wavy tunnel, pressed into the same wall throughout. The force of the wall is the same in any frame;
+its components along n and b are not: along Frenet's normal it changes sign at every inflection of the bisector, by
+twice its magnitude in one tick. In the frame of the tick it is constant.
 
-The inflections are the roots of x'y'' - y'x'' of every piece, computed apart from the walk.
+The inflections are the roots of x'y'' - y'x'' of every segment, computed independently.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ _STEADY = 0.05
 
 
 def wavy_tunnel(height: float) -> TunnelCurve:
-    """A planar wave along x in z = 0; its control points lie up to `height` [m] to either side."""
+    """Return a planar wave along x in z = 0, with control points up to `height` [m] to either side."""
     i = np.arange(12)
     return build_tunnel(np.column_stack([0.06 * i - 0.33, height * np.sin(1.2 * i), 0.0 * i]), _RADIUS)
 
 
 def inflections(curve: TunnelCurve) -> F8:
-    """Arc lengths [m] at which a planar bisector (z = 0) changes its bend, in order."""
+    """Return the arc lengths of the inflections of a planar bisector (z = 0) in order [m]."""
     found: list[float] = []
     for i, (x, y, _) in enumerate(curve.pieces):
         # With x = x0 + x1 u + x2 u^2 + x3 u^3 the u^3 of x'y'' - y'x'' cancels.
@@ -77,7 +77,7 @@ def _walk(
 
 
 def walk_wall(curve: TunnelCurve) -> tuple[F8, F8, F8]:
-    """Carry a point along the tunnel, 2 mm deep in the wall to the left of the path, 0.2 mm a tick.
+    """Move a point along the tunnel, 2 mm deep in the wall to the left of the path, 0.2 mm a tick.
 
     Returns:
         (arc length [m], force along the tick's n [N], force along Frenet's n [N]), each of shape [ticks].
@@ -94,13 +94,13 @@ def walk_wall(curve: TunnelCurve) -> tuple[F8, F8, F8]:
 
 
 def _turns(arc: F8, force: F8) -> F8:
-    """Arc lengths at which a force changes its sign."""
+    """Return the arc lengths at which a force changes its sign."""
     i = np.flatnonzero(force[1:] * force[:-1] < 0.0)
     return 0.5 * (arc[i] + arc[i + 1])
 
 
 def _row(height: float) -> tuple[Row, F8, F8]:
-    """One row, and where the force along Frenet's n turns over and the bisector its bend: arc lengths [m]."""
+    """Return a row, and the arc lengths of the reversals of the force along Frenet's n and of the inflections [m]."""
     curve = wavy_tunnel(height)
     arc, own, frenet = walk_wall(curve)
     exact = inflections(curve)
@@ -119,7 +119,7 @@ def _row(height: float) -> tuple[Row, F8, F8]:
 
 
 def _by_number(rows: list[Row], places: list[F8]) -> Points:
-    """Points of the map, all first ones of every tunnel, then all second ones: one line each."""
+    """Return the points of the map: the first ones of all tunnels, then the second ones, and so on."""
     most = max(len(arcs) for arcs in places)
     return [
         (row["height_mm"], float(arcs[n]))

@@ -63,7 +63,7 @@ def _bend() -> tuple[TunnelCurve, NDArray[Any]]:
 
 @kernel
 def _newton(tunnel: TunnelRecord, p: F8, s: float) -> float:
-    """Textbook Newton on the slope of the square distance, kept inside the tunnel: no halving, no search."""
+    """Return the parameter by textbook Newton on the slope of the squared distance, without halving or search."""
     for _ in range(_ITERATIONS):
         _, gradient, bend, _ = slope(tunnel, p[0], p[1], p[2], s)
         s = min(max(s - gradient / bend, 0.0), float(tunnel.pieces))
@@ -74,7 +74,7 @@ def _newton(tunnel: TunnelRecord, p: F8, s: float) -> float:
 def _follow(
     tunnels: Table[TunnelRecord], path: F8, s: float, by_track: bool, states: Table[TunnelStateRecord]
 ) -> float:
-    """Greatest distance [m] by which the point found is farther than the closest one, along a path."""
+    """Return the largest excess of the distance of the found over the closest point along a path [m]."""
     tunnel = tunnels[0]
     worst = 0.0
     for i in range(path.shape[0]):
@@ -99,17 +99,17 @@ def _miss(speed: float, clearance: float, by_track: bool) -> float:
 
 
 def newton_miss(speed: float, clearance: float) -> float:
-    """How far off [m] textbook Newton gets when a ball crosses at `speed` [m/s], `clearance` [m] from the centre."""
+    """Return the error of textbook Newton for a ball at `speed` [m/s], `clearance` [m] from the centre, in m."""
     return _miss(speed, clearance, by_track=False)
 
 
 def track_miss(speed: float, clearance: float) -> float:
-    """The same of the tick's `track`."""
+    """Return the same error of the tick's `track`."""
     return _miss(speed, clearance, by_track=True)
 
 
 def _basin() -> float:
-    """The root of tan(x) = 2 x in (0, pi/2) [rad]."""
+    """Return the root of tan(x) = 2 x in (0, pi/2) [rad]."""
     x = 1.2
     for _ in range(50):
         x -= (math.tan(x) - 2.0 * x) / (1.0 / math.cos(x) ** 2 - 2.0)
@@ -117,12 +117,12 @@ def _basin() -> float:
 
 
 def exact_clearance(speed: float) -> float:
-    """Clearance [m] below which textbook Newton is lost, tick and centre as unlucky as can be."""
+    """Return the clearance below which textbook Newton fails in the worst phase of the ticks [m]."""
     return speed * _DT / (2.0 * math.tan(0.5 * _basin()))
 
 
 def smallest_clearance(speed: float) -> float:
-    """The same by simulation."""
+    """Return the same clearance by simulation [m]."""
     around = exact_clearance(speed)
     return find_limit(lambda a: newton_miss(speed, a) < _LOST, 2.0 * around, 0.8 * around)
 

@@ -1,9 +1,9 @@
-"""S15: ticks that come late: how much damping a wall needs so that it gives no energy away.
+"""S15: late ticks: the damping that a wall needs to generate no energy.
 
-Every 50 ms one tick wakes late and the ones behind it follow back to back, so that the mean period stays 1 ms and a
-rule with the mean sees nothing. What counts is the mean hold weighted by its own length. Policy on, the late tick's
-output is held until the loop has caught up, 10 us a tick: hardly worse. From 10 ms on the policy ramps the force down
-instead, and no wall is left that could give anything. The lateness of a live loop is replayed likewise.
+Every 50 ms one tick is late and the next ones follow back to back, so that the mean period remains 1 ms and a rule with
+the mean has no effect. The mean period weighted by its length counts. With the policy on, the output of the late tick
+is held until the loop has caught up, 10 us a tick: a small difference. From 10 ms on the policy ramps the force down
+instead, and the wall generates nothing. The lateness of a live loop is replayed in the same way.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ _LIVE_POINTS = 5
 
 
 def stalls(length: float) -> Wakes:
-    """A loop in which every 50th tick wakes `length` [s] late, beside ones in time."""
+    """Return the ticks of a loop in which every 50th one is late by `length` [s]."""
     pattern = np.zeros(_BETWEEN)
     pattern[-1] = length
     return wakes_with(pattern, _STROKE.seconds)
@@ -128,7 +128,7 @@ EXPERIMENT = Experiment(
 
 
 def measure_lateness(seconds: float) -> Vec:
-    """Lateness [s] of every tick of the live loop with the simulated robot, for at most 8 s."""
+    """Return the lateness of every tick of the live loop with the simulated robot, for at most 8 s [s]."""
     memory = SessionMemory()
     robot = Robot()
     engine = HapticEngine(memory, build_device(robot))

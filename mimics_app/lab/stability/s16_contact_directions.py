@@ -1,10 +1,10 @@
 """S16: the stiffest stable contact beside a soft, damped one, over the angle between the two, and beside two of them.
 
 A plate without damping is pressed by a device of 3 kg and 8 N s/m, 4 ticks late; beside it a block of 100 N/m and 10,
-30 or 60 N s/m, and last two blocks at unlike angles. Where both face in one direction the block's damper steadies the
-plate; at a right angle it lends nothing, and the plate is as stable as it is alone. A sum over both whatever their
-direction promises eight times that. The worst direction, which cap and margin go by, is never further above the truth
-than the rule for one contact is at the same damping.
+30 or 60 N s/m, and last two blocks at unlike angles. Where both normals agree, the block's damper stabilises the plate;
+at a right angle it has no effect, and the plate is as stable as alone. A sum over both regardless of their direction
+gives eight times that. The worst direction, the basis of cap and margin, never exceeds the exact limit by more than the
+rule for one contact at the same damping.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _DAMPINGS = (10.0, 30.0, 60.0)
 
 
 def compare(sweep: str, others: tuple[Contact, ...], device: Device = _DEVICE) -> Row:
-    """One row: simulated, exact and both rules' limits [N/m] of an undamped contact beside others."""
+    """Return a row: simulated limit, exact limit and both rules for an undamped contact beside others [N/m]."""
     contacts = (_PLATE, *others)
     simulated, exact = simulated_limit(device, contacts), exact_limit(device, contacts)
     rule = rule_limit(device, contacts)

@@ -1,8 +1,8 @@
-"""A stack of bodies on a floor, pressed together, by the pair law the loop runs: does it keep still?
+"""Stability of a stack of bodies on a floor under a preload, by the pair law of the loop.
 
-One dimension, contacts closed by a preload, semi-implicit Euler. With proportional damping the modes decouple: the
-stack is stable iff lambda (h^2 k + 2 h b) / 4 < m for the greatest eigenvalue lambda of its stiffness matrix, taken
-for k = 1 N/m and divided by the masses in units of m. A body between n fixed ones has lambda = n.
+One dimension, closed contacts, semi-implicit Euler. With proportional damping the modes decouple: the stack is stable
+iff lambda (h^2 k + 2 h b) / 4 < m for the largest eigenvalue lambda of its stiffness matrix, for k = 1 N/m and divided
+by the masses in units of m. A body between n fixed ones has lambda = n.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ PAIR_B: float = pair_damping(_K, _B, _K, _B)
 """Damping of every contact [N s/m]."""
 
 UNIT_MASS = (DT**2 * PAIR_K + 2.0 * DT * PAIR_B) / 4.0
-"""Smallest stable mass [kg] for lambda = 1: one contact with something fixed."""
+"""Smallest stable mass for lambda = 1, one contact with a fixed body [kg]."""
 
 _PRELOAD = 1e-3
 _NUDGE = 1e-10
@@ -43,7 +43,7 @@ _TICKS = 4000
     )
 )
 def _shake(law: NormalLaw, masses: Vec, nudge: Vec, k: float, b: float, ticks: int, dt: float) -> float:
-    """Nudge each body and let go; greatest deviation of any [m]. The top is pressed down by the preload."""
+    """Displace each body and release it; return the largest deviation of any [m]."""
     n = masses.shape[0]
     x = nudge.copy()
     v = np.zeros(n)
@@ -64,11 +64,11 @@ def _shake(law: NormalLaw, masses: Vec, nudge: Vec, k: float, b: float, ticks: i
 
 
 def keeps_still(law: NormalLaw, masses: Vec, dt: float = DT) -> bool:
-    """True when a nudge of 0.1 nm never grows ten thousandfold in 4000 ticks.
+    """Whether a displacement of 0.1 nm never grows ten thousandfold in 4000 ticks.
 
     Args:
-        law: The pair law, e.g. `contact_law.pair_force`.
-        masses: From the floor up [kg], shape [n].
+        law: Pair law, e.g. `contact_law.pair_force`.
+        masses: Masses from the floor upwards [kg], shape [n].
         dt: Tick [s].
     """
     nudge = _NUDGE * (1.0 - 2.0 * (np.arange(len(masses)) % 2)) * np.linspace(1.0, 0.7, len(masses))
@@ -78,7 +78,7 @@ def keeps_still(law: NormalLaw, masses: Vec, dt: float = DT) -> bool:
 
 
 def smallest_mass(law: NormalLaw, relative: Vec) -> float:
-    """Smallest stable unit of mass m [kg] of a stack of masses m * relative; inf when none keeps still."""
+    """Return the smallest stable m of a stack of masses m * relative [kg]; inf where none is stable."""
     light, heavy = 0.1 * UNIT_MASS / float(np.min(relative)), 100.0 * UNIT_MASS / float(np.min(relative))
     if not keeps_still(law, heavy * relative):
         return float("inf")
@@ -86,7 +86,7 @@ def smallest_mass(law: NormalLaw, relative: Vec) -> float:
 
 
 def stack_eigenvalue(relative: Vec) -> float:
-    """Greatest eigenvalue lambda of the stack's stiffness per mass, for k = 1 N/m and m = 1 kg."""
+    """Return the largest eigenvalue lambda of the stack's stiffness per mass, for k = 1 N/m and m = 1 kg."""
     n = len(relative)
     stiffness = 2.0 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
     stiffness[-1, -1] = 1.0

@@ -1,4 +1,4 @@
-"""The sampled wall with delay, simulated and exact: what S3 and the rate experiment sweep.
+"""Sampled, delayed wall, simulated and exact, for S3 and S3R.
 
 A device of mass m and own damping b is pressed into a wall. Each tick its position is sampled, the wall's law gives a
 force from depth and differenced depth, and that force acts, held, n ticks later.
@@ -37,22 +37,22 @@ __all__ = [
 
 
 DEPTH = 1000.0
-"""Rest inside a wall [m], absurdly deep, so that its surface is never reached and its law is never clamped."""
+"""Depth at rest [m], so large that the surface is never reached and the law never clamped."""
 
 APART = 1e-3
-"""First distance from rest, along the normal [m]."""
+"""Initial distance from rest along the normal [m]."""
 
 LARGE = 1.0
-"""A swing [m] from which a motion does not come back; the law is still linear there."""
+"""Distance from rest from which a motion does not return [m]; the law is still linear there."""
 
 SHORTEST, LONGEST = 8_000, 400_000
-"""Ticks of a simulation: where peaks do not decide it is made longer, up to the second."""
+"""Lengths of the first and of the last simulation [ticks]."""
 
 PRECISION = 4e-3
-"""Of a simulated limit, relative."""
+"""Relative precision of a simulated limit."""
 
 SOFT, _HARD = 1.0, 1e7
-"""Stiffnesses between which the limit is looked for [N/m]."""
+"""Ends of the search for a limit [N/m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +60,8 @@ class Wall:
     """A device in front of a wall.
 
     Attributes:
-        mass: Of the device and what hangs on it [kg].
-        device_damping: Its own damping b, physical, together with the hand's [N s/m].
+        mass: Mass of the device and its load [kg].
+        device_damping: Physical damping b of device and hand [N s/m].
         wall_damping: Damping B of the wall's law [N s/m].
         rate: Ticks per second [Hz].
         delay: Whole ticks between sampling and acting, n.
@@ -78,7 +78,7 @@ class Wall:
 def press_wall(
     k: float, B: float, m: float, b: float, dt: float, delay: int, ticks: int, line: Vec, peaks: Vec
 ) -> None:
-    """Press the device into a wall and let it go.
+    """Simulate the device in the wall, released at a distance from rest.
 
     Args:
         k: Stiffness of the wall [N/m].
@@ -87,10 +87,9 @@ def press_wall(
         b: Its own damping [N s/m].
         dt: Tick [s].
         delay: Ticks between sampling and acting.
-        ticks: How long.
-        line: Room for the forces under way, shape [at least delay + 1].
-        peaks: Receives the peaks of |depth - rest| [m] by quarter of the run, shape [4]; the last infinite where it
-            does not come back.
+        ticks: Length of the run [ticks].
+        line: Delay line of the forces, shape [at least delay + 1].
+        peaks: Receives the peaks of the distance from rest by quarter of the run [m], shape [4], see `note_peak`.
     """
     line[: delay + 1] = k * DEPTH
     peaks[:] = 0.0
@@ -106,7 +105,7 @@ def press_wall(
 
 
 def is_stable(wall: Wall, stiffness: float) -> bool:
-    """Whether a wall of a stiffness [N/m] lets the device come to rest, by simulation."""
+    """Whether a wall of a stiffness [N/m] is stable, by simulation."""
 
     def run(ticks: int) -> Vec:
         peaks = np.zeros(4)
@@ -118,7 +117,7 @@ def is_stable(wall: Wall, stiffness: float) -> bool:
 
 
 def simulated_limit(wall: Wall, extra_delay: int = 0) -> float:
-    """Largest stable stiffness [N/m] by simulation; `extra_delay` ticks are a fault the exact side does not know."""
+    """Return the largest stable stiffness by simulation [N/m]; `extra_delay` [ticks]: a fault of it alone."""
     late = replace(wall, delay=wall.delay + extra_delay)
     return find_limit(lambda stiffness: is_stable(late, stiffness), SOFT, _HARD, PRECISION)
 
@@ -159,10 +158,10 @@ def exact_matrix(wall: Wall, stiffness: float) -> Mat:
 
 
 def exact_limit(wall: Wall) -> float:
-    """Largest stable stiffness [N/m] by eigenvalues."""
+    """Return the largest stable stiffness by eigenvalues [N/m]."""
     return find_limit(lambda stiffness: is_contracting(exact_matrix(wall, stiffness)), SOFT, _HARD)
 
 
 def rule_limit(wall: Wall) -> float:
-    """What is commonly used instead [N/m]: (b + B) / (T/2 + n T) (Gil et al. 2004, Hulin et al. 2008)."""
+    """Return the limit by the common rule (b + B) / (T/2 + n T) [N/m] (Gil et al. 2004, Hulin et al. 2008)."""
     return (wall.device_damping + wall.wall_damping) * wall.rate / (0.5 + wall.delay)

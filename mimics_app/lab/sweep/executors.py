@@ -1,4 +1,4 @@
-"""Computes the pieces of a sweep: in this process, in processes of this machine, or on a Dask scheduler."""
+"""Computation of the chunks of a sweep: in this process, in processes of this machine, or on a Dask scheduler."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from collections.abc import Callable, Iterator, Sequence
 from multiprocessing import connection
 
 from mimics_app.contracts.errors import DeviceError, UsageError
-from mimics_app.lab.sweep.store import Piece
+from mimics_app.lab.sweep.store import Chunk
 
 __all__ = ["Compute", "compute_here", "compute_in_processes", "compute_on_scheduler"]
 
-Compute = Callable[[Piece], bytes]
-"""Makes one piece; can be pickled."""
+Compute = Callable[[Chunk], bytes]
+"""Computes one chunk; can be pickled."""
 
-Finished = Iterator[tuple[Piece, bytes]]
-"""Pieces as they are finished, in any order."""
-
-
-def compute_here(pieces: Sequence[Piece], compute: Compute) -> Finished:
-    """One piece after the other, in this process."""
-    for piece in pieces:
-        yield piece, compute(piece)
+Finished = Iterator[tuple[Chunk, bytes]]
+"""Finished chunks in any order."""
 
 
-def compute_in_processes(pieces: Sequence[Piece], compute: Compute, workers: int) -> Finished:
-    """In fresh processes of this machine; a child leaves when this process is gone, however it went.
+def compute_here(chunks: Sequence[Chunk], compute: Compute) -> Finished:
+    """Compute the chunks one after the other in this process."""
+    for chunk in chunks:
+        yield chunk, compute(chunk)
+
+
+def compute_in_processes(chunks: Sequence[Chunk], compute: Compute, workers: int) -> Finished:
+    """Compute in new processes of this machine; a child exits when this process ends, however it ends.
 
     Raises:
         DeviceError: A process died.
@@ -37,7 +37,7 @@ def compute_in_processes(pieces: Sequence[Piece], compute: Compute, workers: int
     context = multiprocessing.get_context("spawn")
     pool = concurrent.futures.ProcessPoolExecutor(workers, mp_context=context, initializer=_follow_parent)
     try:
-        futures = {pool.submit(compute, piece): piece for piece in pieces}
+        futures = {pool.submit(compute, chunk): chunk for chunk in chunks}
         for future in concurrent.futures.as_completed(futures):
             yield futures[future], future.result()
     except concurrent.futures.process.BrokenProcessPool as error:
@@ -47,7 +47,7 @@ def compute_in_processes(pieces: Sequence[Piece], compute: Compute, workers: int
 
 
 def _follow_parent() -> None:
-    """Leave Ctrl-C to the parent, and go when it has gone: killed, it cannot say so."""
+    """Leave Ctrl-C to the parent, and exit when the parent has ended, also if it was killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:
@@ -59,8 +59,8 @@ def _leave_after(sentinel: int) -> None:
     os._exit(1)
 
 
-def compute_on_scheduler(pieces: Sequence[Piece], compute: Compute, address: str) -> Finished:
-    """On the workers of a Dask scheduler; the pieces of a worker that is lost go to another.
+def compute_on_scheduler(chunks: Sequence[Chunk], compute: Compute, address: str) -> Finished:
+    """Compute on the workers of a Dask scheduler; the chunks of a lost worker go to another.
 
     Raises:
         UsageError: Dask is not installed.
@@ -75,7 +75,7 @@ def compute_on_scheduler(pieces: Sequence[Piece], compute: Compute, address: str
     except (OSError, ValueError) as error:
         raise DeviceError(f'no Dask scheduler answers at "{address}": {error}', "write tcp://HOST:8786") from None
     with client:
-        futures = {client.submit(compute, piece, pure=False, retries=2): piece for piece in pieces}
+        futures = {client.submit(compute, chunk, pure=False, retries=2): chunk for chunk in chunks}
         for future in distributed.as_completed(list(futures)):
             yield futures[future], future.result()
             future.release()

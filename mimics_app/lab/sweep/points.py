@@ -1,4 +1,4 @@
-"""The points of a sweep by number: each is computed from its number alone, so any piece can be made anywhere."""
+"""Points of a sweep: each is computed from its number alone, so any chunk can be computed anywhere."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ __all__ = ["count_points", "points_between"]
 
 
 def count_points(sweep: Sweep) -> int:
-    """How many points a sweep has."""
+    """Return the number of points of a sweep."""
     if sweep.sample is not None:
         return sweep.sample.points
     return math.prod(count_values(values) for values in sweep.parameters.values())
 
 
 def points_between(sweep: Sweep, experiment: SweepExperiment, start: int, stop: int) -> dict[str, list[Any]]:
-    """Parameter values of points start .. stop - 1, by name.
+    """Return the parameter values of points start .. stop - 1, by name.
 
-    Parameters count in the order of their names: on a grid the last one runs fastest, in a sample each takes its
-    share from the point's own stream of random numbers.
+    Parameters are in the order of their names: on a grid the last one varies fastest, in a sample each value comes from
+    the point's own stream of random numbers.
     """
     names = sorted(sweep.parameters)
     kinds: dict[str, Kind] = {name: _kind(experiment, name) for name in names}

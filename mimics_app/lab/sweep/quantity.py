@@ -1,4 +1,4 @@
-"""What a sweep may vary: the parameters of an experiment, and the experiment as a function over many points at once."""
+"""Experiments of a sweep: their parameters, and a function over many points at once."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Kind = Literal["float", "int", "text", "bool"]
 Value = float | int | str
 
 Columns = Mapping[str, Sequence[Any]]
-"""Values by name, one for each point; all of one length."""
+"""Values by name, one for each point."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,12 +24,12 @@ class Quantity:
     """One parameter of an experiment.
 
     Attributes:
-        kind: Of its values.
-        unit: Of them; "" for none.
-        default: Where the sweep does not say; None: it has to.
-        low: Smallest value allowed.
-        high: Largest value allowed.
-        choices: The words allowed; () for any.
+        kind: Type of its values.
+        unit: Unit of its values; "" for none.
+        default: Value where the sweep gives none; None: the sweep must give one.
+        low: Smallest valid value.
+        high: Largest valid value.
+        choices: Valid texts; () for any.
     """
 
     kind: Kind
@@ -40,7 +40,7 @@ class Quantity:
     choices: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        """For people: "float [N/m], 0 to 1e+09, default 1000"."""
+        """Return a text such as "float [N/m], 0 to 1e+09, default 1000"."""
         bounds = [("from ", self.low), ("to ", self.high)]
         limits = " ".join(f"{word}{bound:g}" for word, bound in bounds if math.isfinite(bound))
         words = " | ".join(choice or '""' for choice in self.choices)
@@ -49,7 +49,7 @@ class Quantity:
         return ", ".join(part for part in (f"{self.kind}{unit}", limits, words, default) if part)
 
     def as_dict(self) -> dict[str, Any]:
-        """For programs; bounds, unit, default and choices only where there are any."""
+        """Return plain values for JSON, without those that do not apply."""
         bounds = {name: bound for name, bound in (("low", self.low), ("high", self.high)) if math.isfinite(bound)}
         said = {"unit": self.unit or None, "default": self.default, "choices": list(self.choices) or None}
         return {"kind": self.kind, **bounds, **{name: item for name, item in said.items() if item is not None}}
@@ -57,19 +57,18 @@ class Quantity:
 
 @dataclass(frozen=True, slots=True)
 class SweepExperiment:
-    """An experiment as a sweep runs it.
+    """An experiment of a sweep.
 
     Attributes:
-        name: As the sweep file calls it.
-        what: One line.
-        parameters: By name.
-        results: Kind of each column it adds, by name with its unit.
-        chunk: Points that together take well above 100 ms.
-        run: From the parameters of some points, and the folder that files they name are relative to, to their results;
-            a pure function of both.
-        open_prefix: Parameters that begin so are let through, as "float", for `check` to judge; "" for none.
-        check: From the values each parameter takes (of a range its ends) and the sweep file: faults beyond single
-            values, and a digest of every file they name.
+        name: Name in the sweep file.
+        what: Description in one line.
+        parameters: Parameters by name.
+        results: Type of each column of results, by name with its unit.
+        chunk: Number of points that together take well above 100 ms.
+        run: Pure function of the parameters of points and the folder of files that they name; returns the results.
+        open_prefix: Prefix of parameters of type "float" that only `check` knows; "" for none.
+        check: Function of the values of each parameter (of a range its ends) and the sweep file; returns faults beyond
+            single values, and a digest of the files that the values name.
     """
 
     name: str
@@ -82,13 +81,13 @@ class SweepExperiment:
     check: Callable[[Columns, Path], tuple[list[Issue], str]] = lambda values, file: ([], "")
 
     def quantity(self, name: str) -> Quantity | None:
-        """The parameter of a name, None where the experiment has none."""
+        """Return the parameter of a name, None where the experiment has none."""
         if self.open_prefix and name.startswith(self.open_prefix) and name != self.open_prefix:
             return Quantity("float", "", None)
         return self.parameters.get(name)
 
     def as_dict(self) -> dict[str, Any]:
-        """What a sweep file may say of it, and what it answers, for `mimics sweep --list --json`."""
+        """Return parameters and results for `mimics sweep --list --json`."""
         return {
             "name": self.name,
             "what": self.what,

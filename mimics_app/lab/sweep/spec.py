@@ -1,4 +1,4 @@
-"""The sweep file: which experiment, over which values of its parameters, on a grid or as a seeded random sample."""
+"""Sweep file: an experiment and values of its parameters, on a grid or as a seeded random sample."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ _Count = Annotated[int, Meta(ge=1, le=100_000_000)]
 _End = Annotated[float, Meta(ge=-1e18, le=1e18)]
 _Values = Annotated[list[Scalar], Meta(max_length=100_000)]
 _MAX_BYTES = 64 << 20
-"""Of a sweep file: lists of values may be long."""
+"""Largest size of a sweep file [bytes]: lists of values can be long."""
 
 MAX_POINTS = 1_000_000_000
-"""Most points of one sweep; a grid is their product."""
+"""Largest number of points of a sweep."""
 
 
 class Range(
@@ -43,7 +43,7 @@ class Range(
 
 
 _Given = Range | list[Scalar] | Scalar
-"""What a file may say of one parameter."""
+"""Values of one parameter in a file."""
 
 
 class Sample(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -69,7 +69,7 @@ class Sweep(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
     @property
     def canonical(self) -> str:
-        """The sweep as text that is the same for the same points, however the file was written."""
+        """Text of the sweep that is equal for equal points, however the file was written."""
         plain = {name: value for name, value in msgspec.to_builtins(self).items() if name not in ("title", "chunk")}
         return json.dumps(plain, sort_keys=True, separators=(",", ":"))
 
@@ -88,8 +88,8 @@ def load_sweep(path: Path, find: Callable[[str], SweepExperiment | None], known:
         known: Names of all experiments, for hints.
 
     Raises:
-        SceneError: every fault, with file and JSON pointer: unknown keys, experiments and parameters, values outside
-            their limits.
+        SceneError: With every fault, with file and JSON pointer: unknown keys, experiments and parameters, values
+            outside their limits.
     """
     file = str(path)
     sweep = read_struct_file(path, Sweep, _MAX_BYTES)
@@ -104,7 +104,7 @@ def load_sweep(path: Path, find: Callable[[str], SweepExperiment | None], known:
 
 
 def _with_defaults(sweep: Sweep, experiment: SweepExperiment) -> Sweep:
-    """The sweep with every parameter said, so that a default that changes one day makes it another sweep."""
+    """Return the sweep with all defaults filled in, so that a changed default makes another sweep."""
     said: dict[str, Any] = {
         name: quantity.default for name, quantity in experiment.parameters.items() if name not in sweep.parameters
     }
@@ -156,7 +156,7 @@ def _range_faults(values: Range, quantity: Quantity, pointer: str) -> Iterator[t
 
 
 def _placed(values: _Given, pointer: str) -> Iterator[tuple[str, Scalar]]:
-    """Each value that stands in the file, with its pointer."""
+    """Yield each value in the file with its pointer."""
     if isinstance(values, Range):
         yield f"{pointer}/from", values.low
         yield f"{pointer}/to", values.high
@@ -168,10 +168,10 @@ def _placed(values: _Given, pointer: str) -> Iterator[tuple[str, Scalar]]:
 
 
 def count_values(values: _Given) -> int:
-    """How many values a parameter takes on a grid."""
+    """Return the number of values of a parameter on a grid."""
     return values.count if isinstance(values, Range) else len(values) if isinstance(values, list) else 1
 
 
 def span_of(sweep: Sweep) -> Mapping[str, list[Scalar]]:
-    """The values each parameter takes; of a range its ends."""
+    """Return the values of each parameter; of a range its ends."""
     return {name: [value for _, value in _placed(values, "")] for name, values in sweep.parameters.items()}

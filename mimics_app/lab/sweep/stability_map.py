@@ -1,4 +1,4 @@
-"""The stability experiments S1 to S16 as sweeps run them: how far simulation and theory are apart on finer grids."""
+"""Stability experiments S1 to S16 in a sweep: disagreement of simulation and theory on finer grids."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
 __all__ = ["stability_map"]
 
 _FINEST = 64
-"""Points along an axis: a map of two axes has some thousands, which takes minutes."""
+"""Largest number of points along an axis: a map of two axes then takes minutes."""
 
 
 def stability_map(name: str) -> SweepExperiment:
-    """The sweep experiment of a stability experiment, one whole map for each point of the sweep.
+    """Return a stability experiment for sweeps, with a whole map for each point of the sweep.
 
     Args:
         name: One of `catalogue.NAMES`.

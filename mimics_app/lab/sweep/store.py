@@ -1,7 +1,7 @@
-"""Finished pieces of a sweep on disk, and the one Parquet file they become.
+"""Finished chunks of a sweep on disk, and the Parquet file that they are joined to.
 
-A piece is named after everything its content depends on: the sweep, the program's sources, the points in it. It is
-written beside its place and moved there, so that a piece is whole or absent, whenever the program was killed.
+The name of a chunk is a digest of everything its content depends on: the sweep, the program's sources, its points. A
+chunk is written atomically, hence complete or absent whenever the program is killed.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from mimics_app.lab.sweep.spec import Sweep
 if TYPE_CHECKING:
     import pyarrow
 
-__all__ = ["Piece", "PieceStore", "pack", "pieces_of", "source_digest"]
+__all__ = ["Chunk", "ChunkStore", "chunks_of", "pack", "source_digest"]
 
-Piece = tuple[int, int]
-"""First point, and the one behind the last."""
+Chunk = tuple[int, int]
+"""First point of a chunk, and the point after the last."""
 
 _ROWS_PER_GROUP = 1 << 16
 
 
 @cache
 def source_digest() -> str:
-    """SHA-256 over every Python file of the package and the versions of what computes, in hexadecimal."""
+    """Return the SHA-256 of all Python files of the package and of the versions of numba and numpy, in hexadecimal."""
     import numba
     import numpy as np
 
@@ -42,17 +42,17 @@ def source_digest() -> str:
     return digest.hexdigest()
 
 
-def pieces_of(points: int, chunk: int) -> list[Piece]:
-    """The points of a sweep cut into pieces."""
-    return [(start, min(start + chunk, points)) for start in range(0, points, chunk)]
+def chunks_of(points: int, size: int) -> list[Chunk]:
+    """Return the chunks of a sweep."""
+    return [(start, min(start + size, points)) for start in range(0, points, size)]
 
 
-def pack(sweep: Sweep, experiment: SweepExperiment, piece: Piece, values: Columns, results: Columns) -> bytes:
-    """One finished piece as Arrow data: point, parameters in the order of their names, results."""
+def pack(sweep: Sweep, experiment: SweepExperiment, chunk: Chunk, values: Columns, results: Columns) -> bytes:
+    """Return a finished chunk as Arrow data: point, parameters in the order of their names, results."""
     import pyarrow as pa
 
     kinds: dict[str, Kind] = {name: _kind_of(experiment, name) for name in sorted(values)}
-    columns: dict[str, Sequence[Any]] = {"point": range(*piece), **{name: values[name] for name in kinds}}
+    columns: dict[str, Sequence[Any]] = {"point": range(*chunk), **{name: values[name] for name in kinds}}
     kinds = {"point": "int", **kinds, **experiment.results}
     columns.update({name: results[name] for name in experiment.results})
     types = {"float": pa.float64(), "int": pa.int64(), "text": pa.string(), "bool": pa.bool_()}
@@ -69,12 +69,12 @@ def _kind_of(experiment: SweepExperiment, name: str) -> Kind:
     return "float" if quantity is None else quantity.kind
 
 
-class PieceStore:
-    """The folder of finished pieces beside the result.
+class ChunkStore:
+    """Folder of finished chunks beside the result.
 
     Args:
-        out: The Parquet file the sweep becomes.
-        identity: Digest of what the pieces depend on, beside their points.
+        out: The Parquet file of the sweep.
+        identity: Digest of everything the chunks depend on except their points.
     """
 
     def __init__(self, out: Path, identity: str) -> None:
@@ -82,31 +82,31 @@ class PieceStore:
         self._identity = identity
         self.folder = out.with_name(f"{out.name}.pieces")
 
-    def has(self, piece: Piece) -> bool:
-        """Whether a piece is there, whole."""
-        return self._read(piece) is not None
+    def has(self, chunk: Chunk) -> bool:
+        """Whether a chunk is present and complete."""
+        return self._read(chunk) is not None
 
-    def put(self, piece: Piece, data: bytes) -> None:
-        """Keep a finished piece."""
+    def put(self, chunk: Chunk, data: bytes) -> None:
+        """Store a finished chunk."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        _write_whole(self._file(piece), data)
+        _write_whole(self._file(chunk), data)
 
-    def finish(self, pieces: Sequence[Piece], sweep: Sweep) -> Path:
-        """Join the pieces in the order of their points into one Parquet file, and remove them.
+    def finish(self, chunks: Sequence[Chunk], sweep: Sweep) -> Path:
+        """Join the chunks in the order of their points to one Parquet file, remove them and return its path.
 
-        The bytes of the file depend on the points alone: not on the order in which pieces came, nor on their size.
+        The bytes of the file depend on the points alone, neither on the order nor on the size of the chunks.
 
         Raises:
-            KeyError: A piece is missing.
+            KeyError: A chunk is missing.
         """
         import pyarrow as pa
         import pyarrow.parquet as pq
 
         tables = []
-        for piece in pieces:
-            table = self._read(piece)
+        for chunk in chunks:
+            table = self._read(chunk)
             if table is None:
-                raise KeyError(f"points {piece[0]} to {piece[1] - 1} are missing in {self.folder}")
+                raise KeyError(f"points {chunk[0]} to {chunk[1] - 1} are missing in {self.folder}")
             tables.append(table)
         joined = pa.concat_tables(tables).combine_chunks()
         joined = joined.replace_schema_metadata({"mimics.sweep": sweep.canonical, "mimics.identity": self._identity})
@@ -116,23 +116,23 @@ class PieceStore:
         shutil.rmtree(self.folder, ignore_errors=True)
         return self._out
 
-    def _file(self, piece: Piece) -> Path:
-        name = hashlib.sha256(f"{self._identity}/{piece[0]}/{piece[1]}".encode()).hexdigest()
+    def _file(self, chunk: Chunk) -> Path:
+        name = hashlib.sha256(f"{self._identity}/{chunk[0]}/{chunk[1]}".encode()).hexdigest()
         return self.folder / f"{name}.arrow"
 
-    def _read(self, piece: Piece) -> pyarrow.Table | None:
+    def _read(self, chunk: Chunk) -> pyarrow.Table | None:
         import pyarrow as pa
 
-        file = self._file(piece)
+        file = self._file(chunk)
         try:
             table = pa.ipc.open_file(pa.py_buffer(file.read_bytes())).read_all()
         except (OSError, pa.ArrowInvalid):
             return None
-        return table if table.num_rows == piece[1] - piece[0] else None
+        return table if table.num_rows == chunk[1] - chunk[0] else None
 
 
 def _write_whole(file: Path, data: bytes) -> None:
-    """Write a file so that it is there whole or not at all, also after a power failure."""
+    """Write a file atomically, also with respect to a power failure."""
     file.parent.mkdir(parents=True, exist_ok=True)
     partial = file.with_name(f"{file.name}.{os.getpid()}.partial")
     with partial.open("wb") as stream:

@@ -1,7 +1,6 @@
-"""Sweep experiment: is a sampled, delayed wall stable? Simulated with the law and the integrator that the loop runs.
+"""Sweep experiment: stability of a sampled, delayed wall, simulated with the law and the integrator of the loop.
 
-A device of mass m and own damping b is pressed into a wall. Each tick its depth is sampled, the wall's law gives a
-force from depth and differenced depth, and that force acts, held, some ticks later.
+See `stability.wall_loop`.
 """
 
 from __future__ import annotations

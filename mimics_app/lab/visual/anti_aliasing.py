@@ -1,8 +1,8 @@
-"""Rival methods of anti-aliasing, with the cost of a frame and how far edges are from what they should be.
+"""Methods of anti-aliasing with the cost of a frame and the error of edges; importing this module registers them.
 
-Importing this module registers them. Cost: a finished frame of 640 x 360 pixels of three hundred lit boxes. Error: a
-straight edge across 192 x 108 pixels at nine angles against the share of each pixel that it covers, root mean square
-over the pixels it cuts. Both in a picture of the first driver that answers without a display.
+Cost: a finished frame of 640 x 360 pixels of three hundred lit boxes. Error: a straight edge across 192 x 108 pixels at
+nine angles against the covered share of each pixel, root mean square over the pixels that it cuts. Both with the first
+driver that works without a display.
 """
 
 from __future__ import annotations
@@ -31,18 +31,18 @@ __all__ = ["ANGLES", "GROUP", "edge_error", "given_samples"]
 
 GROUP = "anti aliasing"
 ANGLES = (0.02, 0.06, 0.15, 0.3, 0.6, math.pi / 4.0, 1.0, 1.3, 1.52)
-"""Of the edge against the rows of pixels [rad]: nearly level, aslant, nearly upright."""
+"""Angles of the edge to the rows of pixels [rad]."""
 
 _FRAME, _EDGE = (640, 360), (192, 108)
 _POINTS = 32
-"""Along a pixel's side, by which its covered share is counted: to 1/64 where an edge is straight."""
+"""Sample points along the side of a pixel for its covered share."""
 
 _PLAIN = RenderSettings(msaa=0, shadow_size=0, fog_density=0.0, tone_map="none")
 _FRAMES = 3
 
 
 def covered(angle: float, size: tuple[int, int] = _EDGE) -> F8:
-    """Share of each pixel left of a line through the middle of the picture, [height, width], row 0 at the top."""
+    """Return the share of each pixel left of a line through the picture's centre, [height, width], row 0 on top."""
     width, height = size
     at = (np.arange(_POINTS) + 0.5) / _POINTS
     x = (np.arange(width)[:, None] + at).ravel() - 0.5 * width
@@ -52,7 +52,7 @@ def covered(angle: float, size: tuple[int, int] = _EDGE) -> F8:
 
 
 def edge_error(settings: RenderSettings, angles: tuple[float, ...] = ANGLES) -> float:
-    """Root mean square of shown less covered share over the pixels that edges cut [px]; display values are shares."""
+    """Return the RMS difference of displayed and covered share over the pixels that edges cut [px]."""
     wrong: list[F8] = []
     with open_offscreen("auto", _EDGE) as surface:
         renderer = Renderer(surface, World(), settings)
@@ -68,7 +68,7 @@ def edge_error(settings: RenderSettings, angles: tuple[float, ...] = ANGLES) -> 
 
 
 def _card(angle: float) -> World:
-    """A light sheet that ends at a line through the origin, before the dark."""
+    """Return a bright half plane that ends at a line through the origin, before a dark background."""
     world = World()
     world.environment = Sky((0.02,) * 3, (0.02,) * 3, (0.02,) * 3, 0.0)
     world.set_material(Material("card", "unlit", (0.7, 0.7, 0.7, 1.0)))
@@ -81,7 +81,7 @@ def _card(angle: float) -> World:
 
 
 def _boxes() -> World:
-    """Boxes at random, the same every time."""
+    """Return boxes at random positions, with a fixed seed."""
     world = World()
     chance = np.random.default_rng(5)
     world.set_material(Material("paint", "lit", (0.6, 0.3, 0.2, 1.0)))
@@ -97,16 +97,16 @@ def _boxes() -> World:
 
 
 def _straight(size: tuple[int, int]) -> View:
-    """On the origin from 1 m before it; the picture is 1 m wide there."""
+    """Return a view of the origin from a distance of 1 m; the picture is 1 m wide there."""
     high = 0.5 * size[1] / size[0]
     return View(compose_look_at((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)), (-0.5, 0.5, -high, high), (0, 0, *size))
 
 
 def given_samples(samples: int) -> int:
-    """Samples a pixel that the driver really takes when so many are requested: an edge shows one level more.
+    """Return the samples per pixel that the driver takes for a requested number, by the levels of an edge.
 
     Raises:
-        DeviceError: nothing here draws without a display.
+        DeviceError: No driver works without a display.
     """
     with open_offscreen("auto", _EDGE) as surface:
         renderer = Renderer(surface, _card(ANGLES[3]), replace(_PLAIN, msaa=samples))
@@ -133,7 +133,7 @@ def _cost_us(settings: RenderSettings) -> float:
 
 
 def _at(samples: int, *, fxaa: bool = False) -> tuple[dict[str, object], tuple[RenderSettings]]:
-    """What makes the product take so many samples, and what a probe is asked."""
+    """Return the settings for a number of samples, and the arguments of the probes."""
     return {"msaa": samples, "fxaa": fxaa}, (replace(_PLAIN, msaa=samples, fxaa=fxaa),)
 
 

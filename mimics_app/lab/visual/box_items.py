@@ -1,4 +1,4 @@
-"""Boxes as drawn items without a driver: for probes and tests of what looks at items but draws none."""
+"""Boxes as draw items without a driver, for probes and tests of culling."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["box_items"]
 
 
 def box_items(rows: NDArray[np.int32], half: NDArray[np.float64]) -> DrawItems:
-    """Solid boxes about their nodes' origins, all of one mesh and one state.
+    """Return solid boxes around the origins of their nodes, all of one mesh and one state.
 
     Args:
         rows: Row of the transform of each box's node, [n].

@@ -1,7 +1,7 @@
-"""What leaving things out of a town's picture saves: hidden bodies, and coarser forms of far ones.
+"""Occlusion culling and levels of detail in the city; importing this module registers both groups.
 
-Importing this module registers the rivals. Probe: the shipped city from three places of its streets. Error: share of
-the pixels that differ from the picture in which nothing is left out.
+Probe: the shipped city from three viewpoints in its streets. Error: share of the pixels that differ from the picture
+without occlusion culling, or with the finest levels.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _PLACES = (
     ((-1.6, 1.75, 150.0), (-1.0, 3.4, 60.0)),
     ((8.6, 1.8, 13.4), (-14.0, 5.4, -14.0)),
 )
-"""Eyes and what they look at [m]: along two streets, and over a crossing."""
+"""Viewpoints and their targets [m]: along two streets, and over a crossing."""
 
 _SIZE = (640, 360)
 _SIDE, _UP = 0.89, 0.5
@@ -60,19 +60,19 @@ def _view(number: int) -> View:
 
 
 def city_us(settings: RenderSettings) -> float:
-    """Cost of a frame of the city [us], the mean over its places."""
+    """Return the cost of a frame of the city [us], the mean over the viewpoints."""
     return frame_us(_city(), _SIZE, settings, _view, len(_PLACES))
 
 
 def city_pictures(settings: RenderSettings, whole: RenderSettings) -> Iterator[tuple[Picture, Picture]]:
-    """Display values at each of the places, [height, width, 4], by the one and by the other settings."""
+    """Yield the display values at each viewpoint by two settings, [height, width, 4] each."""
     for number in range(len(_PLACES)):
         view = _view(number)
         yield show_picture(_city(), _SIZE, settings, view), show_picture(_city(), _SIZE, whole, view)
 
 
 def city_error(settings: RenderSettings, whole: RenderSettings) -> float:
-    """Share of the pixels that differ from the same places drawn as `whole` says, by more than one level of 255."""
+    """Return the share of the pixels that differ from those by the settings `whole` by more than one level of 255."""
     return float(np.mean([differing_pixels(*pair, level=1) for pair in city_pictures(settings, whole)]))
 
 

@@ -1,6 +1,6 @@
-"""Rival cords with their cost a frame and the error of their length: 1.2 m between ends 1 m apart.
+"""Methods to draw a cord, with the cost of a frame and the error of its length: 1.2 m between ends 1 m apart.
 
-Importing this module registers them. Ropes of linked points are simulated for 4 s at 60 Hz from straight.
+Importing this module registers them. Ropes of linked points are simulated for 4 s at 60 Hz from a straight line.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _RIPPLES = [Ripple(0.4, 0.5, 0.2, 0.005), Ripple(0.8, 1.0, 0.1, 0.005)]
 
 
 def link_rope(iterations: int, seconds: float = _SECONDS) -> F8:
-    """A rope by position-based dynamics (Mueller 2007), links even and odd in turn; its points [m], shape [32, 3]."""
+    """Simulate a rope by position-based dynamics (Mueller 2007); return its points [m], shape [32, 3]."""
     points = np.linspace(_ENDS[0], _ENDS[1], _POINTS)
     before, rest = points.copy(), _LENGTH / (_POINTS - 1)
     for _ in range(round(seconds / _STEP_S)):
@@ -74,7 +74,7 @@ def _rope_cost(iterations: int) -> float:
 
 
 def _drawn_error() -> float:
-    """What the polyline of rings is shorter than the cord."""
+    """Return the difference of the cord and the polyline of its rings [m]."""
     return _LENGTH - _polyline(_curve().point(np.linspace(0.0, _LENGTH, RINGS)))
 
 

@@ -1,7 +1,7 @@
-"""Methods to carry a frame along a cord: what each costs for the drawn rings, and by how much it twists the surface.
+"""Frames along a cord, with the cost for the drawn rings and the twist of the surface.
 
-Importing this module registers them, each on a hanging cord, on one that bends to both sides, and on a helix. Error:
-the largest angle to a frame that does not turn about the cord at all, followed in steps 32 times finer.
+Importing this module registers them, each on a hanging cord, on one with an inflection, and on a helix. Error: the
+largest angle to the rotation-minimising frame, computed in steps 32 times finer.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from mimics_app.rendering.visual.passes.cord import RINGS
 __all__ = ["CURVES", "FRAMES", "GROUP", "twist_error"]
 
 Frame = Callable[[F8, F8], F8]
-"""Places and unit tangents of rings, [n, 3] each -> unit normals, [n, 3]."""
+"""Function of positions and unit tangents of rings, [n, 3] each, that returns unit normals, [n, 3]."""
 
 GROUP = "cord frame"
 _FINER = 32
@@ -47,7 +47,7 @@ def _helix(t: F8) -> F8:
 
 
 CURVES: dict[str, Callable[[F8], F8]] = {"hanging": _hanging, "bent to both sides": _both_sides, "helix": _helix}
-"""Places of a cord at shares of its length [m], [n] -> [n, 3]."""
+"""Functions of shares of a cord's length [n] that return positions [m], [n, 3], by name."""
 
 
 def constant_binormal(places: F8, tangents: F8) -> F8:
@@ -85,7 +85,7 @@ def _unit(vectors: F8) -> F8:
 
 @cache
 def _rings(curve: str) -> tuple[F8, F8, F8]:
-    """Places, tangents and normals that do not turn about the cord, of the drawn rings."""
+    """Return positions, tangents and rotation-minimising normals of the drawn rings."""
     t = np.linspace(0.0, 1.0, (RINGS - 1) * _FINER + 1)
     places = CURVES[curve](t)
     tangents = _unit(np.gradient(places, t, axis=0, edge_order=2))
@@ -94,7 +94,7 @@ def _rings(curve: str) -> tuple[F8, F8, F8]:
 
 
 def twist_error(frame: Frame, curve: str) -> float:
-    """Largest angle by which a frame has turned about the cord from where it began [rad]."""
+    """Return the largest rotation of a frame around the cord since its start [rad]."""
     places, tangents, still = _rings(curve)
     normals = frame(places, tangents)
     across = np.cross(tangents, still)

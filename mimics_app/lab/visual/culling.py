@@ -1,7 +1,7 @@
-"""Rival methods to find what is in a view, with their cost and the nodes they lose.
+"""Methods of frustum culling with their cost and the nodes that they miss; importing this module registers them.
 
-Importing this module registers them. Probe: boxes of 1 m on a square, 10 m apart, on nodes in groups of neighbours, as
-a scene's author hangs them; from the middle a view of 90 degrees reaches 200 m. Nothing moves, so that bounds stand.
+Probe: boxes of 1 m on a square grid of 10 m, on nodes in groups of neighbours as in an authored scene; a view of 90
+degrees from the centre reaches 200 m. Nothing moves, so that bounds remain valid.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ class CullingProbe:
     """A world for culling, without a driver.
 
     Attributes:
-        items: One box for each node that shows something.
+        items: A box for each node.
         parents: Row of each row's parent, int32 [rows].
         world: T_world_from_node, [rows, 4, 4].
-        centres: Of the boxes' spheres [m], [n, 3].
-        radii: Of the same [m], [n].
-        planes: Of the view, [6, 4].
+        centres: Centres of the boxes' bounding spheres [m], [n, 3].
+        radii: Radii of the same [m], [n].
+        planes: Planes of the frustum, [6, 4].
     """
 
     items: DrawItems
@@ -54,7 +54,7 @@ class CullingProbe:
     planes: F8
 
     def run(self, culler: Culler) -> set[int]:
-        """Items a culler finds."""
+        """Return the items that a culler finds."""
         out = np.zeros(len(self.centres), np.int32)
         shown = np.ones(len(self.centres), np.uint8)
         culler.moved(len(self.centres), self.centres, self.radii)
@@ -62,7 +62,7 @@ class CullingProbe:
         return set(out[:count].tolist())
 
     def seen(self) -> set[int]:
-        """Items of which a corner is inside all planes, by looking at each corner of each."""
+        """Return the items with a vertex inside all planes, by brute force."""
         signs = np.array([[(k >> axis & 1) * 2.0 - 1.0 for axis in range(3)] for k in range(8)])
         axes = self.world[self.items.rows][:, :3, :3]
         corners = self.centres[:, None] + np.einsum("nij,kj->nki", axes, _HALF * signs)
@@ -71,7 +71,7 @@ class CullingProbe:
 
 
 def make_probe(nodes: int) -> CullingProbe:
-    """A square world of that many boxes."""
+    """Return a square world of boxes."""
     side = math.isqrt(nodes - 1) + 1
     k = np.arange(nodes)
     places = np.stack([(k % side - 0.5 * side) * _SPACING, 0.0 * k, (k // side - 0.5 * side) * _SPACING], axis=1)
@@ -98,7 +98,7 @@ def _tree(probe: CullingProbe) -> Culler:
 
 
 def _flat_tree(probe: CullingProbe) -> Culler:
-    """The scene graph left out: every node hangs on the root, and only space makes groups."""
+    """Return a tree without the scene graph: all nodes are children of the root, grouped by position only."""
     parents = np.where(probe.parents < 0, -1, 0).astype(np.int32)
     return TreeCuller(probe.items, parents, probe.world[:, :3, 3])
 

@@ -1,8 +1,8 @@
-"""What bloom and ambient occlusion cost, beside a picture without, and how much of the effect is missing.
+"""Bloom and ambient occlusion, with the cost of a frame and the error of the effect; registered by importing.
 
-Importing this module registers both groups. Cost: a finished frame of 640 x 360 pixels of a hall of pillars and lamps.
-Error, as a share of the effect: of bloom the light that is lost or made when a lamp's is spread; of corners what is
-missing of the half that an endless wall takes from its foot. Without the effect all of it is missing.
+Cost: a finished frame of 640 x 360 pixels of a hall of pillars and lamps. Error as a share of the effect: of bloom, the
+change of the total light; of ambient occlusion, the deviation from the half of the sky that an infinite wall hides from
+its foot. Without the effect the error is 1.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ _FRAMES = 3
 _SHARE = 0.3
 _PLAIN = RenderSettings(msaa=0, shadow_size=0, fog_density=0.0, tone_map="none")
 _MIDDLE = slice(86, 106)
-"""Columns of the corner's picture that are looked at: the wall's ends are far."""
+"""Evaluated columns of the picture of the wall, far from its ends."""
 
 
 def _hall() -> World:
-    """Pillars and lamps on a floor before the evening sky."""
+    """Return pillars and lamps on a floor before the evening sky."""
     world = World()
     world.environment = Sky((0.1, 0.15, 0.3), (0.3, 0.2, 0.25), (0.1, 0.1, 0.1), 0.9)
     world.set_material(Material("stone", "lit", (0.6, 0.55, 0.5, 1.0)))
@@ -59,13 +59,13 @@ def _hall_us(settings: RenderSettings) -> float:
 
 
 def _light(picture: NDArray[np.uint8]) -> F8:
-    """Linear red light of display values, 0-1."""
+    """Return the linear red light of display values, 0-1."""
     share = picture[..., 0] / 255.0
     return np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
 
 
 def bloom_error(settings: RenderSettings) -> float:
-    """Light that a lit square loses or gains when it is spread, over what it has; 1 where nothing is spread."""
+    """Return the relative change of the light of a bright square by bloom; 1 without bloom."""
     if settings.bloom == 0.0:
         return 1.0
     world = World()
@@ -82,7 +82,7 @@ def bloom_error(settings: RenderSettings) -> float:
 
 
 def corner_error(settings: RenderSettings) -> float:
-    """What is missing of the half of the sky that an endless wall hides from its foot, over that half."""
+    """Return the relative deviation from the half of the sky that an infinite wall hides from its foot."""
     world = World()
     world.environment = Sky((1.0,) * 3, (1.0,) * 3, (1.0,) * 3, 0.9)
     world.set_material(Material("white", "lit_matt", (1.0,) * 4, roughness=1.0))

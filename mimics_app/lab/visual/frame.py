@@ -1,7 +1,7 @@
-"""How the cost of a whole frame grows with what is in it: nodes that all move, and triangles.
+"""Growth of the cost of a frame with moving nodes and with triangles; importing this module registers both groups.
 
-Importing this module registers the rivals. Probe: a small picture, so that what is measured is the cost of finding,
-submitting and shaping what is drawn. Error: share of the pixels that differ from the first rival's picture.
+Probe: a small picture, so that culling, submission and vertex processing dominate. Error: share of the pixels that
+differ from the first method's picture.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ _FRAMES = 4
 _NODE_COUNTS = (100, 1000, 10_000, 100_000)
 _TRIANGLE_COUNTS = (10_000, 100_000, 1_000_000, 10_000_000)
 _BALL = 1280
-"""Triangles of a ball in its finest form; the coarser ones have a quarter and a sixteenth."""
+"""Triangles of a ball in its finest level; the coarser ones have a quarter and a sixteenth."""
 
 _COVERAGES = (2.84e-4, 2.84e-5, 0.0)
-"""Of a picture of 480 x 270; in one of 128 x 72 levels end at 14 times the share."""
+"""Coverages at which levels end in a picture of 480 x 270; in one of 128 x 72 at 14 times the share."""
 
 _PLAIN = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0, shading="plain", occlusion="off")
 
@@ -41,21 +41,21 @@ Scene = tuple[World, Move]
 
 
 def _square(count: int, step: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Places on a square of the ground about the origin [m], [count, 3]."""
+    """Return positions on a square grid around the origin [m], [count, 3]."""
     k, side = np.arange(count), math.isqrt(max(0, count - 1)) + 1
     middle = 0.5 * (side - 1)
     return np.stack([(k % side - middle) * step, 0.0 * k, (k // side - middle) * step], axis=1)
 
 
 def _view_over(width: float) -> View:
-    """From a height at which a square of that width [m] about fills the picture."""
+    """Return a view from above in which a square of a width [m] approximately fills the picture."""
     eye = np.array([0.0, 0.6 * width, 0.8 * width])
     pose = compose_look_at(eye, np.zeros(3))
     return View(pose, (-0.9, 0.9, -0.5, 0.5), (0, 0, *_SIZE), 0.01 * width, 10.0 * width)
 
 
 def node_world(count: int, materials: int = 1) -> Scene:
-    """Cubes that all turn every frame, in so many materials by turns, seen from above."""
+    """Return cubes that all rotate every frame, of alternating materials, seen from above."""
     world = World()
     world.meshes["cube"] = box(1.0, 1.0, 1.0)
     for number in range(materials):
@@ -79,7 +79,7 @@ def node_world(count: int, materials: int = 1) -> Scene:
 
 
 def ball_world(count: int) -> Scene:
-    """So many triangles in balls that do not move, with levels of detail, seen from one side."""
+    """Return a number of triangles in balls at rest with levels of detail."""
     world = World()
     for level in range(3):
         world.meshes[f"ball{level}"] = icosphere(0.5, 3 - level)

@@ -1,6 +1,6 @@
-"""Where a turning head will be: rivals at several horizons, +-30 degrees at 1 Hz, reports at 120 Hz.
+"""Prediction of a head that rotates by +-30 degrees at 1 Hz, reported at 120 Hz, over several horizons.
 
-Importing this module registers them. Error: the largest angle off; cost: of one pose of a track.
+Importing this module registers the methods. Error: the largest angle; cost: of one pose of a track.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ def _sample(t: float) -> TrackerSample:
 
 
 def prediction_error(horizon_s: float, *, hold: bool = False) -> float:
-    """Largest error over two seconds [rad].
+    """Return the largest error over two seconds [rad].
 
     Args:
-        horizon_s: From the newest report to the time requested [s].
-        hold: True takes the newest report as it is.
+        horizon_s: Time from the newest report to the requested pose [s].
+        hold: Use the newest report without prediction.
     """
     track, worst = Track(), 0.0
     for k in range(round(2.0 * _RATE)):

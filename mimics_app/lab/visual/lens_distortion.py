@@ -1,7 +1,7 @@
-"""Methods to bend a picture for a lens: asked per pixel, or by a mesh; a panel of 1080 pixels, the default lens.
+"""Methods of lens distortion, per pixel or by a mesh, for a panel of 1080 pixels and the default lens.
 
-Importing this module registers them. Error: the largest distance on the panel from where it should be; cost: of working
-out where an eye's picture is looked up, on the processor.
+Importing this module registers them. Error: the largest displacement on the panel; cost: of the texture coordinates of
+one eye, on the processor.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ __all__ = ["GROUP", "mesh_error"]
 GROUP = "lens distortion"
 _PIXELS = 1080
 _COUNT = 541
-"""Places across at which a mesh is compared."""
+"""Points along a side at which a mesh is compared."""
 
 
 def _grid(count: int) -> F8:
@@ -30,7 +30,7 @@ def _grid(count: int) -> F8:
 
 
 def mesh_error(cells: int) -> float:
-    """Largest error of a mesh of cells by cells, linear between its corners [px of 1080]."""
+    """Return the largest error of a mesh of cells by cells, linear between its vertices [px of 1080]."""
     eye = HeadsetSpec().left
     k = eye.lens.green
     corners, exact = distort(_grid(cells + 1), k), distort(_grid(_COUNT), k)
@@ -40,7 +40,7 @@ def mesh_error(cells: int) -> float:
     rows = corners[i] * (1.0 - f)[:, None, None] + corners[i + 1] * f[:, None, None]
     both = rows[:, i] * (1.0 - f)[None, :, None] + rows[:, i + 1] * f[None, :, None]
     off = np.linalg.norm(both - exact, axis=-1)
-    # From directions back to the panel by the lens's slope there, and to pixels.
+    # From directions to positions on the panel by the slope of the lens there, and to pixels.
     r2 = np.sum(_grid(_COUNT) ** 2, axis=-1)
     slope = 1.0 + k[0] * r2 + k[1] * r2 * r2
     return float((off / slope).max() * _PIXELS / (eye.tangents[1] - eye.tangents[0]))

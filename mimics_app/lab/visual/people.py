@@ -1,7 +1,7 @@
-"""What bending people far away for little saves: fewer triangles and joints, and larger steps of time.
+"""Levels of detail of a crowd: fewer triangles and joints, and larger time steps; importing this module registers them.
 
-Importing this module registers the rivals. Probe: forty of the shipped people who walk on a plain from 4 to 60 m away.
-Error: share of the pixels that differ by more than 8 of 255 from everybody in full detail in every frame.
+Probe: forty of the shipped people who walk at distances of 4 to 60 m. Error: share of the pixels that differ by more
+than 8 of 255 from all people in full detail in every frame.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ _SIZE, _SIDE, _UP = (640, 360), 0.89, 0.5
 _EYE = (0.0, 1.6, 0.0)
 _FRAMES = 8
 _LEVEL = 8
-"""Of 255: what differs by less is not seen in what moves."""
+"""Smallest difference that counts [of 255]: smaller ones are not visible in motion."""
 _PLAIN = RenderSettings(msaa=0, shadow_size=0, tone_map="none", fog_density=0.0)
 
 
 def load_person(path: Path, *, full: bool) -> ModelPrefab:
-    """One of the shipped people, without coarser forms where all is wanted in full."""
+    """Return one of the shipped people; `full`: without coarser levels."""
     model = load_gltf(path)
     if full:
         for node in model.nodes:
@@ -60,12 +60,12 @@ def _prefabs(*, full: bool) -> list[ModelPrefab]:
 
 @dataclass(frozen=True)
 class Crowd:
-    """How a crowd is drawn.
+    """Method to draw a crowd.
 
     Attributes:
-        levels: Coarser forms of what is far.
-        steps: Larger steps of time for it.
-        detail: As of `RenderSettings`.
+        levels: Coarser levels at a distance.
+        steps: Larger time steps at a distance.
+        detail: As in `RenderSettings`.
     """
 
     levels: bool = True
@@ -74,11 +74,11 @@ class Crowd:
 
     @property
     def settings(self) -> RenderSettings:
-        """Of its picture."""
+        """Settings of the renderer."""
         return replace(_PLAIN, detail=self.detail)
 
     def start(self) -> tuple[World, Callable[[int], View]]:
-        """A new crowd, and what lets a frame's time go by and gives its view."""
+        """Return a new crowd, and a function that advances it by a frame and returns the view."""
         world = _plain()
         chance = np.random.default_rng(3)
         for number, prefab in zip(range(_PEOPLE), cycle(_prefabs(full=not self.levels)), strict=False):
@@ -116,7 +116,7 @@ def _cost_us(crowd: Crowd) -> float:
 
 
 def crowd_error(crowd: Crowd, whole: Crowd) -> float:
-    """Share of the pixels that differ between two methods to draw the crowd, the mean of some frames."""
+    """Return the share of the pixels that differ between two methods, the mean of some frames."""
     pictures = []
     for variant in (crowd, whole):
         world, step = variant.start()

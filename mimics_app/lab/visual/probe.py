@@ -1,4 +1,4 @@
-"""Frames off the screen for measurements: what one costs, and what it shows."""
+"""Off-screen frames for measurements: their cost and their pixels."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ from mimics_app.world.world import World
 __all__ = ["differing_pixels", "frame_us", "show_picture"]
 
 _WARM_UP = 2
-"""Frames drawn first: the driver compiles in the one, buffers grow in the next."""
+"""Frames before a measurement: the driver compiles in the first, buffers grow in the second."""
 
 Move = Callable[[int], View]
-"""Moves the world for a frame and returns the eye."""
+"""Moves the world for a frame and returns the view."""
 
 
 def frame_us(world: World, size: Size, settings: RenderSettings, move: Move, frames: int) -> float:
-    """Cost of a frame to its last pixel [us]: the mean over some frames, the shortest of a few runs of them.
+    """Return the cost of a finished frame [us]: the mean over a run, the shortest of a few runs.
 
     Args:
-        world: What is drawn.
-        size: Of the picture [px].
-        settings: Quality.
-        move: Called before each frame, whose cost counts too.
-        frames: Of a run.
+        world: The world.
+        size: Size of the picture [px].
+        settings: Settings of the renderer.
+        move: Called before each frame; its cost is included.
+        frames: Number of frames of a run.
 
     Raises:
-        DeviceError: nothing here draws without a display.
+        DeviceError: No driver works without a display.
     """
     with open_offscreen("auto", size) as surface:
         renderer = Renderer(surface, world, settings)
@@ -52,10 +52,10 @@ def frame_us(world: World, size: Size, settings: RenderSettings, move: Move, fra
 
 
 def show_picture(world: World, size: Size, settings: RenderSettings, view: View) -> NDArray[np.uint8]:
-    """Display values of a frame, [height, width, 4], row 0 at the top.
+    """Return the display values of a frame, [height, width, 4], row 0 at the top.
 
     Raises:
-        DeviceError: nothing here draws without a display.
+        DeviceError: No driver works without a display.
     """
     with open_offscreen("auto", size) as surface:
         renderer = Renderer(surface, world, settings)
@@ -66,6 +66,6 @@ def show_picture(world: World, size: Size, settings: RenderSettings, view: View)
 
 
 def differing_pixels(one: NDArray[Any], other: NDArray[Any], level: int = 0) -> float:
-    """Share of the pixels of which any channel differs by more than `level` of 255."""
+    """Return the share of the pixels of which any channel differs by more than `level` of 255."""
     apart = np.abs(one.astype(np.int16) - other.astype(np.int16)).max(axis=-1)
     return float((apart > level).mean())

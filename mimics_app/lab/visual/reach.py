@@ -1,7 +1,6 @@
-"""Rival methods for a limb of two bones to reach a point, with their cost and how far the hand stays away.
+"""Inverse kinematics of a limb of two bones with cost and error of the hand; importing this module registers them.
 
-Importing this module registers them. Probe: arms of 0.30 and 0.27 m whose targets lie anywhere below the zone in which
-the reach gives way; the elbow points to a pole.
+Probe: arms of 0.30 and 0.27 m with random targets below the zone of soft reach; the elbow points to a pole.
 """
 
 from __future__ import annotations
@@ -26,14 +25,14 @@ GROUP = "limb reach"
 UPPER, LOWER, SOFT = 0.30, 0.27, 0.03
 _ARMS = 10_000
 _STEP = 1e-5
-"""Of a target that is drawn across the reach limit [m]."""
+"""Step of a target that moves across the reach limit [m]."""
 
 Solve = Callable[[F8, F8, F8], None]
-"""Elbow and hand of asked limbs, into out."""
+"""Writes elbow and hand of limbs to its last argument: targets [n, 9], limbs [n, 4], out [n, 6]."""
 
 
 def arms(count: int) -> tuple[F8, F8]:
-    """Shoulder, target and pole [m], [n, 9], and figures of limbs, [n, 4]."""
+    """Return shoulder, target and pole [m], [n, 9], and parameters of the limbs, [n, 4]."""
     rng = np.random.default_rng(1)
     shoulder, direction = rng.normal(size=(count, 3)), rng.normal(size=(count, 3))
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
@@ -45,7 +44,7 @@ def arms(count: int) -> tuple[F8, F8]:
 
 @cache
 def _kept(count: int) -> tuple[F8, NDArray[np.int32]]:
-    """What limbs keep from step to step, and their cases; here every pole states a side, so that no memory counts."""
+    """Return the states of limbs and their cases; without effect here, as every pole determines a side."""
     return np.zeros((count, 7)), np.zeros(count, np.int32)
 
 
@@ -73,7 +72,7 @@ def _descent(asked: F8, limbs: F8, out: F8) -> None:
 
 
 def elbow_gain(solve: Solve) -> float:
-    """How much farther than its target an elbow moves at most while the target is drawn across the reach limit."""
+    """Return the largest ratio of the motions of elbow and target while the target crosses the reach limit."""
     away = np.arange(0.8 * (UPPER + LOWER), 1.1 * (UPPER + LOWER), _STEP)
     asked, limbs = np.zeros((len(away), 9)), np.tile([UPPER, LOWER, SOFT, np.inf], (len(away), 1))
     asked[:, 3], asked[:, 7] = away, -1.0

@@ -1,8 +1,7 @@
-"""How far a ripple's crest is from where it ought to be on a bent cord, against how sharply it is bent.
+"""Distances from a tap on a bent cord, which place the crest of a ripple; importing this module registers them.
 
-Importing this module registers the methods to compute the distance from a tap. Error: a crest after two radii, in
-any direction from a tap inside, beside or outside of the bend, against geodesics followed on the tube [m]; cost: of the
-distances of a drawn cord's vertices.
+Error: position of a crest after two radii, in any direction from a tap inside, beside or outside of the bend, against
+geodesics of the tube [m]. Cost: of the distances of the vertices of a cord.
 """
 
 from __future__ import annotations
@@ -21,43 +20,43 @@ Distance = Callable[[F8, F8, float, float], F8]
 
 GROUP = "ripple distance"
 BENDS = (0.0, 0.1, 0.3, 0.6, 0.9)
-"""Radius of the cord times curvature of its middle line; at 1 the surface folds over."""
+"""Radius of the cord times curvature of its centre line; from 1 on the surface intersects itself."""
 _RADIUS = 0.025
-_WAY = 2.0 * _RADIUS
+_DISTANCE = 2.0 * _RADIUS
 _TAPS = (0.0, 0.5 * np.pi, np.pi)
-"""Inside the bend, beside it and outside [rad]."""
+"""Angles of taps: inside the bend, beside it and outside [rad]."""
 _DIRECTIONS = 181
 _STEPS = 400
 _VERTICES = 3200
 
 
 def straight(ds: F8, dt: F8, bend: float, tap: float) -> F8:
-    """Along, and around at the radius, as on a straight cord, in radii."""
+    """Return the distance on a straight cord [radii]."""
     return np.hypot(ds, dt)
 
 
 def midway(ds: F8, dt: F8, bend: float, tap: float) -> F8:
-    """Along as far as the surface reaches halfway round to the place, in radii."""
+    """Return the distance with the length along the cord at half the angle [radii]."""
     return np.hypot(ds * (1.0 - bend * np.cos(tap + 0.5 * dt)), dt)
 
 
 def crest_error(distance: Distance, bend: float) -> float:
-    """Largest error of a crest [m]: what the distance says of places that are `_WAY` away on the surface."""
+    """Return the largest error of a crest at a geodesic distance of `_DISTANCE` [m]."""
     worst = 0.0
     for tap in _TAPS:
         along, around = _follow(bend, tap).T
         estimated = distance(along, around - tap, bend, tap) * _RADIUS
-        worst = max(worst, float(np.abs(estimated - _WAY).max()))
+        worst = max(worst, float(np.abs(estimated - _DISTANCE).max()))
     return worst
 
 
 def _follow(bend: float, tap: float) -> F8:
-    """Where geodesics end that leave a tap in all directions, [n, 2]: along in radii and around [rad].
+    """Return the ends of geodesics from a tap in all directions, [n, 2]: along the cord [radii] and around it [rad].
 
-    On a tube about a circle places are (1 - bend cos t) ds along and dt around; midpoint rule (do Carmo 1976, 4-4).
+    On a torus the line element is (1 - bend cos t) ds along and dt around; midpoint rule (do Carmo 1976, 4-4).
     """
     angle = np.linspace(-np.pi / 2, np.pi / 2, _DIRECTIONS)
-    step = _WAY / _RADIUS / _STEPS
+    step = _DISTANCE / _RADIUS / _STEPS
     reach = 1.0 - bend * np.cos(tap)
     state = np.stack([0.0 * angle, tap + 0.0 * angle, np.cos(angle) / reach, np.sin(angle)], axis=1)
     for _ in range(_STEPS):
@@ -78,7 +77,7 @@ def _cost_us(distance: Distance, bend: float) -> float:
 
 
 def _bent(bend: float) -> list[Rival]:
-    """The two methods on a cord of this bend; on a straight one they are the same."""
+    """Return the two methods on a cord of a bend; on a straight one they are the same."""
     as_straight = Rival(
         f"as if straight, bend {bend:g}",
         "the hypotenuse of along and around; bend: radius times curvature",

@@ -1,8 +1,8 @@
-"""How surfaces may be lit, with the cost of a frame and how far simpler light is from the full one.
+"""Shading models with the cost of a frame and the error of simpler ones; importing this module registers them.
 
-Importing this module registers the rivals. Cost: the shipped city from three places of its streets, with sun, sky and
-haze. Error: root mean square of the display values against those of each material's own technique, there, where nearly
-all is matt, or of balls from rough to smooth, half of them of metal, by sun and lamp: whichever is more.
+Cost: the shipped city from three viewpoints, with sun, sky and haze. Error: RMS difference of the display values from
+those of each material's own technique, the larger of the city, nearly all matt, and of balls from rough to smooth, half
+of them metallic, under sun and lamp.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _FULL = RenderSettings(msaa=0, shadow_size=0)
 
 
 def shading_error(settings: RenderSettings) -> float:
-    """Root mean square by which display values differ from those of full shading [of 255]."""
+    """Return the RMS difference of the display values from those of full shading [of 255]."""
     whole = replace(settings, shading="full")
     town = [_square(*pair) for pair in city_pictures(settings, whole)]
     balls, view = _balls(), _view()
@@ -46,7 +46,7 @@ def _square(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> float:
 
 
 def _balls() -> World:
-    """Two rows of six on a floor, the upper one of metal."""
+    """Return two rows of six balls on a floor, the upper one metallic."""
     world = World()
     world.environment = Sky((0.2, 0.35, 0.7), (0.7, 0.75, 0.8), (0.2, 0.2, 0.15), 0.7)
     world.meshes |= {"ball": icosphere(0.45, 4), "floor": plane(20.0, 20.0)}

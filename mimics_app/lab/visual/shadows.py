@@ -1,8 +1,7 @@
-"""Rival methods to the sun's shadows, with the cost of a frame and how far their edges lie from where the ray ends.
+"""Shadows of the sun with the cost of a frame and the error of their edges; importing this module registers them.
 
-Importing this module registers them. Probe: a yard of posts with one that turns, so that no map can be kept, and a
-plate above the floor whose shadow's edges are known. Error: mean distance of an edge from the closed form, along the
-floor and for several heights of the sun, seen at 2.5 mm a pixel.
+Probe: a yard of posts with one that rotates, so that no map can be kept, and a plate above the floor with known edges
+of its shadow. Error: mean distance of an edge from the closed form for several heights of the sun, at 2.5 mm a pixel.
 """
 
 from __future__ import annotations
@@ -30,11 +29,11 @@ GROUP = "sun shadows"
 _PLAIN = RenderSettings(msaa=0, tone_map="none", fog_density=0.0)
 _SIZE = (640, 120)
 _HALF = 0.8
-"""Half of the floor that is seen from above [m]."""
+"""Half the width of the floor in the picture [m]."""
 
 _HEIGHT, _WIDTH = 0.3, 0.3
 _SLOPES = (0.45, 0.2, -0.31, -0.45)
-"""Along the floor for a metre down, of the sun's rays."""
+"""Slopes of the sun's rays: horizontal per vertical metre."""
 
 _YARD_SIZE = (640, 360)
 _POSTS = 144
@@ -69,7 +68,7 @@ def _lit_world(slope: float) -> World:
 
 
 def _plate_world(slope: float) -> World:
-    """A plate from x = -0.3 to 0 above the floor."""
+    """Return a plate from x = -0.3 to 0 above the floor."""
     world = _lit_world(slope)
     world.meshes["plate"] = box(_WIDTH, 0.001, _WIDTH)
     world.root.create_child("plate", (-0.5 * _WIDTH, _HEIGHT, 0.0)).create_entity("plate", "body")
@@ -85,7 +84,7 @@ def _from_above(distance: float = 2.0) -> View:
 
 
 def _edge_of(row: F8, slope: float) -> float:
-    """Where a row of the picture is halfway between shadow and light on the side the shadow falls to [m]."""
+    """Return the position halfway between shadow and light in a row of the picture, on the far side [m]."""
     half, step = 0.5 * (row.min() + row.max()), -1 if slope > 0.0 else 1
     last = np.flatnonzero(row < half)[0 if slope > 0.0 else -1]
     share = (half - row[last]) / (row[last + step] - row[last])
@@ -93,7 +92,7 @@ def _edge_of(row: F8, slope: float) -> float:
 
 
 def edge_error(settings: RenderSettings) -> float:
-    """Mean distance of the plate's shadow from where it belongs [m]; the plate's width where there is none."""
+    """Return the mean error of the edge of the plate's shadow [m]; the width of the plate without a shadow."""
     if not settings.shadow_size:
         return _WIDTH
     apart = []
@@ -105,7 +104,7 @@ def edge_error(settings: RenderSettings) -> float:
 
 
 def yard_us(settings: RenderSettings, posts: int = _POSTS) -> float:
-    """Cost of a frame of the yard [us], in which one post turns."""
+    """Return the cost of a frame of the yard with one rotating post [us]."""
     world = _lit_world(0.4)
     world.meshes |= {"post": box(0.2, 1.0, 0.2), "ball": sphere(0.2, 24)}
     side = int(np.ceil(np.sqrt(posts)))

@@ -1,7 +1,7 @@
-"""Rival methods to bend a body with its joints: what a vertex costs, how far it is off, and what is left of its volume.
+"""Methods of skinning with their cost, the error of vertices and the loss of volume; registered by importing.
 
-Importing this module registers them. Probe of "skinning": a figure of 2 m whose vertices follow four of 64 joints each,
-turned and shifted at random. Probe of "joint mixing": a tube whose lower half is turned about its own axis.
+Probe of "skinning": a figure of 2 m whose vertices follow four of 64 joints each, with random transforms. Probe of
+"joint mixing": a tube whose lower half is rotated around its axis.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def _figure(vertices: int) -> MeshData:
 
 
 def figure_world(vertices: int, skinning: Skinning) -> tuple[World, SkinnedBody]:
-    """A world with one body on joints that stand everywhere, updated."""
+    """Return an updated world with one body on random joints."""
     rng = np.random.default_rng(8)
     world, mesh = World(), _figure(vertices)
     node = world.root.create_child()
@@ -68,7 +68,7 @@ def figure_world(vertices: int, skinning: Skinning) -> tuple[World, SkinnedBody]
 
 @cache
 def _exact(skinning: Skinning) -> F8:
-    """Vertices in double precision throughout."""
+    """Return the vertices in double precision."""
     world, body = figure_world(_VERTICES, skinning)
     mesh, table = body.meshes[_KEY], world.transforms
     assert body.binding is not None and mesh.weights is not None
@@ -141,7 +141,7 @@ def _cost_of_call(bend: Bend, skinning: Skinning, vertices: int) -> float:
 
 
 def _cost_with_driver(by: type[ProcessorSkinning] | type[FeedbackSkinning], skinning: Skinning, vertices: int) -> float:
-    """Bent and in the driver's buffer, to the last vertex."""
+    """Return the cost until the last vertex is in the driver's buffer [us]."""
     world, body = figure_world(vertices, skinning)
     with open_offscreen("auto", (16, 16)) as surface:
         ctx = surface.ctx
@@ -163,7 +163,7 @@ def _cost_with_driver(by: type[ProcessorSkinning] | type[FeedbackSkinning], skin
 
 
 def ring_left(skinning: Skinning, twist: float) -> float:
-    """Radius of the ring in the middle of a tube whose ends are turned against each other [rad], of its own.
+    """Return the relative radius of the central ring of a tube whose ends are rotated by a twist [rad].
 
     By matrices it is cos(twist / 2), by dual quaternions 1.
     """

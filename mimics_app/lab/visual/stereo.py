@@ -1,9 +1,9 @@
-"""Methods to draw the two eyes before a picture: one after the other, or both at once.
+"""Methods to draw two eyes, one after the other or both at once; importing this module registers them.
 
-Importing this module registers them. Cost: processor time of finished frames of both eyes side by side, of a thousand
-small bodies that each have a material of their own, so that calls to the driver are what costs, and of fewer and larger
-ones that share one; sizes count bodies of the first kind. Error: share of the pixels that differ at all from those of
-two passes of the same programs. Viewports are for eyes that are not beside each other: there they are above.
+Cost: processor time of finished frames of both eyes side by side: of a thousand small bodies with a material each,
+bound by calls to the driver, and of fewer and larger ones that share one; sizes count bodies of the first kind. Error:
+share of the pixels that differ from two passes. Viewports need eyes that are not side by side: there one is above the
+other.
 """
 
 from __future__ import annotations
@@ -44,17 +44,17 @@ WORKLOADS: dict[str, tuple[int, int, bool, Size]] = {
     "vertices": (20, 5, False, (640, 720)),
     "pixels": (10, 3, False, (960, 1080)),
 }
-"""Bodies, subdivisions of each (20 triangles times four by each), whether each has a material, and an eye's picture."""
+"""Number of bodies, subdivisions (20 x 4^n triangles), whether each has a material, and size of an eye's picture."""
 
 _TURNS = 15
 _WALL, _DISTANCE = 3.0, 4.0
-"""Side of the square that the bodies fill, and how far it is away [m]."""
+"""Side of the square that the bodies fill, and its distance [m]."""
 _SETTINGS = RenderSettings(msaa=0, tone_map="none", occlusion="off")
 _ERROR_SIZE = (640, 360)
 
 
 def body_world(bodies: int, subdivisions: int, *, own_materials: bool) -> World:
-    """Balls and boxes in rows before a person, all of them seen by both eyes, in the sun and over a floor."""
+    """Return balls and boxes in rows, all visible to both eyes, in the sun and over a floor."""
     across = math.ceil(math.sqrt(bodies))
     step = _WALL / across
     world = World()
@@ -77,7 +77,7 @@ def body_world(bodies: int, subdivisions: int, *, own_materials: bool) -> World:
 
 @contextmanager
 def _opened(world: World, eye_size: Size, *passes: StereoPasses) -> Iterator[list[Callable[[], NDArray[np.uint8]]]]:
-    """For each method something that draws a frame of both eyes and gives it back, all on one picture."""
+    """Open a surface; yield for each method a function that draws a frame of both eyes and returns it."""
     above = "viewports" in passes
     size = (eye_size[0], 2 * eye_size[1]) if above else (2 * eye_size[0], eye_size[1])
     with open_offscreen("auto", size) as surface:
@@ -97,7 +97,7 @@ def _draw(renderer: Renderer, views: Sequence[View], surface: Surface) -> NDArra
 
 
 def show_stereo(world: World, eye_size: Size, *passes: StereoPasses) -> list[NDArray[np.uint8]]:
-    """Pictures of both eyes beside each other, one by each method; above each other where one is viewports.
+    """Return the pictures of both eyes side by side by each method; one above the other where one is viewports.
 
     RGBA, row 0 at the top.
     """
@@ -106,12 +106,12 @@ def show_stereo(world: World, eye_size: Size, *passes: StereoPasses) -> list[NDA
 
 
 def turns(workload: str, *passes: StereoPasses) -> list[list[float]]:
-    """Processor time of frames of a workload by each method [us], frame by frame in turns, all threads together.
+    """Return the processor time of frames of a workload by each method [us], alternately, over all threads.
 
-    Not the time on the wall: whatever else a machine does falls on one method more than on another.
+    Elapsed time would include the other load of the machine.
 
     Raises:
-        DeviceError: nothing here draws without a display.
+        DeviceError: No driver works without a display.
     """
     bodies, subdivisions, own, size = WORKLOADS[workload]
     with _opened(body_world(bodies, subdivisions, own_materials=own), size, *passes) as drawn:
@@ -128,7 +128,7 @@ def _processor_us(work: Callable[[], object]) -> float:
 
 
 def _three_frames_us(passes: StereoPasses) -> float:
-    """Of workloads in which calls, and bodies of different sizes, cost most: no method is cheap by one alone."""
+    """Return the sum over workloads bound by calls and by bodies of different sizes [us]."""
     return sum(median(turns(workload, passes)[0]) for workload in ("draws", "small bodies", "bodies"))
 
 

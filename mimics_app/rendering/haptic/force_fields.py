@@ -6,24 +6,34 @@ A field is a function compiled with the signature `contracts.loop_ports.FIELD`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib.metadata import entry_points
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.loop_ports import FIELD, FIELD_PARAMETERS
-from mimics_app.contracts.plugins import load_plugin
+from mimics_app.contracts.plugins import PluginError, PluginGroup
 from mimics_app.world.components.objects import ForceField
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["ENTRY_POINT_GROUP", "Field", "add_field", "check_field", "field_names", "find_field"]
+__all__ = ["PLUGINS", "Field", "add_field", "check_field", "field_names", "find_field"]
 
 Field = Callable[[Vec, Vec, Vec, float, Vec], None]
 
-ENTRY_POINT_GROUP = "mimics_app.force_fields"
 
+def _fault_of(_: str, field: Any) -> str:
+    """Check the field's signature, and call it once at an ordinary point."""
+    if FIELD not in getattr(field, "nopython_signatures", []):
+        return "is not compiled for the loop; decorate it with typed_kernel(FIELD)"
+    try:
+        field(np.zeros(FIELD_PARAMETERS), np.full(3, 0.01), np.full(3, 0.1), 0.0, np.zeros(3))
+    except Exception as error:  # noqa: BLE001  any exception would end the loop
+        return f"raises {type(error).__name__}, which would end the loop; return a force instead"
+    return ""
+
+
+PLUGINS = PluginGroup("mimics_app.force_fields", _fault_of)
 
 _BUILT_IN = ("cord", "curl", "saddle", "well")
 """Fields of `cord_field` and `standard_fields`, imported and compiled on request."""
@@ -44,7 +54,7 @@ def add_field(name: str, field: Field) -> None:
 
 def field_names() -> list[str]:
     """Return the names of all fields."""
-    return sorted({*_BUILT_IN, *_FIELDS, *(point.name for point in entry_points(group=ENTRY_POINT_GROUP))})
+    return sorted({*_BUILT_IN, *_FIELDS, *PLUGINS.names()})
 
 
 def find_field(name: str) -> Field:
@@ -52,15 +62,17 @@ def find_field(name: str) -> Field:
 
     Raises:
         KeyError: No such field; the message names the nearest.
-        ValueError: The plug-in cannot be imported, is not a compiled field, or raised in a test call.
+        ValueError: The plug-in cannot be imported, is not a compiled field, or raises in a test call.
     """
     if name in _BUILT_IN:
         return _built_in(name)
     if name not in _FIELDS:
-        points = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
-        if name not in points:
+        if name not in PLUGINS.names():
             raise KeyError(f'no force field "{name}"; {nearest(name, field_names())}')
-        _FIELDS[name] = _tried(load_plugin(points[name]))
+        try:
+            _FIELDS[name] = cast(Field, PLUGINS.load(name))
+        except PluginError as error:
+            raise ValueError(f'the force field "{name}" is not available: {error}') from error
     return _FIELDS[name]
 
 
@@ -82,17 +94,3 @@ def _built_in(name: str) -> Field:
     from mimics_app.rendering.haptic import standard_fields
 
     return getattr(standard_fields, name)
-
-
-def _tried(field: Any) -> Field:
-    """Return the field after a check of its signature and a test call at an ordinary point."""
-    compiled = getattr(field, "nopython_signatures", [])
-    if FIELD not in compiled:
-        raise ValueError("the field is not compiled for the loop; decorate it with typed_kernel(FIELD)")
-    try:
-        field(np.zeros(FIELD_PARAMETERS), np.full(3, 0.01), np.full(3, 0.1), 0.0, np.zeros(3))
-    except Exception as error:  # noqa: BLE001  any exception would end the loop
-        raise ValueError(
-            f"the field raises {type(error).__name__}, which would end the loop; return a force instead"
-        ) from None
-    return field

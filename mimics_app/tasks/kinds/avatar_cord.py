@@ -8,7 +8,7 @@ from dataclasses import replace
 from enum import Enum
 from pathlib import Path
 from statistics import fmean
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from msgspec import structs
 
@@ -146,7 +146,7 @@ class AvatarCordPlay(KindPlay):
             if self._asking.done:
                 self._enter(_Phase.OVER, seen.now_ns)
 
-    def holds(self, goal: Any, seen: Observation) -> bool:
+    def holds(self, goal: Component, seen: Observation) -> bool:
         return self._phase is _Phase.OVER
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:

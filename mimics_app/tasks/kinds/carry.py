@@ -163,9 +163,6 @@ class CarryTask(TaskKind):
     cards: ClassVar[tuple[str, ...]] = ("grasp", "placed", "drops")
     report = CarrySection()
 
-    def takes(self, spec: TaskSpec, offers: frozenset[str]) -> bool:
-        return carry_of(spec) is not None
-
     def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
         carry = carry_of(spec)
         if carry is None:

@@ -179,9 +179,6 @@ class GuidedWalkKind(TaskKind):
     cards = ("gap", "steps")
     label = "Path"
 
-    def takes(self, spec: TaskSpec, offers: frozenset[str]) -> bool:
-        return spec.section(self.name) is not None
-
     def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
         if any(isinstance(goal, AtThePlace) for goal in spec.goals) and spec.section(self.name) is None:
             yield (f"{pointer}/goals", "a goal needs the section guided_walk", 'write "guided_walk": {...}')

@@ -91,10 +91,10 @@ def stance_share(speed: float) -> float:
     return min(0.72, max(0.56, NATURAL_STANCE + 0.13 * (_NATURAL - speed)))
 
 
-def knee_by_speed(speed: float, height: float = _HEIGHT) -> F8:
-    """Return the knee flexion of the regression at a speed [m/s] for a body height [m], [degrees], [50]."""
+def knee_by_speed(speed: float) -> F8:
+    """Return the knee flexion of the regression at a speed [m/s], [degrees], [50]."""
     kmh = 3.6 * min(max(speed, 0.14), 1.39)  # the measured range
-    terms = np.array([1.0, kmh, kmh * kmh, height])
+    terms = np.array([1.0, kmh, kmh * kmh, _HEIGHT])
     when, angle, slope, bend = (np.array(rows) @ terms for rows in (_WHEN, _ANGLE, _SLOPE, _BEND))
     when = np.append(when, 100.0)
     at = np.arange(SAMPLES) * 100.0 / SAMPLES

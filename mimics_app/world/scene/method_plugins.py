@@ -8,22 +8,19 @@ ones, and the planner takes them where they are the cheapest within a scene's to
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import entry_points
+from typing import cast
 
 from mimics_app.contracts.errors import nearest
 from mimics_app.contracts.method_table import Row
 from mimics_app.contracts.methods import Registry, Settings
-from mimics_app.contracts.plugins import load_plugin
+from mimics_app.contracts.plugins import PluginGroup
 from mimics_app.world.components.tolerance_units import FIELD_OF_UNIT
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["ENTRY_POINT_GROUP", "MethodPlugin", "Use", "fault_of_method", "method_plugins"]
-
-ENTRY_POINT_GROUP = "mimics_app.methods"
+__all__ = ["PLUGINS", "MethodPlugin", "Use", "method_plugins"]
 
 
 def _anything(scene: Scene, settings: Settings) -> bool:
@@ -82,31 +79,22 @@ class MethodPlugin:
     use: Use | None = None
 
 
+def _fault_of(_: str, loaded: object) -> str:
+    if not isinstance(loaded, MethodPlugin):
+        return f"is not a {__name__}.MethodPlugin"
+    for row in loaded.rows:
+        if loaded.use is not None and row.unit not in FIELD_OF_UNIT:
+            return f'has errors in "{row.unit}", which no tolerance bounds; {nearest(row.unit, FIELD_OF_UNIT)}'
+    return ""
+
+
+PLUGINS = PluginGroup("mimics_app.methods", _fault_of)
+
+
 @cache
 def method_plugins() -> tuple[MethodPlugin, ...]:
     """Return the method plug-ins of installed packages, by name of the entry point.
 
-    One that cannot be imported, or has a fault (`fault_of_method`), is left out and reported on stderr once.
+    One that cannot be imported, or is not a `MethodPlugin`, is skipped and reported on stderr once.
     """
-    found = list[MethodPlugin]()
-    for point in sorted(entry_points(group=ENTRY_POINT_GROUP)):
-        try:
-            plugin = load_plugin(point)
-            fault = fault_of_method(plugin)
-        except ValueError as error:
-            fault = str(error)
-        if fault:
-            sys.stderr.write(f'mimics: the methods "{point.name}" are left out: {fault}\n')
-        else:
-            found.append(plugin)
-    return tuple(found)
-
-
-def fault_of_method(loaded: object) -> str:
-    """Return why an object is not a method plug-in; "" where it is one."""
-    if not isinstance(loaded, MethodPlugin):
-        return f"its plug-in is not a {__name__}.MethodPlugin"
-    for row in loaded.rows:
-        if loaded.use is not None and row.unit not in FIELD_OF_UNIT:
-            return f'no tolerance bounds an error in "{row.unit}"; {nearest(row.unit, FIELD_OF_UNIT)}'
-    return ""
+    return tuple(cast(MethodPlugin, plugin) for _, plugin in PLUGINS.load_sound("entry of methods"))

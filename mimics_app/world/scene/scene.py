@@ -282,7 +282,9 @@ class Scene:
 
     def check_entity_with(self, wanted: type[msgspec.Struct], pointer: str, name: str) -> list[Issue]:
         """Check the id at `pointer` of an entity that must have a component of a type."""
-        known = [*(entity for entity, _, _ in self.components(wanted)), *self.broken]
+        if name in self.broken:
+            return []
+        known = [entity for entity, _, _ in self.components(wanted)]
         types = "".join(key for key, struct in component_types().items() if struct is wanted)
         return self._unknown(pointer, f'entity with a "{types}"', name, known)
 

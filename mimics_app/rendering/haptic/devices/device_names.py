@@ -5,20 +5,18 @@ Commands check a name here before they import compiled code, so that an unknown 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from mimics_app.contracts.errors import DeviceError, nearest
-from mimics_app.contracts.plugins import load_plugin
+from mimics_app.contracts.plugins import PluginError, PluginGroup
 from mimics_app.rendering.haptic.devices.address import split_device
 
 if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
-
     from mimics_app.rendering.haptic.devices.request import DeviceBuilder
 
 __all__ = [
     "ADDRESSES",
-    "ENTRY_POINT_GROUP",
+    "PLUGINS",
     "POINTER",
     "REPLAY",
     "SIMULATED",
@@ -27,7 +25,12 @@ __all__ = [
     "find_plugin",
 ]
 
-ENTRY_POINT_GROUP = "mimics_app.devices"
+
+def _fault_of(_: str, loaded: object) -> str:
+    return "" if callable(loaded) else "cannot be called to make a device"
+
+
+PLUGINS = PluginGroup("mimics_app.devices", _fault_of)
 
 SIMULATED = "simulated_hapticmaster"
 """Default device: a simulated HapticMaster held by a simulated person."""
@@ -54,30 +57,29 @@ addresses itself."""
 
 def device_names() -> list[str]:
     """Return the names of all devices: built-in first, then installed plug-ins."""
-    return [*ADDRESSES, *sorted(set(_installed()) - set(ADDRESSES))]
+    return [*ADDRESSES, *sorted(set(PLUGINS.names()) - set(ADDRESSES))]
 
 
 def find_plugin(name: str) -> DeviceBuilder:
     """Return the builder of a plug-in device.
 
     Raises:
-        DeviceError: No such device, or its plug-in cannot be imported.
+        DeviceError: No such device, or its plug-in cannot be loaded.
     """
-    installed = _installed()
+    installed = PLUGINS.names()
     if name not in installed:
         raise DeviceError(f'there is no device "{name}"', nearest(name, [*ADDRESSES, *installed]))
     try:
-        builder: DeviceBuilder = load_plugin(installed[name])
-    except ValueError as fault:
-        raise DeviceError(f'there is no device "{name}": {fault}') from fault
-    return builder
+        return cast("DeviceBuilder", PLUGINS.load(name))
+    except PluginError as error:
+        raise DeviceError(f'the device "{name}" is not available: {error}') from error
 
 
 def check_device_name(text: str) -> None:
     """Check NAME or NAME:ADDRESS of `robot.device` or `--device` without opening the device.
 
     Raises:
-        DeviceError: No such device, its plug-in cannot be imported, or an address is missing or not allowed.
+        DeviceError: No such device, its plug-in cannot be loaded, or an address is missing or not allowed.
     """
     device = split_device(text)
     if device.name not in ADDRESSES:
@@ -88,9 +90,3 @@ def check_device_name(text: str) -> None:
         raise DeviceError(f'"{device.name}" is built in and has no address', f'write "{device.name}"')
     if wanted and not device.address:
         raise DeviceError(f'"{device.name}" needs an address', f"write {device.name}:{wanted}")
-
-
-def _installed() -> dict[str, EntryPoint]:
-    from importlib.metadata import entry_points
-
-    return {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}

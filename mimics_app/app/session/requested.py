@@ -1,8 +1,7 @@
-"""Checks of the settings of a run, before compiled code and graphics are imported."""
+"""Checks of the requested scene and trials of a run, before compiled code and graphics are imported."""
 
 from __future__ import annotations
 
-from mimics_app.app.picture.shown_on import check_display
 from mimics_app.app.scenes.loading import read_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.tasks.scene_section import task_of
@@ -13,27 +12,31 @@ from mimics_app.tasks.trials import check_first_trial, repeated, trial_blocks
 from mimics_app.world.components.systems import DisplaySettings
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["as_long_as_asked", "read_asked"]
+__all__ = ["read_requested", "with_requested_trials"]
 
 
-def read_asked(settings: RunSettings) -> Scene:
-    """The scene of a run, not yet checked by the stages; it has the trial to begin with, its display's file is right.
+def read_requested(settings: RunSettings) -> Scene:
+    """Read the scene of a run, and check that its first trial exists and the file of its display is right.
+
+    The stages have not checked it yet.
 
     Raises:
-        SceneError: the scene or the file of the display is wrong.
-        UsageError: the session has no such trial.
+        SceneError: The scene or the file of the display is faulty.
+        UsageError: The session has no such trial.
     """
     scene = read_scene(settings.scene)
     if settings.display or scene.system(DisplaySettings) is not None:
+        from mimics_app.app.picture.shown_on import check_display
+
         check_display(scene, settings.display)
-    task = as_long_as_asked(resolve_trials(task_of(scene), scene.path.parent, scene.root), settings)
+    task = with_requested_trials(resolve_trials(task_of(scene), scene.path.parent, scene.root), settings)
     trials = sum(len(block.trials) * block.repetitions for block in trial_blocks(task))
     check_first_trial(settings.from_trial, trials)
     return scene
 
 
-def as_long_as_asked(task: TaskSpec, settings: RunSettings) -> TaskSpec:
-    """The task, its trial file read, with as many trials as the run is to have."""
+def with_requested_trials(task: TaskSpec, settings: RunSettings) -> TaskSpec:
+    """Return a task, whose trial file has been read, with the number of trials of the run."""
     task = with_trials(task, settings.trials, settings.seed)
     if settings.learn and settings.seconds is not None:
         return repeated(task, settings.seconds)
