@@ -72,7 +72,7 @@ class Block:
 
 
 @cache
-def parameters_schema() -> Any:
+def parameters_schema() -> pa.Schema:
     """Return the schema of parameters.arrows: `sequence`, and `block`, the bytes of a SCENE record and its rows."""
     metadata = {
         "format": "mimics parameter blocks",
@@ -196,7 +196,7 @@ def _tuples(description: str | list[Any]) -> Any:
 
 
 @cache
-def compressed() -> Any:
+def compressed() -> pa.ipc.IpcWriteOptions:
     """Return the write options: Zstandard at level 1, a tenth of a millisecond per block."""
     return pa.ipc.IpcWriteOptions(compression=pa.Codec("zstd", 1))
 
@@ -220,7 +220,7 @@ def encode_batch(
     return sink.getvalue()[len(schema_bytes(batch.schema)) :]  # without the end mark, for the writer is not closed
 
 
-def decode_batch(data: bytes | memoryview, schema: pa.Schema) -> tuple[Any, int, int, int]:
+def decode_batch(data: bytes | memoryview, schema: pa.Schema) -> tuple[pa.RecordBatch, int, int, int]:
     """Return a block's record batch, its number, that of its first row, and its checksum, which is not verified.
 
     Raises:

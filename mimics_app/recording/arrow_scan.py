@@ -68,7 +68,7 @@ def read_index(path: Path) -> NDArray[Any]:
     return rows[kept]
 
 
-def read_schema(path: Path) -> Any | None:
+def read_schema(path: Path) -> pa.Schema | None:
     """Return the schema of a stream, None where its start is damaged."""
     try:
         with open_regular(path) as stream:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass
 from functools import cache
-from typing import Any
 
 import msgspec
 import numpy as np
@@ -62,7 +61,7 @@ class SampleLayout:
 
 
 @cache
-def samples_schema(extent: Extent = HAPTICMASTER) -> Any:
+def samples_schema(extent: Extent = HAPTICMASTER) -> pa.Schema:
     """Return the schema of haptic.arrows: `t` [s], and `sample`, a list of the other columns that the device fills."""
     names, units = column_names(extent)[1:], column_units(extent)[1:]
     metadata = {

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 
 from mimics_app.contracts.environment import clock_pair
 from mimics_app.contracts.errors import Issue, SceneError
@@ -212,7 +213,7 @@ def _repair_signals(folder: Path) -> list[str]:
     return _repair_stream(path, signals_schema(), decode_signals) if os.path.lexists(path) else []
 
 
-def _repair_stream(path: Path, schema: Any, decode: Callable[[memoryview], Block]) -> list[str]:
+def _repair_stream(path: Path, schema: pa.Schema, decode: Callable[[memoryview], Block]) -> list[str]:
     """Rewrite a stream that fits in memory with its valid blocks only."""
     data = read_or_nothing(path)
     found, damages = sorted_scan(path, decode, schema)

@@ -36,7 +36,7 @@ _Sent = Sequence[tuple[int, int, str, float, bytes]]
 
 
 @cache
-def signals_schema() -> Any:
+def signals_schema() -> pa.Schema:
     """Return the schema of signals.arrows."""
     fields = [
         pa.field("frame", pa.int64(), nullable=False),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +11,10 @@ import numpy as np
 import pytest
 import soundfile
 
-from mimics_app.contracts import triple_buffer
+from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.contracts.sound_scene import SOUND_SCENE, fill_defaults
 from mimics_app.rendering.audio.live_latency import (
@@ -136,6 +139,38 @@ def test_a_steady_tone_has_no_gaps(mixer, tmp_path):
         if found[-1] == 0:
             return
     pytest.fail(f"breaks in each of {ROUNDS} rounds: {found}")
+
+
+@needs_pulse
+@pytest.mark.parametrize("mixer", ["openal", "spectral"])
+def test_a_process_that_was_stopped_counts_the_silence_and_queues_more(mixer):
+    """Every contact after it is heard at the new latency, which keeps the bound."""
+    memory, clock = SessionMemory(), MonotonicClock()
+    event = np.zeros(1, EVENT)
+    ring.push(memory.audio_event_words, memory.audio_events, event)  # compiles the call
+    event["kind"], event["speed"], event["force"], event["body_b"] = EventKind.CONTACT_BEGIN, 0.6, 10.0, -1
+    with private_pulse_server() as environment, Monitor(environment):  # which keeps the sink from idling
+        settings = AudioSettings(
+            sounds={"contact": SoundSpec(recipe="tick")}, triggers={"contact": "contact"}, scrape="", mixer=mixer,
+            driver="pulse", environment=environment,
+        )  # fmt: skip
+        audio = AudioProcess(memory, settings)
+        audio.start()
+        opened = audio.wait_ready(60.0)
+        clock.sleep_until_ns(clock.now_ns() + 300 * MS)
+        os.kill(audio.pid, signal.SIGSTOP)
+        clock.sleep_until_ns(clock.now_ns() + 60 * MS)
+        os.kill(audio.pid, signal.SIGCONT)
+        clock.sleep_until_ns(clock.now_ns() + 300 * MS)
+        event["t_ns"] = clock.now_ns()
+        ring.push(memory.audio_event_words, memory.audio_events, event)
+        clock.sleep_until_ns(clock.now_ns() + 200 * MS)
+        report = audio.stop()
+    assert opened.sink == "device" and not report.crashed
+    assert report.underruns >= 1 and report.queue["least_left_ms"] < -30.0
+    assert opened.latency_ms + 5.0 < report.queue["latency_ms"] <= BOUND_MS
+    assert report.queue["changes"][-1][1] == report.queue["ms"] == report.queue["longest_ms"]
+    assert len(report.rows) == 1 and opened.latency_ms < report.rows[0].latency_ms
 
 
 def recording(late_ms: dict[int, int], chunks: int = 1000) -> tuple[np.ndarray, np.ndarray]:

@@ -268,7 +268,7 @@ def test_shipped_table_draft_and_study_choose_differently(scene):
 
 
 def test_the_spectral_mixer_is_cheaper_and_taken_only_where_it_is_asked_for(scene):
-    """Live it is heard later: see decision 155."""
+    """It starts with more work: see decision 200."""
     table = Table.load_shipped()
     costs = {r.method: r.cost_us for r in table.groups["spatialiser"]}
     assert costs["spectral"] < costs["hrtf"]

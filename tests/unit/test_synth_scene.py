@@ -31,6 +31,19 @@ def test_surfaces_are_reported_apart_by_their_brightness():
 
 
 @pytest.mark.parametrize("surface", list(synth_scene.SURFACES))
+def test_a_step_is_loud_where_the_ground_is_loaded(surface):
+    """At the heel and the sole, within 0.12 s; the foot rolls quietly, and the toe is heard above that."""
+    for take in range(synth_scene.STEP_TAKES):
+        step = synth_scene.synthesise_step(surface, take).astype(np.float64)
+        heel, rolling, toe = (
+            np.sqrt(np.mean(step[round(a * RATE) : round(b * RATE)] ** 2))
+            for a, b in ((0.0, 0.04), (0.18, 0.26), (0.31, 0.37))
+        )
+        assert heel > 2.0 * toe and toe > 1.2 * rolling > 0.0, take
+        assert np.argmax(np.abs(step)) < 0.12 * RATE, take
+
+
+@pytest.mark.parametrize("surface", list(synth_scene.SURFACES))
 def test_consecutive_steps_are_never_the_same_recording(surface):
     steps = [synth_scene.synthesise_step(surface, take).astype(np.float64) for take in range(synth_scene.STEP_TAKES)]
     for one, other in pairwise(steps):
@@ -70,6 +83,22 @@ def test_a_roused_crowd_is_brighter_and_a_kick_has_slap_and_body():
     kick = np.abs(np.fft.rfft(synth_scene.synthesise_kick().astype(np.float64))) ** 2
     frequency = np.fft.rfftfreq(int(0.3 * RATE), 1 / RATE)
     assert kick[frequency > 700].sum() > 0.1 * kick.sum() and kick[frequency < 400].sum() > 0.2 * kick.sum()
+
+
+def test_a_crowd_claps_the_more_the_more_it_is_roused_and_a_gust_is_brighter():
+    def crest(samples: np.ndarray) -> float:
+        """Of the band of claps, above the vowels."""
+        spectrum = np.fft.rfft(samples.astype(np.float64))
+        spectrum[np.fft.rfftfreq(len(samples), 1 / RATE) < 2000.0] = 0.0
+        band = np.fft.irfft(spectrum, len(samples))
+        return float(np.abs(band).max() / band.std())
+
+    assert crest(synth_scene.synthesise_crowd(RATE, 0.8)) > 1.2 * crest(synth_scene.synthesise_crowd(RATE, 0.0))
+    wind = synth_scene.synthesise_wind(RATE).reshape(-1, RATE // 4).astype(np.float64)
+    by_level = sorted(wind, key=lambda part: float(np.mean(part**2)))
+    assert np.mean([centroid(part) for part in by_level[-6:]]) > 1.2 * np.mean(
+        [centroid(part) for part in by_level[:6]]
+    )
 
 
 def test_the_names_a_scene_may_use_are_those_of_the_bank():

@@ -170,6 +170,19 @@ def test_whatever_the_stalls_contact_to_sound_stays_within_20_ms():
     assert stage.queue.frames == stage.queue.report()["longest_ms"] * 48
 
 
+def test_a_device_that_begins_late_delays_no_later_sound():
+    """An idle null sink takes nothing for up to two seconds, and then in real time."""
+    stage = Stage()
+    taken = stage.device._taken
+    stage.device._taken = lambda: 0  # type: ignore[method-assign]
+    stage.play(1.5)
+    pause = stage.clock.now_ns() * RATE // 1_000_000_000 // 64 * 64
+    stage.device._taken = lambda: taken() - pause  # type: ignore[method-assign]
+    stage.play(0.1)
+    assert np.median(stage.delays()) + pause == pytest.approx(288 + 48, abs=12.0)
+    assert stage.queue.underruns == 0
+
+
 def test_a_gap_that_only_the_server_has_noticed_counts():
     stage = Stage()
     stage.play(0.1)

@@ -180,7 +180,7 @@ _WHOLE_SAMPLES_US = 23.0
 def _may_spatialise(scene: Scene, settings: Settings) -> bool:
     """Allow the methods that agree with the scene; the spectral mixer only where it is named or needed.
 
-    It is cheaper and more accurate, but its live latency is 4 ms longer (decision 155), which no cost here includes.
+    It is cheaper and more accurate, but takes 2.3 s longer to start (decision 200), which no cost here includes.
     """
     audio, itd_us = audio_of(scene), (scene.system(Tolerances) or Tolerances()).itd_us
     only_spectral = audio.sofa is not None or (audio.hrtf is False and audio.speakers != "stereo")

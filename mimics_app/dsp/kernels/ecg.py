@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
+from mimics_app.dsp.kernels.rhythm import LAST, RHYTHM, RR, add_beat, off_beat, steadiness
 from mimics_app.dsp.kernels.sections import Floats, run_sections, settle_sections
 
 __all__ = ["ECG_STATE", "find_beats"]
@@ -21,10 +22,8 @@ __all__ = ["ECG_STATE", "find_beats"]
 (
     SPK,
     NPK,
-    LAST,
     CAND_T,
     CAND_V,
-    RR,
     SUM,
     BACK_T,
     BACK_V,
@@ -33,27 +32,24 @@ __all__ = ["ECG_STATE", "find_beats"]
     MISSING,
     LEARNT,
     KEPT,
-    UNSTEADY,
-    PHASE,
     LOW2,
     LOW4,
     HIGH2,
     HIGH4,
     UPPER,
     BEGIN,
-) = range(22)
-ECG_STATE = 22
-"""Length of the state vector: signal level and noise level, sample of the last beat, candidate and its energy, mean RR,
-running sum of squares, best rejected candidate, samples seen, last valid input, consecutive NaN, whether the levels are
-learnt, candidates kept until then, mean relative deviation of the intervals, sample of the rhythm model's last beat,
-means of the second and fourth power of the lower and of the upper band, share of the upper band in the filtered signal,
-sample at which the learning phase began."""
+) = range(RHYTHM, RHYTHM + 18)
+ECG_STATE = RHYTHM + 18
+"""Length of the state vector: the rhythm, signal level and noise level, candidate and its energy, running sum of
+squares, best rejected candidate, samples seen, last valid input, consecutive NaN, whether the levels are learnt,
+candidates kept until then, means of the second and fourth power of the lower and of the upper band, share of the upper
+band in the filtered signal, sample at which the learning phase began."""
 
 _NEVER = 10.0
 """Time since the last beat that is assumed before the first one [s]."""
 
-_USUAL_RR, _LONGEST_RR = 0.8, 1.2
-"""Expected interval while none is known, and upper limit of the first one [s]."""
+_USUAL_RR = 0.8
+"""Expected interval while none is known [s]."""
 
 _NOISE_CAP = 0.8
 """Largest contribution of a rejected peak to the noise level, as a share of the signal level."""
@@ -61,24 +57,14 @@ _NOISE_CAP = 0.8
 _REFRACTORY = 0.36
 """A peak within this time of a beat [s] is its T wave, not a missed beat (Pan & Tompkins)."""
 
-_FASTEST_RR, _MISSED_RR = 0.25, 1.7
-"""Range of plausible intervals: from this time [s] to this multiple of the mean; beyond, a beat is false or missed."""
-
-_DOUBTFUL_SHARE, _DOUBTFUL_RR = 0.05, 2.0
-"""Weight of an implausible interval in the mean, and upper limit of its length [s]."""
-
 _TINY = 1e-12
 """Keeps a ratio of levels finite [mV]."""
 _STILL = 1e-9
 """Energy of a flat line: no candidate lies below [mV]."""
 _MOST_GAIN = 8.0
 """Largest gain that scales the upper band to the amplitude of the lower one."""
-_FOLLOW = 0.1
-"""Weight of a new interval in the mean relative deviation."""
 _LEAST_FACTOR = 0.1
 """Smallest threshold between the noise level (0) and the signal level (1), however well a peak is in time."""
-_MOST_UNSTEADY = 0.5
-"""Upper limit of the relative deviation of one interval."""
 
 
 @kernel
@@ -92,20 +78,22 @@ def find_beats(
     rate: float,
     delays: Floats,
     tuning: Floats,
+    wide: Floats,
     out: Floats,
 ) -> int:
     """Process samples and write the beats found.
 
     Args:
         x: New samples, shape [n]; NaN where the sensor gave none.
-        sos: Lower and upper band-pass as second order sections, shape [2, s, 6].
-        z: Filter states, shape [2, s, 2].
+        sos: Lower, upper and wide band-pass as second order sections, shape [3, s, 6].
+        z: Filter states, shape [3, s, 2].
         state: See ECG_STATE.
         ring: Ring buffer of band-passed samples, shape [1, m].
         kept: Candidates of the learning phase, shape [k, 2]: sample and energy.
         rate: Sampling rate [Hz].
-        delays: Group delays of the band-passes [samples], shape [2].
+        delays: Group delays of the band-passes [samples], shape [3].
         tuning: See `ecg.TUNING`.
+        wide: Receives the samples filtered by the wide band-pass, shape [n or more].
         out: Beats, shape [b, 3]: sample of the R peak, sample at which it is known, its energy over the noise level.
 
     Returns:
@@ -120,14 +108,15 @@ def find_beats(
             value = state[HELD]
         else:
             if state[MISSING] > 0.5 * rate or state[MISSING] == state[N]:
-                settle_sections(value, sos[0], z[0])
-                settle_sections(value, sos[1], z[1])
+                for band in range(sos.shape[0]):
+                    settle_sections(value, sos[band], z[band])
                 if state[LEARNT] == 0.0:
                     state[LAST], state[BEGIN], state[KEPT] = -1.0, state[N], 0.0
                 else:
                     state[LAST] = state[N]
             state[MISSING] = 0.0
             state[HELD] = value
+        wide[i] = run_sections(value, sos[2], z[2])
         value = _blend(run_sections(value, sos[0], z[0]), run_sections(value, sos[1], z[1]), state, rate, tuning)
         n = int(state[N])
         old = ring[0, (n - w) % m]
@@ -257,7 +246,7 @@ def _judge(
     expected = state[RR] if state[RR] > 0.0 else _USUAL_RR * rate
     share = min(since / expected, 2.0)
     factor = tuning[7] + (tuning[8] - tuning[7]) * max(1.0 - share / tuning[9], 0.0)
-    factor = max(factor + _rhythm(_off(t, share, state), state, tuning), _LEAST_FACTOR)
+    factor = max(factor + _rhythm(off_beat(t, share, state), state, tuning), _LEAST_FACTOR)
     if v > state[NPK] + factor * (state[SPK] - state[NPK]):
         return _accept(t, v, n, state, ring, delay, tuning, rate, out, count)
     state[NPK] += tuning[11] * (min(v, _NOISE_CAP * state[SPK]) - state[NPK])
@@ -267,20 +256,11 @@ def _judge(
 
 
 @kernel
-def _off(t: float, share: float, state: Floats) -> float:
-    """Return the offset of a peak from the nearest expected beat, as a share of the mean interval."""
-    if state[RR] == 0.0:
-        return share - 1.0
-    since = (t - state[PHASE]) / state[RR]
-    return since - max(np.floor(since + 0.5), 1.0)
-
-
-@kernel
 def _trust(state: Floats, tuning: Floats) -> float:
     """Return the weight of the rhythm, 0 to 1: 0 where beats stand out clearly or the intervals are irregular."""
     clear = state[SPK] / max(state[NPK], _TINY)
     noisy = min(max((tuning[16] - clear) / (tuning[16] - tuning[17]), 0.0), 1.0)
-    return noisy * max(1.0 - state[UNSTEADY] / tuning[20], 0.0)
+    return noisy * steadiness(state, tuning[20])
 
 
 @kernel
@@ -307,38 +287,10 @@ def _accept(
     for j in range(max(t - int(tuning[0] * rate), 0, n - m + 1), t + 1):
         if abs(ring[0, j % m]) > best:
             best, at = abs(ring[0, j % m]), j
-    if state[RR] > 0.0 and _trust(state, tuning) > tuning[21]:
-        _entrain(t, state, tuning)
-    elif state[LAST] >= 0.0:
-        state[PHASE] = t
-        rr = t - state[LAST]
-        if state[RR] > 0.0:
-            state[UNSTEADY] += _FOLLOW * (min(abs(rr / state[RR] - 1.0), _MOST_UNSTEADY) - state[UNSTEADY])
-        if state[RR] == 0.0:
-            state[RR] = min(rr, _LONGEST_RR * rate)
-        elif _FASTEST_RR * rate < rr < _MISSED_RR * state[RR]:
-            state[RR] += tuning[14] * (rr - state[RR])
-        else:
-            state[RR] += _DOUBTFUL_SHARE * (min(rr, _DOUBTFUL_RR * rate) - state[RR])
-    else:
-        state[PHASE] = t
-    state[LAST] = t
+    add_beat(t, state, _trust(state, tuning), rate, tuning)
     state[SPK] += tuning[10] * (min(v, tuning[15] * state[SPK]) - state[SPK])
     state[BACK_V] = 0.0
     if count < out.shape[0]:
         out[count, 0], out[count, 1], out[count, 2] = at - delay, n, v / max(state[NPK], _TINY)
         count += 1
     return count
-
-
-@kernel
-def _entrain(t: int, state: Floats, tuning: Floats) -> None:
-    """Adjust the rhythm model to a beat near an expected one; any other beat only counts as irregular."""
-    off = _off(t, 1.0, state)
-    if abs(off) < tuning[22]:
-        near = max(np.floor((t - state[PHASE]) / state[RR] + 0.5), 1.0)
-        state[PHASE] = t - (1.0 - tuning[23]) * off * state[RR]
-        state[RR] *= 1.0 + tuning[14] * off / near
-        state[UNSTEADY] += _FOLLOW * (min(abs(off), _MOST_UNSTEADY) - state[UNSTEADY])
-        return
-    state[UNSTEADY] += tuning[24] * (_MOST_UNSTEADY - state[UNSTEADY])

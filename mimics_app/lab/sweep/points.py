@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -20,14 +19,14 @@ def count_points(sweep: Sweep) -> int:
     return math.prod(count_values(values) for values in sweep.parameters.values())
 
 
-def points_between(sweep: Sweep, experiment: SweepExperiment, start: int, stop: int) -> dict[str, list[Any]]:
+def points_between(sweep: Sweep, experiment: SweepExperiment, start: int, stop: int) -> dict[str, list[Scalar]]:
     """Return the parameter values of points start .. stop - 1, by name.
 
     Parameters are in the order of their names: on a grid the last one varies fastest, in a sample each value comes from
     the point's own stream of random numbers.
     """
     names = sorted(sweep.parameters)
-    kinds: dict[str, Kind] = {name: _kind(experiment, name) for name in names}
+    kinds = {name: experiment.kind(name) for name in names}
     if sweep.sample is not None:
         drawn = [_drawn(sweep, names, kinds, point, sweep.sample.seed) for point in range(start, stop)]
     else:
@@ -35,15 +34,8 @@ def points_between(sweep: Sweep, experiment: SweepExperiment, start: int, stop: 
     return {name: [row[name] for row in drawn] for name in names}
 
 
-def _kind(experiment: SweepExperiment, name: str) -> Kind:
-    quantity = experiment.quantity(name)
-    if quantity is None:
-        raise KeyError(f'"{experiment.name}" has no parameter "{name}"')
-    return quantity.kind
-
-
-def _on_grid(sweep: Sweep, names: list[str], kinds: dict[str, Kind], point: int) -> dict[str, Any]:
-    row: dict[str, Any] = {}
+def _on_grid(sweep: Sweep, names: list[str], kinds: dict[str, Kind], point: int) -> dict[str, Scalar]:
+    row: dict[str, Scalar] = {}
     for name in reversed(names):
         values = sweep.parameters[name]
         count = count_values(values)
@@ -53,9 +45,9 @@ def _on_grid(sweep: Sweep, names: list[str], kinds: dict[str, Kind], point: int)
     return row
 
 
-def _drawn(sweep: Sweep, names: list[str], kinds: dict[str, Kind], point: int, seed: int) -> dict[str, Any]:
+def _drawn(sweep: Sweep, names: list[str], kinds: dict[str, Kind], point: int, seed: int) -> dict[str, Scalar]:
     shares = np.random.Generator(np.random.Philox(key=np.array([seed, point], np.uint64))).random(len(names))
-    row: dict[str, Any] = {}
+    row: dict[str, Scalar] = {}
     for name, share in zip(names, shares.tolist(), strict=True):
         values = sweep.parameters[name]
         if not isinstance(values, Range):
@@ -80,5 +72,7 @@ def _between(values: Range, share: float) -> float:
     return values.low + share * (values.high - values.low)
 
 
-def _typed(value: Any, kind: Kind) -> Scalar:
-    return str(value) if kind == "text" else round(value) if kind == "int" else float(value)
+def _typed(value: Scalar, kind: Kind) -> Scalar:
+    if kind == "text" or isinstance(value, str):
+        return str(value)
+    return round(value) if kind == "int" else float(value)

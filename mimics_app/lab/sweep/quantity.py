@@ -86,6 +86,17 @@ class SweepExperiment:
             return Quantity("float", "", None)
         return self.parameters.get(name)
 
+    def kind(self, name: str) -> Kind:
+        """Return the type of a parameter's values.
+
+        Raises:
+            KeyError: The experiment has no such parameter.
+        """
+        quantity = self.quantity(name)
+        if quantity is None:
+            raise KeyError(f'"{self.name}" has no parameter "{name}"')
+        return quantity.kind
+
     def as_dict(self) -> dict[str, Any]:
         """Return parameters and results for `mimics sweep --list --json`."""
         return {

@@ -51,7 +51,7 @@ def pack(sweep: Sweep, experiment: SweepExperiment, chunk: Chunk, values: Column
     """Return a finished chunk as Arrow data: point, parameters in the order of their names, results."""
     import pyarrow as pa
 
-    kinds: dict[str, Kind] = {name: _kind_of(experiment, name) for name in sorted(values)}
+    kinds: dict[str, Kind] = {name: experiment.kind(name) for name in sorted(values)}
     columns: dict[str, Sequence[Any]] = {"point": range(*chunk), **{name: values[name] for name in kinds}}
     kinds = {"point": "int", **kinds, **experiment.results}
     columns.update({name: results[name] for name in experiment.results})
@@ -62,11 +62,6 @@ def pack(sweep: Sweep, experiment: SweepExperiment, chunk: Chunk, values: Column
     with pa.ipc.new_file(sink, schema) as writer:
         writer.write_table(table.combine_chunks())
     return bytes(sink.getvalue())
-
-
-def _kind_of(experiment: SweepExperiment, name: str) -> Kind:
-    quantity = experiment.quantity(name)
-    return "float" if quantity is None else quantity.kind
 
 
 class ChunkStore:

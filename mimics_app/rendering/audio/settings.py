@@ -107,7 +107,7 @@ class AudioSettings:
         sofa: SOFA file of a measured head; None: a computed head of `head_width`. "spectral" only.
         head_width: Distance between the ears of the computed head [m].
         rate: Samples per second requested.
-        period: Frames per period of a live device, three periods queued; 64 to 192 keep contact to sound below 20 ms.
+        period: Frames that a live device takes at once; 64 to 192 keep contact to sound below 20 ms.
         block: Frames per block of a file.
         voices: Maximum number of voices.
         realtime: Request SCHED_FIFO with a priority below the haptic loop's, where the system grants it.

@@ -36,6 +36,9 @@ _BOUND_S = 0.02
 _DRIVEN_NS = 20_000_000
 """Time after the last sample of a force-driven sound within which another is expected [ns]: twenty ticks."""
 
+_PAUSE_NS = 50_000_000
+"""Time without consumption after which the device counts as paused [ns], as an idle null sink does for up to 2 s."""
+
 _DRIFT = 0.02
 """Relative rate at which the device may fall behind our clock: far above the tolerance of crystals, so that a pause of
 the device is followed within a second, and so small that a reading every 1.7 ms moves no sound by more than 50 us."""
@@ -70,6 +73,7 @@ class StreamedMixer:
         self.queue = QueueLength(shortest_queue(stream.period), longest, LIVE_BLOCK, stream.period, self.rate)
         self._set_ns = clock.now_ns()
         self._driven_ns = 0
+        self._taken, self._taken_ns = 0, self._set_ns
         mixer.timing = Timing(self._set_ns, self.queue.frames + _READING, mixer.timing.pipeline)
         self.render(LIVE_BLOCK)
 
@@ -159,10 +163,14 @@ class StreamedMixer:
             ran_empty: Whether the stream begins anew.
         """
         timing, wanted = self._mixer.timing, self.queue.frames + _READING
-        read = now - (self.position - ahead) * 1_000_000_000 // self.rate
+        taken = self.position - ahead
+        if taken != self._taken:
+            self._taken, self._taken_ns = taken, now
+        paused = now - self._taken_ns > _PAUSE_NS
+        read = now - taken * 1_000_000_000 // self.rate
         slack = round((now - self._set_ns) * _DRIFT)
         self._set_ns = now
-        origin = read if ran_empty else min(read, timing.origin_ns + slack)
+        origin = read if ran_empty or paused else min(read, timing.origin_ns + slack)
         drained = ahead <= self.queue.frames  # a shortened queue is first played down to its new length
         latency = wanted if drained or wanted > timing.latency else timing.latency
         self._mixer.timing = Timing(origin, latency, timing.pipeline)

@@ -1,0 +1,89 @@
+"""Rhythm of the heart: interval and phase of the beats, and how regular they are.
+
+On a clear signal the last beat is the reference of the next one. Where the rhythm is trusted it is an oscillator, as
+the heart's pacemaker is one that noise does not reset: beats near an expected one shift it a little, others do not.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mimics_app.contracts.kernel import kernel
+from mimics_app.dsp.kernels.sections import Floats
+
+__all__ = ["LAST", "PHASE", "RHYTHM", "RR", "UNSTEADY", "add_beat", "off_beat", "steadiness"]
+
+LAST, RR, PHASE, UNSTEADY = range(4)
+RHYTHM = 4
+"""Length of the state, with which a detector's state begins: sample of the last beat (-1: none yet), mean interval (0:
+unknown), sample of the oscillator's last beat, mean relative deviation of the intervals."""
+
+_LONGEST_RR = 1.2
+"""Upper limit of the first interval [s]."""
+
+_FASTEST_RR, _MISSED_RR = 0.25, 1.7
+"""Range of plausible intervals: from this time [s] to this multiple of the mean; beyond, a beat is false or missed."""
+
+_DOUBTFUL_SHARE, _DOUBTFUL_RR = 0.05, 2.0
+"""Weight of an implausible interval in the mean, and upper limit of its length [s]."""
+
+_FOLLOW = 0.1
+"""Weight of a new interval in the mean relative deviation."""
+_MOST_UNSTEADY = 0.5
+"""Upper limit of the relative deviation of one interval."""
+
+
+@kernel
+def off_beat(t: float, share: float, state: Floats) -> float:
+    """Return the offset of a sample from the nearest expected beat, as a share of the mean interval.
+
+    `share` is the time since the last beat as a share of the expected interval; it decides while no interval is known.
+    """
+    if state[RR] == 0.0:
+        return share - 1.0
+    since = (t - state[PHASE]) / state[RR]
+    return since - max(np.floor(since + 0.5), 1.0)
+
+
+@kernel
+def steadiness(state: Floats, limit: float) -> float:
+    """Return how regular the intervals are, from 0 at a mean relative deviation of `limit` and more to 1."""
+    return max(1.0 - state[UNSTEADY] / limit, 0.0)
+
+
+@kernel
+def add_beat(t: int, state: Floats, trust: float, rate: float, tuning: Floats) -> None:
+    """Update the rhythm by a beat at sample `t`; from a `trust` of `ecg.TUNING[21]` on the oscillator runs on."""
+    if state[RR] > 0.0 and trust > tuning[21]:
+        _entrain(t, state, tuning)
+    else:
+        state[PHASE] = t
+        if state[LAST] >= 0.0:
+            _measure(t - state[LAST], state, rate, tuning)
+    state[LAST] = t
+
+
+@kernel
+def _measure(rr: float, state: Floats, rate: float, tuning: Floats) -> None:
+    """Update the mean interval and its deviation by an interval [samples]."""
+    if state[RR] == 0.0:
+        state[RR] = min(rr, _LONGEST_RR * rate)
+        return
+    state[UNSTEADY] += _FOLLOW * (min(abs(rr / state[RR] - 1.0), _MOST_UNSTEADY) - state[UNSTEADY])
+    if _FASTEST_RR * rate < rr < _MISSED_RR * state[RR]:
+        state[RR] += tuning[14] * (rr - state[RR])
+    else:
+        state[RR] += _DOUBTFUL_SHARE * (min(rr, _DOUBTFUL_RR * rate) - state[RR])
+
+
+@kernel
+def _entrain(t: int, state: Floats, tuning: Floats) -> None:
+    """Adjust the oscillator to a beat near an expected one; any other beat only counts as irregular."""
+    off = off_beat(t, 1.0, state)
+    if abs(off) < tuning[22]:
+        near = max(np.floor((t - state[PHASE]) / state[RR] + 0.5), 1.0)
+        state[PHASE] = t - (1.0 - tuning[23]) * off * state[RR]
+        state[RR] *= 1.0 + tuning[14] * off / near
+        state[UNSTEADY] += _FOLLOW * (min(abs(off), _MOST_UNSTEADY) - state[UNSTEADY])
+        return
+    state[UNSTEADY] += tuning[24] * (_MOST_UNSTEADY - state[UNSTEADY])
