@@ -11,21 +11,21 @@ FRAME_MS = 1000.0 / 60.0
 
 BUDGET_MS: Mapping[str, float] = {
     "reload": 0.1,
-    "inputs": 0.2,
+    "inputs": 0.1,
     "signals": 0.2,
     "watch": 0.2,
     "tasks": 0.5,
     "scenario": 0.4,
-    "world update": 0.4,
+    "world update": 0.5,
     "sound": 0.4,
     "record": 0.2,
     "board": 0.3,
-    "cull": 1.0,
-    "shadows": 2.0,
+    "cull": 1.5,
+    "shadows": 1.5,
     "mirrors": 1.0,
-    "submit": 8.0,
+    "submit": 7.0,
     "overlay": 0.5,
-    "post": 0.7,
+    "post": 1.7,
     "swap": 0.5,
 }
 """Budget by stage in order of execution [ms]; the sum is below FRAME_MS. `submit` draws the world in all views."""

@@ -59,6 +59,26 @@ def test_a_bar_is_filled_to_its_share():
     assert (draw_hud(lambda hud: hud.bar((100.0, 100.0, 400.0, 20.0), 7.0, full))[610, 101:499] > 0.9).all()
 
 
+def test_boxes_words_and_images_lie_over_each_other_in_their_order():
+    """In one display as each pair alone: words on a box, a box on words, an image on both, words on the image."""
+
+    def fill(hud: Hud) -> None:
+        hud.images = np.full((1, 4, 4, 4), 255, np.uint8)
+        hud.images[..., :3] = 128
+        hud.box(100.0, 100.0, 400.0, 200.0, (0.3, 0.3, 0.3, 1.0))
+        hud.text(120.0, 250.0, "seen", 30.0)
+        hud.text(120.0, 150.0, "hidden", 30.0)
+        hud.box(110.0, 130.0, 150.0, 60.0, (0.3, 0.3, 0.3, 1.0))
+        hud.image((300.0, 120.0, 150.0, 150.0), 0)
+        hud.text(320.0, 180.0, "seen", 30.0)
+
+    drawn = draw_hud(fill)[::-1]
+    words = draw_hud(lambda hud: hud.text(120.0, 250.0, "seen", 30.0))[::-1]
+    assert drawn[240:290, 105:290] == pytest.approx(0.3 + 0.7 * words[240:290, 105:290], abs=0.01)
+    assert np.abs(drawn[110:200, 105:290] - 0.3).max() < 0.01, "a box hides the words before it"
+    assert drawn[130:170, 305:445] == pytest.approx(128 / 255, abs=0.01) and drawn[175:215, 310:440].max() > 0.9
+
+
 def test_every_character_has_its_own_ink():
     """Each digit drawn at reading size leaves ink inside its box, of full strength, and unlike any other digit's."""
     size = 24.0

@@ -11,8 +11,9 @@ import pytest
 
 from mimics_app.app.bench import frame_bench, ogre
 from mimics_app.app.bench.frame_load import main
+from mimics_app.app.bench.frame_watch import FrameWatch
 from mimics_app.app.bench.looked_at_load import PEOPLE
-from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.errors import DeviceError, SceneError
 from mimics_app.contracts.frame_budget import BUDGET_MS, FRAME_MS, over_budget
 from mimics_app.contracts.resources import root
 
@@ -28,8 +29,7 @@ def test_a_live_session_is_timed_stage_by_stage():
     assert 0.0 <= row["missed_share"] <= 1.0
     assert 0.0 <= row["late"]["share"] < 1.0
     assert all(each["ms"] > 5.0 * row["ms"]["p50"] and each["stage_ms"] > 0.0 for each in row["late"]["frames"])
-    inside = sum(each["p50"] for each in row["stages"].values())
-    assert inside > 0.3 * row["ms"]["p50"], "the stages are where the time of a frame is"
+    assert all(row["stages"][name]["p50"] > 0.0 for name in ("tasks", "cull", "submit", "post"))
 
 
 def test_without_peers_the_reference_is_a_loop_of_this_run(monkeypatch):
@@ -54,6 +54,22 @@ def test_a_scene_that_is_only_looked_at_is_timed_too():
     row = main(Path("scenes/examples/sky_box.json"), (64, 36), "egl", 1.5, "full")
     assert 0.0 < row["ms"]["p50"] <= row["ms"]["p95"] and row["triangles"] > 10 and row["missed_share"] is None
     assert row["stages"].keys() >= {"world update", "cull", "submit", "post", "swap"}
+
+
+def test_a_row_may_be_held_at_a_scale_with_its_shadows(monkeypatch):
+    row = main(Path("scenes/examples/decals.json"), (64, 36), "egl", 1.5, "0.75")
+    assert row["quality"] == {"scale": 0.75, "shadows": True, "steps": []} and row["ms"]["p50"] > 0.0
+    monkeypatch.setattr(frame_bench, "_measure_apart", lambda scene, *_: {"scene": scene.stem})
+    monkeypatch.setattr(frame_bench, "_reference", lambda _: {})
+    answer = frame_bench.measure_frames([Path("decals")], (64, 36), "egl", 1.0, lambda _: None, 0.75)
+    assert [each["asked"] for each in answer["scenes"]] == ["auto", "full", "0.75"]
+
+
+def test_a_run_that_ends_before_it_is_measured_is_refused(monkeypatch):
+    """As where a task is done at once."""
+    monkeypatch.setattr(FrameWatch, "done", True)
+    with pytest.raises(DeviceError, match="the run ended before its frames were measured: 0 counted"):
+        main(Path("scenes/examples/sky_box.json"), (64, 36), "egl", 1.5, "full")
 
 
 @pytest.mark.slow

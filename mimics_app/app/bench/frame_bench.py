@@ -24,7 +24,12 @@ Report = Callable[[str], None]
 
 
 def measure_frames(
-    scenes: Sequence[Path], size: tuple[int, int], surface: str, seconds: float, report: Report
+    scenes: Sequence[Path],
+    size: tuple[int, int],
+    surface: str,
+    seconds: float,
+    report: Report,
+    scale: float | None = None,
 ) -> dict[str, Any]:
     """Return a reference, the time of the pixels alone, and a row with and one without a governor for every scene.
 
@@ -34,11 +39,13 @@ def measure_frames(
         surface: "window" or "egl".
         seconds: Length of each measurement [s].
         report: Called with the name of each measurement before it begins.
+        scale: Resolution scale at which a further row is fixed, see `lower_to_scale`; None for no such row.
     """
     rows = []
+    qualities = [*QUALITIES, *([] if scale is None else [f"{scale:g}"])]
     every = [*(scene.file for scene in shipped_scenes()), PEOPLE]
     for scene in [path if path == PEOPLE else find_scene(path) for path in scenes] or every:
-        for quality in QUALITIES:
+        for quality in qualities:
             report(f"frame: {scene.stem}, quality {quality}")
             rows.append({**_measure_apart(scene, size, surface, seconds, quality), "asked": quality})
     report("frame: the pixels alone")

@@ -11,7 +11,6 @@ import json
 import sys
 import tempfile
 from pathlib import Path
-from typing import cast
 
 from mimics_app.app.bench.frame_watch import FrameWatch, Row
 from mimics_app.app.bench.looked_at_load import PEOPLE, measure_looked_at
@@ -23,18 +22,29 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.build import build_session, start_loop
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
-from mimics_app.app.settings import Quality, RunSettings
+from mimics_app.app.settings import QUALITIES, Quality, RunSettings
+from mimics_app.rendering.visual.quality_steps import lower_to_scale
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.world.components.robot import Robot
 
 __all__ = ["main"]
 
 
-def main(file: Path, size: tuple[int, int], surface: str, seconds: float, quality: Quality) -> Row:
-    """Measure a scene, or `PEOPLE`, for a time [s] on a surface ("window" or "egl")."""
+def main(file: Path, size: tuple[int, int], surface: str, seconds: float, quality: str) -> Row:
+    """Measure a scene, or `PEOPLE`, for a time [s] on a surface ("window" or "egl").
+
+    Args:
+        file: The scene.
+        size: Of the picture [px].
+        surface: Kind of surface.
+        seconds: Length of the measurement [s].
+        quality: As of a run, or a resolution scale at which it is fixed, see `lower_to_scale`.
+    """
+    scale = 1.0 if quality in QUALITIES else float(quality)
+    wanted: Quality = "auto" if quality == "auto" else "full"
     scene = None if file == PEOPLE else load_checked_scene(file)
     if scene is None or not is_playable(scene):
-        return measure_looked_at(file, size, surface, seconds, quality)
+        return measure_looked_at(file, size, surface, seconds, wanted, scale)
     with tempfile.TemporaryDirectory(prefix="mimics-bench-") as runs:
         settings = RunSettings(
             file,
@@ -42,19 +52,22 @@ def main(file: Path, size: tuple[int, int], surface: str, seconds: float, qualit
             sound="file",
             runs=Path(runs),
             size=size,
-            quality=quality,
+            quality=wanted,
         )
         with build_session(settings, live=True) as session:
-            row = _measure(session, surface, seconds)
+            row = _measure(session, surface, seconds, scale)
             session.end_stages()
             session.finish({})
     return row
 
 
-def _measure(session: Session, surface: str, seconds: float) -> Row:
+def _measure(session: Session, surface: str, seconds: float, scale: float) -> Row:
     start_loop(session)
     size = session.settings.size
     open_picture(session, create_surface(surface, size, session.scene.name))
+    assert session.picture is not None
+    if scale < 1.0:
+        lower_to_scale(session.picture.renderer, scale)
     watch = FrameWatch(session, seconds)
     late, ticks = session.haptics.histogram(), session.haptics.ticks
     with frozen_objects():
@@ -69,4 +82,4 @@ def _measure(session: Session, surface: str, seconds: float) -> Row:
 
 if __name__ == "__main__":
     path, width, height, where, length, wanted = sys.argv[1:]
-    json.dump(main(Path(path), (int(width), int(height)), where, float(length), cast("Quality", wanted)), sys.stdout)
+    json.dump(main(Path(path), (int(width), int(height)), where, float(length), wanted), sys.stdout)

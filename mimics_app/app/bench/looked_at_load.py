@@ -17,7 +17,7 @@ from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import Profile, Quality
 from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import Clock, MonotonicClock
-from mimics_app.rendering.visual.quality_steps import quality_steps
+from mimics_app.rendering.visual.quality_steps import lower_to_scale, quality_steps
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.world.scene.file import build_world
@@ -51,7 +51,9 @@ class _LookedAt:
         self.governor.note(1e-6 * (done_ns - begun_ns), done_ns)
 
 
-def measure_looked_at(file: Path, size: tuple[int, int], where: str, seconds: float, quality: Quality) -> Row:
+def measure_looked_at(
+    file: Path, size: tuple[int, int], where: str, seconds: float, quality: Quality, scale: float
+) -> Row:
     """Return a row of `mimics bench frame` without touch, sound and recorder.
 
     Args:
@@ -60,10 +62,13 @@ def measure_looked_at(file: Path, size: tuple[int, int], where: str, seconds: fl
         where: "window" or "egl".
         seconds: Length of the measurement [s].
         quality: "auto" or "full", see `RunSettings`.
+        scale: Below 1: the quality is fixed, see `lower_to_scale`.
     """
     scene, world, move = _crowd() if file == PEOPLE else _as_it_stands(load_checked_scene(file))
     with create_surface(where, size, scene.name) as surface:
         looked_at = _open(scene, world, move, surface, quality)
+        if scale < 1.0 and looked_at.picture is not None:
+            lower_to_scale(looked_at.picture.renderer, scale)
         watch = FrameWatch(looked_at, seconds)
         while not watch.done:
             looked_at.draw()

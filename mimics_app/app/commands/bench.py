@@ -85,6 +85,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="length of each measurement of realtime (default: 60), frame (12) and audio (10) [s]",
     )
     parser.add_argument(
+        "--scale",
+        type=float,
+        choices=(0.75, 0.5),
+        help="with frame: one more row at this resolution scale, with all that the governor lowers before it lowered",
+    )
+    parser.add_argument(
         "--rounds",
         type=_rounds,
         default=1,
@@ -296,7 +302,7 @@ def _measure_frame(args: argparse.Namespace) -> dict[str, Any]:
 
     seconds = _seconds(args, _FRAME_SECONDS, _ALL_FRAME_SECONDS)
     scenes = [Path(name) for name in args.names]
-    figures = measure_frames(scenes, args.size, args.surface, seconds, _say)
+    figures = measure_frames(scenes, args.size, args.surface, seconds, _say, args.scale)
     if args.charts is not None:
         from mimics_app.app.bench.frame_counts import draw_counts
 

@@ -11,9 +11,12 @@ if TYPE_CHECKING:
     from mimics_app.rendering.visual.settings import ParticleLight, Shading
     from mimics_app.rendering.visual.view import View
 
-__all__ = ["PictureStep", "quality_steps", "rehearse_steps"]
+__all__ = ["SCALES", "PictureStep", "lower_to_scale", "quality_steps", "rehearse_steps"]
 
-_SCALES = (1.0, 0.75, 0.5)
+SCALES = (1.0, 0.75, 0.5)
+"""Factors on the resolution that the governor may use."""
+
+_SCALE = "resolution scale"
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +58,20 @@ def quality_steps(renderer: Renderer) -> list[PictureStep]:
     steps += [_edges(renderer)] if settings.msaa or settings.fxaa else []
     steps += [_shading(renderer)] if settings.shading != "plain" else []
     return sorted([*steps, _scale(renderer)], key=lambda step: step.order)
+
+
+def lower_to_scale(renderer: Renderer, scale: float) -> None:
+    """Use the quality at which the governor lowers the resolution to a scale: what is noticed less is lowered already.
+
+    Args:
+        renderer: A renderer at full quality.
+        scale: One of `SCALES`.
+    """
+    for step in quality_steps(renderer):
+        if step.name == _SCALE:
+            step.apply(SCALES.index(scale))
+            return
+        step.apply(len(step.levels) - 1)
 
 
 def _bloom(renderer: Renderer) -> PictureStep:
@@ -134,9 +151,9 @@ def _smooth(renderer: Renderer, msaa: int, fxaa: bool) -> None:
 
 def _scale(renderer: Renderer) -> PictureStep:
     full = renderer.settings.scale
-    scales = tuple(full * share for share in _SCALES if full * share >= 0.25)
+    scales = tuple(full * share for share in SCALES if full * share >= 0.25)
     names = tuple(f"{scale:g}" for scale in scales)
-    return PictureStep("resolution scale", 7, names, lambda level: renderer.set_quality(scale=scales[level]))
+    return PictureStep(_SCALE, 7, names, lambda level: renderer.set_quality(scale=scales[level]))
 
 
 def rehearse_steps(renderer: Renderer, views: Sequence[View]) -> None:

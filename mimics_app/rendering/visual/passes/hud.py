@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, HUD_ROW, Hud
-from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.view import View
 
 if TYPE_CHECKING:
@@ -31,6 +31,13 @@ _ENLARGED = 1.6
 """Factor on the size of the display in a headset, whose pixels are coarse: the smallest word spans 1.4 degrees."""
 _BEYOND = 1.05
 """Factor by which the display stays inside the near and the far plane."""
+
+
+_GLYPH, _IMAGE = 1, 2
+_VARIANTS: tuple[tuple[str, ...], ...] = ((), ("GLYPHS",), ("IMAGES",))
+"""Shader variants by the kind of a row; all kinds from `_IMAGE` on are images."""
+_CORNERS, _COMMAND = 4, 5
+"""Vertices of a row, and words from one draw command to the next: moderngl leaves the fifth for indexed ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,16 +103,16 @@ def _readable(tangents: F8) -> F8:
 
 
 class HudPass:
-    """Draws a `Hud` in one call."""
+    """Draws a `Hud`: one call for each run of boxes, glyphs or images."""
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
         self._ctx = ctx
-        self._shader = shaders.program("hud/hud.vert", "hud/hud.frag")
+        self._shaders = [shaders.program("hud/hud.vert", "hud/hud.frag", defines) for defines in _VARIANTS]
         self._rows: moderngl.Buffer | None = None
-        self._array: moderngl.VertexArray | None = None
-        self._made_for = -1
+        self._commands: moderngl.Buffer | None = None
+        self._arrays: dict[int, tuple[int, moderngl.VertexArray]] = {}
         self._uploaded: tuple[int, int] | None = None
-        self._count = 0
+        self._kinds: list[int] = []
         self._glyphs: moderngl.Texture | None = None
         self._images: moderngl.TextureArray | None = None
         self._image_source: NDArray[np.uint8] | None = None
@@ -121,22 +128,32 @@ class HudPass:
         if hud.empty:
             return 0
         self._upload(hud)
-        self._shader.set_matrix("clip_from_hud", clip_from_hud(view, plane))
-        self._shader.set_number("glyph_spread", hud.atlas.spread)
+        assert self._commands is not None
+        for kind in set(self._kinds):
+            self._shaders[kind].set_matrix("clip_from_hud", clip_from_hud(view, plane))
+            if kind == _GLYPH:
+                self._shaders[kind].set_number("glyph_spread", hud.atlas.spread)
         ctx = self._ctx
         ctx.viewport = view.rectangle
         ctx.enable_only(moderngl.BLEND)
         ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
         self._bind(hud)
-        self._vertex_array().render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._count)
-        return 1
+        for number, kind in enumerate(self._kinds):
+            self._vertex_array(kind).render_indirect(self._commands, moderngl.TRIANGLE_STRIP, 1, first=number)
+        return len(self._kinds)
 
     def release(self) -> None:
         """Free buffers and textures."""
-        for part in (self._array, self._rows, self._glyphs, self._images):
+        self._release_arrays()
+        for part in (self._rows, self._commands, self._glyphs, self._images):
             if part is not None:
                 part.release()
-        self._array = self._rows = self._glyphs = self._images = None
+        self._rows = self._commands = self._glyphs = self._images = None
+
+    def _release_arrays(self) -> None:
+        for _, array in self._arrays.values():
+            array.release()
+        self._arrays.clear()
 
     def _upload(self, hud: Hud) -> None:
         key = (id(hud), hud.revision)
@@ -144,22 +161,32 @@ class HudPass:
             return
         rows = hud.rows()
         if self._rows is None or self._rows.size < rows.nbytes:
-            if self._array is not None:
-                self._array.release()
-                self._array = None
+            self._release_arrays()
             if self._rows is not None:
                 self._rows.release()
             self._rows = self._ctx.buffer(reserve=max(2 * rows.nbytes, 64 * HUD_ROW.itemsize))
         self._rows.orphan()
         self._rows.write(rows.tobytes())
-        self._uploaded, self._count = key, len(rows)
+        self._uploaded = key
+        kinds = np.minimum(rows["style"][:, 0], _IMAGE).astype(int)
+        starts = np.concatenate([[0], np.flatnonzero(np.diff(kinds)) + 1])
+        self._kinds = kinds[starts].tolist()
+        commands = np.zeros((len(starts), _COMMAND), np.uint32)
+        commands[:, 0], commands[:, 3] = _CORNERS, starts
+        commands[:, 1] = np.diff(np.append(starts, len(rows)))
+        if self._commands is not None:
+            self._commands.release()
+        self._commands = self._ctx.buffer(commands.tobytes())
 
-    def _vertex_array(self) -> moderngl.VertexArray:
-        if self._array is None or self._made_for != self._shader.revision:
-            content = [(self._rows, "4f 4f 4f 4f /i", "box", "picture", "tint", "style")]
-            self._array = self._ctx.vertex_array(self._shader.program, content)
-            self._made_for = self._shader.revision
-        return self._array
+    def _vertex_array(self, kind: int) -> moderngl.VertexArray:
+        shader, known = self._shaders[kind], self._arrays.get(kind)
+        if known is not None and known[0] == shader.revision:
+            return known[1]
+        if known is not None:
+            known[1].release()
+        array = self._ctx.vertex_array(shader.program, [(self._rows, *_fields(shader))])
+        self._arrays[kind] = (shader.revision, array)
+        return array
 
     def _bind(self, hud: Hud) -> None:
         if self._glyphs is None:
@@ -179,6 +206,13 @@ class HudPass:
         layers, height, width = data.shape[:3]
         self._images = self._ctx.texture_array((width, height, layers), 4, data.tobytes())
         self._images.repeat_x = self._images.repeat_y = False
+
+
+def _fields(shader: ShaderProgram) -> tuple[str, ...]:
+    """Return layout and names of a row's fields; the bytes of those that a variant does not read are skipped."""
+    read = [name for name in HUD_ROW.names or () if name in shader.program]
+    layout = ("4f" if name in read else f"{HUD_ROW[name].itemsize}x" for name in HUD_ROW.names or ())
+    return f"{' '.join(layout)} /i", *read
 
 
 def clip_from_hud(view: View, plane: HudPlane) -> F8:

@@ -31,7 +31,7 @@ _REACH_TEXELS = 4.0
 """Margin around a shadow: reach of the filter and of the lookup's offsets."""
 
 _MAX_ITEMS = 4000
-"""Number of items up to which the search for changes pays off."""
+"""Number of items up to which the search for changes pays off where any of them moves."""
 
 _MAX_SPRITES = 300
 """Number of changed sprites up to which locating them costs less than a redraw."""
@@ -87,7 +87,8 @@ class StillPicture:
         """Return the rectangles in which a frame differs from the last one [px]; None: redraw all of it."""
         before, listed = self._before, seen.listed
         sprites = _changed_sprites(before.seen, seen)
-        few = len(listed.radii) <= _MAX_ITEMS and len(sprites) <= _MAX_SPRITES
+        at_rest = listed.moved is not None and not listed.moved.any()
+        few = (at_rest or len(listed.radii) <= _MAX_ITEMS) and len(sprites) <= _MAX_SPRITES
         changed = _changed_items(before, seen) if few else None
         self._count(alike=changed is not None)
         if changed is None and not self.keeps:
