@@ -15,6 +15,7 @@ import pytest
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 from mimics_app.contracts.messages import Experience
+from mimics_app.contracts.plugins import PluginGroup
 from mimics_app.inputs.physio import sources
 from mimics_app.inputs.physio.amplifier_frames import AmplifierReader, binary_header, binary_samples
 from mimics_app.inputs.physio.integrity import Grid
@@ -363,8 +364,8 @@ def test_a_source_of_an_installed_package_is_watched_as_a_live_one(
         opened.append((rest, seed))
         return SimulatedBody("healthy", seed)
 
-    point = SimpleNamespace(name="mybox", load=lambda: open_box)
-    monkeypatch.setattr(sources, "entry_points", lambda group: [point])
+    point = SimpleNamespace(name="mybox", value="mybox:open_box", load=lambda: open_box)
+    monkeypatch.setattr(PluginGroup, "points", lambda group: [point] if group is sources.PLUGINS else [])
     assert main(["physio", "mybox:left", "--seconds", "0.2", "--seed", "3", "--json"]) == 0
     assert opened == [("left", 3)]
     assert set(json.loads(capsys.readouterr().out)["signals"]) == {"ecg", "gsr", "emg", "resp"}
