@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mimics_app.app.bench.render_workloads import open_workload
+from mimics_app.app.bench.workload_opening import open_workload
 from mimics_app.app.cli import main
 from mimics_app.maths.mat import look_at
 from mimics_app.rendering.visual.kernels.commands import MAX_TRIANGLES

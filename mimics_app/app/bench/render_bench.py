@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from mimics_app.app.bench.crowd_levels import compare_levels
-from mimics_app.app.bench.render_workloads import Crowd, Nodes, Workload, open_workload
+from mimics_app.app.bench.render_workloads import Crowd, Nodes, Workload
+from mimics_app.app.bench.workload_opening import open_workload
 from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.contracts.clock import MonotonicClock, process_seconds
 from mimics_app.contracts.errors import UsageError, nearest
@@ -50,7 +51,7 @@ class RenderBench:
     """Settings of one measurement.
 
     Attributes:
-        workload: One of `render_workloads.WORKLOADS`.
+        workload: One of `workload_opening.WORKLOADS`.
         data: Folder of the workloads' files, or None.
         size: Size of the picture [px].
         msaa: Samples per pixel; None: those of the workload.

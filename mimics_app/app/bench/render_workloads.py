@@ -1,13 +1,4 @@
-"""Workloads of `mimics bench render`, with the same closed formulas for every renderer.
-
-city            movement along a street, 1.4 m per frame
-nodes           cubes under groups, all of which move in every frame
-crowd           people who walk on the spot, each at a phase of its own
-walk            the product's own city as in its scene, with shadows, sky and all materials, at walking pace
-people          the same with a hundred people on its sidewalks
-people_full     people without levels of detail and without updates by distance
-particles       ten thousand particles
-"""
+"""Workloads of `mimics bench render`: worlds and their motion, by the same closed formulas for every renderer."""
 
 from __future__ import annotations
 
@@ -22,18 +13,27 @@ from numpy.typing import NDArray
 from mimics_app.app.picture.picture import live_quality
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_look_at
 from mimics_app.world.environment import Sky
-from mimics_app.world.gltf.model_world import load_model_world, read_model
+from mimics_app.world.gltf.model_world import read_model
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.world import World
 
-__all__ = ["WORKLOADS", "City", "Crowd", "Nodes", "Walk", "Workload", "decode", "light_up", "open_workload"]
+__all__ = [
+    "PEERS_NODES",
+    "PEERS_PEOPLE",
+    "City",
+    "Crowd",
+    "Nodes",
+    "Walk",
+    "Workload",
+    "decode",
+    "light_up",
+]
 
 
 FOV_Y, NEAR, FAR = math.radians(60.0), 0.1, 2000.0
@@ -44,10 +44,8 @@ AMBIENT, DIFFUSE = 0.4, 0.8
 _BACKGROUND = (0.5, 0.6, 0.7)
 """Display values."""
 
-WORKLOADS = ("city", "nodes", "crowd", "walk", "people", "people_full", "particles")
-_FILES = {"city": "city.glb", "nodes": "cube.glb", "crowd": "character.glb"}
-_DEFAULT_NODES = 10_000
-_DEFAULT_PEOPLE = 20
+PEERS_NODES, PEERS_PEOPLE = 10_000, 20
+"""Numbers of nodes and of people in the peers' harnesses."""
 
 
 class Workload(ABC):
@@ -256,42 +254,3 @@ def light_up(world: World) -> None:
 def decode(display: F8) -> F8:
     """Return linear light from display values (IEC 61966-2-1)."""
     return np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4)
-
-
-def open_workload(name: str, folder: Path | None, count: int) -> Workload:
-    """Load a workload.
-
-    Args:
-        name: One of `WORKLOADS`.
-        folder: Folder of the files of the workloads; None where it is not known.
-        count: Number of nodes, people or particles; 0: that of the peers.
-
-    Raises:
-        UsageError: The folder is not known, or the file is missing.
-        SceneError: The file is faulty.
-    """
-    if name == "walk":
-        return Walk()
-    if name in ("people", "people_full"):
-        from mimics_app.app.bench.people_workload import ON_SIDEWALKS, People
-
-        return People(count or ON_SIDEWALKS, name == "people_full")
-    if name == "particles":
-        from mimics_app.app.bench.particles_workload import Fountain
-
-        return Fountain(count)
-    if folder is None:
-        raise UsageError("the folder of the workloads is not known", "name it by --data or RENDER_DATA")
-    file = folder / _FILES[name]
-    try:
-        if name == "city":
-            world = load_model_world(file)
-            light_up(world)
-            return City(world, len(world.transforms))
-        if name == "crowd":
-            return Crowd(file, count or _DEFAULT_PEOPLE)
-        return Nodes(file, count or _DEFAULT_NODES)
-    except SceneError as error:
-        if file.is_file():
-            raise
-        raise UsageError(f"there is no {file}", "name the folder of the workloads by --data or RENDER_DATA") from error

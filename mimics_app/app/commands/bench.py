@@ -25,8 +25,6 @@ a measurement ends before the simulated patient has played its scene to the end.
 _REPEATS = 5
 """Default number of sessions per way to kill one and per fault."""
 
-WORKLOADS = ("city", "nodes", "crowd", "walk", "people", "people_full", "particles")
-
 _rounds = whole_number("number of rounds", range(1, 1001))
 _frames = whole_number("number of frames", range(1, 1001))
 _nodes = whole_number("number of nodes", range(1_000_001))
@@ -168,12 +166,14 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _run_render(args: argparse.Namespace) -> int:
-    from mimics_app.app.bench.render_bench import RenderBench, measure_render
+    from mimics_app.app.bench.workload_opening import WORKLOADS
 
     workload = args.names[0] if len(args.names) == 1 else ""
     if workload not in WORKLOADS:
         what = f'there is no workload "{" ".join(args.names)}"' if args.names else "the workload is missing"
         raise UsageError(what, f"mimics bench render {', '.join(WORKLOADS[:-1])} or {WORKLOADS[-1]}")
+    from mimics_app.app.bench.render_bench import RenderBench, measure_render
+
     folder = args.data or _folder_of("RENDER_DATA")
     options = tuple(args.opt.replace(",", " ").split())
     figures = measure_render(
