@@ -128,7 +128,7 @@ def test_who_is_too_near_steps_back_and_keeps_looking() -> None:
 def alley() -> tuple[World, AlleyFigure, AlleyFigure]:
     """The scene's world, its avatar and its person."""
     world = build_world(load_checked_scene(WALK))
-    return world, AlleyFigure(world, world.find("avatar"), 1.0), AlleyFigure(world, world.find("person"), -1.0)
+    return world, AlleyFigure(world.find("avatar"), 1.0), AlleyFigure(world.find("person"), -1.0)
 
 
 def play(world: World) -> None:

@@ -18,7 +18,7 @@ def test_a_draw_costs_a_few_calls():
 
 def test_a_card_costs_calls_where_it_says_something_else():
     unchanged, changed = ([count_cards(n, changing=changing).calls for n in (1, 3)] for changing in (False, True))
-    assert (unchanged[1] - unchanged[0]) / 2 < 6.0
+    assert (unchanged[1] - unchanged[0]) / 2 < 16.0, "two draw calls each: its boxes, its words"
     assert 40.0 < (changed[1] - changed[0]) / 2 < 200.0
 
 
