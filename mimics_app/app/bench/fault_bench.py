@@ -95,14 +95,14 @@ class _Outcome:
         t_safe_ms: Time from the first tick of the fault to the last one with a force [ms].
         force_n: Largest force on the person from the fault on [N].
         latched: Cause of the stop.
-        told: Whether the person got a message about it.
+        reported: Whether the person got a message about it.
         within: Whether force and its rise stayed within the limits of the scene.
     """
 
     t_safe_ms: float
     force_n: float
     latched: TripCause
-    told: bool
+    reported: bool
     within: bool
 
 
@@ -148,7 +148,7 @@ def _judge(samples: Records, limit: float, messages: list[str]) -> _Outcome:
         t_safe_ms=float(felt[-1] + 1) if len(felt) else 0.0,
         force_n=float(force.max()),
         latched=TripCause(int(samples["cause"][-1])) if latched else TripCause.NONE,
-        told=any("stop" in text for text in messages),
+        reported=any("stop" in text for text in messages),
         within=bool(np.isfinite(force).all() and force.max() <= limit),
     )
 
@@ -156,7 +156,7 @@ def _judge(samples: Records, limit: float, messages: list[str]) -> _Outcome:
 def _row(fault: Fault, outcomes: list[_Outcome]) -> dict[str, Any]:
     """Return a row of the answer; a fault that must not stop the session has no time to a stop."""
     stops = fault.cause != TripCause.NONE
-    right = [each.latched == fault.cause and each.told == stops and each.within for each in outcomes]
+    right = [each.latched == fault.cause and each.reported == stops and each.within for each in outcomes]
     in_time = [each.t_safe_ms <= fault.bound_ms or not stops for each in outcomes]
     row: dict[str, Any] = {"fault": fault.name, "repeat": len(outcomes), "cause": fault.cause.name}
     if stops:
@@ -164,4 +164,4 @@ def _row(fault: Fault, outcomes: list[_Outcome]) -> dict[str, Any]:
         p50, p99 = np.percentile(times, (50, 99))
         row |= {"t_safe_ms": {"p50": float(p50), "p99": float(p99), "max": max(times)}, "bound_ms": fault.bound_ms}
     row["force_max_n"] = max(each.force_n for each in outcomes)
-    return row | {"told": all(each.told for each in outcomes), "passed": all(right) and all(in_time)}
+    return row | {"told": all(each.reported for each in outcomes), "passed": all(right) and all(in_time)}
