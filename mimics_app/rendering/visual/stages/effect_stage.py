@@ -31,7 +31,7 @@ class EffectStage:
     """Prepares and draws sprites and projected textures."""
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest_texture: int) -> None:
-        self._pictures = PictureArrays(ctx, longest_texture)
+        self._pictures = PictureArrays(ctx, shaders, longest_texture)
         self._field = SpriteField(self._pictures)
         self._sprites = SpritePass(ctx, shaders)
         self._projectors = ProjectorField()
