@@ -323,7 +323,7 @@ class Renderer:
             from mimics_app.rendering.visual.stages.effect_stage import EffectStage
 
             self._effects = EffectStage(self._surface.ctx, self._shaders, self._longest_texture)
-        self._effects.prepare(self.world, lights, self.settings.particle_light)
+        self._effects.prepare(self.world, lights, self.settings)
         return self._effects
 
     def _batch(
