@@ -25,7 +25,7 @@ from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.replay import replay_run
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.scene_tunnel import PROJECTIONS
-from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve, build_tunnel
 from mimics_app.world.components.robot import Patient, Robot
 
 __all__ = ["GROUP", "NO_TUNNEL", "REFERENCE_CALLS", "reference_us", "tick_us"]

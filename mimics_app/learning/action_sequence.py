@@ -19,7 +19,7 @@ from mimics_app.contracts.action_space import ActionSpace
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError, nearest
 from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
 from mimics_app.world.scene.json_text import escape, parse_json
-from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.scene.scene_files import read_bytes
 
 __all__ = ["ActionSequence", "TimedAction", "load_action_sequence"]
 

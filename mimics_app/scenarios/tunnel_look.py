@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.rendering.haptic.tunnel import TunnelCurve
+from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve
 from mimics_app.world.components.visible import TunnelView
 from mimics_app.world.levels import coverages_of
 from mimics_app.world.meshes.mesh import MeshData

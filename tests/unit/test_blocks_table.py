@@ -8,8 +8,8 @@ import re
 import msgspec
 import pytest
 
-from mimics_app.app.scenes.catalogue import BUILT_IN, BY_COMPONENT, ONLY_LOOKED_AT
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.scenes.scenario_choice import BUILT_IN, BY_COMPONENT, ONLY_LOOKED_AT
 from mimics_app.contracts.haptic_objects import EffectKind, ShapeKind, SignalSource, SignalTarget
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from trimesh.triangles import closest_point
 
-from mimics_app.rendering.haptic.tunnel import build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 from mimics_app.scenarios.tunnel_look import TunnelLook
 from mimics_app.world.components.visible import TunnelView
 from mimics_app.world.materials.material import Material

@@ -8,7 +8,7 @@ from pathlib import Path
 from mimics_app.contracts.display_choice import DISPLAY_KINDS, DisplayChoice, parse_display
 from mimics_app.contracts.display_port import Display
 from mimics_app.contracts.errors import SceneError, UsageError
-from mimics_app.rendering.visual.displays.catalogue import make_display
+from mimics_app.rendering.visual.displays.display_kinds import make_display
 from mimics_app.rendering.visual.displays.headset_file import load_headset
 from mimics_app.rendering.visual.displays.wall_file import load_walls
 from mimics_app.rendering.visual.surfaces.surface import Surface
