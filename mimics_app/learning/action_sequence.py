@@ -41,9 +41,13 @@ class TimedAction:
 
 
 class ActionSequence:
-    """Learning stage that chooses each action of a list at its time, whatever the state of the person."""
+    """Learning stage that chooses each action of a list at its time, whatever the state of the person.
 
-    def __init__(self, actions: Sequence[TimedAction]) -> None:
+    Args:
+        actions: The actions; none for a task that is not adapted.
+    """
+
+    def __init__(self, actions: Sequence[TimedAction] = ()) -> None:
         self._actions = sorted(actions, key=lambda timed: timed.at_s)
         self._next = 0
         self._start_ns: int | None = None

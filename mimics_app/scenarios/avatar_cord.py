@@ -17,7 +17,6 @@ from mimics_app.contracts.clock import FRAME_NS, SECOND_NS
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import BodyPose
-from mimics_app.scenarios.tap_path import Tap, ball_motion
 from mimics_app.scenarios.touch_scene import TouchScene
 from mimics_app.tasks.kinds.avatar_cord import HALF_FRAME_NS
 from mimics_app.world.components.cord import CordComponent
@@ -26,7 +25,7 @@ from mimics_app.world.cords import Cord
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["AvatarCord"]
+__all__ = ["AvatarCord", "Tap", "ball_motion"]
 
 
 _PARTS = ("head", "hand_left", "hand_right")
@@ -51,6 +50,14 @@ _TOUCH, _TOUCH_BALL = "cord_touch", 0.012
 """Entity whose force field makes the cord be felt; radius of the ball that touches [m]."""
 _SWING_HZ, _SWING_DAMPING, _SWING_PER_M_S = 0.8, 1.1, 0.35
 """Swing of the cord: frequency [Hz], damping [1/s], angle per lateral speed of its ends [rad s/m]."""
+
+
+Tap = tuple[int, str, float, float, int]
+"""Time of the touch [ns], "cord", "back" or "stomach", share of the cord's length, angle around it [rad], number."""
+_HOVER, _FALL_S = 0.09, 0.14
+"""Height of the resting ball above the surface [m], and duration of its way down or up [s]."""
+_QUICK = 0.35
+"""Largest share of the time between two touches for each way down or up; the rest is for the path between them."""
 
 
 class AvatarCord(TouchScene):
@@ -255,3 +262,27 @@ def _mirrored(parts: Mapping[str, F8 | None]) -> Mapping[str, F8 | None]:
     other = {"hand_left": "hand_right", "hand_right": "hand_left"}
     swapped = {role: parts[other.get(role, role)] for role in parts}
     return {role: None if pose is None else flip @ pose @ flip for role, pose in swapped.items()}
+
+
+def ball_motion(since_s: float, until_s: float) -> tuple[float, float]:
+    """Return the position of the tapping ball between two touches, continuous in position and velocity.
+
+    Args:
+        since_s: Since the touch before [s]; infinite where there was none.
+        until_s: Until the coming touch [s]; negative after it.
+
+    Returns:
+        Share of the path from one place to the other, and how far the ball is over either [m]: 0 at a touch.
+    """
+    whole = max(since_s + until_s, 1e-9)
+    fall_s = min(_FALL_S, _QUICK * whole)
+    gap = _HOVER * _eased(min(abs(since_s), abs(until_s)) / fall_s)
+    if math.isinf(since_s):
+        return 1.0, gap
+    return _eased((since_s - fall_s) / (whole - 2.0 * fall_s)), gap
+
+
+def _eased(share: float) -> float:
+    """Return a smooth step from 0 to 1, with zero slope at both ends."""
+    share = min(max(share, 0.0), 1.0)
+    return share * share * (3.0 - 2.0 * share)

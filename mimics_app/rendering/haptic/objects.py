@@ -22,10 +22,10 @@ from mimics_app.contracts.loop_ports import FIELD_PARAMETERS, FIELDS
 from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.directions import MAX_TOUCHED, TOUCHED
 from mimics_app.rendering.haptic.kernels.objects.contact_scratch import BEFORE, BIRTH, CONTACT_SCRATCH
-from mimics_app.rendering.haptic.kernels.objects.effect_memory import EFFECT_MEMORY
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import INPUT_LENGTH
 from mimics_app.rendering.haptic.kernels.objects.records import (
     DYNAMICS,
+    EFFECT_MEMORY,
     MAX_WALLS,
     MEMORY,
     PAIR,
