@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from mimics_app.contracts import ring
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.haptic import INBOX, SAMPLE, Projection
+from mimics_app.contracts.haptic import INBOX, SAMPLE
+from mimics_app.contracts.haptic_objects import Projection
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.probe import shortest_us
