@@ -26,21 +26,18 @@ from mimics_app.contracts.messages import (
 from mimics_app.contracts.scenario_port import Home, TaskContext
 from mimics_app.contracts.trial_counts import ABORTED, FINISHED, SESSION_ENDED
 from mimics_app.contracts.trial_state import TaskView, TrialState
-from mimics_app.tasks.actions import ActionSpace, Settings, build_action_space, settings_for
+from mimics_app.tasks.actions import ActionSpace, Changes, Settings, build_action_space, settings_for
 from mimics_app.tasks.adaptation import Adaptation
-from mimics_app.tasks.arrival import Arrival
 from mimics_app.tasks.attempts import TIMEOUT, Attempts, Row
 from mimics_app.tasks.cards import count_card, force_card, progress_card, state_card, time_card, trial_card
-from mimics_app.tasks.control import RobotControl
+from mimics_app.tasks.control import Arrival, RobotControl
 from mimics_app.tasks.countdown import Countdown
 from mimics_app.tasks.goals import Goals
-from mimics_app.tasks.hud import Announcement, built_in_messages, cause_words, state_message
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.observation import Observation, observe
-from mimics_app.tasks.orders import Changes
-from mimics_app.tasks.pause import PAUSED, Pause
-from mimics_app.tasks.state_machine import Conditions, next_state
+from mimics_app.tasks.prompt import Announcement, built_in_messages, cause_words, state_message
+from mimics_app.tasks.state_machine import PAUSED, Conditions, Pause, next_state
 from mimics_app.tasks.task import ActionDeed, Deed, DurationGoal, MessageDeed, ScoreSpec, SoundDeed, TaskSpec
 from mimics_app.tasks.trials import Trial, check_first_trial, plan_trials, trial_blocks
 from mimics_app.tasks.triggers import Moment, Triggers

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
+from mimics_app.world.entity_ids import grown
 from mimics_app.world.propagation import propagate, store_poses
-from mimics_app.world.store import grown
 
 __all__ = ["TransformTable"]
 

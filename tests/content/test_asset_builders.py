@@ -16,7 +16,7 @@ from mimics_app import builders as builders_room
 from mimics_app.app import cli
 from mimics_app.builders import catalogue
 from mimics_app.builders.catalogue import find_builder, find_builders
-from mimics_app.builders.sounds.picture import draw_spectrograms
+from mimics_app.builders.sounds.spectrogram import draw_spectrograms
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.audio.wav_file import WavWriter

@@ -9,7 +9,7 @@ from mimics_app.app.bench.audio_soak import measure_soak
 from mimics_app.app.bench.stall_witness import explain_gaps
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
-from mimics_app.rendering.audio.work_times import WorkTimes
+from mimics_app.rendering.audio.worker import WorkTimes
 
 
 def test_work_times_are_percentiles_of_what_was_counted():

@@ -23,8 +23,8 @@ from mimics_app.contracts.loop_ports import (
     WRITE,
     DevicePlugin,
 )
+from mimics_app.recording.column_layout import current_layout, layout_of, samples_schema
 from mimics_app.recording.columns import column_names, column_units, present_columns
-from mimics_app.recording.layout import current_layout, layout_of, samples_schema
 from mimics_app.recording.run import Run
 from mimics_app.recording.state_hash import StateHash
 from mimics_app.recording.streams import SampleStream, hash_of_files

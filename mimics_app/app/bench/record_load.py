@@ -6,7 +6,7 @@ import json
 import sys
 from pathlib import Path
 
-from mimics_app.app.session.build import build_session, start_loop
+from mimics_app.app.session.assembly import build_session, start_loop
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS

@@ -327,7 +327,7 @@ def _measure_displays(args: argparse.Namespace) -> dict[str, Any]:
 def _measure_record(args: argparse.Namespace) -> dict[str, Any]:
     """Measure what the recording of a killed session lacks."""
     from mimics_app.app.bench.record_bench import measure_record
-    from mimics_app.app.scenes.finding import find_scene
+    from mimics_app.app.scenes.scene_search import find_scene
 
     return measure_record(find_scene(args.scene), args.n or _REPEATS, _say)
 
@@ -335,7 +335,7 @@ def _measure_record(args: argparse.Namespace) -> dict[str, Any]:
 def _measure_faults(args: argparse.Namespace) -> dict[str, Any]:
     """Measure the time from each fault of a device to zero force."""
     from mimics_app.app.bench.fault_bench import measure_faults
-    from mimics_app.app.scenes.finding import find_scene
+    from mimics_app.app.scenes.scene_search import find_scene
 
     return measure_faults(find_scene(args.scene), args.n or _REPEATS, _say)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.trial_state import TrialState
-from mimics_app.rendering.haptic.devices.reach import Reach
+from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.world.components.haptic_shapes import (
     CapsuleSolid,
     CubeSolid,

@@ -12,8 +12,8 @@ import msgspec
 from numpy.typing import NDArray
 
 from mimics_app.app.planner.plan import Plan, settle
-from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import check_scene
+from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.body import Body, open_body
 from mimics_app.app.session.requested import read_requested, with_requested_trials
 from mimics_app.app.settings import RunSettings

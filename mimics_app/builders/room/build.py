@@ -6,7 +6,7 @@ import math
 
 from mimics_app.builders.kit.sketch import Point, Sketch
 from mimics_app.builders.market.clay import pack_model
-from mimics_app.builders.room import surfaces, things
+from mimics_app.builders.room import force_models, textures
 from mimics_app.world.gltf.writer import GltfWriter
 
 __all__ = ["compose"]
@@ -39,15 +39,19 @@ def compose(seed: int) -> dict[str, bytes]:
     """
     return {
         "room.glb": _room(seed),
-        "ice.png": surfaces.paint_ice(seed),
-        "rubber.png": surfaces.paint_rubber(seed),
-        "ripples.png": surfaces.paint_ripples(seed),
-        "cushion.png": surfaces.paint_cushion(seed),
-        "oak.png": surfaces.paint_oak(seed),
-        "spring.glb": pack_model("spring", {"coil": (things.spring(), 0.35), "foot": (things.spring_foot(), 0.5)}),
-        "magnet.glb": pack_model("magnet", {"bow": (things.magnet(), 0.35), "tips": (things.magnet_tips(), 0.3)}),
-        "cube.glb": pack_model("cube", {"cube": (things.rounded_cube(), 0.3)}),
-        "arrow.glb": pack_model("arrow", {"arrow": (things.arrow(), 0.6)}),
+        "ice.png": textures.paint_ice(seed),
+        "rubber.png": textures.paint_rubber(seed),
+        "ripples.png": textures.paint_ripples(seed),
+        "cushion.png": textures.paint_cushion(seed),
+        "oak.png": textures.paint_oak(seed),
+        "spring.glb": pack_model(
+            "spring", {"coil": (force_models.spring(), 0.35), "foot": (force_models.spring_foot(), 0.5)}
+        ),
+        "magnet.glb": pack_model(
+            "magnet", {"bow": (force_models.magnet(), 0.35), "tips": (force_models.magnet_tips(), 0.3)}
+        ),
+        "cube.glb": pack_model("cube", {"cube": (force_models.rounded_cube(), 0.3)}),
+        "arrow.glb": pack_model("arrow", {"arrow": (force_models.arrow(), 0.6)}),
     }
 
 
@@ -73,7 +77,7 @@ def _room(seed: int) -> bytes:
 
 
 def _painted(seed: int) -> dict[str, bytes]:
-    return {"oak": surfaces.paint_oak(seed), "boards": surfaces.paint_boards(seed)}
+    return {"oak": textures.paint_oak(seed), "boards": textures.paint_boards(seed)}
 
 
 def _table() -> Sketch:

@@ -30,6 +30,7 @@ from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.scene_effects import EffectRows
 from mimics_app.rendering.haptic.scene_object import MeshKey, ObjectRows, rows_of_object, rows_of_walls
 from mimics_app.rendering.haptic.scene_tunnel import planned_projection, tunnel_rows
+from mimics_app.world.components.block_signals import parse_source, parse_target
 from mimics_app.world.components.object_bodies import ObjectFault, digest_of
 from mimics_app.world.components.objects import (
     Connections,
@@ -40,7 +41,6 @@ from mimics_app.world.components.objects import (
     InteractionPoints,
 )
 from mimics_app.world.components.robot import Ball, Robot
-from mimics_app.world.components.signals import parse_source, parse_target
 from mimics_app.world.meshes.solids import SolidMesh, hull_corners
 from mimics_app.world.scene.scene import Scene
 

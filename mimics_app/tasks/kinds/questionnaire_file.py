@@ -9,7 +9,7 @@ from mimics_app.tasks.kinds.avatar_cord_spec import QuestionnaireSpec
 from mimics_app.world.components.struct_reader import FAILED, read_struct
 from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.paths import PathFault, find_file
-from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.scene.scene_files import read_bytes
 
 __all__ = ["check_questionnaire", "read_questionnaire"]
 

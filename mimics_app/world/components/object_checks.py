@@ -11,6 +11,7 @@ import numpy as np
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.haptic_objects import MAX_PIECES
 from mimics_app.world.components import haptic_effects as effects
+from mimics_app.world.components.block_signals import SignalFault, parse_source, parse_target
 from mimics_app.world.components.haptic_shapes import (
     CubeSolid,
     CylinderSolid,
@@ -32,7 +33,6 @@ from mimics_app.world.components.objects import (
 )
 from mimics_app.world.components.registry import register_check, register_limit
 from mimics_app.world.components.robot import Tunnel
-from mimics_app.world.components.signals import SignalFault, parse_source, parse_target
 from mimics_app.world.scene.placing import pose_of, stands_somewhere
 
 if TYPE_CHECKING:
