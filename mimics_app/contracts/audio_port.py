@@ -163,7 +163,7 @@ class Mixer(Protocol):
 
 
 class OnDemandMixer(Mixer, Protocol):
-    """A mixer that renders as many frames as are asked for; whoever plays them sets its timing."""
+    """A mixer that renders as many frames as requested; the player of the frames sets the timing."""
 
     timing: Timing
 

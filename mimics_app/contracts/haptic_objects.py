@@ -240,7 +240,7 @@ EFFECT = record(
         ("radius", "f8"),  # within which it acts, or of a ball workspace; 0: everywhere [m]
         ("force", "f8"),  # constant, amplitude, or largest [N]
         ("frequency", "f8"),  # of a vibration [Hz]
-        ("slip", "f8"),  # distance at which stick-slip lets go [m]; dead band of springs [m]
+        ("slip", "f8"),  # distance at which stick-slip slips [m]; dead band of springs [m]
         ("parameters", "f8", (8,)),  # of a force field
     ]
 )

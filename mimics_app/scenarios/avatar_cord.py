@@ -183,7 +183,7 @@ class AvatarCord(TouchScene):
         cord.swing = self._step_swing()
 
     def _step_swing(self) -> float:
-        """Advance by a frame the damped pendulum that the cord's ends drive by their lateral speed; return its angle [rad]."""
+        """Advance the pendulum, driven by the lateral speed of the cord's ends, by a frame; return its angle [rad]."""
         middle = self._cord.ends.mean(axis=0)
         dt = FRAME_NS / SECOND_NS
         moved = 0.0 if self._middle is None else float(middle[0] - self._middle[0]) / dt

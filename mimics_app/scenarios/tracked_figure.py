@@ -138,7 +138,7 @@ class TrackedFigure:
             self.scale = self._standing / self._eye_height
 
     def _stand(self, eyes: F8 | None) -> F8:
-        """Return ground_from_model; the model stands still while the head moves by less than `_STEP_FREE`."""
+        """Return ground_from_model; the model keeps its place while the head moves by less than `_STEP_FREE`."""
         stands = np.eye(4)
         stands[:3, :3] = self.scale * _TURNED
         rest = self._rest.places[self._bones.slots["head"]] + self._eyes

@@ -195,7 +195,7 @@ class TrialSpec(Component, frozen=True):
     values: Annotated[
         Values,
         Meta(
-            description="Parameter values set before the trial; others keep their default or the value set by an action."
+            description="Parameter values set before the trial; others keep their default, or the value of an action."
         ),
     ] = field(default_factory=dict)
     time_limit_s: Annotated[PositiveSeconds | None, Meta(description="Longest travel, instead of the task's [s].")] = (
@@ -215,8 +215,8 @@ class BlockSpec(Component, frozen=True):
     order: Annotated[
         Order,
         Meta(
-            description="'listed', 'shuffled' (each repetition anew, from the session's seed) or 'latin' (repetition r "
-            "takes row r of a Williams square: every condition follows every other equally often)."
+            description="'listed', 'shuffled' (separately in each repetition, by the session's seed) or 'latin' "
+            "(repetition r takes row r of a Williams square: every condition follows every other equally often)."
         ),
     ] = "listed"
     practice: Annotated[bool, Meta(description="True: recorded and shown, but left out of the session's score.")] = (

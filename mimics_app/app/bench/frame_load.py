@@ -35,7 +35,7 @@ def main(file: Path, size: tuple[int, int], surface: str, seconds: float, qualit
 
     Args:
         file: The scene.
-        size: Of the picture [px].
+        size: Size of the picture [px].
         surface: Kind of surface.
         seconds: Length of the measurement [s].
         quality: As of a run, or a resolution scale at which it is fixed, see `lower_to_scale`.

@@ -102,7 +102,7 @@ def _task_settings() -> list[Setting]:
         Setting(
             "trials",
             "Number of trials",
-            "How many trials count; practice comes before them as ever.",
+            "How many trials count; practice still comes before them.",
             _choices({"": "as the scene says", **{str(n): str(n) for n in (1, 2, 3, 5, 10, 20)}}),
         ),
     ]

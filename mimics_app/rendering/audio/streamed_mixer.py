@@ -160,7 +160,7 @@ class StreamedMixer:
         Args:
             now: Time of the reading [ns]; it is exact or too late, so the minimum counts.
             ahead: Frames between the mixer and the device.
-            ran_empty: Whether the stream begins anew.
+            ran_empty: Whether the stream restarts.
         """
         timing, wanted = self._mixer.timing, self.queue.frames + _READING
         taken = self.position - ahead

@@ -143,9 +143,9 @@ def _planned_integrator(scene: Scene) -> str:
 
 def _gather(scene: Scene) -> SceneObjects:
     gathered = _Gathered(scene)
-    for entity, thing, pointer in scene.components(HapticObject):
+    for entity, spec, pointer in scene.components(HapticObject):
         try:
-            gathered.add_object(entity, thing)
+            gathered.add_object(entity, spec)
         except ObjectFault as fault:
             raise SceneError(scene.issue(f"{pointer}{fault.place}", fault.what, fault.fix)) from None
     for entity, walls, _ in scene.components(HapticWalls):
@@ -183,11 +183,11 @@ class _Gathered:
     materials: list[str] = field(default_factory=lambda: [""])
     meshes: dict[MeshKey, SolidMesh] = field(default_factory=dict)
 
-    def add_object(self, entity: str, thing: HapticObject) -> None:
+    def add_object(self, entity: str, spec: HapticObject) -> None:
         """Add an object with its shapes."""
-        moves = thing.enable_translation or thing.enable_rotation or entity in self._named
+        moves = spec.enable_translation or spec.enable_rotation or entity in self._named
         integrator = _planned_integrator(self.scene)
-        rows = rows_of_object(self.scene, entity, thing, moves=moves, integrator=integrator)
+        rows = rows_of_object(self.scene, entity, spec, moves=moves, integrator=integrator)
         body = STATIC
         if rows.body is not None:
             body = len(self.bodies)

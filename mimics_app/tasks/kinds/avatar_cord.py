@@ -273,7 +273,7 @@ class AvatarCordKind(TaskKind):
         for label, condition in section.conditions.items():
             if not condition.cord and condition.mode != "none" and "cord" in (condition.places or section.taps.places):
                 where = f"{pointer}/{self.name}/conditions/{escape(label)}"
-                yield where, "taps a cord that nobody sees", 'give it "places", such as ["back"]'
+                yield where, "taps a cord that is hidden", 'give it "places", such as ["back"]'
 
     def _check_labels(self, spec: TaskSpec, section: AvatarCordSpec, pointer: str) -> Iterator[Fault]:
         blocks = spec.trials if not isinstance(spec.trials, str) else []

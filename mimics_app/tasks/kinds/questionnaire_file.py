@@ -20,8 +20,8 @@ def read_questionnaire(name: str, folder: Path, root: Path) -> QuestionnaireSpec
     """Read a JSON object of what may stand under `task.avatar_cord.questionnaire`.
 
     Args:
-        name: Of the file, from the scene's folder.
-        folder: Of the scene file.
+        name: Path of the file from the scene's folder.
+        folder: Folder of the scene file.
         root: Folder that it must lie inside.
 
     Raises:

@@ -128,7 +128,7 @@ def _find_displacement(scene: SceneRecord, state: StateRecord, dt: float) -> Non
     """Set displacement and velocity of virtual mass or device since the last tick, exact for a held force.
 
     The virtual mass moves by (v_{k-1} + v_k) T / 2 under a constant force, the device from one position to the next. A
-    jump of the position is no displacement: it stops the loop by itself.
+    jump of the position is no displacement: it stops the loop on its own.
     """
     acting = state.acting
     admittance = scene.controller == Controller.ADMITTANCE
