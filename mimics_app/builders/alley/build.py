@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from mimics_app.builders.alley.front import HouseFront, build_front
-from mimics_app.builders.city import fittings, surfaces
-from mimics_app.builders.city.tree import TREES, build_tree
+from mimics_app.builders.city import fittings, textures
+from mimics_app.builders.city.street_tree import TREES, build_tree
 from mimics_app.builders.kit.sketch import Point, Sketch
 from mimics_app.builders.kit.solids import Skin, add_column
 from mimics_app.world.gltf.writer import GltfWriter
@@ -58,12 +58,12 @@ _PAVING = 1.8
 """Metres one repetition of the paving covers."""
 
 _PICTURES: Mapping[str, tuple[Callable[[int], bytes], bool]] = {
-    "brick": (surfaces.paint_brick, True),
-    "plaster": (surfaces.paint_plaster, True),
-    "stone": (surfaces.paint_stone, True),
-    "tiles": (surfaces.paint_tiles, True),
-    "paving": (surfaces.paint_paving, True),
-    "bark": (surfaces.paint_bark, True),
+    "brick": (textures.paint_brick, True),
+    "plaster": (textures.paint_plaster, True),
+    "stone": (textures.paint_stone, True),
+    "tiles": (textures.paint_tiles, True),
+    "paving": (textures.paint_paving, True),
+    "bark": (textures.paint_bark, True),
     "leaves": (fittings.paint_leaves, False),
 }
 """Picture: who paints it from the seed, and whether it repeats."""

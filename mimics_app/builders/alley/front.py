@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mimics_app.builders.city.surfaces import TILE
+from mimics_app.builders.city.textures import TILE
 from mimics_app.builders.kit.facade import Opening, Zone, add_zone, wall_axes
 from mimics_app.builders.kit.sketch import Sketch, Uv
 from mimics_app.builders.kit.solids import Axes, Skin, add_column, add_prism
