@@ -20,15 +20,20 @@ from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.contracts.probe import shortest_us
 from mimics_app.lab.haptic.probe import reference_us
 from mimics_app.lab.rivals import Rival, compare
-from mimics_app.rendering.haptic.kernels.objects.effects import apply_effects
+from mimics_app.rendering.haptic.kernels.objects.force_effects import apply_effects
 from mimics_app.rendering.haptic.kernels.objects.grip import grip_bodies
-from mimics_app.rendering.haptic.kernels.objects.hand import HAND_LENGTH, HAND_POSITION, HAND_TIME, HAND_VELOCITY
-from mimics_app.rendering.haptic.kernels.objects.signals import carry_signals
+from mimics_app.rendering.haptic.kernels.objects.object_inputs import (
+    INPUT_LENGTH,
+    INPUT_POSITION,
+    INPUT_TIME,
+    INPUT_VELOCITY,
+)
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
+from mimics_app.rendering.haptic.kernels.objects.wires import carry_signals
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS
 from mimics_app.rendering.haptic.objects import new_object_work
 from mimics_app.rendering.haptic.standard_fields import well
-from mimics_app.rendering.haptic.tunnel import build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Fields, ObjectCountsRecord, ObjectWork, Rows
@@ -188,14 +193,14 @@ _EFFECTS: dict[str, _Effect] = {
 
 
 def _hands() -> F8:
-    """Return the hand's record in each tick, on a circle about the effect's place, [ticks, HAND_LENGTH]."""
-    hands = np.zeros((_TICKS, HAND_LENGTH))
-    t = hands[:, HAND_TIME] = _DT * np.arange(_TICKS)
+    """Return the hand's record in each tick, on a circle about the effect's place, [ticks, INPUT_LENGTH]."""
+    hands = np.zeros((_TICKS, INPUT_LENGTH))
+    t = hands[:, INPUT_TIME] = _DT * np.arange(_TICKS)
     turn = 2.0 * np.pi * _RATE * t
     first, second = np.array([0.8, 0.6, 0.0]), np.array([-0.36, 0.48, 0.8])
     place = _CIRCLE * (np.outer(np.cos(turn), first) + np.outer(np.sin(turn), second))
-    hands[:, HAND_POSITION : HAND_POSITION + 3] = place
-    hands[:, HAND_VELOCITY : HAND_VELOCITY + 3] = np.gradient(place, _DT, axis=0)
+    hands[:, INPUT_POSITION : INPUT_POSITION + 3] = place
+    hands[:, INPUT_VELOCITY : INPUT_VELOCITY + 3] = np.gradient(place, _DT, axis=0)
     return hands
 
 
@@ -229,8 +234,8 @@ def _effect_error(name: str) -> float:
     """Return the largest difference of the force from the law [N]."""
     run, hands, forces = _run_effect(name)
     run()
-    place, velocity = hands[:, HAND_POSITION : HAND_POSITION + 3], hands[:, HAND_VELOCITY : HAND_VELOCITY + 3]
-    expected = _EFFECTS[name].law(place, velocity, hands[:, HAND_TIME])
+    place, velocity = hands[:, INPUT_POSITION : INPUT_POSITION + 3], hands[:, INPUT_VELOCITY : INPUT_VELOCITY + 3]
+    expected = _EFFECTS[name].law(place, velocity, hands[:, INPUT_TIME])
     return float(np.linalg.norm(forces - expected, axis=1).max())
 
 
@@ -277,7 +282,12 @@ compare(
     "one effect or force field in a tick of a hand on a circle; error: difference from its law",
     "N",
     [
-        Rival(name, f"kernels.objects.effects, {spec.kind.name}", "a hand anywhere", {"effect": name.replace(" ", "_")})
+        Rival(
+            name,
+            f"kernels.objects.force_effects, {spec.kind.name}",
+            "a hand anywhere",
+            {"effect": name.replace(" ", "_")},
+        )
         for name, spec in _EFFECTS.items()
     ],
     cost=_effect_us,
