@@ -226,8 +226,7 @@ class Renderer:
         return self.overlay.times if self.timing or self.shows("graph") else None
 
     def _timed(self, stage: str) -> AbstractContextManager[None]:
-        times = self.times
-        return nullcontext() if times is None else times.stage(stage)
+        return nullcontext() if self.times is None else self.times.stage(stage)
 
     def _draw(self, views: Sequence[View], latch: Latch | None) -> tuple[int, int]:
         """Run the stages of a frame in order; return triangles and draw calls."""
@@ -312,8 +311,7 @@ class Renderer:
         coarser = math.sqrt(min(map(fewer_pixels, views, sizes)))
         self._shadows.prepare(lighting, views, self._list, self._frame, settings, coarser)
         effects, plan = self._prepare_effects(features), self._shadows.plan
-        items = self._list.items
-        return FrameScene(self.world, items, lighting, plan, settings, self._ambient, lights, effects)
+        return FrameScene(self.world, self._list.items, lighting, plan, settings, self._ambient, lights, effects)
 
     def _prepare_effects(self, lights: frozenset[str]) -> EffectStage | None:
         """Return the stage of sprites and projectors, updated for this frame; None in a world without any."""
