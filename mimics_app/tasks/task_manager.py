@@ -87,7 +87,7 @@ class TaskManager:
         score = spec.score if self._has_score else None
         plays = tuple(self._plays.values())
         self._attempts = Attempts(plan, score, spec.start.attempts, on_trial, plays, counts, first_trial)
-        self._bodies, self._by_pointer = context.bodies, context.by_pointer
+        self._bodies, self._by_pointer, self._limb = context.bodies, context.by_pointer, context.limb
         self._arrival = Arrival(spec.start, context.start_joints)
         self._control = RobotControl(context.home or Home(context.start_joints), context.feel)
         self._goals = Goals(spec.goals, [self._play_of(goal) for goal in spec.goals])
@@ -352,7 +352,7 @@ class TaskManager:
             **({"progress": progress_card(view.progress, self._captions.label)} if self._plays else {}),
             "time": time_card(attempts.tally.time_s if attempts.tally else 0.0, self._left_s(view), self._length_s()),
             "contacts": count_card(self._captions.contacts, attempts.tally.contacts if attempts.tally else 0),
-            "force": force_card(seen.force),
+            "force": force_card(seen.force, self._limb),
             **({"score": count_card("Score", score, width=130.0)} if self._has_score else {}),
         }
         for play in self._plays.values():

@@ -229,14 +229,21 @@ def _measure_realtime(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_apart(kind: str, scene: Path, seconds: float) -> dict[str, Any]:
+    """Measure one loop, with the `stalls` of the machine meanwhile where they can be seen."""
+    from mimics_app.app.bench.stall_witness import StallWitness, summarise
+
     command = [sys.executable, "-m", "mimics_app.app.bench.realtime_load", kind, str(scene), str(seconds)]
-    child = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    witness = StallWitness()
+    try:
+        child = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    finally:
+        stalls = witness.stop()
     if child.returncode != 0:
         raise DeviceError(
             f"the measurement of {kind} failed with exit code {child.returncode}", "see the messages above"
         )
     row: dict[str, Any] = json.loads(child.stdout)
-    return row
+    return row if stalls is None else row | {"stalls": summarise(stalls)}
 
 
 def _median_round(rows: list[dict[str, Any]]) -> dict[str, Any]:

@@ -23,6 +23,7 @@ from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.scenario_port import Scenario, TaskContext
 from mimics_app.recording.run import Run
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED
 from mimics_app.rendering.haptic.devices.registry import build_device
@@ -80,6 +81,7 @@ class Preparation:
             self.scenario.task_context,
             feel=feel_of(self.plugin),
             simulated=not self.live,
+            limb=(self.plugin.descriptor or HAPTICMASTER).contacts[0],
             by_pointer=self.robot.device == POINTER,
             introduced=self.live and self.settings.journey is not None,
         )

@@ -137,7 +137,7 @@ class StreamedMixer:
         now, left = self._clock.now_ns(), self._stream.left()
         empty = self._stream.ran_empty
         if self.position > 0:
-            self.queue.read(left, self.position, ran_empty=empty, steady=now < self._driven_ns)
+            self.queue.read(left, self.position, now, ran_empty=empty, steady=now < self._driven_ns)
         ahead = max(left, 0)
         while ahead + frames <= self.queue.frames:
             ahead = self._stream.write(soften_peaks(self._mixer.render(frames))[0])
