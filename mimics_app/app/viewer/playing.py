@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.viewer.shown import Shown
-from mimics_app.contracts.errors import Issue, OutputError, SceneError, UsageError
+from mimics_app.contracts.errors import Issue, OutputError, SceneError
 from mimics_app.world.motion.animator import Animator
 
 __all__ = ["add_motion", "animators_of", "clips_of", "play_clip", "write_vertices"]
