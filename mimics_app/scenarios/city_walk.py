@@ -59,7 +59,7 @@ class CityWalk(TouchScene):
         self._eyes = [
             (node, np.array(node.orientation))
             for name, _, _ in scene.components(CameraComponent)
-            if (node := world.find(name)).parent is self._person
+            if (parent := (node := world.find(name)).parent) is not None and parent.index == self._person.index
         ]
 
     def hand_frame(self) -> NDArray[np.float64]:

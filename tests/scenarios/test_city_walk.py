@@ -62,8 +62,8 @@ class Listener:
         """Nothing is open."""
 
 
-def walked(file: Path, seconds: float) -> list[tuple[str, int, str, np.ndarray]]:
-    """Heel strikes of a time [s] from the begin of the trial on, and of the others before."""
+def walked(file: Path, seconds: float) -> tuple[list[tuple[str, int, str, np.ndarray]], np.ndarray]:
+    """Heel strikes of a time [s] from the begin of the trial on, and of the others before; where the eyes look."""
     listener = Listener()
     with open_core(prepare_scene(load_checked_scene(file), RunSettings(file))) as core:
         core.sound = listener  # type: ignore[assignment]
@@ -71,13 +71,14 @@ def walked(file: Path, seconds: float) -> list[tuple[str, int, str, np.ndarray]]
         play.play_to_start()
         for _ in range(round(seconds * 60)):
             play.play_on()
-    return listener.steps
+        gaze = -core.world.cameras[0].world_from_eye[:3, 2]
+    return listener.steps, gaze
 
 
 def test_each_step_sounds_at_its_time_as_its_ground(tmp_path: Path) -> None:
     """D2.1 Table 1, city walk: stepping sounds. The spectra of both grounds are told by their bands."""
     file = changed(tmp_path, TO_THE_LAWN)
-    steps = walked(file, 7.5)
+    steps, _ = walked(file, 7.5)
     by_walker = {name: [step for step in steps if step[0] == name] for name in ("own_body", "companion", "neighbour")}
     for name, of_one in by_walker.items():
         spacing = np.diff([t for _, t, _, _ in of_one]) * 1e-9
@@ -107,9 +108,12 @@ def test_each_step_sounds_at_its_time_as_its_ground(tmp_path: Path) -> None:
     assert np.median(bright) > 2.0 * np.median(dull)
 
 
-def test_who_does_not_raise_the_hand_stands_and_hears_the_others(tmp_path: Path) -> None:
-    steps = walked(changed(tmp_path, patient={"patient": {"preset": "healthy", "visits": ["robot"]}}), 6.0)
+def test_who_moves_the_hand_aside_stands_looks_about_and_hears_the_others(tmp_path: Path) -> None:
+    file = changed(tmp_path)
+    file.write_text(file.read_text().replace("[0.0, 1.3, -0.6]", "[0.08, 1.2, -0.6]"))  # where the hand goes
+    steps, gaze = walked(file, 6.0)
     assert {name for name, _, _, _ in steps} == {"neighbour", "stroller"}
+    assert math.atan2(gaze[0], -gaze[2]) == pytest.approx(8.0 * 0.08, abs=0.15), "to the right of north"
 
 
 def test_the_whole_walk_ends_at_the_church(tmp_path: Path) -> None:
