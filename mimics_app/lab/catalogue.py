@@ -22,6 +22,8 @@ GROUPS = {
     "resting bodies": "haptic.bodies",
     "shape cull": "haptic.cull",
     "bounding geometry": "haptic.bounding",
+    "effects": "haptic.acting",
+    "grip": "haptic.acting",
     "mesh finger": "haptic.mesh",
     "tunnel projection": "haptic.tunnel",
     "tunnel frame": "haptic.tunnel",

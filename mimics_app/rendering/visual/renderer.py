@@ -321,7 +321,7 @@ class Renderer:
             from mimics_app.rendering.visual.stages.effect_stage import EffectStage
 
             self._effects = EffectStage(self._surface.ctx, self._shaders, self._has.texture_size)
-        self._effects.prepare(self.world, lights, self.settings.particle_light)
+        self._effects.prepare(self.world, lights, self.settings)
         return self._effects
 
     def _batch(
