@@ -332,7 +332,7 @@ def test_sound_that_is_not_there_is_left_out_with_its_cost(scene):
     [
         ("wavy_tunnel", "haptic tick, all of it", 4),
         ("pick_and_place", "haptic tick without its objects", 0),
-        ("city_walk", "", 4),
+        ("avatar_gallery", "", 4),
     ],
 )
 def test_what_only_objects_need_is_left_out_where_none_is(name, ticks, left):

@@ -63,7 +63,7 @@ def main(file: Path, size: tuple[int, int], surface: str, seconds: float, qualit
 
 def _measure(session: Session, surface: str, seconds: float, scale: float) -> Row:
     start_loop(session)
-    size = session.settings.size
+    size = session.settings.picture_size
     open_picture(session, create_surface(surface, size, session.scene.name))
     assert session.picture is not None
     if scale < 1.0:

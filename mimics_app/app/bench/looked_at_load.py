@@ -15,7 +15,7 @@ from mimics_app.app.bench.people_workload import ON_SIDEWALKS, People
 from mimics_app.app.bench.render_workloads import Walk
 from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.app.picture.held_quality import measure_frame_ms
-from mimics_app.app.picture.picture import Picture, live_quality, picture_quality
+from mimics_app.app.picture.picture import Picture, live_quality
 from mimics_app.app.planner.tolerances import tolerances_of
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import Profile, Quality
@@ -130,7 +130,7 @@ def _walk() -> tuple[Scene, World, Callable[[float], None]]:
 def _open(scene: Scene, world: World, move: Callable[[float], None], surface: Surface, quality: Quality) -> _LookedAt:
     move(0.0)
     full = quality == "full"
-    settings = picture_quality(scene, _PROFILE) if full else live_quality(scene, _PROFILE, surface)
+    settings = live_quality(scene, _PROFILE, surface, full=full)
     picture = Picture(surface, scene, world, settings)
     steps = quality_steps(picture.renderer)
     fixed = [step.name for step in steps] if full else []
