@@ -194,11 +194,10 @@ class Renderer:
             self._overlay.release()
             self._overlay = None
         parts = (self._pictures, self._hud_pass, self._world, self._shadows, self._picture, self._frame)
-        for part in (*parts, self._materials, self._arena):
+        for part in (*parts, self._materials, self._arena, self._bending):
             part.release()
         if self._effects is not None:
             self._effects.release()
-        self._bending.release()
 
     def _measure(self, views: Sequence[View], latch: Latch | None, *, finish: bool) -> FrameStats:
         if not views:
@@ -312,8 +311,7 @@ class Renderer:
         coarser = math.sqrt(min(map(fewer_pixels, views, sizes)))
         self._shadows.prepare(lighting, views, self._list, self._frame, settings, coarser)
         effects, plan = self._prepare_effects(features), self._shadows.plan
-        items = self._list.items
-        return FrameScene(self.world, items, lighting, plan, settings, self._ambient, lights, effects)
+        return FrameScene(self.world, self._list.items, lighting, plan, settings, self._ambient, lights, effects)
 
     def _prepare_effects(self, lights: frozenset[str]) -> EffectStage | None:
         """Return the stage of sprites and projectors, updated for this frame; None in a world without any."""
