@@ -329,6 +329,7 @@ def uses() -> Mapping[str, Use]:
 NOT_PLANNED: Mapping[str, str] = {
     "integrator": 'the integrators of bodies on one wall alone; "colliding bodies" chooses among all a body can have',
     "bounding geometry": "the shape of an object is its author's choice",
+    "effects": "each is another force: its author's choice",
     "joint mixing": "the bending of a body is a matter of appearance: the scene's `animation.skinning` states it",
     "culling": "the faster one depends on the view: the renderer counts the items of each scene",
     "frame of nodes": "culling, measured in whole frames",

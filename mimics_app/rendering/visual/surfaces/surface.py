@@ -85,6 +85,11 @@ class Surface:
         """Return the events since the last call, oldest first, and update keys, buttons and gamepad."""
         return []
 
+    @property
+    def resized_to(self) -> Size | None:
+        """Size that a person gave the window, full screen aside; None without one."""
+        return None
+
     def pointer(self) -> tuple[float, float] | None:
         """Return the pointer's position, right and up in [-1, 1]; None before it first moved over the window."""
         return None
