@@ -27,7 +27,7 @@ def test_each_rival_lowers_the_error_of_edges():
     """All or nothing is wrong by sqrt(1/12) where coverage is spread evenly, by 1/2 along the pixels' diagonals."""
     found = {method.name: method.error() for method in load_methods([GROUP]).rivals(GROUP)}
     assert 0.25 < found["none"] < 0.33
-    assert found["filter"] < 0.55 * found["none"]
+    assert found["filter"] < 0.1, "the tolerance of a training, within which the planner takes it"
     assert found["4 samples"] < 0.45 * found["none"]
     assert found["4 samples, filter"] < 1.15 * found["4 samples"]
 

@@ -192,11 +192,10 @@ class Renderer:
             self._overlay.release()
             self._overlay = None
         parts = (self._pictures, self._hud_pass, self._world, self._shadows, self._picture, self._frame)
-        for part in (*parts, self._materials, self._arena):
+        for part in (*parts, self._materials, self._arena, self._bending):
             part.release()
         if self._effects is not None:
             self._effects.release()
-        self._bending.release()
 
     def _measure(self, views: Sequence[View], latch: Latch | None, *, finish: bool) -> FrameStats:
         if not views:

@@ -60,6 +60,8 @@ VIEW_BLOCK = np.dtype(
 _BINDING = 0
 _FILTER_MARGIN = 2.0
 """Texels along a map's edge that are not sampled, since the filter reaches over them."""
+_FILTER_TURNS = 2.0
+"""Turns of the filter's loop, see shaders/common/shadow.glsl."""
 _OUTSIDE = 1e9
 """Place of a map that covers nothing [texel]."""
 _FOG_KINDS: tuple[FogKind, ...] = ("squared", "exponential", "linear")
@@ -144,7 +146,7 @@ class ViewBlock:
         if plan.sun:
             self._fill_sun(plan.sun[0], tile, eye)
         tone = settings.shadow_tone if settings.shadows == "texture_modulative" else 0.0
-        data["shadow"] = (tone, 1.0 / max(settings.shadow_size, 1), 0.0, 0.0)
+        data["shadow"] = (tone, 1.0 / max(settings.shadow_size, 1), _FILTER_TURNS, 0.0)
         self._fill_spots(plan, eye)
 
     def _fill_sun(self, shadow: ShadowMap, tile: float, eye: F8) -> None:
