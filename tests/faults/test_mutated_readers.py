@@ -198,8 +198,8 @@ READERS = {
     "paths": (paths, 1000, 125_000),
     "trials": (trials, 1000, 125_000),
 }
-"""What reads, how often in `make test`, and how often in `make test-long`: 10^4 and 10^6 in all, 20 minutes of processor
-time: a scene takes 17 ms, JSON of a glTF file 2.3 ms, another file 0.5 to 0.7 ms."""
+"""What reads, how often in `make test`, and how often in `make test-long`: 10^4 and 10^6 in all, 20 minutes of a
+processor: a scene takes 17 ms, JSON of a glTF file 2.3 ms, another file 0.5 to 0.7 ms."""
 
 
 def test_counts_are_those_that_are_promised():
