@@ -385,7 +385,8 @@ def test_every_part_that_runs_is_listed(name, wanted):
     parts = explain_plan(scene, plan_scene(scene, "training", Table.load_shipped()))["parts"]
     assert wanted <= {part["part"] for part in parts}
     alone = {part["group"] for part in parts if "no rival" in part["note"]}
-    assert alone <= {"friction", "rotation update", "tunnel frame", ""}
+    assert alone <= {"friction", "rotation update", "tunnel frame", "grip"}
+    assert all(part["cost_us"] is not None for part in parts), "every part has a figure"
 
 
 def test_tolerance_of_zero_is_refused_with_its_place(tmp_path: Path):

@@ -170,16 +170,13 @@ def _show_result(session: Session, answer: dict[str, Any]) -> str:
 
 def open_picture(session: Session, surface: Surface, *, keep: bool = False) -> None:
     """Draw the session on a surface from now on; `keep` leaves it open for the page of results."""
-    from mimics_app.app.picture.picture import Picture, live_quality, picture_quality
+    from mimics_app.app.picture.picture import Picture, live_quality
     from mimics_app.app.picture.shown_on import open_display
 
     settings, scene = session.settings, session.scene
-    best = settings.quality == "full"
     display = open_display(scene, settings.display, surface)
-    drawn = display.drawn_size(surface.size)
-    quality = (
-        picture_quality(scene, settings.profile) if best else live_quality(scene, settings.profile, surface, drawn)
-    )
+    drawn, full = display.drawn_size(surface.size), settings.quality == "full"
+    quality = live_quality(scene, settings.profile, surface, drawn, full=full)
     session.recorder.journal("quality", asdict(quality))
     session.show(Picture(surface, scene, session.world, quality, display=display))
     session.window = surface if keep else None
