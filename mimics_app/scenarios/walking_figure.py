@@ -67,4 +67,4 @@ def add_walk(
             ground=ground,
             events=lambda event: animator.events.append(replace(event, material=material())),
         )
-        animator.steps.insert(0, walk)  # the head turns to somebody after the trunk has
+        animator.steps.insert(0, walk)  # the head turns to a person after the trunk has

@@ -21,6 +21,7 @@ SHARED = {
     "build": "the composition of one builder's files",
     "catalogue": "modules of a package by name, imported on request",
     "check": "checks of what a person wrote or connected",
+    "city_walk": "the city walk",
     "contact": "contact of a point with a shape",
     "cord": "a hanging cord",
     "cull": "broad phase of a point against shapes",

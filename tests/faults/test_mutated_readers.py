@@ -190,15 +190,16 @@ def trials(folder: Path) -> Callable[[int], object]:
 
 
 READERS = {
-    "glTF, JSON": (gltf_json, 2000, 250_000),
-    "glTF, bytes": (gltf_bytes, 2000, 250_000),
-    "scenes": (scenes, 1000, 50_000),
+    "glTF, JSON": (gltf_json, 2000, 150_000),
+    "glTF, bytes": (gltf_bytes, 2000, 330_000),
+    "scenes": (scenes, 1000, 20_000),
     "actions": (actions, 1500, 150_000),
     "sweeps": (sweeps, 1500, 100_000),
-    "paths": (paths, 1000, 100_000),
-    "trials": (trials, 1000, 100_000),
+    "paths": (paths, 1000, 125_000),
+    "trials": (trials, 1000, 125_000),
 }
-"""What reads, how often in `make test`, and how often in `make test-long`: 10^4 and 10^6 in all."""
+"""What reads, how often in `make test`, and how often in `make test-long`: 10^4 and 10^6 in all, 20 minutes of a
+processor: a scene takes 17 ms, JSON of a glTF file 2.3 ms, another file 0.5 to 0.7 ms."""
 
 
 def test_counts_are_those_that_are_promised():

@@ -10,12 +10,12 @@ from typing import Any
 import msgspec
 import numpy as np
 import pytest
-from mimics_app.app.session.person import ray_to_the_hand
 
 from mimics_app.app.play.heard import write_sound
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
+from mimics_app.app.session.person_input import ray_to_the_hand
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import SceneError
