@@ -23,7 +23,7 @@ DISPLAY_KINDS: dict[str, Literal["never", "may", "must"]] = {
     "openxr": "never",
     "sim-hmd": "may",
 }
-"""Kinds of `--display`, and whether each takes a file."""
+"""Built-in kinds of `--display`, and whether each takes a file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,14 +38,18 @@ class DisplayChoice:
 
 
 def parse_display(text: str) -> DisplayChoice:
-    """Parse KIND[:FILE].
+    """Parse KIND[:FILE]; KIND may be that of a plug-in, which may take a file.
 
     Raises:
         UsageError: Unknown kind, a missing file, or a file for a kind that takes none.
     """
     kind, colon, file = text.partition(":")
     if kind not in DISPLAY_KINDS:
-        raise UsageError(f'there is no display "{kind}"', nearest(kind, DISPLAY_KINDS))
+        from mimics_app.contracts.display_port import PLUGINS
+
+        if kind not in (installed := PLUGINS.names()):
+            raise UsageError(f'there is no display "{kind}"', nearest(kind, [*DISPLAY_KINDS, *installed]))
+        return DisplayChoice(kind, file)
     wants = DISPLAY_KINDS[kind]
     if wants == "must" and not file:
         raise UsageError(f"the display {kind} needs a file", f"write {kind}:FILE.json")

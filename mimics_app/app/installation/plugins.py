@@ -15,7 +15,7 @@ __all__ = ["PluginReport", "list_plugins", "plugin_groups", "report_group"]
 
 def plugin_groups() -> tuple[PluginGroup, ...]:
     """Return the groups of entry points, each from the stage that uses its plug-ins."""
-    from mimics_app.contracts import scenario_port
+    from mimics_app.contracts import display_port, scenario_port
     from mimics_app.inputs.physio import sources
     from mimics_app.learning import registry as policies
     from mimics_app.rendering.haptic import force_fields
@@ -25,7 +25,7 @@ def plugin_groups() -> tuple[PluginGroup, ...]:
     from mimics_app.world.scene import method_plugins
 
     stages = (device_names, components, scenario_port, kinds, force_fields, policies, sources, method_plugins)
-    return tuple(stage.PLUGINS for stage in stages)
+    return (*(stage.PLUGINS for stage in stages), display_port.PLUGINS)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import cast
 
-from mimics_app.contracts.display_choice import DisplayChoice
-from mimics_app.contracts.display_port import Display
+from mimics_app.contracts.display_choice import DISPLAY_KINDS, DisplayChoice
+from mimics_app.contracts.display_port import PLUGINS, Display, DisplayBuilder, DisplayRequest
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.contracts.plugins import PluginError
 from mimics_app.rendering.visual.displays.desktop import DesktopDisplay
 from mimics_app.rendering.visual.displays.headset import RawHeadset
 from mimics_app.rendering.visual.displays.headset_file import HeadsetSpec, load_headset
@@ -18,7 +20,7 @@ from mimics_app.rendering.visual.displays.walls import WallDisplay
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.world.components.systems import DisplaySettings
 
-__all__ = ["make_display"]
+__all__ = ["find_builder", "make_display"]
 
 
 def make_display(choice: DisplayChoice, settings: DisplaySettings, surface: Surface) -> tuple[Display, str]:
@@ -34,6 +36,8 @@ def make_display(choice: DisplayChoice, settings: DisplaySettings, surface: Surf
         DeviceError: the display is not available, and a plain window is no replacement.
     """
     kind, file = choice.kind, Path(choice.file)
+    if kind not in DISPLAY_KINDS:
+        return find_builder(kind)(DisplayRequest(choice.file, settings.ipd, settings.screen_distance)), ""
     if kind in STEREO_KINDS:
         return StereoDisplay(kind, settings.ipd, settings.screen_distance, swap=settings.swap_eyes), ""
     if kind in ("wall", "cave"):
@@ -44,6 +48,18 @@ def make_display(choice: DisplayChoice, settings: DisplaySettings, surface: Surf
     if kind == "openxr":
         return _openxr(surface)
     return DesktopDisplay(), ""
+
+
+def find_builder(kind: str) -> DisplayBuilder:
+    """Return the builder of a plug-in's display.
+
+    Raises:
+        DeviceError: The plug-in cannot be loaded.
+    """
+    try:
+        return cast(DisplayBuilder, PLUGINS.load(kind))
+    except PluginError as error:
+        raise DeviceError(f'the display "{kind}" is not available: {error}') from error
 
 
 def _openxr(surface: Surface) -> tuple[Display, str]:
