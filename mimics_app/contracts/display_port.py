@@ -15,17 +15,13 @@ from typing import Protocol
 import numpy as np
 
 from mimics_app.contracts.arrays import F8, U1
-from mimics_app.contracts.plugins import PluginGroup, fault_of_builder
 from mimics_app.contracts.tracker_port import TrackerSample
 
 __all__ = [
     "MAX_PREDICTION_NS",
-    "PLUGINS",
     "Composing",
     "Display",
-    "DisplayBuilder",
     "DisplayFrame",
-    "DisplayRequest",
     "Eye",
     "FrameTiming",
     "HeadSource",
@@ -176,7 +172,7 @@ class Display(Protocol):
     """One display. Per frame: `begin_frame`, `eyes` (again just before submitting: late latch), `end_frame`.
 
     Attributes:
-        kind: One of `DISPLAY_KINDS`, or the name of its plug-in.
+        kind: One of `DISPLAY_KINDS`.
         head: Source of the head pose, for displays without tracking of their own.
         composing: Composition of the views; None where the eyes' rectangles form the picture.
         leaving: True once the display requests the end of the session.
@@ -197,7 +193,7 @@ class Display(Protocol):
         """Wait for the display where it paces; return the timing of the frame.
 
         Raises:
-            DeviceError: The display is gone for good.
+            DeviceError: The display is lost.
         """
         ...
 
@@ -228,24 +224,3 @@ class Display(Protocol):
     def close(self) -> None:
         """Release all resources."""
         ...
-
-
-@dataclass(frozen=True, slots=True)
-class DisplayRequest:
-    """What a plug-in makes its display from.
-
-    Attributes:
-        file: FILE of --display KIND:FILE; "" for none.
-        ipd: The scene's distance between the eyes [m].
-        screen_distance: The scene's distance at which a stereo screen has no parallax [m].
-    """
-
-    file: str
-    ipd: float
-    screen_distance: float
-
-
-DisplayBuilder = Callable[[DisplayRequest], Display]
-"""Plug-in of a display; raises SceneError for its file, DeviceError for a display that is not there."""
-
-PLUGINS = PluginGroup("mimics_app.displays", fault_of_builder(Display))

@@ -47,6 +47,7 @@ class TaskContext:
         feel: Controller while the person leads: ADMITTANCE, or IMPEDANCE on a force driven device.
         simulated: No person is present: questions to the person are answered automatically.
         by_pointer: The person uses mouse, keys or gamepad; prompts name the keys.
+        limb: Name of the device's first point of contact, e.g. "hand" or "right foot".
         introduced: The page of keys is shown before the first trial, which then starts with a countdown.
     """
 
@@ -58,6 +59,7 @@ class TaskContext:
     feel: Controller = Controller.ADMITTANCE
     simulated: bool = False
     by_pointer: bool = False
+    limb: str = "hand"
     introduced: bool = False
 
 

@@ -142,7 +142,7 @@ class AlleyFigure:
                 ground=lambda: (self.aside, -self.along, self._yaw or 0.0),
                 events=lambda event: animator.events.append(event),
             )
-            animator.steps.insert(0, walk)  # the head turns to somebody after the trunk has
+            animator.steps.insert(0, walk)  # the head turns to a person after the trunk has
 
     def _pace(self) -> Pace:
         """Return speed and step of the legs: speed over ground, negative for walking backwards."""

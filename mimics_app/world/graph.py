@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import nearest
 from mimics_app.maths import mat
+from mimics_app.world.entity_ids import EntityId, EntityStore
 from mimics_app.world.hierarchy import Hierarchy
-from mimics_app.world.store import EntityId, EntityStore
 from mimics_app.world.transforms import TransformTable
 
 __all__ = ["SceneGraph"]

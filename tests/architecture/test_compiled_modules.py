@@ -77,7 +77,7 @@ DEVIATIONS: dict[str, tuple[tuple[str, ...], str]] = {
         ("mimics_app.rendering.haptic.channels", "mimics_app.contracts.contact_force"),
         "the types of its channels and of what it publishes",
     ),
-    "rendering/haptic/devices/bench.py": ((_ERRORS,), "refuses a device in words"),
+    "rendering/haptic/devices/device_bench.py": ((_ERRORS,), "refuses a device in words"),
     "rendering/haptic/devices/emulators/hapticmaster_machine.py": ((_DEVICES,), "built from a robot's request"),
     "rendering/haptic/devices/hapticmaster_loop.py": ((_DESCRIPTORS, _DEVICES), "reads and writes a socket"),
     "rendering/haptic/devices/link.py": ((_ERRORS, "contextlib", "threading"), "opens and watches a link"),

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
 from mimics_app.lab.stability.s05b_energy_dissipated import UNLIMITED, given_by_taps
+from mimics_app.rendering.haptic.kernels.acting import payable_share, settle_account
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity
 from mimics_app.rendering.haptic.kernels.stability import contact_share, spring_share
-from mimics_app.rendering.haptic.kernels.tank import payable_share, settle_account
 from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import PUSH, Bench, glide, patient_bench, pushed_bench, script, scripted
 

@@ -10,17 +10,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mimics_app.app.session.body import NullEstimation
 from mimics_app.contracts.input_port import WindowFrame
 from mimics_app.contracts.messages import FeatureFrame, PointerState, SignalBlock, UserState
 from mimics_app.contracts.window_input import GamepadState, InputEvent
 from mimics_app.dsp.stage import NullDsp
-from mimics_app.estimation.stage import NullEstimation
 from mimics_app.inputs.interaction.grasp import GraspControl
 from mimics_app.inputs.interaction.plane import FrontalPlane
 from mimics_app.inputs.interaction.pointer import Pointer, PointerSettings, StickResponse
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
-from mimics_app.inputs.physio.movement import Movement
-from mimics_app.inputs.stage import Inputs
+from mimics_app.inputs.stage import Inputs, Movement
 
 PLANE = FrontalPlane(centre=(0.0, 1.0, -0.5), half_width=0.3, half_height=0.2)
 FRAME_NS = 20_000_000

@@ -18,8 +18,8 @@ from mimics_app.app.planner.tolerances import BY_PROFILE, tolerances_of
 from mimics_app.app.planner.uses import NOT_PLANNED, USES
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import PROFILES
-from mimics_app.contracts.haptic import AdmittanceForm, Projection
-from mimics_app.contracts.haptic_objects import ObjectIntegrator
+from mimics_app.contracts.haptic import AdmittanceForm
+from mimics_app.contracts.haptic_objects import ObjectIntegrator, Projection
 from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.resources import root
 from mimics_app.lab.catalogue import GROUPS, load_methods

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mimics_app.maths import mat, quat
+from mimics_app.world.entity_ids import EntityId, StaleHandleError
 from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.store import EntityId, StaleHandleError
 from mimics_app.world.world import World
 
 EPS = np.finfo(float).eps

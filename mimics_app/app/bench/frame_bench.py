@@ -11,7 +11,7 @@ from typing import Any
 
 from mimics_app.app.bench.looked_at_load import PEOPLE
 from mimics_app.app.bench.ogre import measure_ogre
-from mimics_app.app.scenes.finding import find_scene
+from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.scenes.shipped import shipped_scenes
 from mimics_app.app.settings import QUALITIES
 from mimics_app.contracts.errors import DeviceError

@@ -17,9 +17,9 @@ from mimics_app.app.bench.looked_at_load import PEOPLE, measure_looked_at
 from mimics_app.app.play.collector import frozen_objects
 from mimics_app.app.play.pace import run_live
 from mimics_app.app.play.play import open_picture
-from mimics_app.app.scenes.catalogue import is_playable
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.session.build import build_session, start_loop
+from mimics_app.app.scenes.scenario_choice import is_playable
+from mimics_app.app.session.assembly import build_session, start_loop
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import QUALITIES, Quality, RunSettings
@@ -35,7 +35,7 @@ def main(file: Path, size: tuple[int, int], surface: str, seconds: float, qualit
 
     Args:
         file: The scene.
-        size: Of the picture [px].
+        size: Size of the picture [px].
         surface: Kind of surface.
         seconds: Length of the measurement [s].
         quality: As of a run, or a resolution scale at which it is fixed, see `lower_to_scale`.

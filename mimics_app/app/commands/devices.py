@@ -157,19 +157,10 @@ def find_all() -> dict[str, Any]:
 
 
 def _display_kinds(headset: dict[str, Any]) -> list[dict[str, str]]:
-    """Return every kind of --display, built in first, and why it is missing here."""
-    from mimics_app.app.installation.plugins import report_group
-    from mimics_app.contracts.display_port import PLUGINS
-
+    """Return every kind of --display, and why it is missing here."""
     missing = {"openxr": "" if headset["ok"] else str(headset["error"])}
-    built_in = display_forms()
     return [
-        *({"name": kind, "write": written, "error": missing.get(kind, "")} for kind, written in built_in.items()),
-        *(
-            {"name": plugin.name, "write": f"{plugin.name}[:FILE]", "error": plugin.error}
-            for plugin in report_group(PLUGINS)
-            if plugin.name not in built_in
-        ),
+        {"name": kind, "write": written, "error": missing.get(kind, "")} for kind, written in display_forms().items()
     ]
 
 

@@ -228,8 +228,8 @@ def _look(args: argparse.Namespace) -> int:
     say("this scene has no task; it opens in the viewer")
     log = JourneyLog(args.journey)
     log.doing("Reading the scene")
-    from mimics_app.app.viewer.session import ViewerSession
     from mimics_app.app.viewer.shown import open_shown
+    from mimics_app.app.viewer.viewer_window import ViewerSession
 
     with ViewerSession(open_shown(args.scene, "y"), args.size, args.profile, "", "y") as session:
         session.run(log.shown)
@@ -247,7 +247,7 @@ def _is_for_a_person(settings: RunSettings) -> bool:
 
 def check_names(args: argparse.Namespace) -> None:
     """Check that everything named exists, before compiled code and graphics are imported."""
-    from mimics_app.app.scenes.finding import find_scene
+    from mimics_app.app.scenes.scene_search import find_scene
     from mimics_app.app.terminal.named import check_adaptation, check_files
     from mimics_app.recording.run_folder import check_parent
 

@@ -99,7 +99,7 @@ def run(args: argparse.Namespace) -> int:
         args.output = args.output or Path("view.png")
         return _draw_sheet(args)
     if args.file.suffix.lower() in (".json", ""):
-        from mimics_app.app.scenes.finding import find_scene
+        from mimics_app.app.scenes.scene_search import find_scene
 
         find_scene(args.file)
     from mimics_app.app.terminal.display import has_display
@@ -144,7 +144,7 @@ def _write(args: argparse.Namespace, shown: Shown) -> int:
 
 
 def _look(args: argparse.Namespace, shown: Shown) -> int:
-    from mimics_app.app.viewer.session import ViewerSession
+    from mimics_app.app.viewer.viewer_window import ViewerSession
 
     with ViewerSession(shown, args.size, args.profile, args.camera, args.up) as session:
         session.run()

@@ -8,9 +8,7 @@ from pathlib import Path
 from mimics_app.contracts.display_choice import DISPLAY_KINDS, DisplayChoice, parse_display
 from mimics_app.contracts.display_port import Display
 from mimics_app.contracts.errors import SceneError, UsageError
-from mimics_app.rendering.visual.displays.catalogue import find_builder, make_display
-from mimics_app.rendering.visual.displays.headset_file import load_headset
-from mimics_app.rendering.visual.displays.wall_file import load_walls
+from mimics_app.rendering.visual.displays.display_kinds import check_display_file, make_display
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.world.components.systems import DisplaySettings
 from mimics_app.world.scene.paths import PathFault, find_file
@@ -39,19 +37,12 @@ def open_display(scene: Scene, requested: str, surface: Surface) -> Display:
 
 
 def check_display(scene: Scene, requested: str) -> None:
-    """Read the file of a display, or import its plug-in, so that a fault is reported before anything starts.
+    """Read the file of a display, so that a faulty one is reported before anything starts.
 
     Raises:
         SceneError: The scene's display needs a file, or its file is faulty.
-        DeviceError: Its plug-in cannot be loaded.
     """
-    choice = chosen_display(scene, requested)
-    if choice.kind not in DISPLAY_KINDS:
-        find_builder(choice.kind)
-    elif choice.kind in ("wall", "cave"):
-        load_walls(Path(choice.file))
-    elif choice.file:
-        load_headset(Path(choice.file))
+    check_display_file(chosen_display(scene, requested))
 
 
 def chosen_display(scene: Scene, requested: str) -> DisplayChoice:
@@ -59,8 +50,7 @@ def chosen_display(scene: Scene, requested: str) -> DisplayChoice:
     if requested:
         return parse_display(requested)
     settings = scene.system(DisplaySettings) or DisplaySettings()
-    wants = DISPLAY_KINDS[settings.kind]
-    if not settings.file or wants == "never":
+    if not settings.file or DISPLAY_KINDS.get(settings.kind) == "never":
         try:
             return parse_display(settings.kind)
         except UsageError as error:

@@ -17,7 +17,7 @@ from mimics_app.app.play.progress_line import ProgressLine
 from mimics_app.app.play.result import summarise
 from mimics_app.app.play.summary_lines import summary_lines
 from mimics_app.app.play.value_picture import ValuePicture
-from mimics_app.app.session.build import build_session, start_loop
+from mimics_app.app.session.assembly import build_session, start_loop
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings
@@ -124,7 +124,7 @@ def _say_where_kept(session: Session) -> Iterator[None]:
 def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
     """Play in a window, with the live loop and the sound output."""
     from mimics_app.app.picture.shown_on import chosen_display
-    from mimics_app.app.session.person import person_inputs
+    from mimics_app.app.session.person_input import person_inputs
     from mimics_app.rendering.visual.surfaces.contexts import create_surface
 
     log.doing("Starting touch, sound and recording")

@@ -10,7 +10,7 @@ from typing import Any
 from mimics_app.app.study.subjects import SubjectRun
 from mimics_app.app.study.tables import Row, summarise_conditions
 from mimics_app.contracts.plural import counted
-from mimics_app.plotting.templates import load_templates
+from mimics_app.plotting.page_templates import load_templates
 
 __all__ = ["write_page"]
 

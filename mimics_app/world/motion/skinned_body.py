@@ -10,7 +10,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F4, F8, I4
 from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.motion.kernels.palette import bound_joints, write_palette
+from mimics_app.world.motion.kernels.skinning_palette import bound_joints, write_palette
 from mimics_app.world.transforms import TransformTable
 
 __all__ = ["Binding", "SkinnedBody", "Skinning", "bind"]

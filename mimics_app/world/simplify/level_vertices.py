@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from mimics_app.world.gltf.accessors import GltfAccessors
 from mimics_app.world.gltf.deforms import GltfDeforms
+from mimics_app.world.gltf.gltf_document import GltfSource
 from mimics_app.world.gltf.skins import GltfSkin
-from mimics_app.world.gltf.source import GltfSource
 from mimics_app.world.meshes.deform import VertexWeights
-from mimics_app.world.simplify.poses import bent_joints, bent_places, morphed_places
+from mimics_app.world.simplify.error_poses import bent_joints, bent_places, morphed_places
 
 __all__ = ["Bending", "LevelVertices", "joint_parents", "lighter"]
 

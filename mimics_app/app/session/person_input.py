@@ -13,7 +13,7 @@ from mimics_app.contracts.window_input import GamepadState, InputEvent
 from mimics_app.inputs.interaction.plane import FrontalPlane
 from mimics_app.inputs.interaction.pointer import Pointer, PointerSettings
 from mimics_app.inputs.stage import Inputs
-from mimics_app.rendering.haptic.devices.reach import Reach
+from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.world.components.robot import Ball, Robot
 
 if TYPE_CHECKING:

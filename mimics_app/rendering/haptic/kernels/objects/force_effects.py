@@ -26,7 +26,7 @@ from mimics_app.rendering.haptic.kernels.objects.effect_laws import (
     stick_and_slip,
 )
 from mimics_app.rendering.haptic.kernels.objects.effect_paths import find_path, guide, pull_to_path
-from mimics_app.rendering.haptic.kernels.objects.hand import HAND_POSITION, HAND_TIME, HAND_VELOCITY
+from mimics_app.rendering.haptic.kernels.objects.object_inputs import INPUT_POSITION, INPUT_TIME, INPUT_VELOCITY
 from mimics_app.rendering.haptic.kernels.tunnel_state import restart_tracking
 
 if TYPE_CHECKING:
@@ -62,14 +62,14 @@ def _forget(memory: EffectMemoryRecord) -> None:
 
 @kernel
 def _place(
-    effect: EffectRecord, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec, memory: EffectMemoryRecord
+    effect: EffectRecord, work: ObjectWork, counts: ObjectCountsRecord, inputs: Vec, memory: EffectMemoryRecord
 ) -> None:
-    """Set memory.p and memory.v to the motion of the hand, or of the body acted on, relative to the effect's place."""
+    """Set memory.p and memory.v to the motion of the HIP, or of the body acted on, relative to the effect's place."""
     on_body = effect.on_body != 0
     for i in range(3):
         memory.force[i] = 0.0
-        memory.p[i] = hand[HAND_POSITION + i] - memory.position[i]
-        memory.v[i] = hand[HAND_VELOCITY + i]
+        memory.p[i] = inputs[INPUT_POSITION + i] - memory.position[i]
+        memory.v[i] = inputs[INPUT_VELOCITY + i]
     memory.held = 0
     if not 0 <= effect.body < counts.bodies:
         return
@@ -86,8 +86,8 @@ def _place(
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         spin = motion.omega[j] * memory.arm[k] - motion.omega[k] * memory.arm[j]
-        memory.p[i] = hand[HAND_POSITION + i] - motion.centre[i] - memory.arm[i]
-        memory.v[i] = hand[HAND_VELOCITY + i] - motion.velocity[i] - spin
+        memory.p[i] = inputs[INPUT_POSITION + i] - motion.centre[i] - memory.arm[i]
+        memory.v[i] = inputs[INPUT_VELOCITY + i] - motion.velocity[i] - spin
 
 
 @kernel
@@ -230,7 +230,7 @@ def _is_finite(memory: EffectMemoryRecord) -> bool:
 
 
 @kernel
-def apply_effects(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec, fields: Fields) -> None:
+def apply_effects(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, inputs: Vec, fields: Fields) -> None:
     """Add the forces of all effects to totals.effect_force and to the bodies they act on.
 
     A force that is not finite counts as zero: that of a force field quarantines the field and is reported in
@@ -240,10 +240,10 @@ def apply_effects(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand
         rows: `Rows` of this tick.
         work: `ObjectWork` after `touch_points`; its effects hold the inputs that `carry_signals` set.
         counts: SCENE.objects.
-        hand: See kernels.objects.hand, shape [HAND_LENGTH].
+        inputs: See kernels.objects.object_inputs, shape [INPUT_LENGTH].
         fields: Force fields by EFFECT.field, see loop_ports.FIELDS.
     """
-    t = hand[HAND_TIME]
+    t = inputs[INPUT_TIME]
     for k in range(counts.effects):
         effect, memory = rows.effects[k], work.effects[k]
         if effect.enabled == 0:
@@ -255,7 +255,7 @@ def apply_effects(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand
             memory.sticking = 0
             continue
         memory.stiffness = max(0.0, memory.stiffness)
-        _place(effect, work, counts, hand, memory)
+        _place(effect, work, counts, inputs, memory)
         _act(effect, work, counts, fields, t, memory)
         if _is_finite(memory):
             _deliver(effect, rows, work, counts, memory)

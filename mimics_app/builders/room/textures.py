@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.builders.kit.chance import hash_noise, pixels, smooth_noise
-from mimics_app.builders.kit.picture import Canvas, Ramp
+from mimics_app.builders.kit.palette_texture import Canvas, Ramp
 from mimics_app.contracts.arrays import F8
 
 __all__ = [

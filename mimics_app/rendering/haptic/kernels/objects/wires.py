@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.haptic_objects import SignalSource, SignalTarget
 from mimics_app.contracts.kernel import kernel
-from mimics_app.rendering.haptic.kernels.objects.hand import (
-    HAND_FORCE_MEASURED,
-    HAND_FORCE_USER,
-    HAND_GRASP,
-    HAND_POSITION,
-    HAND_TIME,
-    HAND_VELOCITY,
+from mimics_app.rendering.haptic.kernels.objects.object_inputs import (
+    INPUT_FORCE_MEASURED,
+    INPUT_FORCE_USER,
+    INPUT_GRASP,
+    INPUT_POSITION,
+    INPUT_TIME,
+    INPUT_VELOCITY,
 )
 
 if TYPE_CHECKING:
@@ -42,19 +42,19 @@ _TOUCHED = int(SignalSource.TOUCHED)
 
 
 @kernel
-def _of_hand(hand: Vec, source: int, i: int) -> float:
+def _of_inputs(inputs: Vec, source: int, i: int) -> float:
     """Component i of an output of the robot."""
     if source == _POSITION_ROBOT:
-        return hand[HAND_POSITION + i]
+        return inputs[INPUT_POSITION + i]
     if source == _VELOCITY_ROBOT:
-        return hand[HAND_VELOCITY + i]
+        return inputs[INPUT_VELOCITY + i]
     if source == _FORCE_MEASURED:
-        return hand[HAND_FORCE_MEASURED + i]
+        return inputs[INPUT_FORCE_MEASURED + i]
     if source == _FORCE_USER:
-        return hand[HAND_FORCE_USER + i]
+        return inputs[INPUT_FORCE_USER + i]
     if i > 0:
         return 0.0
-    return hand[HAND_GRASP] if source == _GRASP else hand[HAND_TIME]
+    return inputs[INPUT_GRASP] if source == _GRASP else inputs[INPUT_TIME]
 
 
 @kernel
@@ -83,10 +83,10 @@ def _is_placed(motion: MotionRecord) -> bool:
 
 
 @kernel
-def _read(work: ObjectWork, counts: ObjectCountsRecord, wire: WireRecord, hand: Vec, i: int) -> float:
+def _read(work: ObjectWork, counts: ObjectCountsRecord, wire: WireRecord, inputs: Vec, i: int) -> float:
     """Component i of the output at the source of a wire; 0 for a row that is not in use."""
     if wire.source <= _TIME:
-        return _of_hand(hand, wire.source, i)
+        return _of_inputs(inputs, wire.source, i)
     if 0 <= wire.source_row < counts.bodies:
         return _of_body(work.motions[wire.source_row], wire.source, i)
     return 0.0
@@ -113,7 +113,7 @@ def _write(work: ObjectWork, counts: ObjectCountsRecord, wire: WireRecord, i: in
 
 
 @kernel
-def carry_signals(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec) -> None:
+def carry_signals(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, inputs: Vec) -> None:
     """Set every input to the value of its row plus the values of its wires.
 
     Call it before `place_bodies`, which clears the forces on the bodies of the last tick.
@@ -122,7 +122,7 @@ def carry_signals(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand
         rows: `Rows` of this tick.
         work: `ObjectWork`; aux_forces, aux_torques and the inputs of effects are set.
         counts: SCENE.objects.
-        hand: See kernels.objects.hand, shape [HAND_LENGTH].
+        inputs: See kernels.objects.object_inputs, shape [INPUT_LENGTH].
     """
     for k in range(counts.bodies):
         for i in range(3):
@@ -139,9 +139,9 @@ def carry_signals(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand
         of_body = wire.source > _TIME and 0 <= wire.source_row < counts.bodies
         if of_body and not _is_placed(work.motions[wire.source_row]):
             continue
-        x = _read(work, counts, wire, hand, 0)
-        y = _read(work, counts, wire, hand, 1)
-        z = _read(work, counts, wire, hand, 2)
+        x = _read(work, counts, wire, inputs, 0)
+        y = _read(work, counts, wire, inputs, 1)
+        z = _read(work, counts, wire, inputs, 2)
         for i in range(3):
             value = wire.gain[i, 0] * x + wire.gain[i, 1] * y + wire.gain[i, 2] * z + wire.offset[i]
             _write(work, counts, wire, i, value)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from mimics_app.builders.city.surfaces import TILE
+from mimics_app.builders.city.textures import TILE
 from mimics_app.builders.kit.chance import Chance
 from mimics_app.builders.kit.sketch import Point, Sketch
 from mimics_app.builders.kit.solids import Skin, add_column

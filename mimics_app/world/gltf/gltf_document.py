@@ -17,7 +17,7 @@ from mimics_app.contracts.errors import Issue, SceneError, short_text
 from mimics_app.contracts.plural import counted, singular
 from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.paths import PathFault, find_file
-from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.scene.scene_files import read_bytes
 
 __all__ = ["MAX_ITEMS", "MAX_NOTES", "MAX_TOTAL_BYTES", "GltfError", "GltfSource", "open_gltf", "parse_gltf"]
 

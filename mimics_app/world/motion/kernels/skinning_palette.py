@@ -119,7 +119,7 @@ def bound_joints(rows: F4, boxes: F8, grown: F8, least: F8, greatest: F8) -> Non
         rows: Palette, [joints, 3, 4].
         boxes: Least and greatest corner of the vertices that follow each joint, as modelled [m], [joints, 2, 3]; an
             empty one has its least corner beyond its greatest.
-        grown: What morphs and rounding may add on each side [m], [3].
+        grown: Margin for morph targets and rounding on each side [m], [3].
         least: Corner, written, [3].
         greatest: Likewise.
     """

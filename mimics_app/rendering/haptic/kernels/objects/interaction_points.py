@@ -21,8 +21,8 @@ def place_points(rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, posit
         rows: Tables of objects.
         work: ObjectWork; point_positions, point_velocities are filled, point_forces cleared.
         counts: SCENE.objects.
-        positions: Of the points of contact, world [m], x y z concatenated.
-        velocities: Of the points of contact, world [m/s], likewise.
+        positions: Positions of the points of contact, world [m], x y z concatenated.
+        velocities: Their velocities, world [m/s], in the same layout.
     """
     for point in range(counts.points):
         first = 3 * rows.points[point].contact

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.builders.kit.chance import Chance, hash_noise, pixels, smooth_noise
-from mimics_app.builders.kit.picture import Canvas, Ramp
+from mimics_app.builders.kit.palette_texture import Canvas, Ramp
 
 __all__ = [
     "LANE_HALF",
