@@ -310,7 +310,7 @@ def _raised_again(leave: Callable[[int, object], None]) -> Iterator[None]:
     def drop(dropped: sys.UnraisableHookArgs) -> None:
         if not _Terminated.came:
             usual(dropped)
-        elif issubclass(dropped.exc_type, SystemExit | KeyboardInterrupt):
+        elif issubclass(dropped.exc_type, SystemExit | KeyboardInterrupt):  # others are its consequences
             signal.setitimer(signal.ITIMER_REAL, _AGAIN_S)
 
     usual, alarm = sys.unraisablehook, signal.signal(signal.SIGALRM, leave)

@@ -98,6 +98,10 @@ class Scenario(Protocol):
     def stand_before_walls(self) -> None:
         """Hide the avatar of the person, whose real body is visible before the screens."""
 
+    def hand_frame(self) -> NDArray[np.float64] | None:
+        """Return world_from_hand of a hand that moves with the person, float64 [4, 4]; None: it moves in the world."""
+        return None
+
     def aim(self, snapshot: HapticSnapshot) -> Aim | None:
         """Return the next action of the hand; None where the path alone defines it."""
         return None

@@ -26,7 +26,7 @@ from mimics_app.contracts.messages import (
 from mimics_app.contracts.scenario_port import Home, TaskContext
 from mimics_app.contracts.trial_counts import ABORTED, FINISHED, SESSION_ENDED
 from mimics_app.contracts.trial_state import TaskView, TrialState
-from mimics_app.tasks.actions import ActionSpace, Changes, Settings, build_action_space, settings_for
+from mimics_app.tasks.actions import Changes, Settings, build_action_space, settings_for
 from mimics_app.tasks.adaptation import Adaptation
 from mimics_app.tasks.attempts import TIMEOUT, Attempts, Row
 from mimics_app.tasks.cards import count_card, force_card, progress_card, state_card, time_card, trial_card
@@ -102,11 +102,6 @@ class TaskManager:
         self._last_ns = 0
         self._cause = 0
         self._result: TrialResult | None = None
-
-    @property
-    def action_space(self) -> ActionSpace:
-        """Limits of the adaptable parameters."""
-        return self._space
 
     @property
     def values(self) -> Mapping[str, float]:
@@ -328,11 +323,11 @@ class TaskManager:
 
     def _view(self, seen: Observation) -> TaskView:
         attempts, travels = self._attempts, self._state is TrialState.TRAVEL
-        elapsed, measured = self._elapsed_s(seen.now_ns), bool(self._plays)
-        done = seen.progress if measured else elapsed / self._length_s() if travels else 0.0
+        elapsed = self._elapsed_s(seen.now_ns)
+        done = seen.progress if self._plays else elapsed / self._length_s() if travels else 0.0
         progress = min(max(done, 0.0), 1.0)
         which = attempts.number + 1, len(attempts.plan)
-        return TaskView(self._state, progress, *which, elapsed, measured, self._pause.on, self._countdown.reading)
+        return TaskView(self._state, progress, *which, elapsed, self._pause.on, self._countdown.reading)
 
     def _lay_out(self, seen: Observation, view: TaskView) -> Board:
         attempts = self._attempts

@@ -34,6 +34,7 @@ KERNELS_MAY_IMPORT = (
     "mimics_app.contracts.record_types",  # a stub: no module at run time
     "mimics_app.contracts.ring",
     "mimics_app.contracts.shared_words",
+    "mimics_app.contracts.sound_scene",
     "mimics_app.contracts.triple_buffer",
 )
 """What every compiled module may import, in a package named kernels or not."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mimics_app.app.session.body import NullEstimation
@@ -54,7 +54,6 @@ def test_ray_meets_the_plane_where_geometry_says():
         assert point == pytest.approx((0.1, 1.1, -0.5), abs=1e-12)
 
 
-@settings(deadline=None)
 @given(
     azimuth=st.floats(-math.pi, math.pi),
     origin=st.tuples(*[st.floats(-3.0, 3.0)] * 3),
@@ -182,7 +181,6 @@ def test_stick_begins_without_a_jump_and_ends_at_one():
     assert math.hypot(*stick.answer(1.0, 1.0)) == pytest.approx(1.0)  # square corner of a round stick
 
 
-@settings(deadline=None)
 @given(x=st.floats(-1.0, 1.0), y=st.floats(-1.0, 1.0))
 def test_stick_keeps_its_direction_and_never_exceeds_one(x, y):
     u, v = StickResponse().answer(x, y)

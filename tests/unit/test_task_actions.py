@@ -7,7 +7,7 @@ import math
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mimics_app.contracts import haptic_objects
@@ -73,7 +73,6 @@ def test_what_is_unknown_or_no_number_is_left_out_and_named():
     assert clipped == ("gravity", "radius", "stiffness")
 
 
-@settings(deadline=None)
 @given(
     low=st.floats(-1e3, 1e3),
     span=st.floats(0.0, 1e3),

@@ -102,8 +102,8 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         "names",
         nargs="*",
         metavar="NAME",
-        help="with render: city, nodes, crowd, walk, people, people_full or particles; with frame: scenes, or people "
-        "(default: all); with physio: figures, or noise for a table of R peaks by kind of noise (default: all)",
+        help="with render: city, nodes, crowd, walk, people, people_full or particles; with frame: scenes, walk or "
+        "people (default: all); with physio: figures, or noise for a table of R peaks by kind of noise (default: all)",
     )
     parser.add_argument(
         "--data",

@@ -85,7 +85,12 @@ def _add_outputs(parser: argparse.ArgumentParser) -> None:
         help="device: sound output of this computer; file: sound.wav in the run folder; off: none; auto: device in a "
         "window, with --headless mixed for the report only",
     )
-    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="size of the picture [px]")
+    parser.add_argument(
+        "--size",
+        type=picture_size,
+        metavar="WxH",
+        help="size of the picture [px] (default: 1280x720; a window: its last size, else one for the monitor)",
+    )
     add_display_argument(parser)
     parser.add_argument(
         "--pictures",

@@ -8,7 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mimics_app.app.settings import PROFILES
+from mimics_app.app.settings import PICTURE_SIZE, PROFILES
 from mimics_app.app.terminal.arguments import file_to_write, frame_count, picture_size
 from mimics_app.app.terminal.output import answer, errors_of, issue_lines
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
@@ -46,7 +46,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="with --headless: write a video of the turn, e.g. out.mp4 (needs ffmpeg)",
     )
     parser.add_argument("--caption", action="store_true", help="with --headless: write name and notes into the picture")
-    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="size of the picture [px]")
+    parser.add_argument(
+        "--size",
+        type=picture_size,
+        metavar="WxH",
+        help="size of the picture [px] (default: 1280x720; a window: its last size, else one for the monitor)",
+    )
     parser.add_argument("--clip", default="", metavar="NAME", help="animation clip that the model plays")
     parser.add_argument(
         "--motion",
@@ -166,7 +171,7 @@ def _draw(args: argparse.Namespace, shown: Shown) -> int:
     drawn = draw_turntable(
         shown,
         args.output or Path("view.png"),
-        args.size,
+        args.size or PICTURE_SIZE,
         frames=args.frames,
         backend=args.backend,
         profile=args.profile,

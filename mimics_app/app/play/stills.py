@@ -64,7 +64,7 @@ def draw_stills(
     if video is not None:
         frames = max(1, round(FRAMES_PER_SECOND * seconds))
     with closing(_moments(scene, settings, frames, seconds)) as play:
-        surface = open_offscreen(backend, settings.size)
+        surface = open_offscreen(backend, settings.picture_size)
         display = open_display(scene, settings.display, surface)
         picture = Picture(surface, scene, play.world, picture_quality(scene, settings.profile), camera, display)
         play.shown_by(picture.presenter)

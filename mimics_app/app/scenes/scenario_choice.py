@@ -13,6 +13,7 @@ from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.plugins import PluginError
 from mimics_app.contracts.scenario_port import PLUGINS, Scenario
 from mimics_app.scenarios.avatar_cord import AvatarCord
+from mimics_app.scenarios.city_walk import CityWalk
 from mimics_app.scenarios.guided_walk import GuidedWalk
 from mimics_app.scenarios.pick_and_place import PickAndPlace
 from mimics_app.scenarios.touch_scene import TouchScene
@@ -31,6 +32,7 @@ BUILT_IN: dict[str, _Builder] = {
     "pick_and_place": PickAndPlace,
     "avatar_cord": AvatarCord,
     "guided_walk": GuidedWalk,
+    "city_walk": CityWalk,
 }
 """Scenarios that come with the product, by name."""
 

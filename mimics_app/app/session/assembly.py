@@ -39,7 +39,7 @@ def build_session(settings: RunSettings, *, live: bool, read: Scene | None = Non
     Raises:
         SceneError: The scene or the action file is faulty.
         DeviceError: The robot is not available.
-        UsageError: The disk has no room for the recording.
+        OutputError: The disk has no room for the recording.
     """
     parts = prepare(settings, live=live, read=read)
     with ExitStack() as stack:

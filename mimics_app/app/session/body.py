@@ -48,8 +48,8 @@ class Body:
     """
 
     sources: tuple[SignalSource, ...] = ()
-    dsp: Dsp = field(default_factory=NullDsp)
-    estimation: Estimation = field(default_factory=NullEstimation)
+    dsp: Dsp = field(default_factory=lambda: NullDsp())
+    estimation: Estimation = field(default_factory=lambda: NullEstimation())
     learning: Learning = field(default_factory=ActionSequence)
     goal: Goal = field(default_factory=TaskGoal)
     header: Mapping[str, object] = field(default_factory=dict)

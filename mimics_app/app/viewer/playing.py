@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.viewer.shown import Shown
-from mimics_app.contracts.errors import Issue, SceneError, UsageError
+from mimics_app.contracts.errors import Issue, OutputError, SceneError, UsageError
 from mimics_app.world.motion.animator import Animator, Rig
 from mimics_app.world.motion.clip import Clip
 from mimics_app.world.motion.humanoid import HumanoidMap
@@ -81,7 +81,7 @@ def write_vertices(shown: Shown, path: Path) -> int:
     the names in the model. Of several levels of detail the finest is written.
 
     Raises:
-        UsageError: The file cannot be written.
+        OutputError: The file cannot be written.
     """
     world, listed = shown.world, shown.world.subentities()
     stand = None if shown.stand is None else shown.stand.index
@@ -106,7 +106,7 @@ def write_vertices(shown: Shown, path: Path) -> int:
                 node=np.array(nodes, dtype=np.str_),
             )
     except OSError as error:
-        raise UsageError(f"{path} cannot be written: {error.strerror}", "name another file") from error
+        raise OutputError(path, f"cannot be written: {error.strerror}", "name another file") from error
     return len(meshes)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from mimics_app.app.picture.overlay_keys import toggle_overlay
+from mimics_app.app.picture.window_opening import open_window, remember_size
 from mimics_app.app.settings import Profile
 from mimics_app.app.terminal.output import with_line
 from mimics_app.app.viewer.controls import ViewerControls
@@ -17,7 +18,6 @@ from mimics_app.app.viewer.viewport import Viewport
 from mimics_app.contracts.clock import FRAME_NS, SECOND_NS, Clock, MonotonicClock
 from mimics_app.contracts.errors import MimicsError, SceneError
 from mimics_app.rendering.visual.figures.key_page import draw_keys
-from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import save_png
 from mimics_app.rendering.visual.surfaces.surface import Size
 from mimics_app.world.scene.watcher import SceneWatcher
@@ -39,7 +39,7 @@ class ViewerSession:
 
     Args:
         shown: The first model or scene.
-        size: Size of the window [px].
+        size: Size of the window [px]; None: see `open_window`.
         profile: Quality of a scene's picture.
         camera: See `Viewport`.
         up: Upward axis of a mesh file, for its reload.
@@ -50,10 +50,12 @@ class ViewerSession:
         backend: Backend of the surface.
     """
 
-    def __init__(self, shown: Shown, size: Size, profile: Profile = "training", camera: str = "", up: Up = "y") -> None:
+    def __init__(
+        self, shown: Shown, size: Size | None, profile: Profile = "training", camera: str = "", up: Up = "y"
+    ) -> None:
         self._clock: Clock = MonotonicClock()
         self._up = up
-        self._surface = create_surface("window", size, f"{shown.title} - mimics")
+        self._surface = open_window(size, f"{shown.title} - mimics")
         self._viewport = Viewport(self._surface, shown, profile, camera)
         self._selection = Selection(shown)
         self._controls = ViewerControls(self._viewport, self._selection, self._commands())
@@ -99,6 +101,7 @@ class ViewerSession:
         for name, node in self._selection.unsaved.items():
             sys.stderr.write(f"mimics: not saved: {name}, moved to {node.position.tolist()}\n")
         self._viewport.release()
+        remember_size(self._surface)
         self._surface.close()
 
     def _draw(self, *, smooth: bool) -> None:

@@ -10,13 +10,18 @@ REFRACTORY_NS = 40_000_000
 """Refractory period of two bodies [ns]: a chattering contact sounds 25 times a second at most."""
 
 _FULL_SPEED = 0.3
+"""Approach speed that alone gives a gain of 0.91 [m/s]."""
 _KNEE = 1.5
+"""Strength of saturation of the gain of a contact [-]."""
 _QUIETEST = 0.05
+"""Gain of the lightest contact [-]."""
 _LOUDER = 2.0
+"""Ratio of gains from which a contact sounds within the refractory period [-]."""
 
 _SCRAPE_LOUDEST = 0.22
-_SCRAPE_FORCE = 8.0
-_SCRAPE_SPEED = 0.12
+"""Largest gain of scraping [-]."""
+_SCRAPE_FORCE, _SCRAPE_SPEED = 8.0, 0.12
+"""Force [N] and sliding speed [m/s] that alone give 63 % of that gain."""
 
 
 def contact_gain(speed: float, force: float, full_force: float = 10.0) -> float:

@@ -27,6 +27,7 @@ from mimics_app.world.components import (
     tactile,
     trackers,
     visible,
+    walking,
 )
 from mimics_app.world.components.plugins import register_plugins
 from mimics_app.world.components.struct_reader import is_comment
@@ -55,6 +56,7 @@ REGISTERING = (
     systems,
     tactile,
     trackers,
+    walking,
     robot_checks,
     object_checks,
 )

@@ -8,12 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.maths.quat import about_axis, to_matrix
 from mimics_app.world.meshes.deform import MorphTarget, VertexWeights
 
 __all__ = ["bent_joints", "bent_places", "morphed_places"]
 
-F8 = NDArray[np.float64]
 
 _BENT = math.radians(45.0)
 """Angle of each joint to its parent: what walking and reaching bend most joints by."""
