@@ -268,16 +268,19 @@ _AGAIN_S = 0.01
 def _terminated_by_exception() -> Iterator[None]:
     """Let SIGTERM, and SIGHUP of a closed terminal, unwind the stack like Ctrl-C, so that recordings are closed.
 
-    The exit code is 143 or 129. Signals that nohup ignores stay ignored. An exception cannot leave a callback of a
-    compiler or a destructor: the interpreter would print it and go on; there it is dropped and raised again.
+    The exit code is 143 or 129, of Ctrl-C 130. Signals that nohup ignores stay ignored. An exception cannot leave a
+    callback of a compiler or a destructor: the interpreter would print it and go on; there it is dropped and raised
+    again.
     """
     _Terminated.came = 0
 
     def leave(number: int, _frame: object) -> None:
         _Terminated.came = _Terminated.came or number
+        if _Terminated.came == signal.SIGINT:
+            raise KeyboardInterrupt
         raise SystemExit(128 + _Terminated.came)
 
-    numbers = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
     before = {number: signal.getsignal(number) for number in numbers}
     ours = {number: handler for number, handler in before.items() if handler not in (None, signal.SIG_IGN)}
     try:
@@ -296,7 +299,10 @@ def _terminated_by_exception() -> Iterator[None]:
 
 @contextmanager
 def _raised_again(leave: Callable[[int, object], None]) -> Iterator[None]:
-    """Raise the exception of a signal again where it was dropped (`sys.unraisablehook`)."""
+    """Raise the exception of a signal again where it was dropped (`sys.unraisablehook`).
+
+    After a signal, to the end of the process, a destructor may find its object half made: that is no message either.
+    """
     if not hasattr(signal, "setitimer"):
         yield
         return
@@ -304,7 +310,7 @@ def _raised_again(leave: Callable[[int, object], None]) -> Iterator[None]:
     def drop(dropped: sys.UnraisableHookArgs) -> None:
         if not _Terminated.came:
             usual(dropped)
-        elif issubclass(dropped.exc_type, SystemExit):  # others are its consequences
+        elif issubclass(dropped.exc_type, SystemExit | KeyboardInterrupt):  # others are its consequences
             signal.setitimer(signal.ITIMER_REAL, _AGAIN_S)
 
     usual, alarm = sys.unraisablehook, signal.signal(signal.SIGALRM, leave)
@@ -313,8 +319,12 @@ def _raised_again(leave: Callable[[int, object], None]) -> Iterator[None]:
         yield
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
-        sys.unraisablehook = usual
+        sys.unraisablehook = _say_nothing if _Terminated.came else usual
         signal.signal(signal.SIGALRM, alarm)
+
+
+def _say_nothing(_: sys.UnraisableHookArgs) -> None:
+    """Hook of a process that a signal ends."""
 
 
 if __name__ == "__main__":

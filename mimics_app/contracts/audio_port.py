@@ -268,8 +268,8 @@ class AudioReport:
     origin_ns: int = 0
     crashed: bool = False
 
-    def latency_ms(self) -> Mapping[str, float | None]:
-        """Return p50, p95 and max of the latency from contact to sample [ms]; None without a contact sound."""
+    def latency_ms(self) -> Mapping[str, float]:
+        """Return p50, p95 and max of the latency from contact to sample [ms]; empty without a contact sound."""
         return percentiles_ms(sorted(row.latency_ms for row in self.rows if row.cause == "contact"))
 
     def table(self) -> list[dict[str, Any]]:
@@ -306,10 +306,10 @@ class AudioReport:
         }
 
 
-def percentiles_ms(ordered: Sequence[float]) -> Mapping[str, float | None]:
-    """Return p50, p95 and max of latencies in ascending order [ms]; None for an empty sequence."""
+def percentiles_ms(ordered: Sequence[float]) -> Mapping[str, float]:
+    """Return p50, p95 and max of latencies in ascending order [ms]; empty for an empty sequence."""
     if not ordered:
-        return {"p50": None, "p95": None, "max": None}
+        return {}
     return {"p50": _rank(ordered, 0.50), "p95": _rank(ordered, 0.95), "max": ordered[-1]}
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import ring
+from mimics_app.contracts.child_signals import signals_blocked
 from mimics_app.contracts.clock import TICKS_PER_SECOND, Clock, MonotonicClock
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.object_rows import Rows, pack_rows
@@ -24,7 +25,7 @@ from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.recording.byte_channel import CLOSE, LINE, PARAMETERS, SIGNALS, TRIAL, Outbox
 from mimics_app.recording.event_log import encode_line, to_json
 from mimics_app.recording.manifest import Manifest, read_manifest
-from mimics_app.recording.recorder_process import record
+from mimics_app.recording.recorder_process import IGNORED, record
 from mimics_app.recording.recorder_status import PROBLEMS, Problem, RecorderStatus, StatusWord
 from mimics_app.recording.run_folder import FILES, write_atomically
 from mimics_app.recording.signal_rows import SignalRow, pack_signals
@@ -121,7 +122,8 @@ class Recorder:
         """Start the process; its target's module imports no compiler, which would double the start-up time."""
         arguments = (self._memory, self._outbox.reader, self._status, self.folder, self._restarts)
         self._process = get_context("spawn").Process(target=record, args=arguments, name="mimics recorder")
-        self._process.start()
+        with signals_blocked(*IGNORED):
+            self._process.start()
 
     @property
     def alive(self) -> bool:

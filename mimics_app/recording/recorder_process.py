@@ -12,7 +12,6 @@ import gc
 import json
 import os
 import shutil
-import signal
 from dataclasses import dataclass, field
 from multiprocessing import parent_process
 from multiprocessing.connection import Connection
@@ -22,6 +21,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.child_signals import ignore_signals
 from mimics_app.contracts.clock import MonotonicClock, wall_time
 from mimics_app.contracts.haptic import EVENT, SAMPLE
 from mimics_app.contracts.ring_reader import RingReader
@@ -39,7 +39,10 @@ from mimics_app.recording.streams import EventStream, ParameterStream, SampleStr
 from mimics_app.recording.trial_table import TrialTable
 from mimics_app.recording.trip_log import TripLog
 
-__all__ = ["RESERVE", "record"]
+__all__ = ["IGNORED", "RESERVE", "record"]
+
+IGNORED = ("SIGINT", "SIGTERM", "SIGHUP")
+"""Signals of the process group that do not end the recorder: only the application does."""
 
 RESERVE = ".reserve"
 """A file that is deleted when the disk is full, to leave room for trials and the manifest."""
@@ -70,9 +73,7 @@ def record(memory: SessionMemory, reader: Connection, status: RecorderStatus, fo
         folder: The run folder, made by the application.
         restarts: Number of recorders of this run that died before; above 0: continue in the existing files.
     """
-    for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # sent to the whole group; only the application ends the recorder
-        if hasattr(signal, name):
-            signal.signal(getattr(signal, name), signal.SIG_IGN)
+    ignore_signals(*IGNORED)
     session = _Session(memory, Inbox(reader), status, folder, restarts)
     clock = MonotonicClock()
     status[StatusWord.READY] = 1

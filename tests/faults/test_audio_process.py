@@ -276,12 +276,17 @@ def test_stopped_child_blocks_neither_start_nor_play_nor_stop(started):
     assert report.orders_dropped > 0
 
 
-def test_ctrl_c_is_left_to_the_app(started):
+def test_ctrl_c_is_left_to_the_app(started, capfd):
     audio = started(SessionMemory(), driver="wave")
+    first = audio.pid
+    for _ in range(10):  # while it starts, too
+        os.kill(first, signal.SIGINT)
+        time.sleep(0.02)
     audio.wait_ready(PATIENCE_S)
-    os.kill(audio.pid, signal.SIGINT)
+    os.kill(first, signal.SIGINT)
     time.sleep(0.2)
-    assert audio.alive
+    assert audio.alive and audio.pid == first
+    assert capfd.readouterr().err == ""
     assert not audio.stop().crashed
 
 

@@ -17,6 +17,8 @@ import pytest
 
 from mimics_app.app.play.launching import cut_off_notice
 from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.session_memory import SessionMemory
+from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.recover import recover
 from mimics_app.recording.run import Run
 from tests.support.recorder_app import CLOSED, PID, TICK, TRIALS, fake_samples, main
@@ -279,3 +281,20 @@ def test_interrupt_of_the_group_is_left_to_the_app(tmp_path: Path) -> None:
         assert run.manifest is not None and run.status == "clean" and run.manifest.restarts == 0
     finally:
         app.end()
+
+
+def test_interrupt_of_the_group_while_it_starts_is_left_to_the_app(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """An interpreter that starts would end with a traceback of its imports."""
+    recorder = Recorder(SessionMemory(), tmp_path, {"seed": 1})
+    recorder.start(wait=False)
+    first = recorder.pid
+    for _ in range(20):
+        for sign in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            os.kill(first or 0, sign)
+        time.sleep(0.005)
+    recorder.wait_until_ready()
+    assert recorder.pid == first
+    assert recorder.close().status == "clean"
+    assert capfd.readouterr().err == ""

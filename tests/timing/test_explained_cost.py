@@ -84,7 +84,7 @@ def test_the_parts_add_up_to_the_measured_tick(name: str):
     table, wholes = measured()
     scene = load_checked_scene(root() / "scenes" / f"{name}.json")
     parts = explain_plan(scene, plan_scene(scene, "training", table))["parts"]
-    reported = [part["tick_us"] for part in parts if part["tick_us"] is not None]
+    reported = [part["tick_us"] for part in parts if "tick_us" in part]
     assert sum(reported) / wholes[name] == pytest.approx(1.0, rel=0.3), (reported, wholes[name])
 
 
@@ -101,5 +101,5 @@ def test_what_objects_cost_is_a_part_of_the_sum(name: str, more: set[str]):
     """Touching, bodies, effects and grip, each where the scene has it."""
     scene = load_checked_scene(root() / "scenes" / f"{name}.json")
     parts = explain_plan(scene, plan_scene(scene, "training", Table.load_shipped()))["parts"]
-    groups = {part["group"] for part in parts if part["tick_us"] is not None}
+    groups = {part["group"] for part in parts if "tick_us" in part}
     assert groups == {TICK_GROUP, *more}

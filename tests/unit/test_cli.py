@@ -30,6 +30,7 @@ from mimics_app.contracts.errors import (
     UsageError,
 )
 from mimics_app.rendering.haptic import scheduler
+from mimics_app.rendering.haptic.devices.device_names import device_names
 
 Body = Callable[[Any], int]
 
@@ -168,6 +169,8 @@ def test_examples_of_help_can_be_typed_and_are_shown_whole(command: str, capsys:
         assert any(line.strip().startswith(typed) and line.endswith(what) for line in shown.splitlines()), typed
         words = shlex.split(typed)
         assert words[0] == "mimics" and cli.parse(words[1:]).command == words[1]
+        if words[1:3] == ["devices", "check"]:
+            assert words[3] in device_names()
 
 
 def test_ctrl_c_is_130(command: Callable[[Body], None]) -> None:

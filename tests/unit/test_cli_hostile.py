@@ -21,7 +21,13 @@ STAND_IN = (
     "sys.exit(cli.main(sys.argv[1:]))\n"
 )
 ANSWER = "def run(args):\n    output.write_object('run', {'text': 'x' * 100000}); return 0"
-WAIT = "def run(args):\n    try: print('up', flush=True); time.sleep(60)\n    finally: print('closed', flush=True)"
+WAIT = (  # in short sleeps: a signal that comes just before a sleep does not end it
+    "def run(args):\n"
+    "    try:\n"
+    "        print('up', flush=True)\n"
+    "        for _ in range(1200): time.sleep(0.05)\n"
+    "    finally: print('closed', flush=True)"
+)
 
 
 def shell(line: str, body: str = ANSWER) -> subprocess.CompletedProcess[str]:
@@ -102,17 +108,27 @@ IN_A_CALLBACK = (
     "def called_by_c(): os.kill(os.getpid(), {signal})\n"
     "class Left:\n"
     "    def __del__(self): os.kill(os.getpid(), {signal})\n"
+    "class Half:\n"
+    "    def __init__(self): os.kill(os.getpid(), {signal}); self.made = True\n"
+    "    def __del__(self): self.made\n"
     "def run(args):\n"
     "    try: {deed}; time.sleep(30)\n"
     "    finally: print('closed', flush=True)"
 )
 
 
-@pytest.mark.parametrize("deed", ["called_by_c()", "Left()"])
-def test_sigterm_in_a_callback_of_a_compiler_is_one_line(deed: str) -> None:
-    """What a callback of C code or a destructor raises is printed and lost: kernels are compiled with many of both."""
-    done = shell("$RUN", IN_A_CALLBACK.format(signal=int(signal.SIGTERM), deed=deed))
-    assert (done.returncode, done.stdout, done.stderr) == (143, "closed\n", "mimics: ended by SIGTERM\n")
+@pytest.mark.parametrize("deed", ["called_by_c()", "Left()", "Half()"])
+@pytest.mark.parametrize(
+    ("number", "code", "said"),
+    [(signal.SIGTERM, 143, "mimics: ended by SIGTERM\n"), (signal.SIGINT, 130, "mimics: interrupted\n")],
+)
+def test_signal_in_a_callback_of_a_compiler_is_one_line(number: int, code: int, said: str, deed: str) -> None:
+    """What a callback of C code or a destructor raises is printed and lost: kernels are compiled with many of both.
+
+    So is the complaint of a destructor whose object the signal left half made.
+    """
+    done = shell("$RUN", IN_A_CALLBACK.format(signal=int(number), deed=deed))
+    assert (done.returncode, done.stdout, done.stderr) == (code, "closed\n", said)
 
 
 def test_nohup_is_respected() -> None:

@@ -188,7 +188,7 @@ def test_the_product_runs_the_same_under_other_names_of_the_methods(name, profil
     assert ours.settings == theirs.settings and ours.methods != theirs.methods
     assert with_methods(RenderSettings(), ours.settings) == with_methods(RenderSettings(), theirs.settings)
     parts = explain_plan(scene, ours)["parts"], explain_plan(scene, theirs)["parts"]
-    assert [part["tick_us"] for part in parts[0]] == [part["tick_us"] for part in parts[1]]
+    assert [part.get("tick_us") for part in parts[0]] == [part.get("tick_us") for part in parts[1]]
 
 
 @pytest.mark.parametrize("word", PROJECTIONS)
@@ -306,10 +306,10 @@ def test_explained_object_has_the_keys_scripts_rely_on(scene):
     answer = explain_plan(scene, plan_scene(scene, "training", Table.load_shipped()))
     assert {"profile", "parts", "left_out"} <= set(answer)
     for part in answer["parts"]:
-        assert list(part) == PART_KEYS
-        assert part["next_cheaper"] is None or list(part["next_cheaper"]) == ["method", "error"]
-    assert all(list(left) == ["part", "why", "saved_us"] for left in answer["left_out"])
-    refused = {part["group"]: part["next_cheaper"] for part in answer["parts"]}["tunnel projection"]
+        assert list(part) == [key for key in PART_KEYS if part.get(key) is not None], "what does not apply is absent"
+        assert "next_cheaper" not in part or list(part["next_cheaper"]) == ["method", "error"]
+    assert all(list(left)[:2] == ["part", "why"] and None not in left.values() for left in answer["left_out"])
+    refused = {part["group"]: part.get("next_cheaper") for part in answer["parts"]}["tunnel projection"]
     assert refused["method"] == "newton one step" and refused["error"] > 1e-6
 
 
@@ -322,7 +322,7 @@ def test_sound_that_is_not_there_is_left_out_with_its_cost(scene):
         ],
     )
     answer = explain_plan(silent, plan_scene(silent, "training", planted()))
-    left = {item["part"]: item["saved_us"] for item in answer["left_out"]}
+    left = {item["part"]: item.get("saved_us") for item in answer["left_out"]}
     assert left["sound process, per block of 5 ms"] == 10.0
     assert "spatialiser" not in {part["group"] for part in answer["parts"]}
 

@@ -8,6 +8,7 @@ import wave
 import numpy as np
 import pytest
 
+from mimics_app.app.cli import main
 from mimics_app.contracts import triple_buffer
 from mimics_app.contracts.messages import SoundEvent
 from mimics_app.contracts.session_memory import SessionMemory
@@ -257,3 +258,20 @@ def test_emitter_follows_its_place_its_gain_and_the_master(tmp_path):
     # the loop repeats every 2 s, so half a second of it is like another within a few decibels of noise
     assert level[2, 1] == pytest.approx(0.5 * level[1, 1], rel=0.3)
     assert level[3].max() == 0.0
+
+
+def test_a_device_cannot_play_what_the_virtual_clock_mixes(tmp_path, capsys):
+    words = [
+        "run",
+        "wavy_tunnel",
+        "--headless",
+        "--seconds",
+        "0.1",
+        "--sound",
+        "device",
+        "--runs",
+        str(tmp_path / "runs"),
+    ]
+    assert main(words) == 2
+    assert "the virtual clock is too fast for a sound device; write --sound file" in capsys.readouterr().err
+    assert not (tmp_path / "runs").exists(), "no run began"

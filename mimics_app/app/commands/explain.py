@@ -65,24 +65,24 @@ def _lines(explained: dict[str, Any], plan: Plan) -> Iterator[str]:
             yield f"          {part['note']}"
         if part["group"] in overruled:
             yield f"          the scene names it; the planner would take {overruled[part['group']]}"
-        refused = part["next_cheaper"]
+        refused = part.get("next_cheaper")
         if refused:
             yield f"          cheaper but refused: {refused['method']}, error {refused['error']:.2g} {part['unit']}"
-        if part["too_dear"]:
+        if "too_dear" in part:
             yield f"          better but too costly: {_too_dear(part['too_dear'], part['unit'])}"
-    costs = [part["tick_us"] for part in explained["parts"] if part["tick_us"] is not None]
+    costs = [part["tick_us"] for part in explained["parts"] if "tick_us" in part]
     if costs:
         yield f"in all    a tick of the haptic loop, bodies at rest: {_time_of(sum(costs))}"
     for left in explained["left_out"]:
-        saved = "" if left["saved_us"] is None else f" ({_time_of(left['saved_us'])} saved)"
+        saved = f" ({_time_of(left['saved_us'])} saved)" if "saved_us" in left else ""
         yield f"not used  {left['part']}: {left['why']}{saved}"
 
 
 def _cost_of(part: dict[str, Any]) -> str:
     """Return the cost of a part; of a refinement of the picture, the added time per frame."""
-    if part["cost_us"] is None:
+    if "cost_us" not in part:
         return "not in the table"
-    more = part["more_ms"]
+    more = part.get("more_ms")
     return _time_of(part["cost_us"]) if more is None else f"{more:.3g} ms a frame more than the cheapest"
 
 
@@ -90,7 +90,7 @@ def _whole_of(part: dict[str, Any]) -> str:
     """Return the part whose cost includes this one, or the cost per tick of all its instances."""
     if part["within"]:
         return f" (part of: {part['within']})"
-    paid = part["tick_us"]
+    paid = part.get("tick_us")
     return f" each, {_time_of(paid)} a tick" if paid is not None and paid > part["cost_us"] else ""
 
 
@@ -106,7 +106,7 @@ def _too_dear(costlier: dict[str, Any], unit: str) -> str:
 
 
 def _error_of(part: dict[str, Any]) -> str:
-    if part["error"] is None:
+    if "error" not in part:
         return ""
     within = "of" if part["error"] <= part["tolerance"] else "beyond"
     return f", error {part['error']:.2g} {within} {part['tolerance']:.2g} {part['unit']}"

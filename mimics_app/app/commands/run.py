@@ -83,7 +83,7 @@ def _add_outputs(parser: argparse.ArgumentParser) -> None:
         choices=SOUNDS,
         default="auto",
         help="device: sound output of this computer; file: sound.wav in the run folder; off: none; auto: device in a "
-        "window, off with --headless",
+        "window, with --headless mixed for the report only",
     )
     parser.add_argument(
         "--size",

@@ -92,7 +92,7 @@ class LeftOut:
 
 
 def explain_plan(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None] = lambda: None) -> dict[str, Any]:
-    """Return the object of `mimics explain --json`.
+    """Return the object of `mimics explain --json`; what does not apply to a part is absent.
 
     Args:
         scene: The scene of the plan.
@@ -105,9 +105,14 @@ def explain_plan(scene: Scene, plan: Plan, shadow_us: Callable[[], float | None]
         "tolerances": dict(plan.tolerances),
         "pixels": plan.pixels,
         "table": {"origin": plan.origin, "machine": plan.table.machine},
-        "parts": [asdict(part) for part in parts],
-        "left_out": [asdict(left) for left in _left_out(scene, plan, shadow_us)],
+        "parts": [_stated(part) for part in parts],
+        "left_out": [_stated(left) for left in _left_out(scene, plan, shadow_us)],
     }
+
+
+def _stated(row: Part | LeftOut) -> dict[str, Any]:
+    """Return the fields that apply, in their order."""
+    return {name: value for name, value in asdict(row).items() if value is not None}
 
 
 def _part(scene: Scene, choice: Choice, plan: Plan) -> Part:

@@ -20,6 +20,7 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.app.touch.device_fit import check_shape, feel_of
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.app.touch.parameter_store import ParameterStore
+from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.scenario_port import Scenario, TaskContext
 from mimics_app.recording.run import Run
@@ -117,6 +118,7 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     Raises:
         SceneError: The action file is faulty.
         DeviceError: The robot is not available.
+        UsageError: A sound device is requested, but the virtual clock would be too fast for it.
     """
     plan = settle(scene, settings.profile, plan)
     world = build_world(scene)
@@ -136,9 +138,12 @@ def prepare_scene(scene: Scene, settings: RunSettings, *, live: bool = False, pl
     plugin = build_device(
         robot, patient, points, settings.seed, samples=recorded, descriptor=descriptor, objects=objects
     )
+    live = live or plugin.real_time
+    if settings.sound == "device" and not live:
+        raise UsageError("the virtual clock is too fast for a sound device", "write --sound file")
     return Preparation(
         settings=settings,
-        live=live or plugin.real_time,
+        live=live,
         scene=scene,
         plan=plan,
         world=world,

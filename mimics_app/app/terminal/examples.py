@@ -29,7 +29,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     "doctor": (("mimics doctor", "what is there, what is missing"),),
     "devices": (
         ("mimics devices", "what a scene can run on"),
-        ("mimics devices check simulated", "the conformance kit"),
+        ("mimics devices check simulated_hapticmaster", "the conformance kit"),
         ("mimics devices emulate serial", "a robot that is not there"),
     ),
     "replay": (("mimics replay runs/RUN", "every output compared, bit for bit"),),

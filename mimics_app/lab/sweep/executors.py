@@ -5,11 +5,11 @@ from __future__ import annotations
 import concurrent.futures
 import multiprocessing
 import os
-import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from multiprocessing import connection
 
+from mimics_app.contracts.child_signals import ignore_signals, signals_blocked
 from mimics_app.contracts.errors import DeviceError, UsageError
 from mimics_app.lab.sweep.store import Chunk
 
@@ -37,7 +37,8 @@ def compute_in_processes(chunks: Sequence[Chunk], compute: Compute, workers: int
     context = multiprocessing.get_context("spawn")
     pool = concurrent.futures.ProcessPoolExecutor(workers, mp_context=context, initializer=_follow_parent)
     try:
-        futures = {pool.submit(compute, chunk): chunk for chunk in chunks}
+        with signals_blocked("SIGINT"):
+            futures = {pool.submit(compute, chunk): chunk for chunk in chunks}
         for future in concurrent.futures.as_completed(futures):
             yield futures[future], future.result()
     except concurrent.futures.process.BrokenProcessPool as error:
@@ -48,7 +49,7 @@ def compute_in_processes(chunks: Sequence[Chunk], compute: Compute, workers: int
 
 def _follow_parent() -> None:
     """Leave Ctrl-C to the parent, and exit when the parent has ended, also if it was killed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    ignore_signals("SIGINT")
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_leave_after, args=(parent.sentinel,), daemon=True).start()

@@ -15,6 +15,7 @@ from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.audio_port import AudioReport, AudioStatus
+from mimics_app.contracts.child_signals import signals_blocked
 from mimics_app.contracts.errors import MimicsError, nearest
 from mimics_app.contracts.messages import SoundEvent
 from mimics_app.contracts.session_memory import SessionMemory
@@ -66,7 +67,7 @@ class AudioProcess:
     def _spawn(self) -> None:
         import multiprocessing
 
-        from mimics_app.rendering.audio.worker import run
+        from mimics_app.rendering.audio.worker import IGNORED, run
 
         self.starts += 1
         self._hung_up = False
@@ -79,7 +80,8 @@ class AudioProcess:
             name="mimics-audio",
             daemon=True,
         )
-        self._process.start()
+        with signals_blocked(*IGNORED):
+            self._process.start()
         # With our copies of the child's ends open, a read would wait for a child that has ended.
         orders_child.close()
         results_child.close()

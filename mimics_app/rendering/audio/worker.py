@@ -21,6 +21,7 @@ import numpy as np
 from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.atomics import scratch
 from mimics_app.contracts.audio_port import AudioReport, AudioStatus, Mixer, frame_at
+from mimics_app.contracts.child_signals import ignore_signals
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.contact_force import CONTACT_FORCE
 from mimics_app.contracts.errors import DeviceError
@@ -36,7 +37,10 @@ from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
 from mimics_app.rendering.audio.streamed_mixer import StreamedMixer
 from mimics_app.rendering.audio.wav_file import unused_name
 
-__all__ = ["FIFO_PRIORITY", "WorkTimes", "ask_for_fifo", "run"]
+__all__ = ["FIFO_PRIORITY", "IGNORED", "WorkTimes", "ask_for_fifo", "run"]
+
+IGNORED = ("SIGINT", "SIGHUP")
+"""Signals of the process group that do not end the audio process: the application decides."""
 
 _LIVE_WAIT_NS = 4_000_000
 _STREAM_WAIT_NS = 500_000  # the queue of a stream is polled
@@ -51,9 +55,7 @@ FIFO_PRIORITY = 10
 
 def run(memory: SessionMemory, settings: AudioSettings, orders: Connection, results: Connection) -> None:
     """Play the session until the application sends stop, closes its end, or ends; then send the report."""
-    for name in ("SIGINT", "SIGHUP"):  # sent to the whole process group; the application decides
-        if hasattr(signal, name):
-            signal.signal(getattr(signal, name), signal.SIG_IGN)
+    ignore_signals(*IGNORED)
     os.environ.update(settings.environment)
     _tell_of_crashes()
     _die_with_parent()
