@@ -79,17 +79,17 @@ _MATERIALS: Mapping[str, dict[str, Any]] = {
     "paving": {"texture": "paving", "colour": (0.72, 0.69, 0.65, 1.0)},
     "bark": {"texture": "bark"},
     "leaves": {"texture": "leaves", "mask": 0.4},
-    "glass": {"colour": (0.045, 0.06, 0.075, 1.0), "roughness": 0.12},
+    "glass": {"colour": (0.075, 0.095, 0.115, 1.0), "roughness": 0.12},
     "frame": {"colour": (0.74, 0.73, 0.69, 1.0), "roughness": 0.6},
     "zinc": {"colour": (0.36, 0.38, 0.40, 1.0), "roughness": 0.5},
-    "beam": {"colour": (0.22, 0.14, 0.09, 1.0), "roughness": 0.8},
+    "beam": {"colour": (0.30, 0.20, 0.13, 1.0), "roughness": 0.8},
     "teal": {"colour": (0.055, 0.20, 0.19, 1.0), "roughness": 0.55},
-    "navy": {"colour": (0.05, 0.10, 0.20, 1.0), "roughness": 0.55},
-    "wine": {"colour": (0.24, 0.045, 0.05, 1.0), "roughness": 0.55},
+    "navy": {"colour": (0.08, 0.15, 0.28, 1.0), "roughness": 0.55},
+    "wine": {"colour": (0.30, 0.075, 0.075, 1.0), "roughness": 0.55},
     "oak": {"colour": (0.33, 0.19, 0.10, 1.0), "roughness": 0.6},
     "clay": {"colour": (0.50, 0.22, 0.13, 1.0), "roughness": 0.9},
-    "earth": {"colour": (0.07, 0.05, 0.035, 1.0)},
-    "shrub": {"colour": (0.07, 0.18, 0.05, 1.0)},
+    "earth": {"colour": (0.12, 0.085, 0.06, 1.0)},
+    "shrub": {"colour": (0.12, 0.27, 0.08, 1.0)},
 }
 
 
