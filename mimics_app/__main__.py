@@ -1,10 +1,24 @@
-"""`python -m mimics_app`: the same as the command `mimics`."""
+"""Entry point of the command `mimics`, and of `python -m mimics_app`."""
 
 import sys
 
-from mimics_app.app.cli import main
+__all__ = ["main"]
 
-__all__: list[str] = []
+
+def main() -> int:
+    """Run the command line of this process; Ctrl-C while it is still being imported is an exit like any other.
+
+    Returns:
+        The exit code.
+    """
+    try:
+        from mimics_app.app import cli
+
+        return cli.main()
+    except KeyboardInterrupt:
+        sys.stderr.write("mimics: interrupted\n")
+        return 130
+
 
 if __name__ == "__main__":
     sys.exit(main())

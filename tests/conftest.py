@@ -26,10 +26,11 @@ DAILY, RANDOM, NIGHTLY = "same", "random", "nightly"
 
 _FOUND = DirectoryBasedExampleDatabase(FOUND)
 
+# No deadlines: an example may meet a compilation, or a machine at work.
 # `derandomize`, `@seed` and a global seed all switch the kept examples off: a seed of each test does not, see below.
-settings.register_profile(DAILY, derandomize=False, database=ReadOnlyDatabase(_FOUND))
-settings.register_profile(RANDOM, derandomize=False, print_blob=True, database=_FOUND)
-settings.register_profile(NIGHTLY, parent=settings.get_profile(RANDOM), max_examples=2000, deadline=None)
+settings.register_profile(DAILY, derandomize=False, deadline=None, database=ReadOnlyDatabase(_FOUND))
+settings.register_profile(RANDOM, derandomize=False, deadline=None, print_blob=True, database=_FOUND)
+settings.register_profile(NIGHTLY, parent=settings.get_profile(RANDOM), max_examples=2000)
 settings.load_profile(DAILY)
 
 

@@ -302,9 +302,9 @@ def _raised_again(leave: Callable[[int, object], None]) -> Iterator[None]:
         return
 
     def drop(dropped: sys.UnraisableHookArgs) -> None:
-        if not (_Terminated.came and issubclass(dropped.exc_type, SystemExit)):
+        if not _Terminated.came:
             usual(dropped)
-        else:
+        elif issubclass(dropped.exc_type, SystemExit):  # others are its consequences
             signal.setitimer(signal.ITIMER_REAL, _AGAIN_S)
 
     usual, alarm = sys.unraisablehook, signal.signal(signal.SIGALRM, leave)

@@ -9,6 +9,7 @@ from typing import Literal
 __all__ = [
     "DIFFICULTIES",
     "PATIENTS",
+    "PICTURE_SIZE",
     "PROFILES",
     "QUALITIES",
     "RECIPES",
@@ -31,6 +32,8 @@ DIFFICULTIES: tuple[Difficulty, ...] = ("easier", "usual", "harder")
 SOUNDS: tuple[SoundChoice, ...] = ("auto", "device", "file", "off")
 PATIENTS = ("healthy", "moderate", "severe")
 """Presets of the simulated patient, by impairment."""
+PICTURE_SIZE = (1280, 720)
+"""Usual size of a picture without a window [px]."""
 RECIPES = ("auto", "fifo", "ordinary", "plain")
 """Recipes of `rendering.haptic.scheduler`, repeated so that --help imports no haptic code (a test compares them)."""
 
@@ -51,7 +54,7 @@ class RunSettings:
         patient: Preset instead of the scene's; "" keeps it.
         sound: "device": sound output; "file": sound.wav in the run folder; "off": none; "auto": the device when live,
             else off.
-        size: Size of the picture [px].
+        size: Size of the picture [px]; None: 1280x720, of a window as suits the person and the monitor.
         display: Display, KIND or KIND:FILE; "" keeps the scene's.
         pictures: Number of frames that a headless run draws and keeps.
         video: File of a video, or folder for every frame as PNG, or None.
@@ -80,7 +83,7 @@ class RunSettings:
     recording: Path | None = None
     patient: str = ""
     sound: SoundChoice = "auto"
-    size: tuple[int, int] = (1280, 720)
+    size: tuple[int, int] | None = None
     display: str = ""
     pictures: int = 4
     video: Path | None = None
@@ -97,3 +100,8 @@ class RunSettings:
     trials: int = 0
     participant: str = ""
     journey: Path | None = None
+
+    @property
+    def picture_size(self) -> tuple[int, int]:
+        """Size of a picture without a window [px]."""
+        return self.size or PICTURE_SIZE

@@ -163,7 +163,7 @@ class Mixer(Protocol):
 
 
 class OnDemandMixer(Mixer, Protocol):
-    """A mixer that renders as many frames as are asked for; whoever plays them sets its timing."""
+    """A mixer that renders as many frames as requested; the player of the frames sets the timing."""
 
     timing: Timing
 
@@ -241,8 +241,8 @@ class AudioReport:
         late_blocks: Blocks or polls that began more than one block late.
         underruns: Underruns of a live device that plays blocks mixed here.
         queue: Queue of such a device: its length `ms` at the end, `longest_ms` and `changes` (s, ms) in the session,
-            `least_left_ms` at a refill (negative: silence), `near_misses`, and `latency_ms`, the upper bound from
-            contact to output at the end; {} for other outputs.
+            `least_left_ms` at a refill (negative: silence), `near_misses`, `empty_ns`, the session times of the
+            underruns, and `latency_ms`, the upper bound from contact to output at the end; {} for other outputs.
         block_us: Duration of a mixed block: p50, p99 and max [us], in steps of 10, and `count`; empty for a live device
             that mixes itself.
         clipped: Samples of a file beyond full scale, which were soft-clipped.

@@ -1,4 +1,4 @@
-"""Kinds of displays, and the parser of `--display`."""
+"""Kinds of displays, built in and of installed packages, and the parser of `--display`."""
 
 from __future__ import annotations
 
@@ -6,8 +6,19 @@ from dataclasses import dataclass
 from typing import Literal
 
 from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.plugins import PluginGroup, fault_of_builder
 
-__all__ = ["DISPLAY_KINDS", "DisplayChoice", "parse_display"]
+__all__ = ["DISPLAY_KINDS", "PLUGINS", "DisplayChoice", "display_names", "parse_display"]
+
+
+def _fault_of(name: str, loaded: object) -> str:
+    from mimics_app.contracts.display_port import Display
+
+    return fault_of_builder(Display)(name, loaded)
+
+
+PLUGINS = PluginGroup("mimics_app.displays", _fault_of)
+"""Displays of installed packages."""
 
 DISPLAY_KINDS: dict[str, Literal["never", "may", "must"]] = {
     "desktop": "never",
@@ -23,7 +34,7 @@ DISPLAY_KINDS: dict[str, Literal["never", "may", "must"]] = {
     "openxr": "never",
     "sim-hmd": "may",
 }
-"""Kinds of `--display`, and whether each takes a file."""
+"""Built-in kinds of `--display`, and whether each takes a file; a plug-in may take one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +48,11 @@ class DisplayChoice:
         return f"{self.kind}:{self.file}" if self.file else self.kind
 
 
+def display_names() -> list[str]:
+    """Return the kinds of all displays: built-in first, then installed plug-ins."""
+    return [*DISPLAY_KINDS, *(name for name in PLUGINS.names() if name not in DISPLAY_KINDS)]
+
+
 def parse_display(text: str) -> DisplayChoice:
     """Parse KIND[:FILE].
 
@@ -44,9 +60,9 @@ def parse_display(text: str) -> DisplayChoice:
         UsageError: Unknown kind, a missing file, or a file for a kind that takes none.
     """
     kind, colon, file = text.partition(":")
-    if kind not in DISPLAY_KINDS:
-        raise UsageError(f'there is no display "{kind}"', nearest(kind, DISPLAY_KINDS))
-    wants = DISPLAY_KINDS[kind]
+    if kind not in DISPLAY_KINDS and kind not in (known := display_names()):
+        raise UsageError(f'there is no display "{kind}"', nearest(kind, known))
+    wants = DISPLAY_KINDS.get(kind, "may")
     if wants == "must" and not file:
         raise UsageError(f"the display {kind} needs a file", f"write {kind}:FILE.json")
     if colon and wants == "never":

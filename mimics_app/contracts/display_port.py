@@ -193,7 +193,7 @@ class Display(Protocol):
         """Wait for the display where it paces; return the timing of the frame.
 
         Raises:
-            DeviceError: The display is gone for good.
+            DeviceError: The display is lost.
         """
         ...
 

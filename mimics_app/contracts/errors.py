@@ -3,6 +3,7 @@
 MimicsError                 what happened, and what to do
 |- UsageError         2     invalid command or argument
 |- SceneError         3     invalid scene, glTF, texture or action file, or not a run folder; carries all issues
+|- OutputError        3     a file or folder cannot be written
 |- DeviceError        4     a device, display or sound output is not available
 |- SafetyStop         5     the haptic loop latched SAFE_STOP or E_STOP
 `- PartialDataError   6     a recording is incomplete or inconsistent
@@ -14,6 +15,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from os import PathLike, fspath
 
 from mimics_app.contracts.plural import counted
 
@@ -23,6 +25,7 @@ __all__ = [
     "DeviceError",
     "Issue",
     "MimicsError",
+    "OutputError",
     "PartialDataError",
     "SafetyStop",
     "SceneError",
@@ -129,6 +132,27 @@ class SceneError(MimicsError):
     def issues(self) -> list[Issue]:
         """Every fault found, in the order of the files."""
         return self._issues
+
+
+class OutputError(MimicsError):
+    """A file or folder that a command was to write cannot be written.
+
+    Args:
+        path: The file or folder.
+        what: What is wrong.
+        fix: What to do.
+    """
+
+    exit_code = 3
+
+    def __init__(self, path: str | PathLike[str], what: str, fix: str = "") -> None:
+        super().__init__(what, fix)
+        self.path = fspath(path)
+
+    @property
+    def issues(self) -> list[Issue]:
+        """The error with its file."""
+        return [Issue(self.path, "", self.what, self.fix)]
 
 
 class DeviceError(MimicsError):

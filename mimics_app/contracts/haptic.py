@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.contracts.bounded_fields import Bounded, choice_of, record
 from mimics_app.contracts.haptic_objects import OBJECT_COUNTS
 from mimics_app.contracts.loop_fields import LOOP_FIELDS, MAX_CONTACTS, MAX_JOINTS, sample_dtype, snapshot_dtype
 
@@ -39,7 +40,6 @@ __all__ = [
     "Controller",
     "DeviceStatus",
     "EventKind",
-    "Projection",
     "SafetyState",
     "TripCause",
 ]
@@ -100,15 +100,6 @@ class AdmittanceForm(IntEnum):
     SEED = 0
     POLAR = 1
     CARTESIAN = 2
-
-
-class Projection(IntEnum):
-    """Method for the closest point of a tunnel's bisector; names as in the method registry."""
-
-    NEWTON_WARM = 0
-    GOLDEN_SECTION = 1
-    BRUTE_FORCE = 2
-    NEWTON_ONE_STEP = 3
 
 
 class Button(IntFlag):
@@ -192,21 +183,21 @@ FEEL = [
 ]
 """Fields of SCENE that a task may change during a run, beside those of its tunnels and objects."""
 
-SCENE = np.dtype(
+SCENE = record(
     [
         ("sequence", "i8"),  # counts parameter blocks; the sample of each tick says which one it used
         ("resets", "i8"),  # counts operator resets; a change leaves a latched stop
         ("trial", "i8"),  # counts trials; devices with a simulated person restart on change
-        ("controller", "i8"),  # Controller
-        ("form", "i8"),  # AdmittanceForm
+        ("controller", choice_of(Controller, "i8")),
+        ("form", choice_of(AdmittanceForm, "i8")),
         ("target", "f8", (3 * MAX_CONTACTS,)),  # PD reference: joints for JOINT_PD, points in the robot frame [m] else
         ("kp", "f8", (MAX_JOINTS,)),  # [1/s] per joint
         ("kd", "f8", (MAX_JOINTS,)),  # [-] per joint
         ("force_driven", "i8"),  # 1: the device takes forces (COMMAND_FORCE, _TORQUE), 0: velocities (COMMAND_DQ)
         ("drive_stiffness", "f8"),  # [N/m] of the spring that draws a force driven device to a target
         ("drive_damping", "f8"),  # [N s/m] of the damper beside it
-        ("joints", "i1"),  # of the device, 1 to MAX_JOINTS
-        ("contacts", "i1"),  # its points of contact, 1 to MAX_CONTACTS
+        ("joints", Bounded(MAX_JOINTS, "i1")),  # of the device
+        ("contacts", Bounded(MAX_CONTACTS, "i1")),  # its points of contact
         ("torques", "i1"),  # 1: it takes torques at its joints
         ("polar", "i1"),  # 1: its joints are radial, angle, vertical (4.2.7); 0: motion is computed in its joints
         ("through_joints", "i1"),  # 1: WORLD_PD by inverse kinematics and joint PD (4.2.6), 0: straight
@@ -218,8 +209,7 @@ SCENE = np.dtype(
         *LIMITS,
         ("own_tunnel", "i8"),  # row of the task's tunnel, which the sample describes
         ("objects", OBJECT_COUNTS),  # rows in use of the tables beside this record
-    ],
-    align=True,
+    ]
 )
 """Parameters from the main thread to the loop. One writer: the main thread."""
 

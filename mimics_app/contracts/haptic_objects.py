@@ -17,6 +17,8 @@ from enum import IntEnum, IntFlag
 
 import numpy as np
 
+from mimics_app.contracts.bounded_fields import Bounded, choice_of, record
+
 __all__ = [
     "BODY",
     "EFFECT",
@@ -33,6 +35,7 @@ __all__ = [
     "EffectKind",
     "ForceLaw",
     "ObjectIntegrator",
+    "Projection",
     "ShapeKind",
     "SignalSource",
     "SignalTarget",
@@ -130,6 +133,15 @@ class SignalTarget(IntEnum):
     EFFECT_STIFFNESS = 4
 
 
+class Projection(IntEnum):
+    """Method for the closest point of a tunnel's bisector; names as in the method registry."""
+
+    NEWTON_WARM = 0
+    GOLDEN_SECTION = 1
+    BRUTE_FORCE = 2
+    NEWTON_ONE_STEP = 3
+
+
 OBJECT_COUNTS = np.dtype(
     [
         ("shapes", "i8"),
@@ -144,14 +156,14 @@ OBJECT_COUNTS = np.dtype(
 )
 """Rows in use of each table; nested in SCENE as `objects`."""
 
-SHAPE = np.dtype(
+SHAPE = record(
     [
-        ("kind", "i4"),  # ShapeKind
+        ("kind", choice_of(ShapeKind)),
         ("body", "i4"),  # row of BODY, or STATIC
         ("enabled", "i4"),
         ("material", "i4"),  # of sounds and events
         ("mesh", "i4"),  # row of the mesh table, for MESH
-        ("law", "i4"),  # ForceLaw
+        ("law", choice_of(ForceLaw)),
         ("position", "f8", (3,)),  # in the body's frame, or the world [m]
         ("orientation", "f8", (4,)),  # quaternion xyzw, likewise
         ("size", "f8", (3,)),  # box: edges; sphere: radius; cylinder, capsule: radius, length of the axis [m]; > 0
@@ -164,15 +176,14 @@ SHAPE = np.dtype(
         ("friction_stiffness", "f8"),  # tangential, of the anchor [N/m]; 0: as stiffness
         ("texture_height", "f8"),  # of the surface's ripple [m]; 0: smooth
         ("texture_length", "f8"),  # its wave length [m]
-    ],
-    align=True,
+    ]
 )
 """One shape."""
 
-BODY = np.dtype(
+BODY = record(
     [
         ("flags", "i4"),  # BodyFlag
-        ("integrator", "i4"),  # ObjectIntegrator
+        ("integrator", choice_of(ObjectIntegrator)),
         ("spawn", "i8"),  # counts; a change puts the body back to the pose and velocities below
         ("mass", "f8"),  # [kg] > 0
         ("inertia", "f8", (3, 3)),  # about the centre of mass, body axes [kg m^2]
@@ -188,8 +199,7 @@ BODY = np.dtype(
         ("torque_aux", "f8", (3,)),  # T_aux, world [N m]
         ("grip", "i4"),  # 1: fingers can hold it
         ("crush_force", "f8"),  # grip force that bruises it [N]; 0: never
-    ],
-    align=True,
+    ]
 )
 """Parameters of one haptic object."""
 
@@ -215,9 +225,9 @@ MOTION = np.dtype(
 )
 """Motion of one body; all zero until the body is placed."""
 
-EFFECT = np.dtype(
+EFFECT = record(
     [
-        ("kind", "i4"),  # EffectKind
+        ("kind", choice_of(EffectKind)),
         ("enabled", "i4"),
         ("body", "i4"),  # the effect acts between user and this body; STATIC: on the user alone
         ("on_body", "i4"),  # 1: it acts on the body alone, the user feels nothing
@@ -230,41 +240,38 @@ EFFECT = np.dtype(
         ("radius", "f8"),  # within which it acts, or of a ball workspace; 0: everywhere [m]
         ("force", "f8"),  # constant, amplitude, or largest [N]
         ("frequency", "f8"),  # of a vibration [Hz]
-        ("slip", "f8"),  # distance at which stick-slip lets go [m]; dead band of springs [m]
+        ("slip", "f8"),  # distance at which stick-slip slips [m]; dead band of springs [m]
         ("parameters", "f8", (8,)),  # of a force field
-    ],
-    align=True,
+    ]
 )
 """One effect."""
 
-POINT = np.dtype(
+POINT = record(
     [
         ("offset", "f8", (3,)),  # from its point of contact, world [m]
         ("radius", "f8"),  # of the point as a ball [m]; 0: a point
         ("enabled", "i4"),
         ("contact", "i4"),  # number of the device's point of contact that carries it
-    ],
-    align=True,
+    ]
 )
 """One interaction point: fixed to a point of contact of the device, which does not turn."""
 
-WIRE = np.dtype(
+WIRE = record(
     [
-        ("source", "i4"),  # SignalSource
+        ("source", choice_of(SignalSource)),
         ("source_row", "i4"),  # body of the source
-        ("target", "i4"),  # SignalTarget
+        ("target", choice_of(SignalTarget)),
         ("target_row", "i4"),  # body or effect of the target
         ("gain", "f8", (3, 3)),  # target = gain source + offset
         ("offset", "f8", (3,)),
-    ],
-    align=True,
+    ]
 )
 """One connection between an output and an input."""
 
-TUNNEL = np.dtype(
+TUNNEL = record(
     [
-        ("pieces", "i8"),  # cubic pieces in use; 0: no tunnel
-        ("projection", "i8"),  # Projection
+        ("pieces", Bounded(MAX_PIECES, "i8")),  # cubic pieces in use; 0: no tunnel
+        ("projection", choice_of(Projection, "i8")),
         ("frenet", "i8"),  # 1: n towards the centre of curvature, flips at inflections; 0: rotation-minimising
         ("centre", "f8", (MAX_PIECES, 3, 4)),  # world [m]: a0 + a1 u + a2 u^2 + a3 u^3, u in [0, 1), per axis
         ("radius", "f8", (MAX_PIECES, 4)),  # [m], same parameter
@@ -277,7 +284,6 @@ TUNNEL = np.dtype(
         ("drag_growth", "f8"),  # [N s/m per m] added to drag per metre of ball larger than tunnel
         ("centring", "f8"),  # [N/m] assistance towards the bisector
         ("advance", "f8"),  # [N] assistance along the tangent towards the end
-    ],
-    align=True,
+    ]
 )
 """One tunnel of D2.1 4.2.10, or the path of an effect."""

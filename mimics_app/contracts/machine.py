@@ -40,7 +40,7 @@ class Machine:
 
 def describe_machine() -> Machine:
     """Return the machine of this process."""
-    from mimics_app.contracts.environment import describe_environment
+    from mimics_app.contracts.run_environment import describe_environment
 
     environment = describe_environment()
     machine, versions = environment["machine"], environment["versions"]

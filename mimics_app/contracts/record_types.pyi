@@ -410,6 +410,34 @@ class FrictionRecord:
     touching: int
     sticking: int
 
+class TunnelStateRecord:
+    """`mimics_app.rendering.haptic.kernels.objects.records.TUNNEL_STATE`."""
+
+    ball_radius_rate: float
+    tracking: int
+    s: float
+    distance: float
+    tracked: Floats
+    ticks: int
+    restarts: int
+    status: int
+    progress: float
+    offset_n: float
+    offset_b: float
+    radius: float
+    penetration: float
+    approach_speed: float
+    force_world: Floats
+    assist_world: Floats
+    softening: float
+    share: float
+    force_tnb: Floats
+    wall_force: float
+    normal_world: Floats
+    tangent: Floats
+    normal_n: Floats
+    binormal: Floats
+
 class DynamicsRecord:
     """`mimics_app.rendering.haptic.kernels.objects.records.DYNAMICS`."""
 
@@ -568,6 +596,23 @@ class RidgesRecord:
     first_node: int
     leaves: int
 
+class EffectMemoryRecord:
+    """`mimics_app.rendering.haptic.kernels.objects.records.EFFECT_MEMORY`."""
+
+    position: Floats
+    size: float
+    stiffness: float
+    quarantined: int
+    sticking: int
+    anchor: Floats
+    path: TunnelStateRecord
+    p: Floats
+    v: Floats
+    arm: Floats
+    force: Floats
+    damper: Floats
+    held: int
+
 class ContactScratchRecord:
     """`mimics_app.rendering.haptic.kernels.objects.contact_scratch.CONTACT_SCRATCH`."""
 
@@ -610,51 +655,6 @@ class BeforeRecord:
     position: Floats
     rotation: Floats
     spawn: int
-
-class TunnelStateRecord:
-    """`mimics_app.rendering.haptic.kernels.objects.effect_memory.TUNNEL_STATE`."""
-
-    ball_radius_rate: float
-    tracking: int
-    s: float
-    distance: float
-    tracked: Floats
-    ticks: int
-    restarts: int
-    status: int
-    progress: float
-    offset_n: float
-    offset_b: float
-    radius: float
-    penetration: float
-    approach_speed: float
-    force_world: Floats
-    assist_world: Floats
-    softening: float
-    share: float
-    force_tnb: Floats
-    wall_force: float
-    normal_world: Floats
-    tangent: Floats
-    normal_n: Floats
-    binormal: Floats
-
-class EffectMemoryRecord:
-    """`mimics_app.rendering.haptic.kernels.objects.effect_memory.EFFECT_MEMORY`."""
-
-    position: Floats
-    size: float
-    stiffness: float
-    quarantined: int
-    sticking: int
-    anchor: Floats
-    path: TunnelStateRecord
-    p: Floats
-    v: Floats
-    arm: Floats
-    force: Floats
-    damper: Floats
-    held: int
 
 class TotalsRecord:
     """`mimics_app.rendering.haptic.kernels.objects.totals.TOTALS`."""

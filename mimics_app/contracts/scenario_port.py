@@ -47,6 +47,7 @@ class TaskContext:
         feel: Controller while the person leads: ADMITTANCE, or IMPEDANCE on a force driven device.
         simulated: No person is present: questions to the person are answered automatically.
         by_pointer: The person uses mouse, keys or gamepad; prompts name the keys.
+        limb: Name of the device's first point of contact, e.g. "hand" or "right foot".
         introduced: The page of keys is shown before the first trial, which then starts with a countdown.
     """
 
@@ -58,6 +59,7 @@ class TaskContext:
     feel: Controller = Controller.ADMITTANCE
     simulated: bool = False
     by_pointer: bool = False
+    limb: str = "hand"
     introduced: bool = False
 
 
@@ -95,6 +97,10 @@ class Scenario(Protocol):
 
     def stand_before_walls(self) -> None:
         """Hide the avatar of the person, whose real body is visible before the screens."""
+
+    def hand_frame(self) -> NDArray[np.float64] | None:
+        """Return world_from_hand of a hand that moves with the person, float64 [4, 4]; None: it moves in the world."""
+        return None
 
     def aim(self, snapshot: HapticSnapshot) -> Aim | None:
         """Return the next action of the hand; None where the path alone defines it."""

@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["BANDS", "MAX_EMITTERS", "SOUND_SCENE", "fill_defaults"]
+__all__ = ["BANDS", "MAX_EMITTERS", "SOUND_SCENE", "SOUND_SPEED", "fill_defaults"]
 
 MAX_EMITTERS = 256
 """Largest number of emitters of a scene."""
 
 BANDS = 3
 """Frequency bands of the attenuation by obstacles: below 500 Hz, around 1.4 kHz, above 4 kHz."""
+
+SOUND_SPEED = 343.0
+"""Speed of sound in air at 20 degrees C [m/s]."""
 
 SOUND_SCENE = np.dtype(
     [

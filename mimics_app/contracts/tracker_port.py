@@ -12,7 +12,21 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["STALE_NS", "TrackedPose", "TrackerSample", "TrackerSink", "TrackerSource"]
+from mimics_app.contracts.plugins import PluginGroup, fault_of_builder
+
+__all__ = [
+    "PLUGINS",
+    "STALE_NS",
+    "TRACKER_KINDS",
+    "TrackedPose",
+    "TrackerSample",
+    "TrackerSink",
+    "TrackerSource",
+    "tracker_names",
+]
+
+TRACKER_KINDS = ("fastrak", "flock", "vrpn", "osc", "lsl", "scripted", "pointer", "headset", "tape")
+"""Built-in kinds of trackers."""
 
 STALE_NS = 100_000_000
 """Time without a report after which a sensor is stale [ns]."""
@@ -86,3 +100,12 @@ class TrackerSource(Protocol):
     def stop(self) -> None:
         """Stop, and release the device."""
         ...
+
+
+PLUGINS = PluginGroup("mimics_app.trackers", fault_of_builder(TrackerSource))
+"""Trackers of installed packages."""
+
+
+def tracker_names() -> list[str]:
+    """Return the kinds of all trackers: built-in first, then installed plug-ins."""
+    return [*TRACKER_KINDS, *(name for name in PLUGINS.names() if name not in TRACKER_KINDS)]

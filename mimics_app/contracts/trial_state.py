@@ -35,7 +35,6 @@ class TaskView:
         trial: Number of the trial, from 1; 0 before the first.
         trials: Number of trials.
         elapsed_s: Time in the present state [s].
-        measures_progress: Whether the kind of task measures the progress; otherwise it is that of the time.
         paused: The task and its clock are paused until the person continues.
         reading: The first trial waits until the page of keys at the window is confirmed.
     """
@@ -45,7 +44,6 @@ class TaskView:
     trial: int = 0
     trials: int = 0
     elapsed_s: float = 0.0
-    measures_progress: bool = True
     paused: bool = False
     reading: bool = False
 

@@ -1,6 +1,6 @@
 """Trips of the safety state machine in words for the user: what happened, and what to do.
 
-A trip either latches a stop, which a person must reset, or is a short hold (DEGRADED), which ends by itself.
+A trip either latches a stop, which a person must reset, or is a short hold (DEGRADED), which ends on its own.
 """
 
 from __future__ import annotations

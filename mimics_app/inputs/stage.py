@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from mimics_app.contracts.input_port import PointerSource, SignalSource, Window, WindowFrame
 from mimics_app.contracts.messages import Aim, Experience, PointerState, SignalBlock, VRInput
 from mimics_app.contracts.window_input import GamepadState, InputEvent
 
-__all__ = ["Inputs", "pressed_names"]
+__all__ = ["Inputs", "Movement", "pressed_names"]
 
 _PREFIX = {"key": "", "button": "mouse_", "pad": "pad_"}
 _STOP_NAMES = frozenset({"space", "pad_b"})
+
+
+_RATE = 60.0
+"""Nominal frame rate [Hz]."""
 
 
 class Inputs:
@@ -90,3 +96,25 @@ def _one_pointer(states: Sequence[PointerState], *, stop: bool) -> PointerState 
     chosen = next((state for state in states if state.active), states[0])
     stop = stop or any(state.stop for state in states)
     return PointerState(chosen.target_world, chosen.grasp, chosen.active, stop)
+
+
+class Movement:
+    """A `SignalSource` of "speed" [m/s] and "power" [W]: one sample a frame, that of the previous frame."""
+
+    def __init__(self) -> None:
+        self._last: Experience | None = None
+
+    def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
+        """Return the newest sample of each signal."""
+        last, self._last = self._last, None
+        if last is None:
+            return ()
+        pairs = (("speed", last.speed), ("power", last.power))
+        return tuple(SignalBlock(name, _RATE, last.t_ns, np.array([value])) for name, value in pairs)
+
+    def feel(self, experience: Experience) -> None:
+        """Keep the movement of this frame."""
+        self._last = experience
+
+    def close(self) -> None:
+        """Nothing is open."""

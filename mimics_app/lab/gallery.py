@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from mimics_app.plotting.axis import format_number
 from mimics_app.plotting.drawing import STYLE
-from mimics_app.plotting.templates import load_templates
+from mimics_app.plotting.page_templates import load_templates
 
 __all__ = ["write_gallery"]
 

@@ -35,7 +35,7 @@ from mimics_app.lab.haptic_harness import HarnessRow, run_harnesses
 from mimics_app.lab.haptic_peers import PEERS, ROUNDS, best_us, measure_peer
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.engine import HapticEngine
-from mimics_app.rendering.haptic.kernels.objects.hand import HAND_FORCE_MEASURED, HAND_LENGTH
+from mimics_app.rendering.haptic.kernels.objects.object_inputs import INPUT_FORCE_MEASURED, INPUT_LENGTH
 from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS
 from mimics_app.rendering.haptic.objects import SIMULATE, ObjectWork, new_object_work
@@ -167,11 +167,11 @@ class _Hand:
     """A workload with a HIP that slides along x, tick by tick."""
 
     def __init__(self, scene: Scene) -> None:
-        self._way = np.zeros((len(SLIDE), HAND_FORCE_MEASURED))
+        self._way = np.zeros((len(SLIDE), INPUT_FORCE_MEASURED))
         self._way[:, :3] = scene.hand
         self._way[:, 0] += SLIDE
         self._way[:, 3] = _SLIDE_VELOCITY
-        self._hand = np.zeros(HAND_LENGTH)
+        self._hand = np.zeros(INPUT_LENGTH)
         self._args = (scene.rows, scene.fresh_work(), scene.counts[0], self._hand, NO_FIELDS, DT, np.zeros(3))
         self._ticks = 0
 
@@ -183,7 +183,7 @@ class _Hand:
     def run_from_python(self, ticks: int) -> None:
         """Run ticks call by call from Python, as those of a peer."""
         for _ in range(ticks):
-            self._hand[:HAND_FORCE_MEASURED] = self._way[self._ticks % len(self._way)]
+            self._hand[:INPUT_FORCE_MEASURED] = self._way[self._ticks % len(self._way)]
             simulate_objects(*self._args)
             self._ticks += 1
 

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from mimics_app.contracts import ring
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.haptic import INBOX, SAMPLE, Projection
+from mimics_app.contracts.haptic import INBOX, SAMPLE
+from mimics_app.contracts.haptic_objects import Projection
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.probe import shortest_us
@@ -25,7 +26,7 @@ from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.replay import replay_run
 from mimics_app.rendering.haptic.scene_block import scene_from_components
 from mimics_app.rendering.haptic.scene_tunnel import PROJECTIONS
-from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve, build_tunnel
 from mimics_app.world.components.robot import Patient, Robot
 
 __all__ = ["GROUP", "NO_TUNNEL", "REFERENCE_CALLS", "reference_us", "tick_us"]

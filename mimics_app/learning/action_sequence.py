@@ -19,7 +19,7 @@ from mimics_app.contracts.action_space import ActionSpace
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError, nearest
 from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
 from mimics_app.world.scene.json_text import escape, parse_json
-from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.scene.scene_files import read_bytes
 
 __all__ = ["ActionSequence", "TimedAction", "load_action_sequence"]
 
@@ -41,9 +41,13 @@ class TimedAction:
 
 
 class ActionSequence:
-    """Learning stage that chooses each action of a list at its time, whatever the state of the person."""
+    """Learning stage that chooses each action of a list at its time, whatever the state of the person.
 
-    def __init__(self, actions: Sequence[TimedAction]) -> None:
+    Args:
+        actions: The actions; none for a task that is not adapted.
+    """
+
+    def __init__(self, actions: Sequence[TimedAction] = ()) -> None:
         self._actions = sorted(actions, key=lambda timed: timed.at_s)
         self._next = 0
         self._start_ns: int | None = None

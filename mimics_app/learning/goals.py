@@ -6,14 +6,21 @@ from typing import Literal
 
 from mimics_app.contracts.messages import TrialResult, UserState
 from mimics_app.contracts.stages import Goal
-from mimics_app.learning.stage import TaskGoal
 
-__all__ = ["StateBand", "SuccessShare", "build_goal"]
+__all__ = ["StateBand", "SuccessShare", "TaskGoal", "build_goal"]
 
 Quantity = Literal["arousal", "valence", "effort"]
 
 _EVERY_NS = 30_000_000_000
 """Period of the rewards of a state: body signals are slow [ns]."""
+
+
+class TaskGoal:
+    """The task's own reward."""
+
+    def reward(self, state: UserState, result: TrialResult | None) -> float | None:
+        """Return the reward of a trial that ended; None after practice."""
+        return None if result is None or result.practice else result.reward
 
 
 class SuccessShare:

@@ -23,12 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.clock import MonotonicClock, wall_time
-from mimics_app.contracts.environment import clock_pair
 from mimics_app.contracts.haptic import EVENT, SAMPLE
 from mimics_app.contracts.ring_reader import RingReader
+from mimics_app.contracts.run_environment import clock_pair
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.recording.arrow_format import BLOCK_ROWS
-from mimics_app.recording.channel import CLOSE, LINE, PARAMETERS, SIGNALS, TRIAL, Inbox
+from mimics_app.recording.byte_channel import CLOSE, LINE, PARAMETERS, SIGNALS, TRIAL, Inbox
 from mimics_app.recording.event_log import encode_line
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
 from mimics_app.recording.recorder_status import PROBLEMS, Problem, RecorderStatus, StatusWord

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from mimics_app.contracts.environment import clock_pair
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.regular_file import open_regular, read_or_nothing
+from mimics_app.contracts.run_environment import clock_pair
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import (
     END_OF_STREAM,
@@ -29,8 +29,8 @@ from mimics_app.recording.arrow_format import (
     schema_bytes,
 )
 from mimics_app.recording.arrow_scan import Damage, read_index, read_schema, scan_stream, sorted_scan
+from mimics_app.recording.column_layout import SampleLayout, layout_of
 from mimics_app.recording.event_log import split_lines
-from mimics_app.recording.layout import SampleLayout, layout_of
 from mimics_app.recording.manifest import Manifest, hash_files, write_manifest
 from mimics_app.recording.recorder_process import RESERVE
 from mimics_app.recording.run import Run

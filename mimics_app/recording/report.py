@@ -150,10 +150,10 @@ class Page:
         problems: Problems of the recording, one sentence each.
         cards: Figures of the run by name.
         counted: Trials these figures are over, as in the summary of the task; "" for none.
-        front: Of page one.
+        front: Content of page one.
         trials: None where none ended.
         heading, colours: Of the movement.
-        movement: Of each attempt.
+        movement: Movement of each attempt.
         contacts: None where nothing was touched.
         safety, real_time: None where no tick was recorded.
         picture: Tables of the frame governor by heading.

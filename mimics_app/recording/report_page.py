@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mimics_app.plotting.templates import load_templates
+from mimics_app.plotting.page_templates import load_templates
 from mimics_app.recording.report_values import shown
 
 if TYPE_CHECKING:

@@ -23,6 +23,8 @@ _COLUMNS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
     ("contacts", "Contacts", lambda value: f"{value:.0f}"),
     ("drops", "Drops", lambda value: f"{value:.0f}"),
     ("bruises", "Bruises", lambda value: f"{value:.0f}"),
+    ("walked_m", "Walked", lambda value: f"{value:.0f} m"),
+    ("walk_speed_mps", "Walking speed", lambda value: f"{value:.2f} m/s"),
     ("path_m", "Hand path", lambda value: f"{value:.2f} m"),
     ("score", "Score of 100", lambda value: f"{value:.0f}"),
 )

@@ -25,8 +25,8 @@ from mimics_app.recording.arrow_format import (
     parameters_schema,
 )
 from mimics_app.recording.arrow_scan import Damage, read_index, read_schema, sorted_scan
+from mimics_app.recording.column_layout import layout_of
 from mimics_app.recording.event_log import events_of, missing_events, read_lines
-from mimics_app.recording.layout import layout_of
 from mimics_app.recording.manifest import hash_files, read_manifest
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.session_header import read_session

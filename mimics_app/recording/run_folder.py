@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from mimics_app.contracts.clock import wall_time
-from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.errors import OutputError
 
 __all__ = [
     "BYTES_PER_SECOND",
@@ -51,7 +51,7 @@ def check_parent(parent: Path) -> None:
     """Check that a folder of runs can be created or written to; nothing is created.
 
     Raises:
-        UsageError: It cannot.
+        OutputError: It cannot.
     """
     there = next((folder for folder in (parent, *parent.absolute().parents) if folder.exists()), parent)
     if there.is_dir() and os.access(there, os.W_OK | os.X_OK):
@@ -68,15 +68,16 @@ def create_run_folder(parent: Path, expected_s: float = 0.0) -> Path:
         expected_s: Expected length of the session [s]; twice its size must be free.
 
     Raises:
-        UsageError: The folder cannot be created, or there is too little disk space.
+        OutputError: The folder cannot be created, or there is too little disk space.
     """
     try:
         parent.mkdir(parents=True, exist_ok=True)
         free = shutil.disk_usage(parent).free
         needed = max(_LEAST_FREE, round(2 * expected_s * BYTES_PER_SECOND))
         if free < needed:
-            raise UsageError(
-                f"{parent}: {free / 1e6:.0f} MB free, a recording of this length needs {needed / 1e6:.0f} MB",
+            raise OutputError(
+                parent,
+                f"{free / 1e6:.0f} MB free, a recording of this length needs {needed / 1e6:.0f} MB",
                 "free some space or give another folder with --runs DIR",
             )
         return _new_folder(parent)
@@ -84,8 +85,8 @@ def create_run_folder(parent: Path, expected_s: float = 0.0) -> Path:
         raise _not_here(parent, str(error.strerror)) from error
 
 
-def _not_here(parent: Path, why: str) -> UsageError:
-    return UsageError(f"{parent}: no run folder can be made here: {why}", "use --runs DIR")
+def _not_here(parent: Path, why: str) -> OutputError:
+    return OutputError(parent, f"no run folder can be made here: {why}", "give another folder with --runs DIR")
 
 
 def _new_folder(parent: Path) -> Path:
@@ -96,7 +97,7 @@ def _new_folder(parent: Path) -> Path:
         except FileExistsError:
             continue
         return folder
-    raise UsageError(f"{parent}: no free name for a run folder", "use --runs DIR")
+    raise OutputError(parent, "no free name for a run folder", "give another folder with --runs DIR")
 
 
 @contextmanager

@@ -29,9 +29,9 @@ from mimics_app.recording.arrow_format import (
     schema_bytes,
 )
 from mimics_app.recording.arrow_scan import Found, last_block, read_index, scan_stream
+from mimics_app.recording.column_layout import current_layout, samples_schema
 from mimics_app.recording.columns import HAPTICMASTER
 from mimics_app.recording.event_log import encode_event, events_of, find_lines, read_lines
-from mimics_app.recording.layout import current_layout, samples_schema
 from mimics_app.recording.run_folder import FILES
 from mimics_app.recording.state_hash import StateHash
 

@@ -23,8 +23,8 @@ from mimics_app.recording.arrow_format import (
     schema_bytes,
 )
 from mimics_app.recording.arrow_scan import read_schema, sorted_scan
+from mimics_app.recording.column_layout import layout_of, samples_schema
 from mimics_app.recording.columns import HAPTICMASTER
-from mimics_app.recording.layout import layout_of, samples_schema
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import PRIVATE_FOLDER, write_atomically
 

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mimics_app.maths import quat
+from mimics_app.scenarios.walking_figure import add_walk, below, hide_head
 from mimics_app.world.scene_node import SceneNode
 
 if TYPE_CHECKING:
     from mimics_app.world.motion.gait import Pace
-    from mimics_app.world.motion.pose import Pose
 
 __all__ = ["AlleyFigure"]
-
-Part = TypeVar("Part")
-"""An animator or a state machine."""
 
 _FASTEST = 1.3
 """Largest walking speed [m/s]."""
@@ -38,8 +34,6 @@ _STARTS, _STOPS = 0.12, 0.05
 """Speeds at which a figure counts as walking, and as arrived [m/s]."""
 _CRAWL = 0.02
 """Speed below which the legs stand [m/s]."""
-_UNSEEN = 1e-3
-"""Scale of a hidden head: a fifth of a millimetre."""
 _FADE = 0.25
 """Crossfade between two motions [s]."""
 
@@ -50,7 +44,8 @@ class AlleyFigure:
     Args:
         node: The node; its model is at the node or at a child of it, and has the state "still". Without a model only
             the node moves.
-        ahead: 1: the figure looks along the node's +z, as models do; -1: along its -z, as cameras do.
+        ahead: 1: the figure looks along the node's +z, as models do; -1: along its -z, as cameras do, and its head is
+            hidden from them.
 
     Attributes:
         along: Position along the alley [m].
@@ -59,26 +54,16 @@ class AlleyFigure:
 
     def __init__(self, node: SceneNode, ahead: float) -> None:
         self._node, self._ahead = node, ahead
-        self._animator = _below(node, node.world.motion.animators)
-        self._machine = _below(node, node.world.motion.machines)
+        animator = below(node, node.world.motion.animators)
+        self._machine = below(node, node.world.motion.machines)
         self._height = float(node.position[1])
         self._doing, self._walks = "", False
         self._yaw: float | None = None
         self.along, self.aside = -float(node.position[2]), 0.0
         self._speed, self._side_speed = 0.0, 0.0
-        self._add_walk()
-
-    def hide_head(self) -> None:
-        """Hide the model's head, for a camera at its eyes, by scaling it down."""
-        animator = self._animator
-        if animator is None or "head" not in animator.rig.names:
-            return
-        head = animator.rig.slot("head")
-
-        def shrink(pose: Pose, seconds: float) -> None:
-            pose.scales[head] = _UNSEEN
-
-        animator.steps.append(shrink)
+        add_walk(animator, self._pace, lambda: (self.aside, -self.along, self._yaw or 0.0))
+        if ahead < 0.0:
+            hide_head(animator)
 
     def put(self, along: float) -> None:
         """Place the figure at a position [m]; call `face` next."""
@@ -125,25 +110,6 @@ class AlleyFigure:
             machine.enter(doing, _FADE)
         self._doing = doing
 
-    def _add_walk(self) -> None:
-        """Let the legs of the model walk with the node."""
-        animator = self._animator
-        if animator is None:
-            return
-        from mimics_app.world.motion.gait import Walk
-        from mimics_app.world.motion.humanoid import find_humanoid
-
-        bones = find_humanoid(animator.rig)
-        if not bones.missing:
-            walk = Walk(
-                animator.rig,
-                bones,
-                self._pace,
-                ground=lambda: (self.aside, -self.along, self._yaw or 0.0),
-                events=lambda event: animator.events.append(event),
-            )
-            animator.steps.insert(0, walk)  # the head turns to somebody after the trunk has
-
     def _pace(self) -> Pace:
         """Return speed and step of the legs: speed over ground, negative for walking backwards."""
         from mimics_app.world.motion.gait import Pace, natural_step
@@ -177,8 +143,3 @@ def _eased(speed: float, left: float, seconds: float) -> float:
     wanted = min(max(_EAGER * left, -_FASTEST), _FASTEST)
     change = _PUSH * seconds
     return speed + min(max(wanted - speed, -change), change)
-
-
-def _below(node: SceneNode, parts: Mapping[int, Part]) -> Part | None:
-    """Return the part, by the index of its node, of the model at a node or at a child of it."""
-    return next((parts[each.index] for each in (node, *node.children) if each.index in parts), None)

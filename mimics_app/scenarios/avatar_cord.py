@@ -1,7 +1,7 @@
-"""The subject, an avatar in front of it in the same clothes, and a cord from the one's stomach to the other's back.
+"""A subject, an avatar in front of it in the same clothes, and a cord from the subject's stomach to the avatar's back.
 
-What a trial is like comes from the task by name (`tasks.kinds.avatar_cord`); where the subject's head and hands are
-comes from the trackers, else the subject does not move.
+The task (`tasks.kinds.avatar_cord`) sets the condition of a trial by named parameters. Trackers give the pose of the
+subject's head and hands; without trackers the subject does not move.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from mimics_app.contracts.clock import FRAME_NS, SECOND_NS
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import BodyPose
-from mimics_app.scenarios.tap_path import Tap, ball_motion
 from mimics_app.scenarios.touch_scene import TouchScene
 from mimics_app.tasks.kinds.avatar_cord import HALF_FRAME_NS
 from mimics_app.world.components.cord import CordComponent
@@ -26,11 +25,11 @@ from mimics_app.world.cords import Cord
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["AvatarCord"]
+__all__ = ["AvatarCord", "Tap", "ball_motion"]
 
 
 _PARTS = ("head", "hand_left", "hand_right")
-"""Parts of a person that move a body."""
+"""Tracked parts of the body."""
 _UNTRACKED: Mapping[str, F8 | None] = dict.fromkeys(_PARTS)
 _EYES = np.array([0.0, 1.70, 0.0])
 """Position of the subject's eyes without a tracker of the display [m]."""
@@ -38,31 +37,39 @@ _EYES = np.array([0.0, 1.70, 0.0])
 _BALL = 0.022
 """Radius of the tapping ball [m]."""
 _TAPPED_OVER = 0.06
-"""Stomach and back are tapped so far over the cord's ends [m]."""
-_ROUND = 0.55
-"""The ball goes so far out to the side on its way round the avatar [m]."""
+"""Height of the tapped places of stomach and back above the cord's ends [m]."""
+_CLEARANCE = 0.55
+"""Lateral clearance of the ball's path around the avatar [m]."""
 _RIPPLE_SHARE = 0.35
-"""Height of a tap's first crest over the cord's radius."""
+"""Amplitude of the ripple of a tap, as a share of the cord's radius [-]."""
 _BEHIND = (1.6, 0.35)
-"""Third person: behind and above the subject's eyes [m]."""
+"""Third-person camera: distance behind and above the subject's eyes [m]."""
 _THREAT_FROM, _THREAT_BALL, _G = 2.2, 0.16, 9.81
-"""The threat falls from so far over the avatar's head [m]; its radius [m]; gravity [m/s^2]."""
+"""Threat: height above the avatar's head from which it falls [m], radius [m], gravity [m/s^2]."""
 _TOUCH, _TOUCH_BALL = "cord_touch", 0.012
-"""Entity whose force field makes the cord be felt; radius of the ball that touches [m]."""
+"""Entity whose force field renders the contact with the cord; radius of the ball at the HIP [m]."""
 _SWING_HZ, _SWING_DAMPING, _SWING_PER_M_S = 0.8, 1.1, 0.35
-"""Swing of the cord: frequency [Hz], damping [1/s], angle per lateral speed of its ends [rad s/m]."""
+"""Swing of the cord as a damped pendulum: frequency [Hz], damping [1/s], angle per lateral speed [rad s/m]."""
+
+
+Tap = tuple[int, str, float, float, int]
+"""Time of the touch [ns], "cord", "back" or "stomach", share of the cord's length, angle around it [rad], number."""
+_HOVER, _FALL_S = 0.09, 0.14
+"""Height of the waiting ball above the surface [m], and duration of its descent or ascent [s]."""
+_QUICK = 0.35
+"""Largest share of the time between two touches spent on descent or ascent; the rest is for the path between them."""
 
 
 class AvatarCord(TouchScene):
     """Scenario 1 of D2.1 3.4.1.
 
     Args:
-        scene: Needs a `robot`, a `cord`, entities named tap_ball, threat and probe that it moves, and two named
-            subject and avatar that show a person's model each.
-        world: The world built from it.
+        scene: Needs a `robot`, a `cord`, entities `tap_ball`, `threat` and `probe`, and entities `subject` and `avatar`
+            with a humanoid model each.
+        world: The world built from the scene.
 
     Raises:
-        SceneError: the cord or a moved entity is missing, or a model is no person's.
+        SceneError: The cord or an entity is missing, or a model is not humanoid.
     """
 
     def __init__(self, scene: Scene, world: World) -> None:
@@ -113,7 +120,7 @@ class AvatarCord(TouchScene):
         return {**super().facts, "avatar_cord": {"length": self._spec.length, "radius": self._spec.radius}}
 
     def see_body(self, where: BodyPose, now_ns: int) -> None:
-        """Take the subject's parts as they will be when this frame is seen, and as the avatar is to show them."""
+        """Set the poses of the subject at the time of display, and those of the avatar by the mode of mimicry."""
         self._now_ns = now_ns
         shown_ns = now_ns + FRAME_NS
         delay_ns = round(float(self._settings["avatar.delay_ms"]) * 1e6)
@@ -131,7 +138,7 @@ class AvatarCord(TouchScene):
         self._arrange()
 
     def haptic_orders(self) -> Mapping[str, object]:
-        """The cord that is felt where it is seen: its field follows it, and is gone with it."""
+        """Return the parameters of the cord's force field, which follows the cord and is off while that is hidden."""
         touch = self._touch
         if touch is None:
             return {}
@@ -144,11 +151,11 @@ class AvatarCord(TouchScene):
 
     def stand_before_walls(self) -> None:
         self._real_body_seen = True
-        # At once: the display may have been opened for the frame that is there already.
+        # At once: the display may open after the first frame was arranged.
         self.subject.show(self._settings["viewpoint"] != "first")
 
     def _arrange(self) -> None:
-        """Put everything where it is in this frame."""
+        """Place all entities for this frame."""
         settings, now_s = self._settings, self._now_ns / SECOND_NS
         self._world.effects.time = max(self._world.effects.time, now_s)
         front = np.eye(4)
@@ -166,17 +173,17 @@ class AvatarCord(TouchScene):
     def _hang_cord(self, now_s: float) -> None:
         cord, settings = self._cord, self._settings
         cord.ends[0], cord.ends[1] = self.subject.stomach, self.avatar.back
-        # The longer factor makes slack of what the scene's own cord has, whatever the distance.
+        # The length factor scales the slack of the scene's own cord, at any distance of the avatar.
         chord = float(np.linalg.norm(cord.ends[1] - cord.ends[0]))
         slack = max(self._spec.length - 1.0, 0.02)
         cord.length = chord * (1.0 + slack * (2.0 * float(settings["cord.length_factor"]) - 1.0))
         cord.length = max(cord.length, chord)
         cord.radius = self._spec.radius * float(settings["cord.radius_factor"])
         cord.visible = bool(settings["cord.shown"])
-        cord.swing = self._sway()
+        cord.swing = self._step_swing()
 
-    def _sway(self) -> float:
-        """The swing of the cord, set off by how its ends move sideways: a damped pendulum, a step a frame [rad]."""
+    def _step_swing(self) -> float:
+        """Advance the pendulum, driven by the lateral speed of the cord's ends, by a frame; return its angle [rad]."""
         middle = self._cord.ends.mean(axis=0)
         dt = FRAME_NS / SECOND_NS
         moved = 0.0 if self._middle is None else float(middle[0] - self._middle[0]) / dt
@@ -193,7 +200,7 @@ class AvatarCord(TouchScene):
         cord.ball[3] = 0.0
         coming, self._coming = self._coming, tap
         if coming is not None and (tap is None or tap[4] != coming[4]):
-            self._ripple(coming)  # in the frame of a touch the task orders the next tap already
+            self._ripple(coming)  # the task names the next tap in the frame of the touch
             self._before = coming
         self._ripple(tap)
         if tap is None:
@@ -205,7 +212,7 @@ class AvatarCord(TouchScene):
             cord.ball[:3], cord.ball[3] = at, _BALL
 
     def _ball_at(self, tap: Tap) -> F8:
-        """The middle of the tapping ball on its way from the touch before to this one."""
+        """Return the centre of the tapping ball on its path from the previous touch to this one, world [m]."""
         before = self._before or tap
         since_s = math.inf if self._before is None else (self._now_ns - before[0]) / SECOND_NS
         share, gap = ball_motion(since_s, (tap[0] - self._now_ns) / SECOND_NS)
@@ -213,11 +220,11 @@ class AvatarCord(TouchScene):
             along, around = (a + share * (b - a) for a, b in zip(before[2:4], tap[2:4], strict=True))
             return self._over(("cord", along, around), gap)
         start, end = (self._over(each[1:4], gap) for each in (before, tap))
-        side = _ROUND if (before[1] == "stomach") != (tap[1] == "stomach") else 0.0
+        side = _CLEARANCE if (before[1] == "stomach") != (tap[1] == "stomach") else 0.0
         return start + share * (end - start) + [side * math.sin(math.pi * share), 0.0, 0.0]
 
     def _over(self, place: tuple[str, float, float], gap: float) -> F8:
-        """The middle of the ball so far over a place [m]."""
+        """Return the centre of the ball at a gap [m] above a place, world [m]."""
         name, along, around = place
         if name == "cord":
             return self._cord.place(along, around, gap + _BALL)[0]
@@ -225,7 +232,7 @@ class AvatarCord(TouchScene):
         return surface + [0.0, _TAPPED_OVER, out * (gap + _BALL)]
 
     def _ripple(self, tap: Tap | None) -> None:
-        """Begin the ripple of a tap on the cord once it has touched; it counts from the touch, not from the frame."""
+        """Start the ripple of a tap on the cord at the time of its touch, which may lie between two frames."""
         if tap is None or tap[1] != "cord" or tap[4] == self._last_tap or self._now_ns + HALF_FRAME_NS < tap[0]:
             return
         due_ns, _, share, theta, self._last_tap = tap
@@ -255,3 +262,27 @@ def _mirrored(parts: Mapping[str, F8 | None]) -> Mapping[str, F8 | None]:
     other = {"hand_left": "hand_right", "hand_right": "hand_left"}
     swapped = {role: parts[other.get(role, role)] for role in parts}
     return {role: None if pose is None else flip @ pose @ flip for role, pose in swapped.items()}
+
+
+def ball_motion(since_s: float, until_s: float) -> tuple[float, float]:
+    """Return the position of the tapping ball between two touches, continuous in position and velocity.
+
+    Args:
+        since_s: Since the touch before [s]; infinite where there was none.
+        until_s: Until the coming touch [s]; negative after it.
+
+    Returns:
+        Share of the path from one place to the other, and how far the ball is over either [m]: 0 at a touch.
+    """
+    whole = max(since_s + until_s, 1e-9)
+    fall_s = min(_FALL_S, _QUICK * whole)
+    gap = _HOVER * _eased(min(abs(since_s), abs(until_s)) / fall_s)
+    if math.isinf(since_s):
+        return 1.0, gap
+    return _eased((since_s - fall_s) / (whole - 2.0 * fall_s)), gap
+
+
+def _eased(share: float) -> float:
+    """Return a smooth step from 0 to 1, with zero slope at both ends."""
+    share = min(max(share, 0.0), 1.0)
+    return share * share * (3.0 - 2.0 * share)

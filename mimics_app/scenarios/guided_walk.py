@@ -40,7 +40,6 @@ class GuidedWalk(TouchScene):
         if not isinstance(spec, GuidedWalkSpec):
             raise SceneError(scene.issue("/task", "it has no guided_walk", 'write "guided_walk": {"avatar": ...}'))
         self._person = AlleyFigure(world.find(spec.person), -1.0)
-        self._person.hide_head()
         self._avatar = AlleyFigure(world.find(spec.avatar), 1.0)
         self._place = -float(world.find(spec.place).world_matrix()[2, 3])
         self._places = {"walk.person": 0.0, "walk.avatar": -2.5, "walk.deed": 3.0}

@@ -17,13 +17,13 @@ __all__ = ["NextStation"]
 
 
 class NextStation:
-    """Moves the entity with the `next_mark` from one station to the next as the hand gets there.
+    """Moves the entity with the `next_mark` to the next station when the HIP has reached the present one.
 
     Args:
-        scene: Whose.
-        world: What is seen.
-        stations: Entities to be visited in turn, again and again; () hides the mark.
-        hand: The entity that shows the hand: a station of that name is where a trial begins; or "".
+        scene: The scene.
+        world: The world built from it.
+        stations: Entities to visit in order, repeated without end; () hides the mark.
+        hand: Entity that shows the HIP, or ""; a station of that name is the start of a trial.
     """
 
     def __init__(self, scene: Scene, world: World, stations: Sequence[str], hand: str) -> None:
@@ -38,7 +38,7 @@ class NextStation:
             node.visible = bool(stations)
 
     def follow(self, hip_world: F8) -> None:
-        """Advance to the next station where the hand [m] has reached the present one, and place the mark over it."""
+        """Advance to the next station if the HIP [m] has reached the present one, and place the mark above it."""
         if not self._marks or not self._stations:
             return
         name = self._stations[self._number]
@@ -50,14 +50,14 @@ class NextStation:
             node.set_position((0.5 * (low[0] + high[0]), high[1] + mark.above, 0.5 * (low[2] + high[2])))
 
     def _box(self, name: str) -> Extent | None:
-        """About what is seen of an entity, relative to its place; None where there is nothing to see."""
+        """Return the bounding box of an entity's meshes relative to its position; None without a mesh."""
         node = self._world.find(name)
         found = world_extent(self._world, node.index)
         place = node.world_matrix()[:3, 3]
         return None if found is None else (found[0] - place, found[1] - place)
 
     def _reach(self, name: str) -> Extent:
-        """Corners of the box about a station as it stands now, world [m]."""
+        """Return the corners of the present bounding box of a station, world [m]."""
         box = self._boxes.get(name)
         if box is None:
             return self._places[name], self._places[name]

@@ -14,7 +14,7 @@ from mimics_app.contracts.messages import Aim, HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import Scenario, TaskContext
 from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_scene
 from mimics_app.scenarios.body_nodes import BodyNodes
-from mimics_app.scenarios.picking import Picker, Sight
+from mimics_app.scenarios.pick_plan import Picker, Sight
 from mimics_app.scenarios.robot_scene import robot_block, robot_facts, start_at, triple
 from mimics_app.tasks.kinds.carry import carry_of
 from mimics_app.tasks.kinds.carry_spec import CarrySpec

@@ -24,7 +24,7 @@ class PlantedFeet:
 
     Args:
         rig: The model's nodes.
-        bones: Of the person.
+        bones: Bones of the person.
     """
 
     def __init__(self, rig: Rig, bones: HumanoidMap) -> None:

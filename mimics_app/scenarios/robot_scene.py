@@ -13,9 +13,9 @@ from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.haptic import Controller
 from mimics_app.contracts.scenario_port import Home
 from mimics_app.rendering.haptic.devices.described import descriptor_of
-from mimics_app.rendering.haptic.devices.reach import Reach
+from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.rendering.haptic.scene_block import scene_from_components
-from mimics_app.rendering.haptic.tunnel import TunnelCurve
+from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve
 from mimics_app.world.components.robot import Admittance, Ball, JointPd, Robot, Safety, WorldPd
 from mimics_app.world.scene.placing import pose_of
 from mimics_app.world.scene.scene import Scene

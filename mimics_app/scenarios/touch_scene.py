@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import Scenario, TaskContext
-from mimics_app.rendering.haptic.devices.reach import Reach
+from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.rendering.haptic.scene_effects import curve_of_path
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.scenarios.body_nodes import BodyNodes

@@ -45,14 +45,14 @@ class TrackedFigure:
     Args:
         scene: The scene, for error messages.
         world: The world of the model.
-        entity: Entity that shows it.
+        entity: Entity with the model.
         standing: Height of its eyes before any tracking [m].
 
     Raises:
-        SceneError: the entity is missing, or its model is no person's.
+        SceneError: The entity is missing, or its model is not humanoid.
 
     Attributes:
-        scale: Size of the person over the model's.
+        scale: Height of the person over that of the model [-].
     """
 
     def __init__(self, scene: Scene, world: World, entity: str, standing: float) -> None:
@@ -92,18 +92,18 @@ class TrackedFigure:
         return self._place(self._bones.slots["head"], self._eyes)
 
     def show(self, visible: bool) -> None:
-        """Show or hide all of it."""
+        """Show or hide the model."""
         self._node.visible = visible
 
     def pose(self, world_from_ground: F8, parts: Parts, now_ns: int, *, head: bool = True) -> None:
-        """Move it.
+        """Pose the model.
 
         Args:
-            world_from_ground: Where it stands, below the eyes of a person at rest, -z to its front; float64 [4, 4].
+            world_from_ground: Frame on the ground below the eyes at rest, -z to the front; float64 [4, 4].
             parts: "head" (the eyes), "hand_left", "hand_right", each ground_from_part, float64 [4, 4];
-                None: not tracked. A hand's -z is where its fingers point, its +y the back of the hand.
+                None: not tracked. A hand's fingers point along its -z; +y is the normal of its back.
             now_ns: Session time [ns].
-            head: False hides the head: a person sees none of one's own.
+            head: False hides the head, for the first-person view.
         """
         seconds = 0.0 if self._t_ns is None else (now_ns - self._t_ns) * 1e-9
         self._t_ns = now_ns
@@ -138,7 +138,7 @@ class TrackedFigure:
             self.scale = self._standing / self._eye_height
 
     def _stand(self, eyes: F8 | None) -> F8:
-        """Return ground_from_model: below the eyes at rest, moved with a head displaced beyond `_STEP_FREE`."""
+        """Return ground_from_model; the model keeps its place while the head moves by less than `_STEP_FREE`."""
         stands = np.eye(4)
         stands[:3, :3] = self.scale * _TURNED
         rest = self._rest.places[self._bones.slots["head"]] + self._eyes
@@ -174,7 +174,7 @@ class TrackedFigure:
         return slot, np.array([0.0, 0.0, side * depth - joint[2]])
 
     def _surface(self) -> F8:
-        """Vertices as modelled [m], [n, 3]."""
+        """Return the model's vertices at rest [m], [n, 3]."""
         inside = self._world.graph.hierarchy.is_inside
         bodies = [body for body in self._world.motion.bodies.values() if inside(body.entity, self._node.index)]
         return np.vstack([mesh.positions.astype(np.float64) for body in bodies for mesh in body.meshes.values()])
@@ -195,13 +195,13 @@ def _person(scene: Scene, world: World, entity: str) -> tuple[Animator, Humanoid
     bones = None if animator is None else find_humanoid(animator.rig)
     if animator is None or bones is None or bones.missing:
         missing = "joints" if bones is None else ", ".join(bones.missing)
-        what = f'the model of "{entity}" is no person\'s: it has no {missing}'
+        what = f'the model of "{entity}" is not humanoid: it has no {missing}'
         raise SceneError(scene.issue("/entities", what, "see mimics avatar import"))
     return animator, bones
 
 
 def _eyes(rest: Chain, bones: HumanoidMap) -> F8:
-    """Return the midpoint of the eyes from the head's joint [m], [3]; an average one without eyes."""
+    """Return the midpoint of the eyes relative to the head's joint [m], [3]; an average for models without eyes."""
     both = [rest.places[bones.slots[eye]] for eye in ("leftEye", "rightEye") if eye in bones.slots]
     if len(both) < 2:
         return np.array([0.0, 0.08, 0.09])
@@ -219,7 +219,7 @@ def _palm(rig: Rig, rest: Chain, side: str) -> F8:
 
 
 def _axes(along: F8, aside: F8) -> F8:
-    """A frame whose first axis is one direction and whose second lies towards another, [3, 3]."""
+    """Return a frame with the first axis along one direction and the second towards another, [3, 3]."""
     x = along / np.linalg.norm(along)
     y = aside - x * float(aside @ x)
     y = y / np.linalg.norm(y)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.rendering.haptic.tunnel import TunnelCurve
+from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve
 from mimics_app.world.components.visible import TunnelView
 from mimics_app.world.levels import coverages_of
 from mimics_app.world.meshes.mesh import MeshData
@@ -23,9 +23,9 @@ __all__ = ["TunnelLook"]
 
 _BISECTOR_SIDES = 8
 _FEWEST_SIDES, _THINNEST = 6, 3
-"""Facets round the wall, and round the bisector, in the coarsest level of detail."""
+"""Facets around the wall, and around the bisector, in the coarsest level of detail."""
 
-_FORMS = 4
+_COARSER = 4
 """Levels of detail of a tube beside the finest."""
 
 _SCALE_STEP = 0.01
@@ -33,8 +33,8 @@ _SCALE_STEP = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class TubeForm:
-    """A tube about the curve in one level of detail, and its largest deviation from the finest one [m]."""
+class TubeLevel:
+    """A tube around the curve in one level of detail, and its largest deviation from the finest one [m]."""
 
     mesh: MeshData
     error: float
@@ -45,10 +45,10 @@ class TunnelLook:
 
     Args:
         world: The world; its meshes get "tunnel_wall" and "tunnel_bisector", each with `suffix`.
-        node: Of the tunnel's entity.
-        curve: Its geometry.
-        view: How it looks.
-        scale: Radius scale at first [-].
+        node: Node of the tunnel's entity.
+        curve: Geometry of the tunnel.
+        view: Materials and resolution.
+        scale: Initial radius scale [-].
         suffix: Distinguishes its meshes from those of other tunnels of the scene.
     """
 
@@ -64,14 +64,14 @@ class TunnelLook:
         self._show_wall()
         self._show_bisector(f"tunnel_bisector{suffix}")
 
-    def widen(self, scale: object) -> None:
-        """Show another radius scale; what is no number, or no other size that can be seen, changes nothing."""
+    def set_radius_scale(self, scale: object) -> None:
+        """Set the radius scale; values that are no number, or differ by less than is visible, change nothing."""
         if isinstance(scale, float) and abs(scale - self._scale) >= _SCALE_STEP:
             self._scale = scale
             self._publish(self._wall_mesh, self._build_wall())
 
-    def dress(self, look: object) -> None:
-        """Give the wall another material of the scene by its name, or hide it ("hidden")."""
+    def set_material(self, look: object) -> None:
+        """Set the wall's material by its name in the scene, or hide the wall ("hidden")."""
         wall = self._node.entity
         if wall is None or not isinstance(look, str):
             return
@@ -85,53 +85,53 @@ class TunnelLook:
     def _show_bisector(self, mesh: str) -> None:
         if self._view.bisector_material is None:
             return
-        forms = self._build_tube(lambda s: np.full(s.size, self._view.bisector_radius), _BISECTOR_SIDES, _THINNEST)
+        tubes = self._build_tube(lambda s: np.full(s.size, self._view.bisector_radius), _BISECTOR_SIDES, _THINNEST)
         node = self._world.find(mesh) if mesh in self._world else self._node.create_child(mesh)
-        self._show(node, mesh, self._view.bisector_material, forms, casts_shadow=False)
+        self._show(node, mesh, self._view.bisector_material, tubes, casts_shadow=False)
 
     def _show(
-        self, node: SceneNode, mesh: str, material: str, forms: Sequence[TubeForm], *, casts_shadow: bool = True
+        self, node: SceneNode, mesh: str, material: str, tubes: Sequence[TubeLevel], *, casts_shadow: bool = True
     ) -> None:
-        """Show a tube in its forms on a node; what it showed before the scene was reloaded goes."""
-        self._publish(mesh, forms)
+        """Show a tube on a node, in place of its meshes before a reload."""
+        self._publish(mesh, tubes)
         self._world.require_material(material)
         self._world.content.drop_bodies(np.array([node.index], np.int32))
         levels = [[(name, material)] for name in _names(mesh)]
-        coverages = coverages_of(forms[0].mesh.radius, [form.error for form in forms], PIXELS)
+        coverages = coverages_of(tubes[0].mesh.radius, [level.error for level in tubes], PIXELS)
         self._world.content.add_levels(node.index, levels, coverages)
         body = node.entity
-        assert body is not None, "its levels were added just now"
+        assert body is not None, "its levels were just added"
         for part in body.subentities:
             part.casts_shadow = casts_shadow
 
-    def _publish(self, mesh: str, forms: Sequence[TubeForm]) -> None:
-        for name, form in zip(_names(mesh), forms, strict=True):
-            self._world.replace_mesh(name, form.mesh)
+    def _publish(self, mesh: str, tubes: Sequence[TubeLevel]) -> None:
+        for name, level in zip(_names(mesh), tubes, strict=True):
+            self._world.replace_mesh(name, level.mesh)
 
-    def _build_wall(self) -> list[TubeForm]:
+    def _build_wall(self) -> list[TubeLevel]:
         return self._build_tube(lambda s: self._scale * self._curve.radius(s), self._view.sides, _FEWEST_SIDES)
 
-    def _build_tube(self, radius: Callable[[F8], F8], sides: int, fewest: int) -> list[TubeForm]:
-        """A tube about the curve as its view says, and in `_FORMS` coarser forms.
+    def _build_tube(self, radius: Callable[[F8], F8], sides: int, fewest: int) -> list[TubeLevel]:
+        """Return a tube around the curve in the resolution of the view, and in `_COARSER` coarser levels of detail.
 
-        The first has as many sides, each further one half of those before; all have no more rings than keep the curve
-        as well as the sides keep the round.
+        The first of these has as many sides as the finest, each further one half as many; each has the fewest rings
+        whose error is no larger than that of its sides.
 
         Args:
-            radius: At parameters of the curve [m].
-            sides: Of the finest.
-            fewest: Sides that every form has at least.
+            radius: Radius at parameters of the curve [m].
+            sides: Sides of the finest.
+            fewest: Smallest number of sides.
         """
         most = len(self._curve.pieces) * self._view.rings_per_piece
-        forms = [TubeForm(self._tube(radius, most, sides), 0.0)]
+        tubes = [TubeLevel(self._tube(radius, most, sides), 0.0)]
         widest = float(radius(self._stations(most)).max())
-        for k in range(_FORMS):
+        for k in range(_COARSER):
             around = max(fewest, sides >> k)
             flat = widest * (1.0 - math.cos(math.pi / around))
             rings, bend = self._fewest_rings(radius, most, flat)
             error = bend + flat - widest * (1.0 - math.cos(math.pi / sides))
-            forms.append(TubeForm(self._tube(radius, rings, around), error))
-        return forms
+            tubes.append(TubeLevel(self._tube(radius, rings, around), error))
+        return tubes
 
     def _fewest_rings(self, radius: Callable[[F8], F8], most: int, error: float) -> tuple[int, float]:
         """Return the smallest number of rings within an error of curve and radius, by halving, and its error [m]."""
@@ -153,10 +153,10 @@ class TunnelLook:
         return tube(self._curve.point(s), n, b, radius(s), sides=sides)
 
     def _stations(self, rings: int) -> F8:
-        """Parameters of the curve at so many equal steps along it, [rings + 1]."""
+        """Return the parameters of the curve at equal steps, [rings + 1]."""
         return np.linspace(0.0, len(self._curve.pieces), rings + 1)
 
 
 def _names(mesh: str) -> list[str]:
-    """Keys of a tube's forms, the finest first."""
-    return [mesh, *(f"{mesh}/{k}" for k in range(1, _FORMS + 1))]
+    """Return the mesh names of a tube's levels of detail, the finest first."""
+    return [mesh, *(f"{mesh}/{k}" for k in range(1, _COARSER + 1))]

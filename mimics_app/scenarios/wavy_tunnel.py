@@ -82,8 +82,8 @@ class WavyTunnel(Scenario):
         self._show_touch(touching=snapshot.penetration > 0.0 and bool(np.any(snapshot.f_user_world)))
         for entity, look in self._looks.items():
             prefix = "" if entity == self._own else f"{entity}."
-            look.widen(orders.visual.get(f"{prefix}radius_scale"))
-            look.dress(orders.visual.get(f"{prefix}tunnel_look"))
+            look.set_radius_scale(orders.visual.get(f"{prefix}radius_scale"))
+            look.set_material(orders.visual.get(f"{prefix}tunnel_look"))
 
     def _show_tunnels(self) -> dict[str, TunnelLook]:
         """Every tunnel that has a view, by its entity; the task's own needs one, be it another entity's."""

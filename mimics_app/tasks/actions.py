@@ -15,6 +15,7 @@ from mimics_app.tasks.task import MapSpec, ParameterSpec, TaskSpec
 __all__ = [
     "TARGET_GROUPS",
     "ActionSpace",
+    "Changes",
     "Settings",
     "build_action_space",
     "build_learning_space",
@@ -27,6 +28,9 @@ __all__ = [
 
 TARGET_GROUPS = ("haptic", "visual", "audio", "task")
 """First words of `MapSpec.to`."""
+
+
+_NEVER = object()
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,3 +120,16 @@ def settings_for(spec: TaskSpec, values: Mapping[str, float]) -> Settings:
             group, _, key = target.to.partition(".")
             groups[group][key] = map_value(value, parameter, target)
     return Settings(**groups)
+
+
+class Changes:
+    """Last value sent under each name."""
+
+    def __init__(self) -> None:
+        self._sent: dict[str, object] = {}
+
+    def since_last(self, wanted: Mapping[str, object]) -> dict[str, object]:
+        """Return the values that differ from those sent before; they count as sent."""
+        changed = {name: value for name, value in wanted.items() if self._sent.get(name, _NEVER) != value}
+        self._sent.update(changed)
+        return changed

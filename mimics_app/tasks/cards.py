@@ -46,9 +46,9 @@ def state_card(state: str) -> Card:
     return Card("State", state, width=170.0)
 
 
-def force_card(newtons: float) -> Card:
-    """Return the card of the force on the hand [N]; the scene sets the full scale of its bar."""
-    return Card("Force on the hand", f"{newtons:.1f} N", bar=Bar(newtons, None, Tone.LOAD), width=_WITH_BAR)
+def force_card(newtons: float, limb: str) -> Card:
+    """Return the card of the force on the person's limb [N]; the scene sets the full scale of its bar."""
+    return Card(f"Force on the {limb}", f"{newtons:.1f} N", bar=Bar(newtons, None, Tone.LOAD), width=_WITH_BAR)
 
 
 def grasp_card(newtons: float, grip: GripSpec) -> Card:

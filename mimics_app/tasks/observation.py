@@ -47,7 +47,7 @@ class Observation:
         cause: TripCause.
         q: Joints [m, rad, m].
         ball_world: Its centre [m].
-        speed: Of the ball [m/s].
+        speed: Speed of the ball [m/s].
         force: Felt by the user [N].
         progress: Share of the trial's path that is done, 0-1, as the kind of task means it.
         distance: From the path that the task gives [m]; None where it gives none.

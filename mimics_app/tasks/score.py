@@ -1,4 +1,4 @@
-"""Points of a trial, 0-100, and the totals of a session."""
+"""Score of a trial, 0 to 100, and the totals of a session."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ __all__ = ["part_marks", "session_result", "trial_points"]
 
 
 def trial_points(spec: ScoreSpec, row: Mapping[str, object], *, finished: bool) -> float:
-    """Points of one trial.
+    """Return the score of one trial.
 
         100 * sum(weight_i * marks_i) / sum(weight_i), marks_i falling linearly from 1 at `best` to 0 at `worst`
 
     A measure that does not apply (a path error without a path) counts in neither sum. Undefined smoothness (without
-    movement) counts as 0 marks. The points of a trial that did not reach its goal are multiplied by its progress, so
-    that a short unfinished travel cannot beat a finished one.
+    movement) counts as 0 marks. The score of a trial that did not reach its goal is multiplied by its progress: a short
+    unfinished travel cannot exceed a finished one.
 
     Args:
         spec: The weights.
@@ -51,7 +51,7 @@ def part_marks(part: ScorePartSpec, value: float) -> float:
 
 
 def session_result(rows: Sequence[Mapping[str, object]]) -> dict[str, float]:
-    """Totals over the trial rows that count, under the keys of `mimics run --json`.
+    """Return the totals over the trial rows that count, under the keys of `mimics run --json`.
 
     Returns:
         The mean score, then the total of each measure (a mean or a sum over the rows, see `Measure`). Measures without

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 __all__ = ["RESAMPLE_HZ", "resample_speed", "sparc"]
 
 RESAMPLE_HZ = 60.0
-"""Rate [Hz] of the speed profile handed to `sparc`; three times its widest band, and the usual frame rate."""
+"""Rate [Hz] of the speed profile passed to `sparc`; three times its widest band, and the usual frame rate."""
 
 _CUTOFF_HZ = 10.0
 _AMPLITUDE_THRESHOLD = 0.05

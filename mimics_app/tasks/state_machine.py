@@ -11,8 +11,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mimics_app.contracts.trial_state import TrialState
+from mimics_app.tasks.observation import Observation
 
-__all__ = ["Conditions", "next_state"]
+__all__ = ["PAUSED", "Conditions", "Pause", "next_state"]
+
+
+_KEYS = frozenset({"p", "pad_start"})
+_NEVER_IN = (TrialState.STOPPED, TrialState.DONE)
+PAUSED = "Paused. P goes on"
+"""Line shown during a pause."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,3 +120,23 @@ _FLOW = {
     TrialState.STOPPED: _leave_stopped,
     TrialState.REST: _leave_rest,
 }
+
+
+class Pause:
+    """State of the pause.
+
+    Attributes:
+        on: Whether the task is halted.
+    """
+
+    def __init__(self) -> None:
+        self.on = False
+
+    def switched(self, seen: Observation, state: TrialState) -> bool:
+        """Whether a pause begins or ends with this frame; a safety stop ends one."""
+        before = self.on
+        if seen.latched or state in _NEVER_IN:
+            self.on = False
+        elif _KEYS & set(seen.pressed):
+            self.on = not self.on
+        return self.on is not before

@@ -1,6 +1,6 @@
 """The `task` block of a scene file: one Struct per JSON object, units in the docstrings (they become the schema).
 
-Goals, conditions, score parts and sections of the kinds of task (`tasks.kinds`) are joined in here on import.
+On import, goals, conditions, score parts and sections of the kinds of task (`tasks.kinds`) are added to the structs.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class MapSpec(Component, frozen=True):
             description="Dotted name: 'haptic.FIELD' is a number of the haptic scene, 'haptic.tunnel.FIELD' of the "
             "task's own tunnel, 'haptic.tunnels.ENTITY.FIELD' of any; "
             "'visual.NAME' and 'audio.NAME' are parameters of the scenario and the mixer; 'task.time_limit_s', "
-            "'task.rest_s', 'task.block' (block, 1 first, that the next trial is of; 0: as listed) and 'task.within' "
+            "'task.rest_s', 'task.block' (block of the next trial, counted from 1; 0: as listed) and 'task.within' "
             "(of `carry`) change the task itself."
         ),
     ]
@@ -67,34 +67,32 @@ class MapSpec(Component, frozen=True):
     offset: Annotated[Figure, Meta(description="Target units.")] = 0.0
     table: Annotated[
         Table | None,
-        Meta(
-            description="One entry per step from min to max. Numbers are interpolated, words taken at the nearest step."
-        ),
+        Meta(description="One entry per step from min to max. Numbers are interpolated; of words the nearest is used."),
     ] = None
 
 
 class ParameterSpec(Component, frozen=True):
-    """One adaptable parameter of the task; all numbers in `unit`."""
+    """One adaptable parameter of the task; all its numbers have the unit `unit`."""
 
     min: Annotated[Figure, Meta(description="Smallest value.")]
     max: Annotated[Figure, Meta(description="Largest value.")]
-    maps: Annotated[list[MapSpec], Meta(max_length=1000, description="What it changes.")]
+    maps: Annotated[list[MapSpec], Meta(max_length=1000, description="Targets of the value.")]
     default: Annotated[
         Figure | None,
-        Meta(description="Value at the session's start; absent: what the scene says of the haptic field it maps to."),
+        Meta(description="Initial value; absent: the scene's value of the haptic field that it maps to."),
     ] = None
-    step: Annotated[Steps, Meta(description="Grid on which values lie, counted from min; 0: any value.")] = 0.0
+    step: Annotated[Steps, Meta(description="Step between allowed values, counted from min; 0: any value.")] = 0.0
     rate: Annotated[
         Steps,
         Meta(description="Largest change per second [unit/s] inside a trial; 0: changes only between trials."),
     ] = 0.0
     unit: Annotated[str, Meta(description="Unit of the value; '-' for none.")] = "-"
-    kind: Annotated[ActionKind, Meta(description="What it changes, for a learning system.")] = "difficulty"
+    kind: Annotated[ActionKind, Meta(description="Kind of action that it is for a learning system.")] = "difficulty"
     harder: Annotated[
         Literal[-1, 0, 1],
         Meta(description="1: larger values make the task harder; -1: smaller ones do; 0: neither."),
     ] = 0
-    cost: Annotated[Factor, Meta(description="What a change over the whole range costs a learning system.")] = 0.0
+    cost: Annotated[Factor, Meta(description="Cost to a learning system of a change over the whole range.")] = 0.0
     dwell_s: Annotated[Seconds, Meta(description="Shortest time between two changes by a learning system [s].")] = 0.0
     veto: Annotated[bool, Meta(description="True: no learning system may change it.")] = False
 
@@ -102,54 +100,52 @@ class ParameterSpec(Component, frozen=True):
 class PointGoal(Component, frozen=True, tag="point", tag_field="kind"):
     """Bring the ball to a point."""
 
-    position_world: Annotated[Point, Meta(description="Where [m].")]
-    within: Annotated[
-        Length, Meta(description="Largest distance of the ball's centre from it [m]; exactly this counts.")
-    ]
-    hold_s: Annotated[Seconds, Meta(description="How long to stay there [s].")] = 0.0
+    position_world: Annotated[Point, Meta(description="Position of the point [m].")]
+    within: Annotated[Length, Meta(description="Largest distance of the ball's centre from it [m], inclusive.")]
+    hold_s: Annotated[Seconds, Meta(description="Hold time [s].")] = 0.0
 
 
 class DurationGoal(Component, frozen=True, tag="duration", tag_field="kind"):
-    """Keep going for a time."""
+    """Travel for a given time."""
 
-    seconds: Annotated[Seconds, Meta(description="Since the person was let go [s].")]
+    seconds: Annotated[Seconds, Meta(description="Duration since the start of the travel [s].")]
 
 
 if TYPE_CHECKING:
     GoalSpec = Component
 else:
     GoalSpec = Union[(PointGoal, DurationGoal, *(goal for kind in task_kinds() for goal in kind.goals))]
-    """Any goal of the task's own or of a kind."""
+    """A goal common to all tasks, or of a kind."""
 
 
 class EnterCondition(Component, frozen=True, tag="enter", tag_field="kind"):
     """A state begins."""
 
-    state: Annotated[StateName, Meta(description="Which one.")]
+    state: Annotated[StateName, Meta(description="Name of the state.")]
 
 
 class ExitCondition(Component, frozen=True, tag="exit", tag_field="kind"):
     """A state ends."""
 
-    state: Annotated[StateName, Meta(description="Which one.")]
+    state: Annotated[StateName, Meta(description="Name of the state.")]
 
 
 class ProgressCondition(Component, frozen=True, tag="progress", tag_field="kind"):
-    """The trial is this far on, once per trial."""
+    """The progress of the trial reaches a share; occurs once per trial."""
 
     at_least: Annotated[Share, Meta(description="Share of the path, 0-1: of a tunnel, its arc length.")]
 
 
 class ContactCondition(Component, frozen=True, tag="contact", tag_field="kind"):
-    """The ball touches something during travel."""
+    """A contact begins during the travel."""
 
-    min_force: Annotated[Force, Meta(description="Weaker contacts do not count [N].")] = 0.0
+    min_force: Annotated[Force, Meta(description="Smallest contact force that counts [N].")] = 0.0
 
 
 class KeyCondition(Component, frozen=True, tag="key", tag_field="kind"):
-    """A key or button goes down."""
+    """A key or button is pressed."""
 
-    key: Annotated[str, Meta(description="Its name e.g. 'm', 'mouse_left' or 'pad_y'.")]
+    key: Annotated[str, Meta(description="Its name, e.g. 'm', 'mouse_left' or 'pad_y'.")]
 
 
 _OWN_CONDITIONS = (EnterCondition, ExitCondition, ProgressCondition, ContactCondition, KeyCondition)
@@ -158,7 +154,7 @@ if TYPE_CHECKING:
     TriggerCondition = Component
 else:
     TriggerCondition = Union[(*_OWN_CONDITIONS, *(c for kind in task_kinds() for c in kind.conditions))]
-    """Any condition of the task's own or of a kind."""
+    """A condition common to all tasks, or of a kind."""
 
 
 class SoundDeed(Component, frozen=True, tag="sound", tag_field="kind"):
@@ -166,14 +162,14 @@ class SoundDeed(Component, frozen=True, tag="sound", tag_field="kind"):
 
     sound: Annotated[str, Meta(description="Name of a sound of the scene.")]
     gain: Annotated[Factor, Meta(description="Linear, 1 = as authored.")] = 1.0
-    at_ball: Annotated[bool, Meta(description="True: where the ball is; False: at the listener.")] = False
+    at_ball: Annotated[bool, Meta(description="True: at the position of the ball; False: at the listener.")] = False
 
 
 class MessageDeed(Component, frozen=True, tag="message", tag_field="kind"):
     """Show a line of text."""
 
-    text: Annotated[str, Meta(description="What to show.")]
-    seconds: Annotated[Seconds, Meta(description="For how long [s].")] = 2.0
+    text: Annotated[str, Meta(description="The text.")]
+    seconds: Annotated[Seconds, Meta(description="Duration [s].")] = 2.0
 
 
 class ActionDeed(Component, frozen=True, tag="action", tag_field="kind"):
@@ -189,7 +185,7 @@ class TriggerSpec(Component, frozen=True):
     """A condition, and the actions carried out when it occurs."""
 
     when: Annotated[TriggerCondition, Meta(description="The condition.")]
-    do: Annotated[list[Deed], Meta(max_length=100, description="What to do, in order.")]
+    do: Annotated[list[Deed], Meta(max_length=100, description="Actions in order.")]
 
 
 class TrialSpec(Component, frozen=True):
@@ -199,26 +195,28 @@ class TrialSpec(Component, frozen=True):
     values: Annotated[
         Values,
         Meta(
-            description="Parameter values set before the trial; others have their default, or what an action gave them."
+            description="Parameter values set before the trial; others keep their default, or the value of an action."
         ),
     ] = field(default_factory=dict)
-    time_limit_s: Annotated[PositiveSeconds | None, Meta(description="Instead of the task's [s].")] = None
+    time_limit_s: Annotated[PositiveSeconds | None, Meta(description="Longest travel, instead of the task's [s].")] = (
+        None
+    )
     rest_s: Annotated[Seconds | None, Meta(description="Rest after this trial, instead of the task's [s].")] = None
 
 
 class BlockSpec(Component, frozen=True):
-    """Trials that belong together."""
+    """A block of trials."""
 
-    name: Annotated[str, Meta(description="For the results.")] = ""
+    name: Annotated[str, Meta(description="Name of the block, for the results.")] = ""
     trials: Annotated[
         Annotated[list[TrialSpec], Meta(min_length=1, max_length=1000)], Meta(description="The conditions.")
     ] = field(default_factory=lambda: [TrialSpec()])
-    repetitions: Annotated[Annotated[int, Meta(ge=1, le=1000)], Meta(description="How often all of them are done.")] = 1
+    repetitions: Annotated[Annotated[int, Meta(ge=1, le=1000)], Meta(description="How often the trials are done.")] = 1
     order: Annotated[
         Order,
         Meta(
-            description="'listed', 'shuffled' (each repetition anew, from the session's seed) or 'latin' (repetition r "
-            "takes row r of a Williams square: every condition follows every other equally often)."
+            description="'listed', 'shuffled' (separately in each repetition, by the session's seed) or 'latin' "
+            "(repetition r takes row r of a Williams square: every condition follows every other equally often)."
         ),
     ] = "listed"
     practice: Annotated[bool, Meta(description="True: recorded and shown, but left out of the session's score.")] = (
@@ -231,26 +229,26 @@ class StartSpec(Component, frozen=True):
 
     tolerance: Annotated[
         Annotated[tuple[Tolerance, ...], Meta(min_length=1, max_length=8)],
-        Meta(description="Largest joint error that counts as arrived [m or rad], the last for all joints behind."),
+        Meta(description="Largest joint error at the start pose [m or rad]; the last one also for all further joints."),
     ] = (0.005, 0.02, 0.005)
-    hold_s: Annotated[Seconds, Meta(description="How long it must stay so [s].")] = 0.2
+    hold_s: Annotated[Seconds, Meta(description="Time for which the errors must stay below [s].")] = 0.2
     ready_s: Annotated[
         Seconds, Meta(description="Shortest time between arrival and go [s]; the soft start must be over too.")
     ] = 1.0
     countdown_s: Annotated[
         Seconds,
         Meta(
-            description="Counted down in a window to the go of the session's first trial, after the page of keys [s]; "
-            "0: no count, and no time to read."
+            description="Countdown before the first trial of a session in a window, after the page of keys [s]; "
+            "0: none."
         ),
     ] = 3.0
     limit_s: Annotated[
         PositiveSeconds,
-        Meta(description="Longest time to the start, and longest soft start [s]; then the attempt is aborted."),
+        Meta(description="Longest approach, and longest soft start [s]; then the attempt is aborted."),
     ] = 20.0
     attempts: Annotated[
         Annotated[int, Meta(ge=1, le=1000)],
-        Meta(description="How often one trial may be begun; then the next one follows."),
+        Meta(description="Largest number of attempts at one trial; then the next trial follows."),
     ] = 5
 
 
@@ -259,7 +257,7 @@ _OWN_MEASURES = (
     Measure(
         "path_error_rms_m",
         "path_error",
-        "Root mean square distance from the path the task gives [m]; a task that gives none is not judged by it.",
+        "Root mean square distance from the task's path [m]; a task without a path has no such measure.",
         ScorePartSpec(weight=0.3, best=0.002, worst=0.020),
         total="path_error_m",
     ),
@@ -322,7 +320,7 @@ class _TaskBase(Component, frozen=True):
     """The task of the person: goals, trials, adaptation and score."""
 
     title: Annotated[str, Meta(description="Shown to the person.")] = ""
-    parameters: Annotated[dict[str, ParameterSpec], Meta(description="What can be adapted, by name.")] = field(
+    parameters: Annotated[dict[str, ParameterSpec], Meta(description="Adaptable parameters, by name.")] = field(
         default_factory=dict
     )
     goals: Annotated[
@@ -336,18 +334,18 @@ class _TaskBase(Component, frozen=True):
         Annotated[list[BlockSpec], Meta(min_length=1, max_length=1000)] | str,
         Meta(description="The blocks in order, or the name of a JSON file beside the scene that holds them."),
     ] = field(default_factory=lambda: [BlockSpec()])
-    start: Annotated[StartSpec, Meta(description="How a trial is begun.")] = StartSpec()
+    start: Annotated[StartSpec, Meta(description="Start of a trial.")] = StartSpec()
     score: Annotated[ScoreSpec, Meta(description="Weights of the score.")] = ScoreSpec()
     time_limit_s: Annotated[PositiveSeconds, Meta(description="Longest travel [s].")] = 60.0
     rest_s: Annotated[Seconds, Meta(description="Pause between trials [s].")] = 3.0
-    result_s: Annotated[Seconds, Meta(description="How long a result is shown [s].")] = 2.0
+    result_s: Annotated[Seconds, Meta(description="Duration for which a result is shown [s].")] = 2.0
     messages: Annotated[
         dict[StateName, str], Meta(description="Text shown in a state, instead of the built-in one; '' shows nothing.")
     ] = field(default_factory=dict)
 
     learn: Annotated[str, Meta(description="Policy that adapts the task unless a run names one; '': none.")] = ""
     goal: Annotated[
-        str, Meta(description="What it is rewarded for: 'task', 'success:SHARE', 'arousal:LOW:HIGH' and the like.")
+        str, Meta(description="Goal of the policy: 'task', 'success:SHARE', 'arousal:LOW:HIGH' and the like.")
     ] = "success:0.7"
     estimator: Annotated[
         str,
@@ -357,7 +355,7 @@ class _TaskBase(Component, frozen=True):
     ] = ""
 
     def section(self, kind: str) -> Component | None:
-        """The section of a kind of task by its name, or None where the task has none."""
+        """Return the section of a kind of task by its name, or None where the task has none."""
         section: Component | None = getattr(self, kind, None)
         return section
 

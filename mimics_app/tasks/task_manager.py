@@ -26,21 +26,18 @@ from mimics_app.contracts.messages import (
 from mimics_app.contracts.scenario_port import Home, TaskContext
 from mimics_app.contracts.trial_counts import ABORTED, FINISHED, SESSION_ENDED
 from mimics_app.contracts.trial_state import TaskView, TrialState
-from mimics_app.tasks.actions import ActionSpace, Settings, build_action_space, settings_for
+from mimics_app.tasks.actions import Changes, Settings, build_action_space, settings_for
 from mimics_app.tasks.adaptation import Adaptation
-from mimics_app.tasks.arrival import Arrival
 from mimics_app.tasks.attempts import TIMEOUT, Attempts, Row
 from mimics_app.tasks.cards import count_card, force_card, progress_card, state_card, time_card, trial_card
-from mimics_app.tasks.control import RobotControl
+from mimics_app.tasks.control import Arrival, RobotControl
 from mimics_app.tasks.countdown import Countdown
 from mimics_app.tasks.goals import Goals
-from mimics_app.tasks.hud import Announcement, built_in_messages, cause_words, state_message
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.observation import Observation, observe
-from mimics_app.tasks.orders import Changes
-from mimics_app.tasks.pause import PAUSED, Pause
-from mimics_app.tasks.state_machine import Conditions, next_state
+from mimics_app.tasks.prompt import Announcement, built_in_messages, cause_words, state_message
+from mimics_app.tasks.state_machine import PAUSED, Conditions, Pause, next_state
 from mimics_app.tasks.task import ActionDeed, Deed, DurationGoal, MessageDeed, ScoreSpec, SoundDeed, TaskSpec
 from mimics_app.tasks.trials import Trial, check_first_trial, plan_trials, trial_blocks
 from mimics_app.tasks.triggers import Moment, Triggers
@@ -90,7 +87,7 @@ class TaskManager:
         score = spec.score if self._has_score else None
         plays = tuple(self._plays.values())
         self._attempts = Attempts(plan, score, spec.start.attempts, on_trial, plays, counts, first_trial)
-        self._bodies, self._by_pointer = context.bodies, context.by_pointer
+        self._bodies, self._by_pointer, self._limb = context.bodies, context.by_pointer, context.limb
         self._arrival = Arrival(spec.start, context.start_joints)
         self._control = RobotControl(context.home or Home(context.start_joints), context.feel)
         self._goals = Goals(spec.goals, [self._play_of(goal) for goal in spec.goals])
@@ -105,11 +102,6 @@ class TaskManager:
         self._last_ns = 0
         self._cause = 0
         self._result: TrialResult | None = None
-
-    @property
-    def action_space(self) -> ActionSpace:
-        """Limits of the adaptable parameters."""
-        return self._space
 
     @property
     def values(self) -> Mapping[str, float]:
@@ -331,11 +323,11 @@ class TaskManager:
 
     def _view(self, seen: Observation) -> TaskView:
         attempts, travels = self._attempts, self._state is TrialState.TRAVEL
-        elapsed, measured = self._elapsed_s(seen.now_ns), bool(self._plays)
-        done = seen.progress if measured else elapsed / self._length_s() if travels else 0.0
+        elapsed = self._elapsed_s(seen.now_ns)
+        done = seen.progress if self._plays else elapsed / self._length_s() if travels else 0.0
         progress = min(max(done, 0.0), 1.0)
         which = attempts.number + 1, len(attempts.plan)
-        return TaskView(self._state, progress, *which, elapsed, measured, self._pause.on, self._countdown.reading)
+        return TaskView(self._state, progress, *which, elapsed, self._pause.on, self._countdown.reading)
 
     def _lay_out(self, seen: Observation, view: TaskView) -> Board:
         attempts = self._attempts
@@ -360,7 +352,7 @@ class TaskManager:
             **({"progress": progress_card(view.progress, self._captions.label)} if self._plays else {}),
             "time": time_card(attempts.tally.time_s if attempts.tally else 0.0, self._left_s(view), self._length_s()),
             "contacts": count_card(self._captions.contacts, attempts.tally.contacts if attempts.tally else 0),
-            "force": force_card(seen.force),
+            "force": force_card(seen.force, self._limb),
             **({"score": count_card("Score", score, width=130.0)} if self._has_score else {}),
         }
         for play in self._plays.values():

@@ -34,7 +34,7 @@ class Trial:
         number: 0 first, over the whole session.
         block: Name of its block.
         label: Name of its condition.
-        repetition: Of the block's conditions, 0 first.
+        repetition: Number of the repetition in its block, 0 first.
         practice: Left out of the session's score.
         values: Parameter values set before it.
         time_limit_s: Longest travel [s].

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.errors import nearest
 from mimics_app.maths import mat
+from mimics_app.world.entity_ids import EntityId, EntityStore
 from mimics_app.world.hierarchy import Hierarchy
-from mimics_app.world.store import EntityId, EntityStore
 from mimics_app.world.transforms import TransformTable
 
 __all__ = ["SceneGraph"]
@@ -129,12 +129,15 @@ class SceneGraph:
         if not (transforms.touched or self._unsorted):
             matrix: NDArray[np.float64] = transforms.world[transforms.row(index)].copy()
             return matrix
-        product, local = np.eye(4), np.empty((4, 4))
-        while index != _NONE:
-            mat.compose_trs(transforms.translation(index), transforms.rotation(index), transforms.scale(index), local)
-            product = local @ product
-            index = self.hierarchy.parent(index)
+        product = self._local(index)
+        while (index := self.hierarchy.parent(index)) != _NONE:
+            product = self._local(index) @ product
         return product
+
+    def _local(self, index: int) -> NDArray[np.float64]:
+        transforms, local = self.transforms, np.empty((4, 4))
+        mat.compose_trs(transforms.translation(index), transforms.rotation(index), transforms.scale(index), local)
+        return local
 
     def _remove_queued(self) -> NDArray[np.int32]:
         parts = []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.world.store import EntityId
+from mimics_app.world.entity_ids import EntityId
 
 if TYPE_CHECKING:
     from mimics_app.world.scene_node import SceneNode

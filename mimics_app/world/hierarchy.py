@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.world.entity_ids import grown
 from mimics_app.world.propagation import preorder
-from mimics_app.world.store import grown
 
 __all__ = ["Hierarchy"]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.world.store import grown
+from mimics_app.world.entity_ids import grown
 
 __all__ = ["RenderList", "SubEntityTable"]
 

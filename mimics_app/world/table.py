@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from mimics_app.contracts.errors import nearest
-from mimics_app.world.store import grown
+from mimics_app.world.entity_ids import grown
 
 __all__ = ["ComponentTable"]
 

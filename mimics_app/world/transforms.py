@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
+from mimics_app.world.entity_ids import grown
 from mimics_app.world.propagation import propagate, store_poses
-from mimics_app.world.store import grown
 
 __all__ = ["TransformTable"]
 
@@ -23,7 +23,7 @@ _IDENTITY = np.eye(4)
 class TransformTable:
     """Rows of translation [m], rotation (unit xyzw, w >= 0), scale, and the world matrices made of them.
 
-    A new row is appended, so it comes after its parent; reparenting and removal sort the table anew at the frame's
+    A new row is appended, so it comes after its parent; reparenting and removal sort the table again at the frame's
     end (`World.update`). Row numbers are valid until `revision` changes; call `rows` again then. The arrays are views:
     write them through the setters, which mark rows dirty.
 

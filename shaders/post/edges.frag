@@ -1,5 +1,8 @@
 // Fast approximate anti-aliasing of the finished picture (FXAA: Lottes 2009), own implementation. An edge is followed
 // in both directions to its ends; the pixel's position between them gives its blend with the neighbour across.
+//
+// Two passes, since software renderers do not branch: FIND copies the picture and marks pixels beside edges as far away,
+// and the depth test of the second pass leaves out all others.
 #include "post/region.glsl"
 
 out vec4 colour;
@@ -8,9 +11,11 @@ const float MIN_CONTRAST = 0.0312;      // in display values, below which a pixe
 const float SHARE_CONTRAST = 0.125;     // minimum contrast over the brightest neighbour
 const float SMOOTHING = 0.75;           // strength for isolated pixels, 0 to 1
 
+#ifndef FIND
 // A uniform prevents unrolling: the loop ends as soon as all pixels of a group have found both ends, in a third of the
 // time on a software renderer.
 uniform float steps;
+#endif
 
 float luma(vec3 display) {
     return dot(display, vec3(0.299, 0.587, 0.114));
@@ -36,6 +41,10 @@ void main() {
     float brightest = max(middle, max(max(south, north), max(west, east)));
     float contrast = brightest - min(middle, min(min(south, north), min(west, east)));
     bool plain = contrast < max(MIN_CONTRAST, SHARE_CONTRAST * brightest);
+#ifdef FIND
+    colour = vec4(own, 1.0);
+    gl_FragDepth = plain ? 0.0 : 1.0;
+#else
 
     float south_west = luma_at(t + ivec2(-1, -1)), south_east = luma_at(t + ivec2(1, -1));
     float north_west = luma_at(t + ivec2(-1, 1)), north_east = luma_at(t + ivec2(1, 1));
@@ -54,9 +63,9 @@ void main() {
     // On the border between both pixels luma is constant until the edge ends.
     vec2 line = at + 0.5 * across;
     float back = 0.0, ahead = 0.0, back_end = 0.0, ahead_end = 0.0;
-    bool back_found = plain, ahead_found = plain;
+    bool back_found = false, ahead_found = false;
     for (int i = 0; i < int(steps) && !(back_found && ahead_found); ++i) {
-        float step = i < 4 ? 1.0 : i < 7 ? 2.0 : 6.0;
+        float step = i < 4 ? 1.0 : i < 9 ? 2.0 : 4.0;
         if (!back_found) {
             back += step;
             back_end = luma_between(line - back * along) - border;
@@ -70,11 +79,12 @@ void main() {
     }
     bool nearer_back = back < ahead;
     bool consistent = ((nearer_back ? back_end : ahead_end) < 0.0) != (middle < border);
-    float from_edge = consistent ? 0.5 - min(back, ahead) / (back + ahead) : 0.0;
+    // The edge ends half a pixel before the first sample beyond it.
+    float from_edge = consistent ? 0.5 - (min(back, ahead) - 0.5) / (back + ahead - 1.0) : 0.0;
 
     float mean = (2.0 * (south + north + west + east) + south_west + south_east + north_west + north_east) / 12.0;
     // Beside a straight edge the mean differs by a third of the contrast: only more than that marks an isolated pixel.
     float isolated = clamp(1.5 * abs(mean - middle) / contrast - 0.5, 0.0, 1.0);
-    vec3 mixed = region_colour(at + max(from_edge, SMOOTHING * isolated) * across);
-    colour = vec4(plain ? own : mixed, 1.0);
+    colour = vec4(region_colour(at + max(from_edge, SMOOTHING * isolated) * across), 1.0);
+#endif
 }

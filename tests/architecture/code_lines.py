@@ -77,7 +77,7 @@ PARTS: dict[str, tuple[int, tuple[str, ...]]] = {
             "app/:bench/display_bench,bench/tracker_bench,commands/study,session/trackers,picture/shown_on",
             "contracts/:display_port,display_choice,tracker_port",
             "lab/visual/:cord,cord_frame,head_prediction,lens_distortion,ripple,stereo",
-            "tasks/kinds/:avatar_cord,avatar_cord_report,avatar_cord_spec,questionnaire_file,questions,tap_schedule",
+            "tasks/kinds/:avatar_cord,avatar_cord_spec,questionnaire_file,questions,tap_schedule",
             "scenarios/:avatar_cord,tracked_figure",
             "maths/:cord",
             "world/:cords,components/cord,components/tactile,components/trackers",

@@ -25,7 +25,6 @@ MODULES = (
     f"{_HAPTIC}.contact_records",
     f"{_HAPTIC}.objects.records",
     f"{_HAPTIC}.objects.contact_scratch",
-    f"{_HAPTIC}.objects.effect_memory",
     f"{_HAPTIC}.objects.totals",
     f"{_HAPTIC}.objects.touches",
     f"{_HAPTIC}.directions",

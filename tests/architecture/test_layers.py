@@ -43,12 +43,12 @@ PLANTED = {
     "a room of the application knows the one above it": (
         "app/picture/planted_room.py",
         "import mimics_app.app.session.session\n",
-        "Rooms of the application",
+        "Packages of the application",
     ),
     "a device knows the loop that plays it": (
         "rendering/haptic/devices/planted_device.py",
         "import mimics_app.rendering.haptic.loop\n",
-        "Rooms of touch",
+        "Packages of touch",
     ),
     "a law knows the tick that uses it": (
         "rendering/haptic/kernels/friction.py",
@@ -58,19 +58,19 @@ PLANTED = {
     "a pass knows the stage that prepares it": (
         "rendering/visual/passes/planted_pass.py",
         "import mimics_app.rendering.visual.stages.world_stage\n",
-        "Rooms of the picture",
+        "Packages of the picture",
     ),
     "a table of the world knows scenes": (
-        "world/store.py",
+        "world/entity_ids.py",
         "import mimics_app.world.scene.scene\n",
-        "Rooms of the world",
+        "Packages of the world",
     ),
     "a probe knows the chart it is drawn in": (
         "lab/haptic/planted_probe.py",
         "import mimics_app.lab.chart\n",
-        "Rooms of the laboratory",
+        "Packages of the laboratory",
     ),
-    "a new module of touch nobody planned": ("rendering/haptic/planted_new.py", "", "Rooms of touch"),
+    "a new module of touch nobody planned": ("rendering/haptic/planted_new.py", "", "Packages of touch"),
     "a new room nobody planned": ("attic/__init__.py", "", "Imports only go down"),
 }
 """What is planted into one copy: module, its text, and the contract whose complaint names the module."""

@@ -26,7 +26,7 @@ LABORATORY = ("mimics_app.lab",)
 SESSION = """
 import json, sys
 from pathlib import Path
-from mimics_app.app.session.build import build_session
+from mimics_app.app.session.assembly import build_session
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.play.pace import run_virtual
 from mimics_app.app.settings import RunSettings

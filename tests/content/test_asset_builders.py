@@ -16,7 +16,7 @@ from mimics_app import builders as builders_room
 from mimics_app.app import cli
 from mimics_app.builders import catalogue
 from mimics_app.builders.catalogue import find_builder, find_builders
-from mimics_app.builders.sounds.picture import draw_spectrograms
+from mimics_app.builders.sounds.spectrogram import draw_spectrograms
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.audio.wav_file import WavWriter
@@ -49,7 +49,7 @@ def test_wrong_use_is_one_line(arguments: list[str], said: str, capsys: pytest.C
     assert said in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ["city", "market", "room", "skies", "sprites", "touch"])
+@pytest.mark.parametrize("name", ["alley", "city", "market", "room", "skies", "sprites", "touch"])
 def test_shipped_files_are_the_bytes_of_seed_1(name: str) -> None:
     """Nothing is written: `compose` gives bytes by name; sines may differ in their last digit on another machine."""
     folder = next(path for path in (root() / "assets").rglob(name) if path.is_dir())

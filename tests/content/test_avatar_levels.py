@@ -12,8 +12,8 @@ import pytest
 from mimics_app.app.bench.people_workload import People
 from mimics_app.app.bench.render_bench import RenderBench, measure_render
 from mimics_app.builders.avatars.detail import LEVELS, coarser, coverages
-from mimics_app.builders.avatars.figure import make_figure
 from mimics_app.builders.avatars.person import EVERYBODY
+from mimics_app.builders.avatars.whole_person import make_figure
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.world.gltf.file import load_gltf

@@ -16,14 +16,14 @@ from mimics_app.builders.avatars.build import write_figure
 from mimics_app.builders.avatars.cage import make_cage
 from mimics_app.builders.avatars.face_map import LID_LIFT
 from mimics_app.builders.avatars.face_shape import EYE_RADIUS
-from mimics_app.builders.avatars.figure import Figure, make_figure
 from mimics_app.builders.avatars.flesh import make_flesh
 from mimics_app.builders.avatars.measures import TABLE, measure
 from mimics_app.builders.avatars.motions import MOTIONS
 from mimics_app.builders.avatars.person import EVERYBODY, Person
 from mimics_app.builders.avatars.piece import Piece
-from mimics_app.builders.avatars.poses import Pose, Y
+from mimics_app.builders.avatars.postures import Pose, Y
 from mimics_app.builders.avatars.skeleton import make_skeleton
+from mimics_app.builders.avatars.whole_person import Figure, make_figure
 from mimics_app.contracts.resources import root
 from tests.support.reference_skinning import frames_of, skin_linear
 

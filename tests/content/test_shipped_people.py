@@ -13,11 +13,11 @@ from scipy.spatial import KDTree
 
 from mimics_app.builders.avatars.face_shape import EYE_RADIUS
 from mimics_app.builders.avatars.folds import BENDS
-from mimics_app.builders.avatars.poses import Pose
+from mimics_app.builders.avatars.postures import Pose
 from mimics_app.contracts.resources import root
 from mimics_app.world.gltf.accessors import GltfAccessors
 from mimics_app.world.gltf.buffers import GltfBuffers
-from mimics_app.world.gltf.source import open_gltf
+from mimics_app.world.gltf.gltf_document import open_gltf
 from tests.support.reference_skinning import skin_dual, skin_linear, volume
 from tests.support.shipped_people import NAMES, Part, Shipped, load_shipped
 

@@ -14,7 +14,7 @@ import pytest
 from mimics_app.app.picture.picture import Picture
 from mimics_app.app.play.pace import run_live
 from mimics_app.app.play.play import play
-from mimics_app.app.session.build import build_session, start_loop
+from mimics_app.app.session.assembly import build_session, start_loop
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import MonotonicClock

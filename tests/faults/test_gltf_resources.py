@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError
-from mimics_app.world.gltf import meshes, source
+from mimics_app.world.gltf import gltf_document, meshes
 from mimics_app.world.gltf.file import load_gltf
-from mimics_app.world.gltf.source import MAX_ITEMS, MAX_NOTES, MAX_TOTAL_BYTES
+from mimics_app.world.gltf.gltf_document import MAX_ITEMS, MAX_NOTES, MAX_TOTAL_BYTES
 from tests.support.gltf_maker import INDICES, POSITIONS, GltfMaker, square
 
 ROOM = 8 * 1024 * 1024
@@ -152,9 +152,11 @@ FEW = 100
 def few(monkeypatch):
     """The same limits a thousandth as high: what a list of 400,000 costs is json's."""
     assert MAX_ITEMS == 1000 * FEW
-    for module in (source, meshes):
+    for module in (gltf_document, meshes):
         monkeypatch.setattr(module, "MAX_ITEMS", FEW)
-    monkeypatch.setattr(source, "_MORE_ITEMS", {name: most // 1000 for name, most in source._MORE_ITEMS.items()})
+    monkeypatch.setattr(
+        gltf_document, "_MORE_ITEMS", {name: most // 1000 for name, most in gltf_document._MORE_ITEMS.items()}
+    )
 
 
 @pytest.mark.parametrize("name", ["nodes", "meshes", "materials", "textures", "cameras", "animations"])

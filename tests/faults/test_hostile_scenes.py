@@ -26,7 +26,7 @@ from mimics_app.world.components.objects import MAX_SHAPES
 from mimics_app.world.components.registry import component_types, system_types
 from mimics_app.world.gltf.file import load_gltf
 from mimics_app.world.meshes.mesh_file import add_mesh_file
-from mimics_app.world.scene import source
+from mimics_app.world.scene import scene_files
 from mimics_app.world.scene.spec import MAX_ENTITIES, SceneSpec
 from mimics_app.world.world import World
 from tests.support.scenes import faults, scene, thing, write
@@ -48,7 +48,7 @@ def reported(folder: Path, document: object) -> list[str]:
 
 
 def test_too_many_entities_are_refused_before_any_is_looked_at(tmp_path, monkeypatch):
-    monkeypatch.setattr(source, "read_struct", lambda *_: pytest.fail("looked at the entities"))
+    monkeypatch.setattr(scene_files, "read_struct", lambda *_: pytest.fail("looked at the entities"))
     document = scene(*({"id": 5} for _ in range(MAX_ENTITIES + 1)))
     assert faults(write(tmp_path, document)) == [
         "scene.json#/entities: 100001 entities are more than 100000; merge equal ones into one model"

@@ -11,10 +11,9 @@ import pytest
 from numpy.typing import NDArray
 
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
-from mimics_app.rendering.visual.effects import sprites
 from mimics_app.rendering.visual.effects.outlines import outline_of
 from mimics_app.rendering.visual.kernels.particles import SPRITE
-from mimics_app.rendering.visual.kernels.sprites import MAX_PIECES, MIN_OUTLINED, SPRITE_VERTEX, write_sprites
+from mimics_app.rendering.visual.kernels.sprites import MAX_PIECES, SPRITE_VERTEX, write_sprites
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
@@ -229,8 +228,8 @@ def test_light_at_the_vertices_of_smoke_is_near_that_of_its_pixels():
 
 
 @pytest.mark.parametrize("facing", ["free", "upright"])
-def test_what_is_cut_off_along_the_outline_is_nothing(facing, monkeypatch):
-    """A dagger: narrow below, wide in the middle, nothing at the top; from near, aside and above."""
+def test_what_is_cut_off_along_the_outline_is_nothing(facing):
+    """A dagger, narrow below, wide in the middle, from near, aside and above; a study cuts nothing."""
     shape = np.zeros((64, 64, 4), np.uint8)
     shape[..., :3] = (250, 120, 60)
     shape[24:60, 28:36, 3] = shape[30:36, 8:56, 3] = 255
@@ -242,11 +241,10 @@ def test_what_is_cut_off_along_the_outline_is_nothing(facing, monkeypatch):
     world.update()
     size, drawn = (320, 240), []
     for place in ((0.0, 0.0, 1.2), (0.7, 0.2, 1.0), (0.1, 0.9, 1.0)):
-        for least in (MIN_OUTLINED, math.inf):
-            monkeypatch.setattr(sprites, "MIN_OUTLINED", least)
+        for profile in ("training", "study"):
             view = View(compose_look_at(place, (0.0, 0.0, 0.0)), compute_tangents(0.8, size), (0, 0, *size))
             with create_surface("egl", size) as surface:
-                renderer = Renderer(surface, world, PLAIN)
+                renderer = Renderer(surface, world, replace(PLAIN, profile=profile))
                 drawn.append((renderer.draw([view]).triangles, read_pixels(surface).astype(int)))
                 renderer.release()
     assert [triangles for triangles, _ in drawn] == [2 * MAX_PIECES, 2] * 3

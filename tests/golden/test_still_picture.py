@@ -160,7 +160,8 @@ def test_a_picture_drawn_in_parts_is_the_one_drawn_as_a_whole(settings, drawn_pa
             # Where boxes about the casters are may depend on the frames before.
             fresh._shadows._box, fresh._shadows._cascades = steady._shadows._box, steady._shadows._cascades
             fresh.draw([seen])
-            assert np.array_equal(ours, read_pixels(surface)), step
+            apart = np.abs(ours.astype(int) - read_pixels(surface))
+            assert apart.max() <= (3 if settings.scale < 1.0 else 0), step  # scaled as a whole it is rounded otherwise
             fresh.release()
         assert surface.ctx.error == "GL_NO_ERROR"
     assert len(drawn_parts) >= (15 if settings.scale == 1.0 and not settings.fxaa else 8)

@@ -9,11 +9,14 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
+from typing import Any
 
 import pytest
 
-from mimics_app.rendering.visual.surfaces import window
+from mimics_app.app.picture import window_opening
+from mimics_app.app.picture.window_opening import open_window, remember_size
+from mimics_app.rendering.visual.surfaces import window_size
 from tests.support.xvfb import display
 
 _ROOT = Path(__file__).parents[2]
@@ -38,7 +41,8 @@ with create_surface("window", (640, 360), "mimics under test") as surface:
         corner = surface.read_screen()[-4:]
         surface.swap()
         time.sleep(0.005)
-    print(json.dumps({"seen": seen, "sizes": sizes, "pointer": surface.pointer(), "first": first,
+    print(json.dumps({"seen": seen, "sizes": sizes, "resized_to": surface.resized_to,
+                      "pointer": surface.pointer(), "first": first,
                       "corner": list(corner), "error": surface.ctx.error}))
 """
 
@@ -88,6 +92,7 @@ def test_keys_mouse_wheel_and_full_screen():
     assert [event for event in seen if event[0] not in ("resize", "close")] == expected
     assert report["first"] is None, "before the first motion nobody knows where the pointer is"
     assert report["sizes"] == [[640, 360], [1280, 720]]
+    assert report["resized_to"] is None  # full screen is no size given by hand
     assert report["pointer"] == pytest.approx([-0.5, -0.5], abs=0.01)
     assert report["corner"] == [51, 102, 153, 255], "the picture fills the grown window to its last pixel"
     assert report["error"] == "GL_NO_ERROR"
@@ -199,4 +204,40 @@ def test_a_window_is_no_larger_than_all_monitors_together(
 ) -> None:
     glfw = ModuleType("glfw")
     glfw.get_monitors, glfw.get_monitor_workarea = lambda: monitors, lambda monitor: monitor  # type: ignore[attr-defined]
-    assert window._on_the_desktop(glfw, (1280, 720)) == size
+    assert window_size.on_the_desktop(glfw, (1280, 720)) == size
+
+
+@pytest.mark.parametrize(
+    ("area", "scale", "platform", "size"),
+    [
+        ((0, 0, 1920, 1080), 1.0, "x11", (1280, 720)),
+        ((0, 0, 3840, 2160), 1.0, "x11", (2560, 1440)),
+        ((0, 0, 3840, 2160), 2.5, "x11", (3200, 1800)),
+        ((0, 25, 1440, 875), 2.0, "cocoa", (1280, 720)),
+        ((0, 0, 5120, 1440), 1.0, "x11", (1707, 960)),
+        ((0, 0, 1080, 1920), 1.0, "x11", (1280, 720)),
+        (None, 1.0, "x11", (1280, 720)),
+    ],
+)
+def test_a_window_suits_the_work_area_and_the_content_scale(
+    area: tuple[int, ...] | None, scale: float, platform: str, size: tuple[int, int]
+) -> None:
+    glfw: Any = ModuleType("glfw")
+    glfw.PLATFORM_X11, glfw.PLATFORM_WIN32 = "x11", "win32"
+    glfw.get_platform, glfw.get_primary_monitor = lambda: platform, lambda: area
+    glfw.get_monitor_workarea, glfw.get_monitor_content_scale = lambda monitor: monitor, lambda _: (scale, scale)
+    assert window_size.usual_size(glfw) == size
+
+
+def test_a_size_given_by_hand_is_that_of_the_next_window(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    opened: list[object] = []
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    monkeypatch.setattr(window_opening, "create_window", lambda size, *_, **__: opened.append(size))
+    for by_hand in (None, (900, 500), None):
+        remember_size(SimpleNamespace(resized_to=by_hand))  # type: ignore[arg-type]
+        open_window(None, "mimics")
+    open_window((640, 360), "mimics")
+    for spoiled in ("[1]", '{"size": [0, 9]}', '{"size": ["1", 2]}', '{"size": [1e3, 2]}', '{"size": [99999, 2]}'):
+        (tmp_path / "mimics" / "window.json").write_text(spoiled)
+        open_window(None, "mimics")
+    assert opened == [None, (900, 500), (900, 500), (640, 360), *[None] * 5]

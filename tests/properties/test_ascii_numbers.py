@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mimics_app.rendering.haptic.devices.ascii_numbers import read_number, write_fixed, write_whole
 
-CASES = settings(max_examples=500, deadline=None)
+CASES = settings(max_examples=500)
 
 
 def _read(text: str) -> tuple[float, int]:

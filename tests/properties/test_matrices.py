@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from mimics_app.maths import mat, quat
 
-SETTINGS = settings(max_examples=150, deadline=None)
+SETTINGS = settings(max_examples=150)
 EPS = np.finfo(float).eps
 
 numbers = st.floats(-10, 10)

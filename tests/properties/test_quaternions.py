@@ -13,7 +13,7 @@ from mimics_app.maths import quat, vec
 from mimics_app.maths.decompose import decompose_trs
 from mimics_app.maths.mat import compose
 
-SETTINGS = settings(max_examples=150, deadline=None)
+SETTINGS = settings(max_examples=150)
 EPS = np.finfo(float).eps
 # A product of two unit quaternions takes 28 rounded operations of numbers <= 1, three of them in a row 84.
 CHAIN = 100 * EPS

@@ -26,7 +26,7 @@ from mimics_app.contracts.loop_ports import (
 from mimics_app.rendering.haptic.devices import serial_frames as frames
 from mimics_app.rendering.haptic.devices import serial_payloads as payloads
 
-CASES = settings(max_examples=200, deadline=None)
+CASES = settings(max_examples=200)
 
 
 def _frame(kind: int, sequence: int, payload: bytes, echo: int = 0) -> bytes:

@@ -112,7 +112,7 @@ def check_reached(players, share):
 def test_any_robot_any_clock_no_negative_time_and_rows_in_order():
     players = []
 
-    @settings(deadline=None, max_examples=60)
+    @settings(max_examples=60)
     @given(history=histories(60), seed=st.integers(0, 2**31))
     def check(history, seed):
         player = Player(make_manager(SPEC, seed), speed=1.5)
@@ -145,7 +145,7 @@ def check_session(player):
     assert all(math.isfinite(value) for value in result.values())
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(history=histories(20), arrives=st.booleans(), ramps=st.booleans(), travels=st.booleans())
 def test_whatever_happened_it_ends_once_the_stops_are_over(history, arrives, ramps, travels):
     player = Player(make_manager(SPEC), speed=2.0 if travels else 0.0)
@@ -176,7 +176,7 @@ def test_the_same_frames_give_the_same_session():
             feed(player, step)
         return player.manager.rows, player.states, [orders.haptic for orders in player.orders]
 
-    @settings(deadline=None, max_examples=20)
+    @settings(max_examples=20)
     @given(history=histories(40), seed=st.integers(0, 2**31))
     def check(history, seed):
         assert play(history, seed) == play(history, seed)

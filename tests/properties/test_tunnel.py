@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from mimics_app.lab.haptic.tunnel import closest_by_roots
 from mimics_app.maths import bspline
 from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE, TunnelStatus
-from mimics_app.rendering.haptic.tunnel import TunnelError, build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import TunnelError, build_tunnel
 from tests.support.tunnels import record_of, walk
 
-QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
+QUICK = settings(max_examples=60, suppress_health_check=[HealthCheck.filter_too_much])
 
 length = st.floats(-0.3, 0.3, allow_subnormal=False)
 point = st.tuples(length, length, length)

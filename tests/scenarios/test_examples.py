@@ -16,7 +16,7 @@ from tests.support.tunnel_play import travel
 SCENES = root() / "scenes"
 TUNNELS = [
     SCENES / "wavy_tunnel.json",
-    *(SCENES / "examples" / name for name in ("bisector_only.json", "path_tunnel.json")),
+    *(SCENES / "examples" / name for name in ("bisector_only.json", "path_tunnel.json", "printed_equations.json")),
 ]
 
 

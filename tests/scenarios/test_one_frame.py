@@ -13,8 +13,8 @@ from mimics_app.app.picture.picture import Picture
 from mimics_app.app.play.pace import run_virtual
 from mimics_app.app.play.stills import draw_stills
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.session.assembly import build_session
 from mimics_app.app.session.body import Body
-from mimics_app.app.session.build import build_session
 from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene

@@ -15,7 +15,7 @@ import pytest
 
 from mimics_app.app.play.pace import run_virtual
 from mimics_app.app.play.result import summarise
-from mimics_app.app.session.build import build_session
+from mimics_app.app.session.assembly import build_session
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.app.session.watches import DeviceWatch

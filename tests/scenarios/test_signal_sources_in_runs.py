@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from mimics_app.app.play.pace import run_virtual
+from mimics_app.app.session.assembly import build_session
 from mimics_app.app.session.body_replay import replay_body
-from mimics_app.app.session.build import build_session
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.resources import root

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from mimics_app.contracts.haptic import EventKind, SafetyState, TripCause
 from mimics_app.lab.stability.s05b_energy_dissipated import UNLIMITED, given_by_taps
+from mimics_app.rendering.haptic.kernels.acting import payable_share, settle_account
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity
 from mimics_app.rendering.haptic.kernels.stability import contact_share, spring_share
-from mimics_app.rendering.haptic.kernels.tank import payable_share, settle_account
 from mimics_app.world.components.robot import Robot
 from tests.support.haptic_bench import PUSH, Bench, glide, patient_bench, pushed_bench, script, scripted
 
@@ -140,7 +140,7 @@ def test_the_handle_alone_would_not_show_it():
     assert wild["energy"].min() >= 0.0 and wild["credit"].min() < -0.1
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(speed=st.floats(0.02, 0.5), ticks=st.floats(4, 200), stiffness=st.floats(100, 5000))
 def test_with_the_controller_a_tap_draws_nothing(speed: float, ticks: float, stiffness: float):
     """From four ticks in on; a hand that turns sooner turns before it has paid for the force it meets."""
@@ -270,7 +270,6 @@ def test_a_person_in_the_tunnel_is_never_pulled_to_its_wall():
     assert _against(inside).min() > -1e-12
 
 
-@settings(deadline=None)
 @given(
     credit=st.floats(0.0, 1.0), force=st.floats(0.0, 100.0), push=st.floats(-50.0, 50.0), v=st.floats(-1.0, 1.0),
     mass=st.floats(0.2, 20.0), dt=st.sampled_from([2.5e-4, 5e-4, 1e-3, 4e-3]),

@@ -14,7 +14,7 @@ from mimics_app.lab.stability.linear import spectral_radius
 from mimics_app.rendering.haptic.kernels.kinematics import inverse
 from mimics_app.rendering.haptic.kernels.stability import contact_share
 from mimics_app.rendering.haptic.scene_block import scene_from_components
-from mimics_app.rendering.haptic.tunnel import build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 from tests.support.haptic_bench import Bench, script
 from tests.support.object_bench import scripted_with
 from tests.support.touch_play import RIM, SOLIDS, add_point, new_touch_play

@@ -23,7 +23,7 @@ def test_small_grid_agrees_with_the_eigenvalues():
     assert {row["method"] for row in outcome.rows} == set(METHODS)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(zeta=st.floats(0.05, 0.9), margin=st.floats(0.9, 1.1))
 @pytest.mark.parametrize("method", ["explicit", "semi-implicit"])
 def test_euler_breaks_exactly_at_its_largest_step(method: str, zeta: float, margin: float):

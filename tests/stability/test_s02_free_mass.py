@@ -16,7 +16,7 @@ def test_small_grid_agrees_with_the_closed_form():
     assert outcome.passed and outcome.disagreement < 1e-6
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(stiffness=st.floats(50.0, 1e4), rate=st.floats(60.0, 4000.0), mass=st.floats(0.1, 10.0))
 def test_growth_of_any_free_mass(stiffness: float, rate: float, mass: float):
     """sqrt(1 + a / 2), a = K T^2 / m, as long as the motion turns at all (a < 16)."""

@@ -29,7 +29,7 @@ def test_too_damped_a_wall_has_no_stable_stiffness():
     assert not any(is_stable(wall, stiffness) for stiffness in (10.0, 1e3, 1e4))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     b=st.floats(2.0, 20.0),
     B=st.floats(0.0, 20.0),

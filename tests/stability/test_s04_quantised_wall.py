@@ -20,7 +20,7 @@ def test_small_grid_agrees_with_the_closed_form():
     assert outcome.passed and outcome.disagreement < 0.005
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(quantum=st.floats(2e-6, 5e-4), friction=st.floats(0.01, 0.3), damping=st.floats(0.2, 3.0))
 def test_stiffest_passive_wall_of_any_device(quantum: float, friction: float, damping: float):
     device = Device(quantum, friction, damping)

@@ -21,7 +21,7 @@ def test_a_tap_leaks_593_microjoules():
     assert observed == pytest.approx(593.3e-6, abs=0.1e-6)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     speed=st.floats(0.02, 0.5), depth=st.floats(1e-3, 1e-2), stiffness=st.floats(100, 5000), rate=st.floats(500, 4000)
 )

@@ -32,7 +32,7 @@ def test_least_masses_behind_the_seeds_3_kg(who: str, minima: tuple[float, ...])
         assert exact == pytest.approx(minimum, abs=0.006)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(
     mass=st.floats(0.5, 2.5),
     damping=st.floats(10.0, 40.0),

@@ -14,7 +14,7 @@ def test_small_grid_agrees_with_the_eigenvalues():
     assert outcome.passed and outcome.disagreement < 0.005
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(kp_t=st.floats(0.01, 4.0), kd=st.floats(-1.4, 1.4))
 def test_gains_are_stable_exactly_inside_the_region(kp_t: float, kd: float):
     """Kd > -1 and Kp T + 2 Kd < 2, dead band 0.02 in both."""
@@ -23,7 +23,7 @@ def test_gains_are_stable_exactly_inside_the_region(kp_t: float, kd: float):
     assert is_stable(1000.0 * kp_t, kd) == (kd > -1.0 and kp_t + 2.0 * kd < 2.0)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(kp=st.floats(0.1, 1500.0), kd=st.floats(-0.9, 0.9))
 def test_printed_sign_of_equation_5_is_stable_nowhere(kp: float, kd: float):
     """Planted fault: positive feedback."""

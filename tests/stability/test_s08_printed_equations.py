@@ -25,7 +25,7 @@ def test_rate_of_equation_5_is_the_stated_one():
     assert s08.pd_rate(joint_pd_as_printed, 20.0) == pytest.approx(20.0 / 1.3, rel=0.01)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(b=st.floats(0.5, 60.0), m1=st.floats(0.1, 5.0), m2=st.floats(0.1, 5.0))
 def test_damper_of_17_feeds_what_its_corrected_form_takes(b: float, m1: float, m2: float):
     reduced = m1 * m2 / (m1 + m2)
@@ -39,7 +39,7 @@ def test_damper_of_17_feeds_what_its_corrected_form_takes(b: float, m1: float, m
         assert s08.pressed_rate(pair_force_printed, b, m1, m2) > 0.0
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(rate=st.floats(-50.0, 50.0), turn=st.floats(1.0, 500.0))
 def test_identified_rate_is_that_of_a_made_motion(rate: float, turn: float):
     t = 1e-3 * np.arange(200)

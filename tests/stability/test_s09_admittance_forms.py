@@ -22,7 +22,7 @@ def test_printed_form_gains_the_stated_energy_and_way():
     assert off == pytest.approx(s09.SEED_CASE[1], rel=1e-3)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(turn=st.floats(0.05, 3.0))
 def test_printed_form_feeds_energy_at_any_speed_and_the_cartesian_form_none(turn: float):
     exact = s09.exact_flight(turn)[0]

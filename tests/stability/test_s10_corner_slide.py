@@ -26,7 +26,7 @@ def test_nearest_face_jumps_by_root_two_k_d_and_the_held_face_by_nothing():
     assert at_three["held_jump_N"] == 0.0
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(depth=st.floats(0.5e-3, 20e-3))
 def test_held_face_never_turns_its_force_at_any_depth(depth: float):
     jump, drop, wrong = s10.slide(s10.cube, depth)
@@ -34,7 +34,7 @@ def test_held_face_never_turns_its_force_at_any_depth(depth: float):
     assert drop == pytest.approx(2000.0 * depth, rel=1e-9)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(depth=st.floats(1e-3, 10e-3))
 def test_nearest_face_pushes_out_of_the_side_for_the_last_d(depth: float):
     jump, _, wrong = s10.slide(s10.nearest, depth)

@@ -15,7 +15,7 @@ def test_regularised_friction_creeps_at_its_closed_form_and_the_others_hold():
     assert outcome.passed and outcome.disagreement < 5e-3
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(share=st.floats(0.02, 0.85))
 def test_anchor_holds_any_load_inside_the_cone(share: float):
     way, excess = s11.hold("Hayward-Armstrong", share, 10.0)
@@ -48,7 +48,7 @@ def test_explicit_lugre_settles_exactly_below_two_g_over_sigma_v():
     assert outcome.passed and outcome.disagreement < 0.02
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(speed=st.floats(0.005, 2.0), margin=st.one_of(st.floats(0.8, 0.98), st.floats(1.02, 1.2)))
 def test_explicit_lugre_blows_up_exactly_beyond_its_tick(speed: float, margin: float):
     dt = margin * s11b.exact_limit(speed)

@@ -21,7 +21,7 @@ def test_axis_product_drifts_as_the_power_of_its_step():
     assert at_seed["axis_product_deg"] == pytest.approx(2.43, abs=0.01)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(x=COMPONENT, y=COMPONENT, z=COMPONENT)
 def test_drift_is_exact_about_any_axis(x: float, y: float, z: float):
     omega = np.array([x, y, z])

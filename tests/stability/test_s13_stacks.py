@@ -27,14 +27,14 @@ def test_stack_keeps_still_down_to_its_closed_form():
     assert outcome.passed and outcome.disagreement < 0.02
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(ratio=st.floats(math.log(0.02), math.log(500.0)).map(math.exp), margin=EITHER_SIDE)
 def test_light_body_shakes_exactly_below_its_mass(ratio: float, margin: float):
     relative = np.array([1.0, ratio])
     assert keeps_still(pair_force, margin * UNIT_MASS * stack_eigenvalue(relative) * relative) == (margin > 1.0)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(bodies=st.integers(1, 12), margin=EITHER_SIDE)
 def test_stack_shakes_exactly_below_its_mass(bodies: int, margin: float):
     masses = margin * UNIT_MASS * s13b.tallest_mode(bodies) * np.ones(bodies)

@@ -28,7 +28,7 @@ def test_force_along_frenets_normal_turns_over_at_every_inflection():
         assert row["frenet_jump_N"] == pytest.approx(2.0 * row["wall_force_N"], rel=1e-6)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(height=st.floats(0.015, 0.09))
 def test_force_along_the_ticks_normal_never_turns(height: float):
     arc, own, _ = s14.walk_wall(s14.wavy_tunnel(height))
@@ -55,13 +55,13 @@ def test_bare_newton_is_lost_near_the_centre_of_a_bend_and_the_tick_is_not():
 
 
 # Below 0.2 m/s the limit lies within 0.15 mm of the centre, where the spline's own bends are not quite a circle's.
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(speed=st.floats(math.log(0.2), math.log(5.0)).map(math.exp), margin=st.floats(1.02, 1.5))
 def test_bare_newton_keeps_what_passes_outside_its_limit(speed: float, margin: float):
     assert s14b.newton_miss(speed, margin * s14b.exact_clearance(speed)) < 1e-6
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(speed=st.floats(0.1, 9.0), share=st.floats(0.02, 3.0))
 def test_tracking_is_never_lost_near_the_centre(speed: float, share: float):
     assert s14b.track_miss(speed, share * s14b.exact_clearance(speed)) < 1e-7

@@ -27,7 +27,7 @@ def test_dropped_ticks_cost_the_damping_that_the_held_forces_give():
     assert outcome.passed and outcome.disagreement < 0.02
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     late_ms=st.lists(st.floats(0.0, 9.5), min_size=5, max_size=60),
     damping=st.floats(0.0, 20.0),
@@ -40,7 +40,7 @@ def test_energy_of_any_lateness_is_the_sum_of_held_forces(late_ms: list[float], 
     assert wall.energy_of(wakes, damping, policy, SHORT) == pytest.approx(exact, abs=1e-9)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(share=st.floats(0.0, 0.6), margin=st.one_of(st.floats(0.7, 0.98), st.floats(1.02, 1.4)))
 def test_wall_gives_energy_away_exactly_below_the_needed_damping(share: float, margin: float):
     wakes = s15b.dropping(share)

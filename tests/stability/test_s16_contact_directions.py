@@ -76,7 +76,7 @@ STIFF = st.sampled_from([100.0, 400.0, 1500.0, 4000.0, 10000.0])
 DAMPED = st.sampled_from([0.0, 0.0, 5.0, 20.0, 60.0])
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(
     angles=st.tuples(st.sampled_from(ANGLES), st.sampled_from(ANGLES)), k=st.tuples(STIFF, STIFF, STIFF),
     B=st.tuples(DAMPED, DAMPED, DAMPED), b=st.floats(2.0, 15.0), delay=st.integers(1, 8), count=st.integers(2, 3),
@@ -103,7 +103,7 @@ def _scaled(contacts: tuple[Contact, ...], times: float) -> tuple[Contact, ...]:
     return tuple(Contact(c.angle, times * c.stiffness, c.damping, c.lift) for c in contacts)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(
     angle=st.sampled_from(ANGLES), k=STIFF, other=STIFF, B=DAMPED, own=DAMPED, b=st.floats(2.0, 15.0),
     delay=st.integers(0, 6),

@@ -12,7 +12,7 @@ from mimics_app.lab.haptic.tunnel import closest_by_roots
 from mimics_app.maths.bspline import evaluate
 from mimics_app.rendering.haptic.kernels.tunnel_projection import project_golden_section
 from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE, restart_tracking
-from mimics_app.rendering.haptic.tunnel import build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 from tests.support.tunnels import afresh, coil, record_of, straight, walk, wavy
 
 HAIRPIN = [

@@ -19,18 +19,18 @@ from mimics_app.contracts.haptic_objects import (
 )
 from mimics_app.contracts.loop_ports import MAX_FIELDS
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows
-from mimics_app.rendering.haptic.kernels.objects.effects import apply_effects
-from mimics_app.rendering.haptic.kernels.objects.hand import (
-    HAND_FORCE_MEASURED,
-    HAND_FORCE_USER,
-    HAND_GRASP,
-    HAND_LENGTH,
-    HAND_POSITION,
-    HAND_TIME,
-    HAND_VELOCITY,
+from mimics_app.rendering.haptic.kernels.objects.force_effects import apply_effects
+from mimics_app.rendering.haptic.kernels.objects.object_inputs import (
+    INPUT_FORCE_MEASURED,
+    INPUT_FORCE_USER,
+    INPUT_GRASP,
+    INPUT_LENGTH,
+    INPUT_POSITION,
+    INPUT_TIME,
+    INPUT_VELOCITY,
 )
-from mimics_app.rendering.haptic.kernels.objects.signals import carry_signals
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
+from mimics_app.rendering.haptic.kernels.objects.wires import carry_signals
 from mimics_app.rendering.haptic.no_objects import no_field
 from mimics_app.rendering.haptic.objects import new_object_work
 
@@ -86,7 +86,7 @@ class Bench:
         self.counts = np.zeros(1, OBJECT_COUNTS)
         for name, rows in self.rows._asdict().items():
             self.counts[0][name] = len(rows)
-        self.hand = np.zeros(HAND_LENGTH)
+        self.hand = np.zeros(INPUT_LENGTH)
         self.fields = (*fields, *[no_field] * (MAX_FIELDS - len(fields)))
 
     @property
@@ -99,12 +99,12 @@ class Bench:
 
     def set_hand(self, **values: Any) -> None:
         """Set what the objects see of the person: p, v, measured, felt, grasp, t."""
-        places = {"p": HAND_POSITION, "v": HAND_VELOCITY, "measured": HAND_FORCE_MEASURED, "felt": HAND_FORCE_USER}
+        places = {"p": INPUT_POSITION, "v": INPUT_VELOCITY, "measured": INPUT_FORCE_MEASURED, "felt": INPUT_FORCE_USER}
         for name, value in values.items():
             if name in places:
                 self.hand[places[name] : places[name] + 3] = value
             else:
-                self.hand[HAND_GRASP if name == "grasp" else HAND_TIME] = value
+                self.hand[INPUT_GRASP if name == "grasp" else INPUT_TIME] = value
 
     def carry(self) -> None:
         carry_signals(self.rows, self.work, self.counts[0], self.hand)

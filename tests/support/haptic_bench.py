@@ -32,7 +32,7 @@ from mimics_app.rendering.haptic.devices.simulated_hapticmaster import robot_del
 from mimics_app.rendering.haptic.engine import HapticEngine
 from mimics_app.rendering.haptic.kernels.robot import ROBOT_LENGTH, sense, step_robot
 from mimics_app.rendering.haptic.scene_block import scene_from_components
-from mimics_app.rendering.haptic.tunnel import build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 from mimics_app.world.components.robot import Patient, Robot
 
 Q, DQ, FORCE, GRASP, BUTTONS, AGE, DELAY, STATUS = 0, 3, 6, 9, 10, 11, 12, 13

@@ -13,7 +13,7 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.bspline import basis_functions
 from mimics_app.rendering.haptic.kernels.tunnel import tunnel_force
 from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE
-from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve, build_tunnel
 
 Array = NDArray[np.float64]
 

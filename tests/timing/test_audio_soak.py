@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from mimics_app.app.bench.audio_soak import measure_soak
+from mimics_app.app.bench.stall_witness import explain_gaps
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
-from mimics_app.rendering.audio.work_times import WorkTimes
+from mimics_app.rendering.audio.worker import WorkTimes
 
 
 def test_work_times_are_percentiles_of_what_was_counted():
@@ -16,6 +18,17 @@ def test_work_times_are_percentiles_of_what_was_counted():
     for took in (*([205_000] * 98), 950_000, 60_000_000):
         times.count(took)
     assert times.percentiles_us() == {"p50": 210.0, "p99": 960.0, "max": 60_000.0, "count": 100}
+
+
+def test_a_gap_is_explained_by_a_stall_shortly_before_it():
+    """One gap at the end of a stall of 5 ms, one long after it, one beside a stall too short to empty a queue."""
+    stalls = np.array([[100_000_000, 105_000_000], [900_000_000, 901_500_000]])
+    held = explain_gaps(stalls, [106_000_000, 500_000_000, 902_000_000], 1.0)
+    assert held["before_gap_ms"] == pytest.approx([5.0, 0.0, 1.5])
+    assert (held["unexplained"], held["count"], held["longest_ms"], held["total_ms"]) == pytest.approx((2, 2, 5.0, 6.5))
+    assert held["chance"] == pytest.approx(0.035)
+    quiet = explain_gaps(np.zeros((0, 2), np.int64), [1], 1.0)
+    assert (quiet["unexplained"], quiet["chance"], quiet["longest_ms"]) == (1, 0.0, 0.0)
 
 
 @pytest.mark.slow
@@ -29,4 +42,6 @@ def test_a_soak_counts_every_block(load):
     if load:  # the figure beside which gaps are read
         assert set(reported["loop"]["lateness_us"]) == {"p50", "p99", "p99_9", "max"}
     assert reported["missed"] >= 0 and reported["queue"]["ms"] <= reported["queue"]["longest_ms"] <= 20.0
+    if "stalls" in reported:  # not where real-time priority is refused
+        assert len(reported["stalls"]["before_gap_ms"]) == reported["missed"]
     assert reported["late_turns"] >= 0 and reported["voices"] == 64

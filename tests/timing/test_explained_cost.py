@@ -19,8 +19,9 @@ from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.resources import root
 from mimics_app.lab.catalogue import load_methods
 
-SCENES = ("wavy_tunnel", "pick_and_place", "examples/surfaces", "examples/free_objects")
-GROUPS = (TICK_GROUP, "bounding geometry", "resting bodies")
+EXAMPLES = ("examples/surfaces", "examples/free_objects", "examples/springs_and_magnets")
+SCENES = ("wavy_tunnel", "pick_and_place", *EXAMPLES)
+GROUPS = (TICK_GROUP, "bounding geometry", "resting bodies", "effects", "grip")
 """Whose costs add up to a tick."""
 
 TICKS = 1000
@@ -87,10 +88,18 @@ def test_the_parts_add_up_to_the_measured_tick(name: str):
     assert sum(reported) / wholes[name] == pytest.approx(1.0, rel=0.3), (reported, wholes[name])
 
 
-@pytest.mark.parametrize(("name", "more"), [(SCENES[1], 2), (SCENES[2], 1), (SCENES[3], 2)])
-def test_what_objects_cost_is_a_part_of_the_sum(name: str, more: int):
-    """Touching where something can be touched, and bodies where some can move."""
+@pytest.mark.parametrize(
+    ("name", "more"),
+    [
+        (SCENES[1], {"bounding geometry", "resting bodies", "effects", "grip"}),
+        (SCENES[2], {"bounding geometry"}),
+        (SCENES[3], {"bounding geometry", "resting bodies"}),
+        (SCENES[4], {"effects"}),
+    ],
+)
+def test_what_objects_cost_is_a_part_of_the_sum(name: str, more: set[str]):
+    """Touching, bodies, effects and grip, each where the scene has it."""
     scene = load_checked_scene(root() / "scenes" / f"{name}.json")
     parts = explain_plan(scene, plan_scene(scene, "training", Table.load_shipped()))["parts"]
     groups = {part["group"] for part in parts if part["tick_us"] is not None}
-    assert groups == set(GROUPS[: 1 + more])
+    assert groups == {TICK_GROUP, *more}

@@ -22,7 +22,7 @@ from mimics_app.maths.cord import hang
 from mimics_app.rendering.haptic.cord_field import cord
 from mimics_app.rendering.tactile.vibrators import NoVibrators, SerialVibrators
 from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, CommandReader, command_bytes
-from mimics_app.scenarios.tap_path import ball_motion
+from mimics_app.scenarios.avatar_cord import ball_motion
 from mimics_app.tasks.kinds.avatar_cord import KIND
 from mimics_app.tasks.kinds.avatar_cord_spec import (
     AvatarCordSpec,

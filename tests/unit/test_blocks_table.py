@@ -8,8 +8,8 @@ import re
 import msgspec
 import pytest
 
-from mimics_app.app.scenes.catalogue import BUILT_IN, BY_COMPONENT, ONLY_LOOKED_AT
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.scenes.scenario_choice import BUILT_IN, BY_COMPONENT, ONLY_LOOKED_AT
 from mimics_app.contracts.haptic_objects import EffectKind, ShapeKind, SignalSource, SignalTarget
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
@@ -96,6 +96,25 @@ def test_fields_named_in_the_table_exist():
             "tunnel_view",
         }
         assert set(re.findall(r"`(\w+)`", row[4])) <= known, row[1]
+
+
+STATED = [
+    (*re.fullmatch(r"`(\w+)\.(\w+)` (\w+)", row[0]).groups(), row[-1])  # type: ignore[union-attr]
+    for row in table("Equations selected by a scene")
+    if row[-1] and "." in row[0]
+]
+
+
+@pytest.mark.parametrize(("component", "field", "value", "scene"), STATED)
+def test_scene_of_an_equation_selects_it(component: str, field: str, value: str, scene: str) -> None:
+    """It states the choice, or has the default."""
+    found = load_checked_scene(next(EXAMPLES.parent.rglob(f"{scene}.json"))).components(component_types()[component])
+    assert value in {getattr(struct, field) for _, struct, _ in found}
+
+
+def test_what_d2_1_prints_is_in_a_scene() -> None:
+    printed = {("admittance", "form"), ("world_pd", "form"), ("tunnel", "frame"), ("haptic_object", "integrator")}
+    assert printed <= {row[:2] for row in STATED if row[3] == "printed_equations"}
 
 
 def test_mask_of_4_2_8_2_is_complete():

@@ -7,8 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mimics_app.app.picture.board import BoardLayout
-from mimics_app.app.picture.stability_card import stability_card
+from mimics_app.app.picture.board import BoardLayout, stability_card
 from mimics_app.contracts.board import Bar, Board, Card
 from mimics_app.rendering.visual.figures.hud import Hud
 

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from mimics_app.app.cli import main
+from mimics_app.app.viewer.playing import read_motion
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.gltf.model_world import load_model_world
 from mimics_app.world.motion.c3d_file import read_c3d
-from mimics_app.world.motion.capture import read_motion
 from mimics_app.world.motion.humanoid import find_humanoid
 from mimics_app.world.motion.layer import Layer
 from mimics_app.world.motion.markers import find_points

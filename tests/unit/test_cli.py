@@ -175,6 +175,20 @@ def test_ctrl_c_is_130(command: Callable[[Body], None]) -> None:
     assert cli.main(["run"]) == 130
 
 
+def test_ctrl_c_while_the_program_is_imported_is_one_line_and_130() -> None:
+    script = (
+        "import sys\n"
+        "class Interrupted:\n"
+        "    def find_spec(self, name, path, target=None):\n"
+        "        if name == 'mimics_app.app.cli': raise KeyboardInterrupt\n"
+        "sys.meta_path.insert(0, Interrupted())\n"
+        "from mimics_app.__main__ import main\n"
+        "sys.exit(main())\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "mimics: interrupted\n")
+
+
 def test_internal_error_is_traced_and_still_one_object(
     command: Callable[[Body], None], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mimics_app.world.table import ComponentTable
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.lists(st.tuples(st.booleans(), st.integers(0, 40), st.integers(0, 99)), max_size=120))
 def test_a_table_holds_what_a_dictionary_would(edits):
     table, model = ComponentTable(value=(np.int64, ()), pair=(np.float64, (2,))), {}

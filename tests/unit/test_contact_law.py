@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimics_app.rendering.audio.contact_law import REFRACTORY_NS, ContactGate, contact_gain, scrape_gain
+from mimics_app.rendering.audio.contact_gain import REFRACTORY_NS, ContactGate, contact_gain, scrape_gain
 
 SPEED = st.floats(0.0, 5.0)
 FORCE = st.floats(0.0, 100.0)

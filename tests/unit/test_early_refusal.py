@@ -19,7 +19,7 @@ REFUSED = (
     ("run --device hapticmaster:127.0.0.1:1", 4, "no HapticMaster at 127.0.0.1:1"),
     ("run --physio serial:/dev/nowhere", 4, '"/dev/nowhere" cannot be opened: nothing is there'),
     ("run --physio file:nowhere.csv", 3, "nowhere.csv: there is no such file"),
-    ("run --runs /dev/null/runs", 2, "no run folder can be made here: /dev/null is no folder"),
+    ("run --runs /dev/null/runs", 3, "no run folder can be made here: /dev/null is no folder"),
     ("run wavy_tunnel --headless --from-trial 99", 2, "the session has no trial 99; it has 3"),
     ("run wavy_tunnel --headless --from-trial 8 --trials 6", 2, "the session has no trial 8; it has 7"),
     ("run --device replay --recording nowhere", 3, "is no run folder"),

@@ -7,20 +7,19 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
+from mimics_app.app.session.body import NullEstimation
 from mimics_app.contracts.input_port import WindowFrame
 from mimics_app.contracts.messages import FeatureFrame, PointerState, SignalBlock, UserState
 from mimics_app.contracts.window_input import GamepadState, InputEvent
 from mimics_app.dsp.stage import NullDsp
-from mimics_app.estimation.stage import NullEstimation
 from mimics_app.inputs.interaction.grasp import GraspControl
 from mimics_app.inputs.interaction.plane import FrontalPlane
 from mimics_app.inputs.interaction.pointer import Pointer, PointerSettings, StickResponse
 from mimics_app.inputs.interaction.simulated_patient import SimulatedPatient
-from mimics_app.inputs.physio.movement import Movement
-from mimics_app.inputs.stage import Inputs
+from mimics_app.inputs.stage import Inputs, Movement
 
 PLANE = FrontalPlane(centre=(0.0, 1.0, -0.5), half_width=0.3, half_height=0.2)
 FRAME_NS = 20_000_000
@@ -55,7 +54,6 @@ def test_ray_meets_the_plane_where_geometry_says():
         assert point == pytest.approx((0.1, 1.1, -0.5), abs=1e-12)
 
 
-@settings(deadline=None)
 @given(
     azimuth=st.floats(-math.pi, math.pi),
     origin=st.tuples(*[st.floats(-3.0, 3.0)] * 3),
@@ -183,7 +181,6 @@ def test_stick_begins_without_a_jump_and_ends_at_one():
     assert math.hypot(*stick.answer(1.0, 1.0)) == pytest.approx(1.0)  # square corner of a round stick
 
 
-@settings(deadline=None)
 @given(x=st.floats(-1.0, 1.0), y=st.floats(-1.0, 1.0))
 def test_stick_keeps_its_direction_and_never_exceeds_one(x, y):
     u, v = StickResponse().answer(x, y)

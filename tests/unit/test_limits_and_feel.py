@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mimics_app.app.session.header import describe_session
@@ -88,7 +88,6 @@ def test_a_scene_without_a_component_runs_that_component_s_own_defaults():
     assert (Safety().force_limit, Safety().force_rate_limit, Safety().velocity_limit) == (60.0, 2000.0, 1.2)
 
 
-@settings(deadline=None)
 @given(
     force=st.floats(1e-3, 500.0),
     late_ns=st.integers(1, 10**9),

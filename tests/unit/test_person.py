@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.session.person import person_inputs
+from mimics_app.app.session.person_input import person_inputs
 from mimics_app.contracts.messages import Aim
 from mimics_app.contracts.resources import root
 from mimics_app.contracts.window_input import GamepadState, InputEvent

@@ -113,7 +113,16 @@ def test_a_still_takes_the_cheapest_within_the_tolerance_whatever_a_frame_would_
 def test_a_tighter_tolerance_moves_its_own_method_alone(of):
     assert methods(of({"shadow_m": 1e-4})) == {"sun shadows": "map 1024", "anti aliasing": "4 samples"}
     assert methods(of({"shadow_m": 1e-5})) == {"sun shadows": "stencil additive", "anti aliasing": "4 samples"}
-    assert methods(of({"edge_px": 0.2})) == {"sun shadows": "map 512", "anti aliasing": "filter"}
+    assert methods(of({"edge_px": 0.3})) == {"sun shadows": "map 512", "anti aliasing": "none"}
+
+
+def test_the_filter_is_the_full_quality_only_of_live_software_rendering(of):
+    """Within a tolerance of 0.2 px it is cheaper than samples; stills and cards take samples, for thin objects."""
+    wider = of({"edge_px": 0.2})
+    assert methods(wider)["anti aliasing"] == "4 samples"
+    for loaded, taken in ((wider, "filter"), (of(), "4 samples")):
+        full = plan_scene(loaded, "training", planted(), PIXELS, limited=False)
+        assert full.methods == {"sun shadows": "map 512", "anti aliasing": taken}
 
 
 def test_a_draft_takes_what_is_cheapest(of):
@@ -238,7 +247,7 @@ def test_what_is_chosen_is_what_is_drawn(of, monkeypatch):
     monkeypatch.setattr("mimics_app.app.planner.plan.load_table", lambda: (planted(), "planted"))
     loaded = of({"shadow_m": 1e-5, "edge_px": 0.2}, ambient_occlusion=1.0, bloom=0.2)
     still = picture_quality(loaded, "training")
-    assert (still.shadows, still.msaa, still.fxaa) == ("stencil_additive", 0, True)
+    assert (still.shadows, still.msaa, still.fxaa) == ("stencil_additive", 4, False)
     assert (still.ambient_occlusion, still.bloom) == (1.0, 0.2)
     live = picture_quality(loaded, "training", PIXELS)
     assert (live.shadows, live.shadow_size, live.fxaa) == ("texture_additive", 1024, False)

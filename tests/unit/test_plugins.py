@@ -15,7 +15,7 @@ import pytest
 from mimics_app.app import cli
 from mimics_app.app.installation import plugins, probes
 from mimics_app.app.installation.plugins import list_plugins, plugin_groups, report_group
-from mimics_app.app.scenes.catalogue import open_scenario
+from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 from mimics_app.contracts.resources import root
 from mimics_app.inputs.physio.sources import open_source

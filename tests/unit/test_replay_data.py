@@ -189,7 +189,7 @@ def test_checksum_is_crc32_of_the_rows() -> None:
     import pyarrow as pa
 
     from mimics_app.recording.arrow_format import schema_bytes
-    from mimics_app.recording.layout import samples_schema
+    from mimics_app.recording.column_layout import samples_schema
 
     samples = np.zeros(3, SAMPLE)
     samples["t"], samples["ramp"] = [1, 2, 3], [4, 5, 6]

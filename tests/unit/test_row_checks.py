@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
+
 import numpy as np
 import pytest
 
+from mimics_app.contracts.bounded_fields import choice_of, largest_values, record
 from mimics_app.contracts.haptic import SCENE
 from mimics_app.contracts.haptic_objects import ForceLaw, ShapeKind
-from mimics_app.contracts.object_rows import ObjectCapacities
+from mimics_app.contracts.object_rows import ROW_DTYPES, ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.block_check import check_block
 from mimics_app.rendering.haptic.row_checks import check_points, check_shapes
 from tests.support.touch_play import KINDS, SOLIDS, add_point, new_touch_play
@@ -69,3 +72,20 @@ def test_the_door_of_the_loop_asks():
     play.rows.points[0]["radius"] = -0.001
     with pytest.raises(ValueError, match=r"points\[0\]\.radius"):
         check_block(scene, play.rows, ObjectCapacities(), meshes=1)
+
+
+CHOICES = [(table, field) for table, dtype in ROW_DTYPES.items() for field in largest_values(dtype)]
+
+
+@pytest.mark.parametrize(("table", "field"), CHOICES)
+def test_a_choice_that_no_kernel_knows_is_refused(table: str, field: str) -> None:
+    rows, scene = new_rows(ObjectCapacities()), np.zeros(1, SCENE)
+    scene["sequence"], scene["objects"][table] = 1, 1
+    getattr(rows, table)[field][0] = largest_values(ROW_DTYPES[table])[field] + 1
+    with pytest.raises(ValueError, match=rf"^{table}\.{field} is"):
+        check_block(scene, rows, ObjectCapacities())
+
+
+def test_the_bound_of_a_choice_is_its_newest_member() -> None:
+    newer = IntEnum("newer", "FIRST SECOND THIRD", start=0)
+    assert dict(largest_values(record([("kind", choice_of(newer)), ("size", "f8", (3,))]))) == {"kind": 2}

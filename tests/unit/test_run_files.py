@@ -22,7 +22,7 @@ from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.recording import append_file, columns, run_folder
 from mimics_app.recording.append_file import AppendFile
 from mimics_app.recording.arrow_format import decode_samples, encode_samples, parameters_dtype, parameters_schema
-from mimics_app.recording.channel import LINE, TRIAL, Inbox, Outbox
+from mimics_app.recording.byte_channel import LINE, TRIAL, Inbox, Outbox
 from mimics_app.recording.columns import ROW, column_names, column_units, present_columns, rows_of
 from mimics_app.recording.event_log import encode_event, events_of, read_lines, to_json
 from mimics_app.recording.recorder import Recorder

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mimics_app.maths import mat, quat
+from mimics_app.world.entity_ids import EntityId, StaleHandleError
 from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.store import EntityId, StaleHandleError
 from mimics_app.world.world import World
 
 EPS = np.finfo(float).eps
@@ -82,7 +82,7 @@ def test_a_child_attached_to_a_later_row_is_sorted_behind_it_at_the_frames_end()
     assert matrix_of(world, early)[0, 3] == 5.0
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(st.tuples(st.sampled_from("carmd"), st.integers(0, 30), st.integers(0, 30)), max_size=40))
 def test_any_sequence_of_edits_leaves_rows_sorted_and_matrices_right(edits):
     world = World()

@@ -14,7 +14,7 @@ from mimics_app.world.components.robot import Ball, Safety
 from mimics_app.world.components.systems import AudioSettings, HapticSettings
 from mimics_app.world.components.visible import LightComponent, MeshComponent
 from mimics_app.world.scene import document as scene_document
-from mimics_app.world.scene import source
+from mimics_app.world.scene import scene_files
 from mimics_app.world.scene.file import load_scene
 from mimics_app.world.scene.provenance import Layer, Origins, merged
 from tests.support.gltf_maker import square, write_gltf
@@ -267,14 +267,14 @@ def test_a_wrong_model_is_reported_once_in_its_own_name_and_not_again_where_it_i
 
 
 def test_an_older_version_is_brought_up_to_date_step_by_step(monkeypatch):
-    monkeypatch.setitem(source.MIGRATIONS, -1, lambda old: {**old, "entities": old["things"]})
-    monkeypatch.setitem(source.MIGRATIONS, 0, lambda old: {**old, "entities": [*old["entities"], {"id": "new"}]})
+    monkeypatch.setitem(scene_files.MIGRATIONS, -1, lambda old: {**old, "entities": old["things"]})
+    monkeypatch.setitem(scene_files.MIGRATIONS, 0, lambda old: {**old, "entities": [*old["entities"], {"id": "new"}]})
     old = {"version": -1, "things": [{"id": "a"}]}
-    newest = source.migrate(old)
+    newest = scene_files.migrate(old)
     assert newest["version"] == 1
     assert newest["entities"] == [{"id": "a"}, {"id": "new"}]
     assert old == {"version": -1, "things": [{"id": "a"}]}
-    assert source.migrate({"version": -2}) is None
+    assert scene_files.migrate({"version": -2}) is None
 
 
 def test_the_hash_changes_with_one_ulp_and_with_an_assets_bytes_and_not_with_layout(tmp_path):

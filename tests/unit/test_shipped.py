@@ -19,7 +19,7 @@ from mimics_app.app.play.launching import (
     settings_of_choice,
 )
 from mimics_app.app.scenes import shipped
-from mimics_app.app.scenes.finding import find_scene
+from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.scenes.shipped import GROUPS, find_shipped, shipped_scenes, thumbnail_of
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.resources import root

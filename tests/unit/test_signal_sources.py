@@ -19,11 +19,11 @@ from mimics_app.contracts.plugins import PluginGroup
 from mimics_app.inputs.physio import sources
 from mimics_app.inputs.physio.amplifier_frames import AmplifierReader, binary_header, binary_samples
 from mimics_app.inputs.physio.integrity import Grid
-from mimics_app.inputs.physio.movement import Movement
 from mimics_app.inputs.physio.recording import FileSource, read_signal_file
 from mimics_app.inputs.physio.serial_amplifier import SerialAmplifier
 from mimics_app.inputs.physio.simulated.source import SimulatedBody
 from mimics_app.inputs.physio.sources import look_for_source, open_source
+from mimics_app.inputs.stage import Movement
 from tests.support.amplifier import AmplifierEmulator
 from tests.support.body_signals import body
 

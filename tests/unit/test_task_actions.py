@@ -7,7 +7,7 @@ import math
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mimics_app.contracts import haptic_objects
@@ -15,8 +15,7 @@ from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.haptic import SCENE
 from mimics_app.contracts.messages import TaskAction, UserState
-from mimics_app.learning.action_sequence import load_action_sequence
-from mimics_app.learning.stage import NullLearning
+from mimics_app.learning.action_sequence import ActionSequence, load_action_sequence
 from mimics_app.tasks.actions import build_action_space, settings_for
 from mimics_app.tasks.adaptation import Adaptation
 from mimics_app.tasks.check import check_task, haptic_targets
@@ -74,7 +73,6 @@ def test_what_is_unknown_or_no_number_is_left_out_and_named():
     assert clipped == ("gravity", "radius", "stiffness")
 
 
-@settings(deadline=None)
 @given(
     low=st.floats(-1e3, 1e3),
     span=st.floats(0.0, 1e3),
@@ -270,5 +268,5 @@ def test_action_file_for_a_task_without_parameters(tmp_path):
         load_action_sequence(write(tmp_path, [{"t": 0, "values": {"radius": 1}}]), build_action_space(TaskSpec()))
 
 
-def test_null_learning_leaves_the_task_alone():
-    assert NullLearning().choose(UserState(0), None, None, 0) is None
+def test_an_empty_sequence_leaves_the_task_alone():
+    assert ActionSequence().choose(UserState(0), None, None, 0) is None

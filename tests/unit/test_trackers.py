@@ -202,7 +202,7 @@ def test_a_million_bytes_of_noise_make_no_pose(parser: str, kind: str) -> None:
         assert taken == []
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.binary(max_size=300), st.integers(1, 60))
 def test_no_bytes_break_a_reader(data: bytes, cut: int) -> None:
     for reader in (FastrakParser(1.0), FlockParser()):

@@ -9,7 +9,7 @@ import pytest
 
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.haptic_objects import MAX_PIECES, TUNNEL
-from mimics_app.rendering.haptic.tunnel import TunnelError, build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import TunnelError, build_tunnel
 from mimics_app.rendering.haptic.tunnel_source import fit_path, read_path, tunnel_from_component
 from mimics_app.world.components.robot import Tunnel
 from tests.support.tunnels import coil, ring, straight, wavy

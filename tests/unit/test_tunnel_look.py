@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from trimesh.triangles import closest_point
 
-from mimics_app.rendering.haptic.tunnel import build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 from mimics_app.scenarios.tunnel_look import TunnelLook
 from mimics_app.world.components.visible import TunnelView
 from mimics_app.world.materials.material import Material
@@ -58,12 +58,12 @@ def test_at_its_least_coverage_a_form_is_half_a_pixel_off_at_most(mesh, node):
 def test_all_forms_are_widened_and_shown_anew_after_a_reload():
     world, look = make_look()
     before = {name: mesh.positions.copy() for name, mesh in world.meshes.items()}
-    look.widen(1.2)
+    look.set_radius_scale(1.2)
     for name, was in before.items():
         assert np.array_equal(world.meshes[name].positions, was) == name.startswith("tunnel_bisector")
     node = world.find("tunnel")
     again = TunnelLook(world, node, build_tunnel(BENT[:4], RADIUS), TunnelView(material="wall"), 1.0)
-    again.dress("hidden")
+    again.set_material("hidden")
     world.update()
     wall = node.entity
     assert wall is not None and len(wall.subentities) == 5 and not wall.visible

@@ -196,16 +196,17 @@ def test_a_gap_that_only_the_server_has_noticed_counts():
     stage.device.left = left  # type: ignore[method-assign]
     stage.streamed.render(LIVE_BLOCK)
     assert (stage.queue.underruns, stage.queue.frames) == (1, 288 + LIVE_BLOCK)
+    assert stage.queue.report()["empty_ns"] == [stage.clock.now_ns()]
 
 
 def test_a_queue_stays_long_while_the_shorter_one_would_not_do():
     queue = queue_length.QueueLength(288, 700, 80, 32, RATE)
-    queue.read(20, 0, ran_empty=False, steady=False)
+    queue.read(20, 0, 0, ran_empty=False, steady=False)
     for second in range(600):
-        queue.read(113 if second % 100 else 60, second * RATE, ran_empty=False, steady=False)
+        queue.read(113 if second % 100 else 60, second * RATE, 0, ran_empty=False, steady=False)
     assert queue.frames == 368
     for second in range(600, 900):
-        queue.read(113, second * RATE, ran_empty=False, steady=False)
+        queue.read(113, second * RATE, 0, ran_empty=False, steady=False)
     assert queue.frames == 288
 
 

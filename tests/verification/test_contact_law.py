@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mimics_app.lab.haptic.contact import restitution_hunt_crossley, restitution_spring_damper
@@ -45,7 +45,6 @@ def test_9_static_force_is_k_d():
     assert spring_damper(0.0, 0.1, K, 20.0) == 0.0
 
 
-@settings(deadline=None)
 @given(st.floats(-0.1, 0.1), st.floats(-5.0, 5.0), st.floats(0.0, 1e5), st.floats(0.0, 1e3))
 def test_9_never_pulls_and_never_acts_from_outside(depth, rate, k, b):
     force = spring_damper(depth, rate, k, b)
@@ -174,7 +173,6 @@ def test_17_rigid_partner_leaves_the_other_ones_contact(rigid):
     assert pair_damping(K, 7.0, rigid, 100.0) == pytest.approx(7.0, rel=1e-15)
 
 
-@settings(deadline=None)
 @given(st.floats(10.0, 1e5), st.floats(0.0, 100.0), st.floats(10.0, 1e5), st.floats(0.0, 100.0))
 def test_17_series_knows_no_order_and_is_softer_than_either(k1, b1, k2, b2):
     assert pair_stiffness(k1, k2) == pytest.approx(pair_stiffness(k2, k1), rel=1e-15)

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mimics_app.lab.haptic.contact import false_force
@@ -149,7 +149,6 @@ def test_16_walls_add_in_a_corner(theta):
 R = 0.05
 
 
-@settings(deadline=None)
 @given(st.lists(st.floats(-0.03, 0.03), min_size=3, max_size=3).filter(lambda p: np.linalg.norm(p) > 1e-3))
 def test_13_depth_and_normal(p):
     depth, normal = touch(sphere, p, REST, R)

@@ -23,7 +23,7 @@ from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.inverse_by_steps import inverse_by_steps as joints_of
-from mimics_app.rendering.haptic.devices.reach import Reach
+from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.rendering.haptic.kernels.joints import JOINT_WORK
 from mimics_app.rendering.haptic.kernels.limiter import limit_joints
 from mimics_app.rendering.haptic.kernels.solve import solve_positive

@@ -12,7 +12,7 @@ from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.loop_ports import FIELD
 from mimics_app.maths.quat import about_axis, to_matrix
 from mimics_app.rendering.haptic.standard_fields import curl, saddle, well
-from mimics_app.rendering.haptic.tunnel import build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 from tests.support.effect_bench import ALL, Bench, effect
 
 PLACE = (0.1, 0.2, -0.3)

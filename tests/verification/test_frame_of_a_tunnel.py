@@ -9,7 +9,7 @@ import numpy as np
 
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_rows
-from mimics_app.rendering.haptic.tunnel import build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 from tests.support.tunnels import record_of, walk
 
 SCENE = Path(__file__).parents[2] / "scenes" / "wavy_tunnel.json"

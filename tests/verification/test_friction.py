@@ -59,7 +59,6 @@ def test_432_creeps_under_a_load_it_should_hold():
     assert force[0] == pytest.approx(-load, rel=1e-14)
 
 
-@settings(deadline=None)
 @given(st.lists(st.floats(-2.0, 2.0), min_size=2, max_size=2), st.floats(0.0, 100.0))
 def test_432_opposes_motion_inside_the_cone_and_is_continuous_at_the_threshold(v, normal_force):
     v, force = np.array(v), np.zeros(2)
@@ -115,7 +114,7 @@ def test_anchor_takes_the_hysteresis_work():
     assert cycle_work(0.45 * CONE / TANGENT) == pytest.approx(0.0, abs=1e-12)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(st.integers(0, 2**32 - 1))
 def test_anchor_never_leaves_the_cone_and_rests_where_it_is_left(seed):
     rng = np.random.default_rng(seed)

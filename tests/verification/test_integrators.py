@@ -59,7 +59,7 @@ def test_growth_of_a_free_oscillation_is_the_closed_form(hw):
     assert growth(step_rk4, m, 0.0, k, dt) == pytest.approx(rk4, rel=1e-12)
 
 
-@settings(deadline=None, max_examples=200)
+@settings(max_examples=200)
 @given(st.floats(0.0, 2.5), st.floats(0.0, 2.2))
 def test_explicit_and_semi_implicit_are_stable_exactly_within_their_limits(hw2, damping):
     """Explicit: h k < b and 4 - 2 h b/m + h^2 k/m > 0; semi-implicit: h^2 k/m + 2 h b/m < 4."""
@@ -85,7 +85,7 @@ def test_limit_of_an_undamped_spring(step, limit):
 EXPONENT = st.floats(-3.0, 3.0)
 
 
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=300)
 @given(EXPONENT, st.none() | st.floats(-3.0, 4.0), st.none() | st.floats(-3.0, 6.0), st.floats(-5.0, -1.0))
 def test_exact_step_is_the_matrix_exponential(mass, damping, stiffness, step):
     """Under, over and near critical damping, without spring, without damper, each or both."""

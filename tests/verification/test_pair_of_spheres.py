@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mimics_app.lab.haptic.contact import restitution_spring_damper
@@ -96,7 +96,6 @@ def one_tick(first, second):
     return [0.2 * (play.motions[i]["velocity"] - np.array(ball[1])) for i, ball in enumerate((first, second))]
 
 
-@settings(deadline=None)
 @given(VECTOR, VECTOR, VECTOR, VECTOR)
 def test_17_knows_no_order_of_its_bodies(p1, p2, v1, v2):
     """Whichever row is first, each body gets the same push, and the other the opposite; to rounding of m v."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mimics_app.rendering.haptic.kernels.passivity import OBSERVER, observe, reset_observer
@@ -19,7 +19,6 @@ def watch(places, forces, observer=None):
     return [observe(observer, np.asarray(x, float), np.asarray(f, float)) for x, f in zip(places, forces, strict=True)]
 
 
-@settings(deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(2, 40))
 def test_energy_is_the_work_of_the_held_forces(seed, ticks):
     """Sum of -F_{k-1}.(x_k - x_{k-1}), whatever happens between ticks; the last force has done no work yet."""

@@ -1,4 +1,4 @@
-"""A mouse through the virtual hand: smooth 1 kHz forces from 60 Hz steps, and the figures a person can check."""
+"""A mouse through the virtual coupling: smooth 1 kHz forces from 60 Hz steps, and the figures a person can check."""
 
 from __future__ import annotations
 

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mimics_app.app.session.preparation import prepare
+from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.haptic import SAMPLE, Controller, SafetyState, TripCause
 from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.kernel import typed_kernel
@@ -21,14 +23,15 @@ from mimics_app.contracts.loop_ports import (
     WRITE,
     DevicePlugin,
 )
+from mimics_app.recording.column_layout import current_layout, layout_of, samples_schema
 from mimics_app.recording.columns import column_names, column_units, present_columns
-from mimics_app.recording.layout import current_layout, layout_of, samples_schema
 from mimics_app.recording.run import Run
 from mimics_app.recording.state_hash import StateHash
 from mimics_app.recording.streams import SampleStream, hash_of_files
 from mimics_app.rendering.haptic.descriptors.leg import LEG, LEGS
 from mimics_app.rendering.haptic.replay import replay_run
 from mimics_app.rendering.haptic.scene_block import kinematic_values
+from mimics_app.tasks.cards import force_card
 from mimics_app.world.components.robot import Robot
 from tests.support.chain import CHAIN, data_rows, read_rows
 from tests.support.haptic_bench import Bench
@@ -285,3 +288,8 @@ def test_a_leg_reported_torques_is_driven_to_its_start_through_the_stretched_pos
     start = next(np.array(e["transform"]["translation"]) for e in document["entities"] if e["id"] == "hand")
     active = int(np.flatnonzero(samples["state"] == SafetyState.ACTIVE)[0])
     assert np.linalg.norm(samples["hip_world"][active] - start) < 0.005
+
+
+def test_the_board_names_the_limb_that_the_device_moves():
+    context = prepare(RunSettings(KICKING), live=False).context
+    assert (context.limb, force_card(2.0, context.limb).label) == ("right foot", "Force on the right foot")

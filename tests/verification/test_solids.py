@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.rendering.visual.drawing.solids import find_solid
+from mimics_app.rendering.visual.drawing.occluder_boxes import find_solid
 from mimics_app.rendering.visual.drawing.t_junctions import remove_t_junctions, unmatched_edges
 from mimics_app.rendering.visual.kernels.solid import winding_number
 from mimics_app.world.meshes.mesh import MeshData, compute_normals

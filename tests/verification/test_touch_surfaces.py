@@ -138,7 +138,7 @@ def test_energy_of_a_cycle_is_that_of_the_held_force(kind, b):
     assert taken == NEAR(math.pi * w * 1e-6 * (b - K * T / 2.0), rel=0.02)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.sampled_from(KINDS), st.integers(0, 10_000), st.sampled_from([0.0, 0.5]), st.sampled_from([0.0, 2e-4]))
 def test_no_closed_way_gains_energy_when_damping_is_above_k_t_half(kind, seed, mu, ripple):
     """From outside, about in the surface, and back to the start: b = 2 k T/2 also covers what curvature adds."""
@@ -245,7 +245,7 @@ def test_walls_that_hold_nothing_are_not_felt():
     assert force == NEAR(np.array([0.0, 0.0, K * 1e-2]), abs=1e-9)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 100_000))
 def test_corner_of_many_walls_is_the_closest_point_outside_all(seed):
     """Against 4000 sweeps of Hildreth's row action; three to five walls of a pyramid around +z."""

@@ -11,7 +11,7 @@ from mimics_app.contracts.haptic import SAMPLE, SCENE, Controller
 from mimics_app.contracts.haptic_objects import TUNNEL
 from mimics_app.contracts.object_rows import ObjectCapacities, new_rows, pack_rows
 from mimics_app.rendering.haptic.scene_block import scene_from_components
-from mimics_app.rendering.haptic.tunnel import build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 from tests.support.haptic_bench import Bench, patient_bench, script, scripted
 
 STIFF, SOFT = 2000.0, 300.0

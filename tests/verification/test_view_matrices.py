@@ -14,7 +14,7 @@ from mimics_app.maths import mat
 from mimics_app.rendering.visual.view import View
 from mimics_app.rendering.visual.view_matrices import compose_clip_from_view, compose_look_at
 
-SETTINGS = settings(max_examples=150, deadline=None)
+SETTINGS = settings(max_examples=150)
 EPS = np.finfo(float).eps
 
 numbers = st.floats(-10, 10)

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mimics_app.app.bench.stall_witness import StallWitness, explain_gaps
 from mimics_app.contracts import triple_buffer
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import DeviceError
@@ -57,19 +58,23 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
         mixed, and their `count`; `missed`, the number of blocks that the device requested too early, each an audible
         gap; `queue`, its length over time and the latency it gives (contracts/audio_port.py: AudioReport);
         `late_turns`, turns that began more than half a millisecond late, which the queue compensates; `device`;
-        `loop`, the row of the load's haptic loop: its thread has a higher priority than this process, so its lateness
-        is that of the machine. OpenAL's null device takes several blocks at once after a delay of its own thread, which
-        counts as missed too.
+        `stalls`, the gaps held against the stalls of the machine (stall_witness.py: explain_gaps), absent where
+        real-time priority is refused; `loop`, the row of the load's haptic loop. OpenAL's null device takes several
+        blocks at once after a delay of its own thread, which counts as missed too.
 
     Raises:
         DeviceError: There is no OpenAL library, the server did not start, or the audio process ended early.
     """
     empty: Mapping[str, str] = {}
-    with nullcontext(empty) if pulse_missing() else private_pulse_server() as environment:
-        report, loop = _play(scene, seconds, environment, load=load)
+    witness = StallWitness()
+    try:
+        with nullcontext(empty) if pulse_missing() else private_pulse_server() as environment:
+            report, loop = _play(scene, seconds, environment, load=load)
+    finally:
+        stalls = witness.stop()
     if report.crashed:
         raise DeviceError("the audio process ended on its own")
-    return {
+    row = {
         "seconds": seconds,
         "voices": _VOICES,
         "block_ms": LIVE_BLOCK / report.status.rate * 1e3,
@@ -82,6 +87,9 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
         "load": str(scene) if load else "none",
         "loop": loop,
     }
+    if stalls is not None:
+        row["stalls"] = explain_gaps(stalls, report.queue.get("empty_ns", ()), seconds)
+    return row
 
 
 def _play(scene: Path, seconds: float, environment: Mapping[str, str], *, load: bool) -> tuple[AudioReport, Row]:

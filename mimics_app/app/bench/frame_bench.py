@@ -9,9 +9,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from mimics_app.app.bench.looked_at_load import PEOPLE
+from mimics_app.app.bench.looked_at_load import STAND_INS
 from mimics_app.app.bench.ogre import measure_ogre
-from mimics_app.app.scenes.finding import find_scene
+from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.scenes.shipped import shipped_scenes
 from mimics_app.app.settings import QUALITIES
 from mimics_app.contracts.errors import DeviceError
@@ -34,7 +34,7 @@ def measure_frames(
     """Return a reference, the time of the pixels alone, and a row with and one without a governor for every scene.
 
     Args:
-        scenes: Scene files and `PEOPLE`; () for all shipped scenes and `PEOPLE`.
+        scenes: Scene files and `STAND_INS`; () for all shipped scenes and all of these.
         size: Size of the picture [px].
         surface: "window" or "egl".
         seconds: Length of each measurement [s].
@@ -43,8 +43,8 @@ def measure_frames(
     """
     rows = []
     qualities = [*QUALITIES, *([] if scale is None else [f"{scale:g}"])]
-    every = [*(scene.file for scene in shipped_scenes()), PEOPLE]
-    for scene in [path if path == PEOPLE else find_scene(path) for path in scenes] or every:
+    every = [*(scene.file for scene in shipped_scenes()), *STAND_INS]
+    for scene in [path if path in STAND_INS else find_scene(path) for path in scenes] or every:
         for quality in qualities:
             report(f"frame: {scene.stem}, quality {quality}")
             rows.append({**_measure_apart(scene, size, surface, seconds, quality), "asked": quality})

@@ -13,13 +13,13 @@ import tempfile
 from pathlib import Path
 
 from mimics_app.app.bench.frame_watch import FrameWatch, Row
-from mimics_app.app.bench.looked_at_load import PEOPLE, measure_looked_at
+from mimics_app.app.bench.looked_at_load import STAND_INS, measure_looked_at
 from mimics_app.app.play.collector import frozen_objects
 from mimics_app.app.play.pace import run_live
 from mimics_app.app.play.play import open_picture
-from mimics_app.app.scenes.catalogue import is_playable
 from mimics_app.app.scenes.loading import load_checked_scene
-from mimics_app.app.session.build import build_session, start_loop
+from mimics_app.app.scenes.scenario_choice import is_playable
+from mimics_app.app.session.assembly import build_session, start_loop
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import QUALITIES, Quality, RunSettings
@@ -31,18 +31,18 @@ __all__ = ["main"]
 
 
 def main(file: Path, size: tuple[int, int], surface: str, seconds: float, quality: str) -> Row:
-    """Measure a scene, or `PEOPLE`, for a time [s] on a surface ("window" or "egl").
+    """Measure a scene, or one of `STAND_INS`, for a time [s] on a surface ("window" or "egl").
 
     Args:
         file: The scene.
-        size: Of the picture [px].
+        size: Size of the picture [px].
         surface: Kind of surface.
         seconds: Length of the measurement [s].
         quality: As of a run, or a resolution scale at which it is fixed, see `lower_to_scale`.
     """
     scale = 1.0 if quality in QUALITIES else float(quality)
     wanted: Quality = "auto" if quality == "auto" else "full"
-    scene = None if file == PEOPLE else load_checked_scene(file)
+    scene = None if file in STAND_INS else load_checked_scene(file)
     if scene is None or not is_playable(scene):
         return measure_looked_at(file, size, surface, seconds, wanted, scale)
     with tempfile.TemporaryDirectory(prefix="mimics-bench-") as runs:
@@ -63,7 +63,7 @@ def main(file: Path, size: tuple[int, int], surface: str, seconds: float, qualit
 
 def _measure(session: Session, surface: str, seconds: float, scale: float) -> Row:
     start_loop(session)
-    size = session.settings.size
+    size = session.settings.picture_size
     open_picture(session, create_surface(surface, size, session.scene.name))
     assert session.picture is not None
     if scale < 1.0:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from mimics_app.app.bench.frame_watch import FrameWatch, Row
 from mimics_app.app.bench.people_workload import ON_SIDEWALKS, People
+from mimics_app.app.bench.render_workloads import Walk
 from mimics_app.app.picture.governor import FrameGovernor
 from mimics_app.app.picture.held_quality import measure_frame_ms
-from mimics_app.app.picture.picture import Picture, live_quality, picture_quality
+from mimics_app.app.picture.picture import Picture, live_quality
 from mimics_app.app.planner.tolerances import tolerances_of
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import Profile, Quality
@@ -24,10 +28,23 @@ from mimics_app.world.scene.file import build_world
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["PEOPLE", "measure_looked_at"]
+__all__ = ["PEOPLE", "STAND_INS", "WALK", "measure_looked_at"]
 
 PEOPLE = Path("people")
 """Stands for a scene: people on both sidewalks of the city."""
+
+WALK = Path("walk")
+"""Stands for a scene: the city, seen by somebody who walks along a street and looks to both sides."""
+
+STAND_INS = (WALK, PEOPLE)
+"""All of these."""
+
+_SPEED = 1.4
+"""Walking speed [m/s]."""
+_STREET = 220.0
+"""Length of the walk, after which it begins again [m]."""
+_GLANCE, _GLANCE_S, _DISTANCE = math.radians(20.0), 6.0, 10.0
+"""Largest angle from the direction of the walk, time from one side to it again [s], and distance looked at [m]."""
 
 _PROFILE: Profile = "training"
 
@@ -57,14 +74,15 @@ def measure_looked_at(
     """Return a row of `mimics bench frame` without touch, sound and recorder.
 
     Args:
-        file: The scene, or `PEOPLE`.
+        file: The scene, or one of `STAND_INS`.
         size: Size of the picture [px].
         where: "window" or "egl".
         seconds: Length of the measurement [s].
         quality: "auto" or "full", see `RunSettings`.
         scale: Below 1: the quality is fixed, see `lower_to_scale`.
     """
-    scene, world, move = _crowd() if file == PEOPLE else _as_it_stands(load_checked_scene(file))
+    stand_ins = {PEOPLE: _crowd, WALK: _walk}
+    scene, world, move = stand_ins[file]() if file in stand_ins else _as_it_stands(load_checked_scene(file))
     with create_surface(where, size, scene.name) as surface:
         looked_at = _open(scene, world, move, surface, quality)
         if scale < 1.0 and looked_at.picture is not None:
@@ -93,10 +111,26 @@ def _crowd() -> tuple[Scene, World, Callable[[float], None]]:
     return people.scene, people.world, partial(people.walk, eye=eye)
 
 
+def _walk() -> tuple[Scene, World, Callable[[float], None]]:
+    """Return the city with a moving camera: every pixel is new in every frame."""
+    walk = Walk()
+    camera = walk.world.cameras[0].node
+    start = np.array(Walk.start)
+
+    def move(time_s: float) -> None:
+        glance = _GLANCE * math.sin(2.0 * math.pi * time_s / _GLANCE_S)
+        place = start - (0.0, 0.0, _SPEED * time_s % _STREET)
+        camera.set_position(place)
+        camera.look_at(place + _DISTANCE * np.array([math.sin(glance), 0.02, -math.cos(glance)]))
+        walk.world.update()
+
+    return walk.scene, walk.world, move
+
+
 def _open(scene: Scene, world: World, move: Callable[[float], None], surface: Surface, quality: Quality) -> _LookedAt:
     move(0.0)
     full = quality == "full"
-    settings = picture_quality(scene, _PROFILE) if full else live_quality(scene, _PROFILE, surface)
+    settings = live_quality(scene, _PROFILE, surface, full=full)
     picture = Picture(surface, scene, world, settings)
     steps = quality_steps(picture.renderer)
     fixed = [step.name for step in steps] if full else []

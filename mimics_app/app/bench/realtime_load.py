@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.app.picture.picture import Picture, live_quality
-from mimics_app.app.session.build import build_session, start_loop
+from mimics_app.app.session.assembly import build_session, start_loop
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings

@@ -6,7 +6,7 @@ import json
 import sys
 from pathlib import Path
 
-from mimics_app.app.session.build import build_session, start_loop
+from mimics_app.app.session.assembly import build_session, start_loop
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS
@@ -19,7 +19,7 @@ def main(scene: Path, runs: Path) -> None:
     """Play a scene until the process is killed.
 
     The first line on stdout has the descriptor of the session's memory, the recorder's process and the run folder; each
-    further one the number of trials handed to the recorder so far.
+    further one the number of trials passed to the recorder so far.
     """
     with build_session(RunSettings(scene, device=SIMULATED, sound="off", runs=runs), live=True) as session:
         start_loop(session)

@@ -126,7 +126,7 @@ def _draw(name: str, files: list[Path], picture: Path) -> None:
 
     sounds = [file for file in files if file.suffix == ".wav" and not file.stem[-1].isdigit()]  # one of each family
     if sounds:
-        from mimics_app.builders.sounds.picture import draw_spectrograms
+        from mimics_app.builders.sounds.spectrogram import draw_spectrograms
 
         return draw_spectrograms(sounds, picture)
     models = [file for file in files if file.suffix in MODEL_SUFFIXES]

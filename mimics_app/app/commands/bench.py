@@ -102,8 +102,8 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         "names",
         nargs="*",
         metavar="NAME",
-        help="with render: city, nodes, crowd, walk, people, people_full or particles; with frame: scenes, or people "
-        "(default: all); with physio: figures, or noise for a table of R peaks by kind of noise (default: all)",
+        help="with render: city, nodes, crowd, walk, people, people_full or particles; with frame: scenes, walk or "
+        "people (default: all); with physio: figures, or noise for a table of R peaks by kind of noise (default: all)",
     )
     parser.add_argument(
         "--data",
@@ -229,14 +229,21 @@ def _measure_realtime(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _measure_apart(kind: str, scene: Path, seconds: float) -> dict[str, Any]:
+    """Measure one loop, with the `stalls` of the machine meanwhile where they can be seen."""
+    from mimics_app.app.bench.stall_witness import StallWitness, summarise
+
     command = [sys.executable, "-m", "mimics_app.app.bench.realtime_load", kind, str(scene), str(seconds)]
-    child = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    witness = StallWitness()
+    try:
+        child = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    finally:
+        stalls = witness.stop()
     if child.returncode != 0:
         raise DeviceError(
             f"the measurement of {kind} failed with exit code {child.returncode}", "see the messages above"
         )
     row: dict[str, Any] = json.loads(child.stdout)
-    return row
+    return row if stalls is None else row | {"stalls": summarise(stalls)}
 
 
 def _median_round(rows: list[dict[str, Any]]) -> dict[str, Any]:
@@ -320,7 +327,7 @@ def _measure_displays(args: argparse.Namespace) -> dict[str, Any]:
 def _measure_record(args: argparse.Namespace) -> dict[str, Any]:
     """Measure what the recording of a killed session lacks."""
     from mimics_app.app.bench.record_bench import measure_record
-    from mimics_app.app.scenes.finding import find_scene
+    from mimics_app.app.scenes.scene_search import find_scene
 
     return measure_record(find_scene(args.scene), args.n or _REPEATS, _say)
 
@@ -328,7 +335,7 @@ def _measure_record(args: argparse.Namespace) -> dict[str, Any]:
 def _measure_faults(args: argparse.Namespace) -> dict[str, Any]:
     """Measure the time from each fault of a device to zero force."""
     from mimics_app.app.bench.fault_bench import measure_faults
-    from mimics_app.app.scenes.finding import find_scene
+    from mimics_app.app.scenes.scene_search import find_scene
 
     return measure_faults(find_scene(args.scene), args.n or _REPEATS, _say)
 

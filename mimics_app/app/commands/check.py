@@ -57,7 +57,7 @@ def examine(file: Path) -> dict[str, Any]:
         model = load_gltf(file)
         holds = {"nodes": len(model.nodes), "meshes": len(model.meshes), "materials": len(model.materials)}
         return {"file": str(file), "ok": True, "kind": "model", "holds": holds, "notes": model.notes}
-    from mimics_app.app.scenes.finding import find_scene
+    from mimics_app.app.scenes.scene_search import find_scene
 
     find_scene(file)
     from mimics_app.app.scenes.loading import load_checked_scene
@@ -77,7 +77,7 @@ def _notes_on_play(scene: Scene) -> list[str]:
     Raises:
         SceneError: The scenario it names does not exist, or misses a part of the scene.
     """
-    from mimics_app.app.scenes.catalogue import is_part, open_scenario
+    from mimics_app.app.scenes.scenario_choice import is_part, open_scenario
     from mimics_app.app.scenes.shipped import ONLY_LOOKED_AT
     from mimics_app.world.components.robot import Robot
     from mimics_app.world.scene.file import build_world

@@ -108,7 +108,9 @@ def _emulate(args: argparse.Namespace) -> int:
             report_on(report, args.seconds)
         return 0
     from mimics_app.app.devices.emulator import EmulatorSettings, open_emulator, serve
+    from mimics_app.app.terminal.first_start import say_if_cold
 
+    say_if_cold()
     settings = EmulatorSettings(args.scene, args.patient, args.seed, args.port, args.delay)
     with open_emulator(args.device, settings) as emulator:
         _say_address(args, emulator.address)

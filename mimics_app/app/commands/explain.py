@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Plan the scene as a run would, and print what was chosen and why."""
-    from mimics_app.app.scenes.finding import find_scene
+    from mimics_app.app.scenes.scene_search import find_scene
 
     find_scene(args.scene)
     from mimics_app.app.scenes.loading import load_checked_scene

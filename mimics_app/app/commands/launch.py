@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 __all__ = ["run"]
 
-_SIZE = (1280, 720)
 _POLLS_PER_PICTURE = 6
 """Polls of the waiting page per picture drawn: ten pictures a second leave the processor to the session that starts."""
 
@@ -29,6 +28,7 @@ def run(args: argparse.Namespace) -> int:
     Raises:
         DeviceError: there is no display.
     """
+    from mimics_app.app.picture.window_opening import remember_size
     from mimics_app.app.play.journey import play_through
     from mimics_app.app.play.launching import remember, settings_of_choice
     from mimics_app.app.terminal.display import has_display
@@ -42,6 +42,7 @@ def run(args: argparse.Namespace) -> int:
         with ExitStack() as window:
             surface = window.enter_context(_opened_window())
             choice = _choose(surface, notice)
+            remember_size(surface)
             if choice is None:
                 return 0
             remember(choice)
@@ -52,9 +53,9 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _opened_window() -> Surface:
-    from mimics_app.rendering.visual.surfaces.contexts import create_surface
+    from mimics_app.app.picture.window_opening import open_window
 
-    return create_surface("window", _SIZE, "mimics")
+    return open_window(None, "mimics", scene=False)
 
 
 def _waiting(surface: Surface, scene: Path, window: ExitStack) -> Opening:

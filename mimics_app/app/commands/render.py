@@ -80,7 +80,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw, and print the driver and the files."""
-    from mimics_app.app.scenes.finding import find_scene
+    from mimics_app.app.scenes.scene_search import find_scene
     from mimics_app.app.terminal.first_start import say_if_cold
     from mimics_app.app.terminal.named import check_files
 

@@ -85,7 +85,12 @@ def _add_outputs(parser: argparse.ArgumentParser) -> None:
         help="device: sound output of this computer; file: sound.wav in the run folder; off: none; auto: device in a "
         "window, off with --headless",
     )
-    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="size of the picture [px]")
+    parser.add_argument(
+        "--size",
+        type=picture_size,
+        metavar="WxH",
+        help="size of the picture [px] (default: 1280x720; a window: its last size, else one for the monitor)",
+    )
     add_display_argument(parser)
     parser.add_argument(
         "--pictures",
@@ -228,8 +233,8 @@ def _look(args: argparse.Namespace) -> int:
     say("this scene has no task; it opens in the viewer")
     log = JourneyLog(args.journey)
     log.doing("Reading the scene")
-    from mimics_app.app.viewer.session import ViewerSession
     from mimics_app.app.viewer.shown import open_shown
+    from mimics_app.app.viewer.viewer_window import ViewerSession
 
     with ViewerSession(open_shown(args.scene, "y"), args.size, args.profile, "", "y") as session:
         session.run(log.shown)
@@ -247,7 +252,7 @@ def _is_for_a_person(settings: RunSettings) -> bool:
 
 def check_names(args: argparse.Namespace) -> None:
     """Check that everything named exists, before compiled code and graphics are imported."""
-    from mimics_app.app.scenes.finding import find_scene
+    from mimics_app.app.scenes.scene_search import find_scene
     from mimics_app.app.terminal.named import check_adaptation, check_files
     from mimics_app.recording.run_folder import check_parent
 

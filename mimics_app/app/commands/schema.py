@@ -7,7 +7,7 @@ import json
 import sys
 
 from mimics_app.app.terminal.arguments import file_to_write
-from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.errors import OutputError
 
 __all__ = ["add_arguments", "run"]
 
@@ -28,7 +28,7 @@ def run(args: argparse.Namespace) -> int:
         try:
             args.out.write_text(text, encoding="utf-8")
         except OSError as error:
-            raise UsageError(f'"{args.out}" cannot be written: {error.strerror}') from None
+            raise OutputError(args.out, f"cannot be written: {error.strerror}", "name another file") from None
     if args.json:
         from mimics_app.app.terminal.output import write_object
 

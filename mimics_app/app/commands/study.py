@@ -37,8 +37,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run or join, and write; exit code 6 where a subject's run is incomplete."""
-    from mimics_app.app.scenes.finding import find_scene
     from mimics_app.app.scenes.loading import load_checked_scene
+    from mimics_app.app.scenes.scene_search import find_scene
     from mimics_app.app.study.page import write_page
     from mimics_app.app.study.subjects import find_run, run_subject
     from mimics_app.app.study.tables import ANSWER_COLUMNS, TAP_COLUMNS, read_study, write_table

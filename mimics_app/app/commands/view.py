@@ -8,7 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mimics_app.app.settings import PROFILES
+from mimics_app.app.settings import PICTURE_SIZE, PROFILES
 from mimics_app.app.terminal.arguments import file_to_write, frame_count, picture_size
 from mimics_app.app.terminal.output import answer, errors_of, issue_lines
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
@@ -46,7 +46,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="with --headless: write a video of the turn, e.g. out.mp4 (needs ffmpeg)",
     )
     parser.add_argument("--caption", action="store_true", help="with --headless: write name and notes into the picture")
-    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="size of the picture [px]")
+    parser.add_argument(
+        "--size",
+        type=picture_size,
+        metavar="WxH",
+        help="size of the picture [px] (default: 1280x720; a window: its last size, else one for the monitor)",
+    )
     parser.add_argument("--clip", default="", metavar="NAME", help="animation clip that the model plays")
     parser.add_argument(
         "--motion",
@@ -99,7 +104,7 @@ def run(args: argparse.Namespace) -> int:
         args.output = args.output or Path("view.png")
         return _draw_sheet(args)
     if args.file.suffix.lower() in (".json", ""):
-        from mimics_app.app.scenes.finding import find_scene
+        from mimics_app.app.scenes.scene_search import find_scene
 
         find_scene(args.file)
     from mimics_app.app.terminal.display import has_display
@@ -144,7 +149,7 @@ def _write(args: argparse.Namespace, shown: Shown) -> int:
 
 
 def _look(args: argparse.Namespace, shown: Shown) -> int:
-    from mimics_app.app.viewer.session import ViewerSession
+    from mimics_app.app.viewer.viewer_window import ViewerSession
 
     with ViewerSession(shown, args.size, args.profile, args.camera, args.up) as session:
         session.run()
@@ -166,7 +171,7 @@ def _draw(args: argparse.Namespace, shown: Shown) -> int:
     drawn = draw_turntable(
         shown,
         args.output or Path("view.png"),
-        args.size,
+        args.size or PICTURE_SIZE,
         frames=args.frames,
         backend=args.backend,
         profile=args.profile,

@@ -92,8 +92,8 @@ def compile_beside(tasks: Mapping[str, Callable[[], None]]) -> Iterator[str]:
 def _draw_start(file: Path) -> None:
     """Play a scene for a moment and draw it small; without graphics run its loop alone."""
     from mimics_app.app.play.stills import draw_stills
-    from mimics_app.app.scenes.catalogue import is_playable
     from mimics_app.app.scenes.loading import load_checked_scene
+    from mimics_app.app.scenes.scenario_choice import is_playable
     from mimics_app.app.settings import RunSettings
     from mimics_app.contracts.errors import DeviceError
 

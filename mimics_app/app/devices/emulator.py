@@ -18,8 +18,8 @@ import msgspec
 
 from mimics_app.app.devices.emulated_trackers import TRACKERS
 from mimics_app.app.play.collector import frozen_objects
-from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.contracts.clock import TICK_NS, MonotonicClock
 from mimics_app.contracts.errors import DeviceError, UsageError, nearest
 from mimics_app.rendering.haptic import scheduler

@@ -15,7 +15,7 @@ __all__ = ["PluginReport", "list_plugins", "plugin_groups", "report_group"]
 
 def plugin_groups() -> tuple[PluginGroup, ...]:
     """Return the groups of entry points, each from the stage that uses its plug-ins."""
-    from mimics_app.contracts import scenario_port
+    from mimics_app.contracts import display_choice, scenario_port, tracker_port
     from mimics_app.inputs.physio import sources
     from mimics_app.learning import registry as policies
     from mimics_app.rendering.haptic import force_fields
@@ -24,8 +24,9 @@ def plugin_groups() -> tuple[PluginGroup, ...]:
     from mimics_app.world.components import plugins as components
     from mimics_app.world.scene import method_plugins
 
-    stages = (device_names, components, scenario_port, kinds, force_fields, policies, sources, method_plugins)
-    return tuple(stage.PLUGINS for stage in stages)
+    contracts = (scenario_port, display_choice, tracker_port)
+    stages = (device_names, components, kinds, force_fields, policies, sources, method_plugins)
+    return tuple(owner.PLUGINS for owner in (*contracts, *stages))
 
 
 @dataclass(frozen=True, slots=True)

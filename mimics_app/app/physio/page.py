@@ -8,8 +8,8 @@ import numpy as np
 
 from mimics_app.app.physio.watch import Watch
 from mimics_app.plotting.axis import Axis
+from mimics_app.plotting.page_templates import load_templates
 from mimics_app.plotting.plot import Plot, envelope
-from mimics_app.plotting.templates import load_templates
 from mimics_app.recording.run_folder import write_atomically
 
 __all__ = ["write_page"]

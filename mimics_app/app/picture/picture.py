@@ -40,7 +40,9 @@ from mimics_app.world.world import World
 __all__ = ["Picture", "draws_in_software", "live_quality", "picture_quality"]
 
 
-def live_quality(scene: Scene, profile: Profile, surface: Surface, drawn: Size | None = None) -> RenderSettings:
+def live_quality(
+    scene: Scene, profile: Profile, surface: Surface, drawn: Size | None = None, *, full: bool = False
+) -> RenderSettings:
     """Return the quality of a live picture; drawn on the processor, it is the planner's choice for its frame time.
 
     The costs of the planner's table are those of the processor. With a graphics card only the frame governor holds the
@@ -51,9 +53,10 @@ def live_quality(scene: Scene, profile: Profile, surface: Surface, drawn: Size |
         profile: Profile whose tolerances hold where the scene states none.
         surface: Surface of the picture.
         drawn: Size of the picture as drawn, for all eyes together [px]; None: that of the surface.
+        full: True for the full quality, however long a frame takes.
     """
     width, height = drawn or surface.size
-    return picture_quality(scene, profile, width * height if draws_in_software(surface) else 0)
+    return picture_quality(scene, profile, width * height if draws_in_software(surface) else 0, limited=not full)
 
 
 def draws_in_software(surface: Surface) -> bool:
@@ -61,13 +64,14 @@ def draws_in_software(surface: Surface) -> bool:
     return read_capabilities(surface.ctx).software
 
 
-def picture_quality(scene: Scene, profile: Profile, pixels: int = 0) -> RenderSettings:
+def picture_quality(scene: Scene, profile: Profile, pixels: int = 0, *, limited: bool = True) -> RenderSettings:
     """Return the quality of a picture: that of the scene's `systems.visual`, the planner's choice where it is open.
 
     Args:
         scene: The scene.
         profile: Profile whose tolerances hold where the scene states none.
         pixels: Size of a live picture drawn on the processor [px]; 0: the frame time is free (see `plan.plan_scene`).
+        limited: False leaves the frame time of a live picture free, too.
     """
     visual = visual_of(scene)
     boards = scene.components(HudComponent)
@@ -86,7 +90,7 @@ def picture_quality(scene: Scene, profile: Profile, pixels: int = 0) -> RenderSe
         fog_density=visual.fog_density,
         profile=profile,
     )
-    return with_methods(wanted, plan_scene(scene, profile, pixels=pixels).settings)
+    return with_methods(wanted, plan_scene(scene, profile, pixels=pixels, limited=limited).settings)
 
 
 class Picture:

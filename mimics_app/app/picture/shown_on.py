@@ -8,9 +8,7 @@ from pathlib import Path
 from mimics_app.contracts.display_choice import DISPLAY_KINDS, DisplayChoice, parse_display
 from mimics_app.contracts.display_port import Display
 from mimics_app.contracts.errors import SceneError, UsageError
-from mimics_app.rendering.visual.displays.catalogue import make_display
-from mimics_app.rendering.visual.displays.headset_file import load_headset
-from mimics_app.rendering.visual.displays.wall_file import load_walls
+from mimics_app.rendering.visual.displays.display_kinds import check_display_file, make_display
 from mimics_app.rendering.visual.surfaces.surface import Surface
 from mimics_app.world.components.systems import DisplaySettings
 from mimics_app.world.scene.paths import PathFault, find_file
@@ -44,11 +42,7 @@ def check_display(scene: Scene, requested: str) -> None:
     Raises:
         SceneError: The scene's display needs a file, or its file is faulty.
     """
-    choice = chosen_display(scene, requested)
-    if choice.kind in ("wall", "cave"):
-        load_walls(Path(choice.file))
-    elif choice.file:
-        load_headset(Path(choice.file))
+    check_display_file(chosen_display(scene, requested))
 
 
 def chosen_display(scene: Scene, requested: str) -> DisplayChoice:
@@ -56,8 +50,7 @@ def chosen_display(scene: Scene, requested: str) -> DisplayChoice:
     if requested:
         return parse_display(requested)
     settings = scene.system(DisplaySettings) or DisplaySettings()
-    wants = DISPLAY_KINDS[settings.kind]
-    if not settings.file or wants == "never":
+    if not settings.file or DISPLAY_KINDS.get(settings.kind) == "never":
         try:
             return parse_display(settings.kind)
         except UsageError as error:

@@ -14,7 +14,7 @@ from statistics import median
 from typing import IO, TYPE_CHECKING, Protocol
 
 from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS
-from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.errors import OutputError
 from mimics_app.rendering.visual.frame_set import FrameSet
 from mimics_app.rendering.visual.presenting.presenter import Presenter
 from mimics_app.rendering.visual.renderer import Renderer
@@ -93,7 +93,9 @@ class Film:
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise UsageError(f"no film can be written to {folder}: {error.strerror}", "give another --video") from None
+            raise OutputError(
+                folder, f"no film can be written here: {error.strerror}", "give another --video"
+            ) from None
         self._sink: _Sink = _Ffmpeg(program, self.place, surface.size) if program else _PngFolder(self.place)
         self._surface, self._live = surface, live
         self._reader = FrameReader(surface, 2 if live else 0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -24,7 +25,7 @@ from mimics_app.contracts.method_table import Row, Table
 from mimics_app.contracts.methods import Settings
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.world.components.effects import Billboard, Particles, Projector
-from mimics_app.world.components.objects import ForceField, HapticEffect, HapticObject, HapticPath, HapticWalls
+from mimics_app.world.components.objects import ForceField, HapticEffect, HapticObject, HapticWalls
 from mimics_app.world.components.pictures import Inset, Mirror, Screen
 from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.visible import LightComponent, Sound, SoundEmitter
@@ -36,6 +37,8 @@ TICK_GROUP = "haptic tick"
 """Group of the table with the cost of the whole tick, by tunnel projection."""
 
 _SHAPES = "bounding geometry"
+_EFFECTS, _GRIP = "effects", "grip"
+_ACTING = "effects and force fields"
 _OF_TICK = ("resting bodies",)
 """Groups whose cost is added to that of the whole tick."""
 
@@ -161,14 +164,28 @@ def _tick_parts(scene: Scene, plan: Plan) -> list[Part]:
     some = _has_objects(scene)
     what = f"{WHOLE_TICK} without its objects" if some else f"{WHOLE_TICK}, all of it"
     part = Part(what, TICK_GROUP, row.method, row.cost_us, None, "", None, None, note=_IN_TICK, tick_us=row.cost_us)
-    return [part, *(_touch_parts(scene, plan) if some else []), *_parts_without_figures(scene)]
+    return [part, *(_touch_parts(scene, plan) if some else []), *_effect_parts(scene, plan), *_grip_parts(scene, plan)]
 
 
-def _parts_without_figures(scene: Scene) -> list[Part]:
-    """Return the parts of the loop without a rival: the table has no figures for them."""
-    acting = sum(scene.has(kind) for kind in (HapticEffect, ForceField, HapticPath))
-    running = [("effects and force fields", "every tick, each", acting), ("grip", "between fingers", grips(scene))]
-    return [Part(what, "", how, None, None, "", None, None, note=_ALONE) for what, how, some in running if some]
+def _effect_parts(scene: Scene, plan: Plan) -> list[Part]:
+    """Return the effects and force fields by their kind."""
+    kinds = [each.effect.__struct_config__.tag for _, each, _ in scene.components(HapticEffect)]
+    kinds += ["force_field" for _ in scene.components(ForceField)]
+    rows = {row.settings["effect"]: row for row in plan.table.groups.get(_EFFECTS, [])}
+    return [
+        Part(_ACTING, _EFFECTS, row.method, row.cost_us, None, "", None, None, tick_us=count * row.cost_us)
+        for kind, count in Counter(kinds).items()
+        if (row := rows.get(kind)) is not None
+    ]
+
+
+def _grip_parts(scene: Scene, plan: Plan) -> list[Part]:
+    """Return the grip, where fingers can hold an object; its cost is that of a tick that holds one."""
+    rows = plan.table.groups.get(_GRIP, []) if grips(scene) else []
+    return [
+        Part(_GRIP, _GRIP, row.method, row.cost_us, None, "", None, None, note=_ALONE, tick_us=row.cost_us)
+        for row in rows
+    ]
 
 
 def _touch_parts(scene: Scene, plan: Plan) -> list[Part]:

@@ -137,7 +137,9 @@ def load_table() -> tuple[Table, str]:
     return table, origin
 
 
-def plan_scene(scene: Scene, profile: Profile, table: Table | None = None, pixels: int = 0) -> Plan:
+def plan_scene(
+    scene: Scene, profile: Profile, table: Table | None = None, pixels: int = 0, *, limited: bool = True
+) -> Plan:
     """Choose a method of every group that the scene uses.
 
     Args:
@@ -146,10 +148,11 @@ def plan_scene(scene: Scene, profile: Profile, table: Table | None = None, pixel
         table: Table of costs and errors; None: that of this installation.
         pixels: Size of a live picture drawn on the processor [px]; 0: the frame time is free, or a graphics card draws,
             for which the costs of the table do not hold.
+        limited: False leaves the frame time of a live picture free, too.
     """
     table, origin = load_table() if table is None else (table, "given")
     tolerances = tolerances_of(scene, profile)
-    room_ms = ROOM * tolerances["frame_ms"] if pixels and profile != "study" else math.inf
+    room_ms = ROOM * tolerances["frame_ms"] if pixels and limited and profile != "study" else math.inf
     choices = list[Choice]()
     for group, use in uses().items():
         if _is_bounded(table.groups.get(group, ())) and use.used(scene):
@@ -185,7 +188,8 @@ class _Budget:
 def _choice(
     scene: Scene, group: str, use: Use, rows: Sequence[Row], tolerances: Mapping[str, float], budget: _Budget
 ) -> Choice:
-    rivals = [row for row in rows if use.allowed(scene, row.settings)] or list(rows)
+    allowed = [row for row in rows if use.allowed(scene, row.settings)] or list(rows)
+    rivals = [row for row in allowed if budget.scale or not use.only_live(row.settings)] or allowed
     tolerance = tolerances[FIELD_OF_UNIT[rows[0].unit]]
     best, wanted = choose(rivals, tolerance, budget.most_us), choose(rivals, tolerance)
     named = use.named(scene)

@@ -233,6 +233,11 @@ def _named_edges(scene: Scene) -> Settings | None:
     return {"msaa": 4 if visual.samples == "auto" else visual.samples, "fxaa": visual.anti_aliasing == "both"}
 
 
+def _is_edge_filter(settings: Settings) -> bool:
+    """Whether edges are only filtered, which flickers where an object is thinner than a pixel."""
+    return settings == {"msaa": 0, "fxaa": True}
+
+
 def _bends(scene: Scene) -> bool:
     return scene.has(Animation) or scene.has(Avatar)
 
@@ -301,7 +306,9 @@ USES: Mapping[str, Use] = {
         "the two eyes before a picture", _for_two_eyes, _unless_auto("stereo", lambda scene: _display_of(scene).passes)
     ),
     "sun shadows": Use("shadows of the sun", _has_sun_shadow, _named_shadows, _may_shadow, _PROBE_PX),
-    "anti aliasing": Use("anti-aliasing", _has(CameraComponent), _named_edges, pixels=_PROBE_PX),
+    "anti aliasing": Use(
+        "anti-aliasing", _has(CameraComponent), _named_edges, only_live=_is_edge_filter, pixels=_PROBE_PX
+    ),
     "ambient occlusion": Use(
         "ambient occlusion", lambda scene: visual_of(scene).ambient_occlusion > 0.0, pixels=_PROBE_PX
     ),
@@ -322,6 +329,7 @@ def uses() -> Mapping[str, Use]:
 NOT_PLANNED: Mapping[str, str] = {
     "integrator": 'the integrators of bodies on one wall alone; "colliding bodies" chooses among all a body can have',
     "bounding geometry": "the shape of an object is its author's choice",
+    "effects": "each is another force: its author's choice",
     "joint mixing": "the bending of a body is a matter of appearance: the scene's `animation.skinning` states it",
     "culling": "the faster one depends on the view: the renderer counts the items of each scene",
     "frame of nodes": "culling, measured in whole frames",

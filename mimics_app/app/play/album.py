@@ -98,7 +98,7 @@ class Album:
         from mimics_app.rendering.visual.surfaces.headless import open_offscreen
 
         session = self._session
-        surface = open_offscreen("auto", session.settings.size)
+        surface = open_offscreen("auto", session.settings.picture_size)
         quality = picture_quality(session.scene, session.settings.profile)
         display = open_display(session.scene, session.settings.display, surface)
         picture = Picture(surface, session.scene, session.world, quality, display=display)

@@ -11,7 +11,7 @@ from mimics_app.app.session.sound import open_sound
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.audio_port import AudioReport
 from mimics_app.contracts.clock import FRAMES_PER_SECOND
-from mimics_app.contracts.errors import Issue, SceneError, UsageError
+from mimics_app.contracts.errors import Issue, OutputError, SceneError
 from mimics_app.world.scene.scene import Scene
 
 __all__ = ["write_sound"]
@@ -28,8 +28,9 @@ def write_sound(settings: RunSettings, file: Path, seconds: float, read: Scene |
 
     Raises:
         SceneError: The scene is faulty, or has no sound.
-        UsageError: The file cannot be written.
+        OutputError: The file cannot be written.
     """
+    _check_place(file)
     parts = prepare(settings, live=False, read=read)
     with open_core(parts) as core:
         core.sound = open_sound(parts, core.memory, file.parent, file)
@@ -41,5 +42,18 @@ def write_sound(settings: RunSettings, file: Path, seconds: float, read: Scene |
     if report is None:
         raise SceneError(Issue(str(parts.scene.path), "", "no entity has a sound", "add a `sound` component"))
     if not report.file:
-        raise UsageError(f"{file}: {report.status.notice}", "name a file that can be written")
+        raise OutputError(file, report.status.notice)
     return report
+
+
+def _check_place(file: Path) -> None:
+    """Check before the play that the file can be written; none is left behind."""
+    is_new = not file.exists()
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        with file.open("ab"):
+            pass
+        if is_new:
+            file.unlink()
+    except OSError as error:
+        raise OutputError(file, f"cannot be written: {error.strerror}", "name another file") from error

@@ -11,7 +11,7 @@ from mimics_app.app.installation.serial_ports import list_serial_ports
 from mimics_app.app.scenes.shipped import GROUPS, ShippedScene, find_shipped, shipped_scenes, thumbnail_of
 from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.user_files import read_config, write_config
-from mimics_app.contracts.display_choice import DISPLAY_KINDS
+from mimics_app.contracts.display_choice import DISPLAY_KINDS, display_names
 from mimics_app.recording.history import EarlierRun, cut_off_runs, recent_runs
 from mimics_app.rendering.haptic.devices.device_names import ADDRESSES, POINTER, REPLAY, SIMULATED, device_names
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice, ScenarioCard
@@ -102,7 +102,7 @@ def _task_settings() -> list[Setting]:
         Setting(
             "trials",
             "Number of trials",
-            "How many trials count; practice comes before them as ever.",
+            "How many trials count; practice still comes before them.",
             _choices({"": "as the scene says", **{str(n): str(n) for n in (1, 2, 3, 5, 10, 20)}}),
         ),
     ]
@@ -110,7 +110,7 @@ def _task_settings() -> list[Setting]:
 
 def _output_settings() -> list[Setting]:
     """Return the settings of picture and sound."""
-    kinds = ["", *(kind for kind, wants in DISPLAY_KINDS.items() if wants != "must")]
+    kinds = ["", *(kind for kind in display_names() if DISPLAY_KINDS.get(kind) != "must")]
     displays = {kind: _DISPLAYS.get(kind, kind) for kind in kinds} | _found_displays()
     return [
         Setting(

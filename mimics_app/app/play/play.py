@@ -17,7 +17,7 @@ from mimics_app.app.play.progress_line import ProgressLine
 from mimics_app.app.play.result import summarise
 from mimics_app.app.play.summary_lines import summary_lines
 from mimics_app.app.play.value_picture import ValuePicture
-from mimics_app.app.session.build import build_session, start_loop
+from mimics_app.app.session.assembly import build_session, start_loop
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.session import Session
 from mimics_app.app.settings import RunSettings
@@ -124,8 +124,8 @@ def _say_where_kept(session: Session) -> Iterator[None]:
 def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
     """Play in a window, with the live loop and the sound output."""
     from mimics_app.app.picture.shown_on import chosen_display
-    from mimics_app.app.session.person import person_inputs
-    from mimics_app.rendering.visual.surfaces.contexts import create_surface
+    from mimics_app.app.picture.window_opening import open_window, remember_size
+    from mimics_app.app.session.person_input import person_inputs
 
     log.doing("Starting touch, sound and recording")
     start_loop(session)
@@ -134,7 +134,7 @@ def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
     title = session.scene.title or session.scene.name
     # A headset has its own frame rate: its mirror in the window must not wait for the monitor.
     vsync = kind not in ("openxr", "sim-hmd")
-    surface = create_surface("window", session.settings.size, title, vsync=vsync, stereo=kind == "quad")
+    surface = open_window(session.settings.size, title, vsync=vsync, stereo=kind == "quad")
     open_picture(session, surface, keep=log.asked)
     session.inputs = person_inputs(session)
 
@@ -147,6 +147,7 @@ def _play_in_window(session: Session, frames: Frames, log: JourneyLog) -> None:
 
     with frozen_objects():
         run_live(session, frames, after_frame)
+    remember_size(surface)
 
 
 def _show_result(session: Session, answer: dict[str, Any]) -> str:
@@ -169,16 +170,13 @@ def _show_result(session: Session, answer: dict[str, Any]) -> str:
 
 def open_picture(session: Session, surface: Surface, *, keep: bool = False) -> None:
     """Draw the session on a surface from now on; `keep` leaves it open for the page of results."""
-    from mimics_app.app.picture.picture import Picture, live_quality, picture_quality
+    from mimics_app.app.picture.picture import Picture, live_quality
     from mimics_app.app.picture.shown_on import open_display
 
     settings, scene = session.settings, session.scene
-    best = settings.quality == "full"
     display = open_display(scene, settings.display, surface)
-    drawn = display.drawn_size(surface.size)
-    quality = (
-        picture_quality(scene, settings.profile) if best else live_quality(scene, settings.profile, surface, drawn)
-    )
+    drawn, full = display.drawn_size(surface.size), settings.quality == "full"
+    quality = live_quality(scene, settings.profile, surface, drawn, full=full)
     session.recorder.journal("quality", asdict(quality))
     session.show(Picture(surface, scene, session.world, quality, display=display))
     session.window = surface if keep else None

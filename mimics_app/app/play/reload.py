@@ -6,8 +6,8 @@ import sys
 from typing import TYPE_CHECKING
 
 from mimics_app.app.planner.plan import settle
-from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.session import Session
 from mimics_app.app.terminal.output import with_line
 from mimics_app.app.touch.haptic_side import HapticSide

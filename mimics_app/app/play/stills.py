@@ -10,8 +10,8 @@ from mimics_app.app.picture.drawn import Drawn
 from mimics_app.app.picture.picture import Picture, picture_quality
 from mimics_app.app.picture.shown_on import open_display
 from mimics_app.app.picture.video import draw_film
-from mimics_app.app.scenes.catalogue import is_playable
 from mimics_app.app.scenes.loading import check_scene, read_scene
+from mimics_app.app.scenes.scenario_choice import is_playable
 from mimics_app.app.session.core import SessionCore, open_core
 from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
@@ -64,7 +64,7 @@ def draw_stills(
     if video is not None:
         frames = max(1, round(FRAMES_PER_SECOND * seconds))
     with closing(_moments(scene, settings, frames, seconds)) as play:
-        surface = open_offscreen(backend, settings.size)
+        surface = open_offscreen(backend, settings.picture_size)
         display = open_display(scene, settings.display, surface)
         picture = Picture(surface, scene, play.world, picture_quality(scene, settings.profile), camera, display)
         play.shown_by(picture.presenter)

@@ -21,11 +21,15 @@ _COLUMNS = 4
 """Number of pictures in a row of the contact sheet."""
 
 _MOMENT_S = 1.5
-_MOMENTS_S = {"wavy_tunnel": 2.0, "pick_and_place": 3.0, "guided_walk": 4.0, "falling_pairs": 0.5, "tower": 0.3}
+_MOMENTS_S = {
+    "wavy_tunnel": 2.0,
+    "pick_and_place": 3.0,
+    "guided_walk": 4.0,
+    "city_walk": 9.0,
+    "falling_pairs": 0.5,
+    "tower": 0.3,
+}
 """Time for which the simulated patient plays before the picture is drawn [s], by scene."""
-
-_CAMERAS = {"city_walk": "church_square"}
-"""Entity whose camera draws the thumbnail, where it is not the scene's first camera."""
 
 
 def draw_thumbnails(folder: Path, names: Sequence[str] = ()) -> Iterator[Path]:
@@ -72,7 +76,6 @@ def _draw(scene: ShippedScene, folder: Path) -> Path:
             RunSettings(scene.file, size=_DRAWN, quality="full"),
             Path(place),
             seconds=_MOMENTS_S.get(scene.name, _MOMENT_S),
-            camera=_CAMERAS.get(scene.name, ""),
             board=False,
         )
         file = folder / f"{scene.name}.jpg"

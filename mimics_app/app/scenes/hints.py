@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.trial_state import TrialState
-from mimics_app.rendering.haptic.devices.reach import Reach
+from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.world.components.haptic_shapes import (
     CapsuleSolid,
     CubeSolid,
@@ -73,7 +73,7 @@ def _out_of_reach(scene: Scene) -> list[Issue]:
         place = pose_of(scene, name)[0]
         away = float(np.linalg.norm(reach.from_world(place) - centre)) - _radius(scene, name, body)
         if away > _FARTHEST:
-            what = f'"{name}" is {away:.1f} m from where the robot is: nobody feels it'
+            what = f'"{name}" is {away:.1f} m from where the robot is: it cannot be felt'
             found.append(scene.issue(pointer, what, "move it or the robot (robot_to_world)"))
     return found
 

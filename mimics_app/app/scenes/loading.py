@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import mimics_app.tasks.scene_section  # noqa: F401  registers the task block
-from mimics_app.app.scenes.finding import find_scene
+from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.contracts.errors import SceneError
 from mimics_app.world.scene.file import load_scene
 from mimics_app.world.scene.scene import Scene

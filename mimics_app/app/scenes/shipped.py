@@ -29,7 +29,7 @@ ONLY_LOOKED_AT = "none"
 GROUPS = {"tasks": "Tasks", "examples": "Examples", "places": "Places"}
 """Title of each group: scenes with a task, examples of one feature each, scenes that are only looked at."""
 
-_FIRST = ("wavy_tunnel", "pick_and_place", "guided_walk")
+_FIRST = ("wavy_tunnel", "pick_and_place", "city_walk", "guided_walk")
 
 _SECONDS = 60.0
 """Default duration of a trial [s], the same as `tasks.task.TaskSpec.time_limit_s` (a test compares them)."""

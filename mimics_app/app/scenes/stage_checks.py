@@ -13,8 +13,8 @@ from mimics_app.contracts.errors import DeviceError, Issue, UsageError
 from mimics_app.estimation.registry import check_estimator
 from mimics_app.learning.goals import build_goal
 from mimics_app.learning.registry import check_policy
-from mimics_app.rendering.haptic.devices.reach import Reach
 from mimics_app.rendering.haptic.devices.robot_checks import check_points, check_robot
+from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.rendering.haptic.force_fields import check_field
 from mimics_app.rendering.haptic.scene_effects import check_field_count, check_haptic_path
 from mimics_app.rendering.haptic.scene_objects import check_objects

@@ -11,15 +11,27 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.input_port import SignalSource
+from mimics_app.contracts.messages import FeatureFrame, TrialResult, UserState
 from mimics_app.contracts.stages import Dsp, Estimation, Goal, Learning
 from mimics_app.dsp.stage import NullDsp
-from mimics_app.estimation.stage import NullEstimation
-from mimics_app.learning.action_sequence import load_action_sequence
-from mimics_app.learning.stage import NullLearning, TaskGoal
+from mimics_app.learning.action_sequence import ActionSequence, load_action_sequence
+from mimics_app.learning.goals import TaskGoal
 from mimics_app.tasks.actions import build_action_space, build_learning_space
 from mimics_app.tasks.task import TaskSpec
 
-__all__ = ["Body", "make_stages", "open_body"]
+__all__ = ["Body", "NullEstimation", "make_stages", "open_body"]
+
+
+class NullEstimation:
+    """Estimator whose state is always unknown."""
+
+    def update(self, features: FeatureFrame) -> UserState:
+        """Return an unknown state at the time of the features."""
+        return UserState(features.t_ns)
+
+    def judge(self, result: TrialResult) -> UserState:
+        """Return an unknown state at the time of the result."""
+        return UserState(result.t_ns)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +50,7 @@ class Body:
     sources: tuple[SignalSource, ...] = ()
     dsp: Dsp = field(default_factory=lambda: NullDsp())
     estimation: Estimation = field(default_factory=lambda: NullEstimation())
-    learning: Learning = field(default_factory=lambda: NullLearning())
+    learning: Learning = field(default_factory=ActionSequence)
     goal: Goal = field(default_factory=TaskGoal)
     header: Mapping[str, object] = field(default_factory=dict)
 
@@ -77,7 +89,7 @@ def make_stages(header: Mapping[str, object]) -> Body:
     from mimics_app.learning.goals import build_goal
 
     read = msgspec.convert(header, _Header)
-    learning: Learning = NullLearning()
+    learning: Learning = ActionSequence()
     if read.learn:
         from mimics_app.learning.agent import Agent
         from mimics_app.learning.registry import check_policy
@@ -128,7 +140,7 @@ def _header(settings: RunSettings, task: TaskSpec, learn: str) -> Mapping[str, o
 
 def _sources(settings: RunSettings, preset: str) -> tuple[SignalSource, ...]:
     """Return the source of the movement, and that of body signals where one was requested."""
-    from mimics_app.inputs.physio.movement import Movement
+    from mimics_app.inputs.stage import Movement
 
     if not settings.physio:
         return (Movement(),)

@@ -36,7 +36,7 @@ class EffectiveSetting:
         unit: "" for a number without unit, a word or a truth value.
         origin: "default", "profile NAME", "command line", "device NAME", or the place in a scene file as
             file#/json/pointer.
-        meaning: What it is, for a person.
+        meaning: Description for a person.
     """
 
     section: str

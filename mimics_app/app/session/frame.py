@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.app.cues.effect_cues import EffectCues
 from mimics_app.app.cues.motion_cues import MotionCues
-from mimics_app.app.picture.stability_card import stability_card
+from mimics_app.app.picture.board import stability_card
 from mimics_app.app.session.core import SessionCore
 from mimics_app.app.session.safety_watch import SafetyWatch
 from mimics_app.app.session.watches import RecorderWatch, SignalWatch

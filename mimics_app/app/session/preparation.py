@@ -12,8 +12,8 @@ import msgspec
 from numpy.typing import NDArray
 
 from mimics_app.app.planner.plan import Plan, settle
-from mimics_app.app.scenes.catalogue import open_scenario
 from mimics_app.app.scenes.loading import check_scene
+from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.body import Body, open_body
 from mimics_app.app.session.requested import read_requested, with_requested_trials
 from mimics_app.app.settings import RunSettings
@@ -23,6 +23,7 @@ from mimics_app.app.touch.parameter_store import ParameterStore
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.contracts.scenario_port import Scenario, TaskContext
 from mimics_app.recording.run import Run
+from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.described import descriptor_of
 from mimics_app.rendering.haptic.devices.device_names import POINTER, SIMULATED
 from mimics_app.rendering.haptic.devices.registry import build_device
@@ -80,6 +81,7 @@ class Preparation:
             self.scenario.task_context,
             feel=feel_of(self.plugin),
             simulated=not self.live,
+            limb=(self.plugin.descriptor or HAPTICMASTER).contacts[0],
             by_pointer=self.robot.device == POINTER,
             introduced=self.live and self.settings.journey is not None,
         )

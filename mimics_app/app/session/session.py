@@ -40,7 +40,7 @@ class Session(SessionCore):
         governor: Governor of the frame time; None where the frame time is free.
         film: File of the video; None without one.
         window: Window that stays open for the page of results; None: it closes with the picture.
-        trouble: Reason of an early end that nobody requested; "" for none.
+        trouble: Reason of an unrequested early end; "" for none.
         on_close: Cleanup of a run that ends before `finish`.
     """
 

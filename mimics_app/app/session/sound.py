@@ -25,7 +25,7 @@ def open_sound(parts: Preparation, memory: SessionMemory, folder: Path, file: Pa
     """Open the sound of a scene; a scene without sounds imports none of its modules.
 
     Args:
-        parts: Of the session.
+        parts: Parts of the session.
         memory: Shared memory with the contact events of the loop.
         folder: Run folder; sound.wav is written there where it is requested.
         file: File to write instead of sound.wav.

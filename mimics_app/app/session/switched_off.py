@@ -80,7 +80,7 @@ class NullRecorder(RecorderPort):
     """Recorder that keeps nothing; the samples of the newest frame can be read until the next one begins.
 
     Args:
-        memory: Of the session.
+        memory: Memory of the session.
     """
 
     problem = ""

@@ -32,7 +32,7 @@ class Tap:
     """Sends new data of the person to the recorder.
 
     Args:
-        recorder: Of the session.
+        recorder: Recorder of the session.
     """
 
     def __init__(self, recorder: Keeper) -> None:

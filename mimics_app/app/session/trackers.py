@@ -8,14 +8,12 @@ from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.contracts.tracker_port import TrackerSource
 from mimics_app.inputs.trackers.calibration import UNITS, Calibration, axis_map, fit_room
-from mimics_app.inputs.trackers.headset_tracker import HeadsetTracker
 from mimics_app.inputs.trackers.hub import Placed, TrackerHub
-from mimics_app.inputs.trackers.pointer_tracker import PointerTracker
-from mimics_app.inputs.trackers.scripted_person import ScriptedPerson
-from mimics_app.inputs.trackers.tape import TapeTracker, TapeWriter
+from mimics_app.inputs.trackers.tape import TapeWriter
+from mimics_app.inputs.trackers.tracker_kinds import TrackerRequest, build_tracker
 from mimics_app.maths.poses import pose_from_parts
 from mimics_app.world.components.trackers import TrackerSpec, TrackersSettings
-from mimics_app.world.scene.paths import PathFault, find_file
+from mimics_app.world.scene.paths import PathFault
 from mimics_app.world.scene.scene import Scene
 
 __all__ = ["TAPE", "make_hub"]
@@ -46,35 +44,10 @@ def make_hub(scene: Scene, clock: Clock, seed: int, folder: Path | None = None) 
 
 
 def _source(scene: Scene, spec: TrackerSpec, pointer: str, clock: Clock, seed: int) -> TrackerSource:
-    if spec.kind == "tape":
-        try:
-            return TapeTracker(spec.name, find_file(spec.address, scene.path.parent, scene.root))
-        except PathFault as fault:
-            raise SceneError(scene.issue(f"{pointer}/address", fault.what, fault.fix)) from None
-    if spec.kind == "scripted":
-        return ScriptedPerson(spec.name, seed)
-    if spec.kind in ("pointer", "headset"):
-        return PointerTracker(spec.name) if spec.kind == "pointer" else HeadsetTracker(spec.name)
-    return _connected(spec, clock)
-
-
-def _connected(spec: TrackerSpec, clock: Clock) -> TrackerSource:
-    """Return a tracker on a serial line or a network; its libraries are imported only where a scene has it."""
-    if spec.kind in ("fastrak", "flock"):
-        from mimics_app.inputs.trackers.serial_tracker import fastrak, flock_of_birds
-
-        return (fastrak if spec.kind == "fastrak" else flock_of_birds)(spec.name, spec.address, spec.baud, clock)
-    if spec.kind == "vrpn":
-        from mimics_app.inputs.trackers.vrpn import VrpnTracker
-
-        return VrpnTracker(spec.name, spec.address, clock)
-    if spec.kind == "osc":
-        from mimics_app.inputs.trackers.osc import OscTracker
-
-        return OscTracker(spec.name, spec.address, clock)
-    from mimics_app.inputs.trackers.lsl import LslTracker
-
-    return LslTracker(spec.name, spec.address, clock)
+    try:
+        return build_tracker(TrackerRequest(spec, scene, clock, seed))
+    except PathFault as fault:
+        raise SceneError(scene.issue(f"{pointer}/address", fault.what, fault.fix)) from None
 
 
 def _place(scene: Scene, spec: TrackerSpec, source: TrackerSource, pointer: str) -> Placed:

@@ -16,7 +16,7 @@ class RecorderWatch:
     """Reports a recorder that died, is back, or cannot record.
 
     Args:
-        recorder: Of the session.
+        recorder: Recorder of the session.
         report: Shows a line to the person.
     """
 

@@ -10,22 +10,23 @@ from typing import Any
 from mimics_app.app.study.subjects import SubjectRun
 from mimics_app.app.study.tables import Row, summarise_conditions
 from mimics_app.contracts.plural import counted
-from mimics_app.plotting.templates import load_templates
+from mimics_app.plotting.page_templates import load_templates
+from mimics_app.tasks.kinds.registry import task_kinds
+from mimics_app.tasks.task import MEASURES
 
 __all__ = ["write_page"]
-
-_MEASURES = ("ownership", "touch", "agency", "location", "control", "drift_m")
 
 
 def write_page(file: Path, title: str, runs: Sequence[SubjectRun], trials: Sequence[Row], taps: Sequence[Row]) -> None:
     """Write the results of a study as one self-contained HTML file."""
     environment = load_templates(Path(__file__).parent / "templates")
     environment.filters["cell"] = _cell
-    conditions = summarise_conditions(trials, _MEASURES)
+    measures = _measures_of(trials)
+    conditions = summarise_conditions(trials, [*measures])
     finished = sum(row["n"] for row in conditions)
     page = environment.get_template("study.html.j2").render(
         title=title,
-        measures=_MEASURES,
+        measures=measures,
         conditions=conditions,
         size=f"{counted(len(runs), 'subjects')}, {counted(finished, 'finished trials')}",
         taps=[_tap_line(label, taps) for label in dict.fromkeys(str(row.get("condition")) for row in taps)],
@@ -34,11 +35,23 @@ def write_page(file: Path, title: str, runs: Sequence[SubjectRun], trials: Seque
     file.write_text(page, encoding="utf-8")
 
 
+def _measures_of(trials: Sequence[Row]) -> dict[str, str]:
+    """Return the columns to be compared, with what they say: measures that have a value in a finished trial.
+
+    An experiment has no score; then only the measures of its kind of task are compared.
+    """
+    finished = [row for row in trials if row.get("outcome") == "finished"]
+    filled = {name for row in finished for name, value in row.items() if value not in (None, "")}
+    of_kinds = [measure for kind in task_kinds() for measure in kind.measures]
+    compared = {each.column: each.what.rstrip(".") for each in (MEASURES if "score" in filled else of_kinds)}
+    return {name: what for name, what in {"score": "Points of 100", **compared}.items() if name in filled}
+
+
 def _cell(row: Row, measure: str) -> str:
     mean, spread = row.get(measure), row.get(f"{measure}_sd")
     if mean is None:
         return ""
-    return f"{mean:.2f}" if spread is None else f"{mean:.2f} ({spread:.2f})"
+    return f"{mean:.3g}" if spread is None else f"{mean:.3g} ({spread:.2g})"
 
 
 def _tap_line(label: str, taps: Sequence[Row]) -> dict[str, Any]:

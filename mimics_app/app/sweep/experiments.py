@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from mimics_app.lab.stability import catalogue
-from mimics_app.lab.sweep.quantity import SweepExperiment
+from pathlib import Path
 
-__all__ = ["NAMES", "find_experiment"]
+from mimics_app.lab.stability import catalogue
+from mimics_app.lab.stability.catalogue import load_experiment
+from mimics_app.lab.sweep.quantity import Columns, Quantity, SweepExperiment
+
+__all__ = ["NAMES", "find_experiment", "stability_map"]
 
 NAMES = ("wall_stability", "patient", *catalogue.NAMES)
 """Names of the experiments: walls, patients, and the stability experiments S1 to S16."""
+
+
+_FINEST = 64
+"""Largest number of points along an axis: a map of two axes then takes minutes."""
 
 
 def find_experiment(name: str) -> SweepExperiment | None:
@@ -22,7 +29,31 @@ def find_experiment(name: str) -> SweepExperiment | None:
 
         return patient.EXPERIMENT
     if name in catalogue.NAMES:
-        from mimics_app.lab.sweep.stability_map import stability_map
-
         return stability_map(name)
     return None
+
+
+def stability_map(name: str) -> SweepExperiment:
+    """Return a stability experiment for sweeps, with a whole map for each point of the sweep.
+
+    Args:
+        name: One of `catalogue.NAMES`.
+    """
+    experiment = load_experiment(name)
+
+    def run(values: Columns, folder: Path) -> Columns:
+        outcomes = [experiment.run(points) for points in values["points"]]
+        return {
+            "rows": [len(outcome.rows) for outcome in outcomes],
+            "disagreement": [outcome.disagreement for outcome in outcomes],
+            "passed": [outcome.passed for outcome in outcomes],
+        }
+
+    return SweepExperiment(
+        name=name,
+        what=f"{experiment.title}: {experiment.claim}",
+        parameters={"points": Quantity("int", "", 4, 2, _FINEST)},
+        results={"rows": "int", "disagreement": "float", "passed": "bool"},
+        chunk=1,
+        run=run,
+    )

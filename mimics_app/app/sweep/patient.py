@@ -15,8 +15,8 @@ from typing import Any
 
 import msgspec
 
-from mimics_app.app.scenes.finding import find_scene
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.session.body import Body
 from mimics_app.app.session.core import open_core
 from mimics_app.app.session.frame import Frames

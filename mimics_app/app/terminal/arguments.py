@@ -8,7 +8,7 @@ from argparse import ArgumentParser, ArgumentTypeError
 from collections.abc import Callable
 from pathlib import Path
 
-from mimics_app.contracts.display_choice import DISPLAY_KINDS, parse_display
+from mimics_app.contracts.display_choice import DISPLAY_KINDS, display_names, parse_display
 from mimics_app.contracts.errors import UsageError
 
 __all__ = [
@@ -103,16 +103,24 @@ def picture_size(text: str) -> tuple[int, int]:
 
 def add_display_argument(parser: ArgumentParser) -> None:
     """Add the option --display."""
-    forms = ", ".join(display_forms().values())
+    forms = ", ".join(_form(kind) for kind in DISPLAY_KINDS)
+    what = f"instead of the scene's: {forms}, or an installed one"
     parser.add_argument(
-        "--display", type=_display_kind, default="", metavar="KIND[:FILE]", help=f"instead of the scene's: {forms}"
+        "--display",
+        type=_display_kind,
+        default="",
+        metavar="KIND[:FILE]",
+        help=what,
     )
 
 
 def display_forms() -> dict[str, str]:
     """Return the kinds of display and the form in which --display takes each: KIND, KIND[:FILE] or KIND:FILE."""
-    files = {"never": "", "may": "[:FILE]", "must": ":FILE"}
-    return {kind: kind + files[wants] for kind, wants in DISPLAY_KINDS.items()}
+    return {kind: _form(kind) for kind in display_names()}
+
+
+def _form(kind: str) -> str:
+    return kind + {"never": "", "may": "[:FILE]", "must": ":FILE"}[DISPLAY_KINDS.get(kind, "may")]
 
 
 def _display_kind(text: str) -> str:

@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.app.viewer.shown import Shown
-from mimics_app.contracts.errors import Issue, SceneError, UsageError
-from mimics_app.world.motion.animator import Animator
+from mimics_app.contracts.errors import Issue, OutputError, SceneError, UsageError
+from mimics_app.world.motion.animator import Animator, Rig
+from mimics_app.world.motion.clip import Clip
+from mimics_app.world.motion.humanoid import HumanoidMap
 
-__all__ = ["add_motion", "animators_of", "clips_of", "play_clip", "write_vertices"]
+__all__ = ["add_motion", "animators_of", "clips_of", "play_clip", "read_motion", "write_vertices"]
 
 
 def animators_of(shown: Shown) -> list[Animator]:
@@ -35,7 +37,6 @@ def add_motion(shown: Shown, path: Path) -> None:
         SceneError: The file is faulty, or no person is shown.
         UsageError: The file is of neither kind.
     """
-    from mimics_app.world.motion.capture import read_motion
     from mimics_app.world.motion.humanoid import find_humanoid
 
     for animator in shown.world.motion.animators.values():
@@ -80,7 +81,7 @@ def write_vertices(shown: Shown, path: Path) -> int:
     the names in the model. Of several levels of detail the finest is written.
 
     Raises:
-        UsageError: The file cannot be written.
+        OutputError: The file cannot be written.
     """
     world, listed = shown.world, shown.world.subentities()
     stand = None if shown.stand is None else shown.stand.index
@@ -105,5 +106,33 @@ def write_vertices(shown: Shown, path: Path) -> int:
                 node=np.array(nodes, dtype=np.str_),
             )
     except OSError as error:
-        raise UsageError(f"{path} cannot be written: {error.strerror}", "name another file") from error
+        raise OutputError(path, f"cannot be written: {error.strerror}", "name another file") from error
     return len(meshes)
+
+
+def read_motion(path: Path, target: Rig, bones: HumanoidMap) -> tuple[Clip, list[str]]:
+    """Read recorded motion as a clip of a model, named after the file; return it and a report of the mapping.
+
+    Args:
+        path: A .bvh or .c3d file.
+        target: Nodes of the model.
+        bones: Bones of the model.
+
+    Raises:
+        SceneError: the file has faults, or its skeleton is not humanoid.
+        UsageError: the format is unknown, or a library that reads it is not installed.
+    """
+    kind = path.suffix.lower()
+    if kind == ".bvh":
+        from mimics_app.world.motion.bvh import capture_clip, read_bvh
+
+        try:
+            return capture_clip(read_bvh(path), path.stem, target, bones)
+        except ValueError as error:
+            raise SceneError(Issue(str(path), "", str(error))) from error
+    if kind == ".c3d":
+        from mimics_app.world.motion.c3d_file import read_c3d
+        from mimics_app.world.motion.marker_clip import marker_clip
+
+        return marker_clip(read_c3d(path), path.stem, target, bones)
+    raise UsageError(f"{path} is not a file of recorded motion", "give a .bvh or a .c3d file")

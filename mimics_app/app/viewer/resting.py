@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mimics_app.app.scenes.catalogue import is_playable, open_scenario
+from mimics_app.app.scenes.scenario_choice import is_playable, open_scenario
 from mimics_app.contracts.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import Scenario

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.builders.avatars.export import FigureWriter, Paint
-from mimics_app.builders.avatars.figure import Figure, make_figure
 from mimics_app.builders.avatars.motions import MOTIONS
 from mimics_app.builders.avatars.paint_face import paint_face
 from mimics_app.builders.avatars.paint_stuff import paint_cloth, paint_curls, paint_eye, paint_hair, paint_hands
@@ -13,7 +12,8 @@ from mimics_app.builders.avatars.person import EVERYBODY
 from mimics_app.builders.avatars.piece import Piece
 from mimics_app.builders.avatars.sheet import I8
 from mimics_app.builders.avatars.skeleton import FINGERS, arm_axes
-from mimics_app.builders.kit.picture import Rgb
+from mimics_app.builders.avatars.whole_person import Figure, make_figure
+from mimics_app.builders.kit.palette_texture import Rgb
 
 __all__ = ["compose", "write_figure"]
 

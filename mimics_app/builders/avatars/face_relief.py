@@ -11,9 +11,9 @@ from mimics_app.builders.avatars.draft import openness
 from mimics_app.builders.avatars.face_map import turns_of
 from mimics_app.builders.avatars.face_shape import Head
 from mimics_app.builders.avatars.fields import F8, gradient, step
-from mimics_app.builders.avatars.picture import place_map
 from mimics_app.builders.avatars.piece import Piece
 from mimics_app.builders.avatars.sheet import I8
+from mimics_app.builders.avatars.textures import place_map
 
 __all__ = ["Relief", "face_relief"]
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from mimics_app.builders.avatars.fields import F8
 from mimics_app.builders.avatars.piece import Piece
-from mimics_app.builders.avatars.poses import SIDES, Pose, X, Y, Z
+from mimics_app.builders.avatars.postures import SIDES, Pose, X, Y, Z
 from mimics_app.builders.avatars.sheet import I8, near_means
 from mimics_app.builders.avatars.skeleton import Skeleton
 from mimics_app.builders.avatars.weights import strongest

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimics_app.builders.avatars.poses import SIDES, Pose, X, Y, Z
+from mimics_app.builders.avatars.postures import SIDES, Pose, X, Y, Z
 from mimics_app.builders.avatars.skeleton import Skeleton
 
 __all__ = ["MOTIONS", "Motion"]

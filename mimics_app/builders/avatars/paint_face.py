@@ -10,8 +10,8 @@ from mimics_app.builders.avatars.face_shape import Head, lid_lines, over_eye
 from mimics_app.builders.avatars.fields import F8, step
 from mimics_app.builders.avatars.hair import hairline
 from mimics_app.builders.avatars.person import Person
-from mimics_app.builders.avatars.picture import encode, place_map, slopes
 from mimics_app.builders.avatars.piece import Piece
+from mimics_app.builders.avatars.textures import encode, place_map, slopes
 from mimics_app.builders.market.clay import noise
 
 __all__ = ["paint_face"]

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from mimics_app.builders.avatars.eyes import IRIS
 from mimics_app.builders.avatars.face_shape import EYE_RADIUS
 from mimics_app.builders.avatars.fields import F8, step
-from mimics_app.builders.avatars.picture import encode, place_map, slopes
 from mimics_app.builders.avatars.sheet import I8
 from mimics_app.builders.avatars.skeleton import FINGERS
+from mimics_app.builders.avatars.textures import encode, place_map, slopes
 from mimics_app.builders.kit.chance import hash_noise, smooth_noise
-from mimics_app.builders.kit.picture import Rgb
+from mimics_app.builders.kit.palette_texture import Rgb
 
 __all__ = ["paint_cloth", "paint_curls", "paint_eye", "paint_hair", "paint_hands"]
 

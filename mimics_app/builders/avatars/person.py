@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from mimics_app.builders.kit.picture import Rgb
+from mimics_app.builders.kit.palette_texture import Rgb
 
 __all__ = ["EVERYBODY", "Body", "Face", "Looks", "Person"]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.builders.avatars.cage import ARM_ROWS, LEG_ROWS, LIMB_AROUND, Cage
 from mimics_app.builders.avatars.fields import F8, step
-from mimics_app.builders.avatars.poses import SIDES
+from mimics_app.builders.avatars.postures import SIDES
 from mimics_app.builders.avatars.sheet import near_means
 from mimics_app.builders.avatars.skeleton import Skeleton, arm_axes
 

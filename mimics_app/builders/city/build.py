@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from mimics_app.builders.city import fittings, furniture, landmark, layout, streets, surfaces, tree
+from mimics_app.builders.city import fittings, furniture, landmark, layout, street_tree, streets, textures
 from mimics_app.builders.city.house import House, build_house
 from mimics_app.builders.city.house_kinds import draw_kinds
 from mimics_app.builders.city.layout import Placed
@@ -159,13 +159,13 @@ class _City:
 
     def add_trees(self) -> None:
         """Both sidewalks of every street, and the square."""
-        for kind in tree.TREES:
-            self._mesh(kind.name, tree.build_tree(kind, self._seed))
-            self._mesh(f"{kind.name}/coarse", tree.build_coarse_tree(kind, self._seed))
+        for kind in street_tree.TREES:
+            self._mesh(kind.name, street_tree.build_tree(kind, self._seed))
+            self._mesh(f"{kind.name}/coarse", street_tree.build_coarse_tree(kind, self._seed))
         self._mesh("church", landmark.build_church())
         self._mesh("bench", furniture.build_bench())
         self._mesh("planter", furniture.build_planter())
-        names = [kind.name for kind in tree.TREES]
+        names = [kind.name for kind in street_tree.TREES]
         chance = Chance(self._seed, "trees")
         group = self._group("trees")
         for number, placed in enumerate(layout.lay_street_trees(names, chance)):
@@ -185,7 +185,7 @@ class _City:
         """Behind the houses: workshops, and trees of the coarse form, which nobody comes near."""
         self._mesh("workshop", landmark.build_workshop())
         group = self._group("yards")
-        names = [kind.name for kind in tree.TREES]
+        names = [kind.name for kind in street_tree.TREES]
         for number, placed in enumerate(layout.lay_yards(names, Chance(self._seed, "yards"))):
             self._place(group, f"yard{number}", placed)
 
@@ -218,20 +218,20 @@ class _City:
 
 
 _PAINTED: dict[str, tuple[Callable[[int], bytes], bool]] = {
-    "brick": (surfaces.paint_brick, True),
-    "plaster": (surfaces.paint_plaster, True),
-    "stone": (surfaces.paint_stone, True),
-    "tiles": (surfaces.paint_tiles, True),
-    "slate": (surfaces.paint_slate, True),
-    "brick_bay": (partial(surfaces.paint_bay, kind="brick"), True),
-    "plaster_bay": (partial(surfaces.paint_bay, kind="plaster"), True),
-    "road": (surfaces.paint_road, True),
-    "zebra": (surfaces.paint_zebra, False),
-    "asphalt": (surfaces.paint_asphalt, True),
-    "paving": (surfaces.paint_paving, True),
-    "grass": (surfaces.paint_grass, True),
-    "gardens": (surfaces.paint_gardens, True),
-    "bark": (surfaces.paint_bark, True),
+    "brick": (textures.paint_brick, True),
+    "plaster": (textures.paint_plaster, True),
+    "stone": (textures.paint_stone, True),
+    "tiles": (textures.paint_tiles, True),
+    "slate": (textures.paint_slate, True),
+    "brick_bay": (partial(textures.paint_bay, kind="brick"), True),
+    "plaster_bay": (partial(textures.paint_bay, kind="plaster"), True),
+    "road": (textures.paint_road, True),
+    "zebra": (textures.paint_zebra, False),
+    "asphalt": (textures.paint_asphalt, True),
+    "paving": (textures.paint_paving, True),
+    "grass": (textures.paint_grass, True),
+    "gardens": (textures.paint_gardens, True),
+    "bark": (textures.paint_bark, True),
     "leaves": (fittings.paint_leaves, False),
     "railing": (fittings.paint_railing, True),
     "window": (fittings.paint_windows, False),

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from mimics_app.builders.kit.chance import Chance, smooth_noise
-from mimics_app.builders.kit.picture import Canvas, Ramp
+from mimics_app.builders.kit.palette_texture import Canvas, Ramp
 from mimics_app.builders.kit.solids import Skin
 from mimics_app.rendering.visual.effects.captions import draw_letters
 from mimics_app.rendering.visual.figures.glyphs import GlyphAtlas, load_glyph_atlas

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from mimics_app.builders.city.fittings import SHOPS, detail, plain, window
 from mimics_app.builders.city.house_kinds import HouseKind
 from mimics_app.builders.city.house_roofs import add_chimneys, add_dormers, add_roof
-from mimics_app.builders.city.surfaces import TILE
+from mimics_app.builders.city.textures import TILE
 from mimics_app.builders.kit.facade import Opening, Zone, add_zone, wall_axes
 from mimics_app.builders.kit.sketch import Point, Sketch
 from mimics_app.builders.kit.solids import Axes, Skin, add_prism

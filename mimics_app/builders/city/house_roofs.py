@@ -6,7 +6,7 @@ import itertools
 
 from mimics_app.builders.city.fittings import detail, plain, window
 from mimics_app.builders.city.house_kinds import HouseKind
-from mimics_app.builders.city.surfaces import TILE
+from mimics_app.builders.city.textures import TILE
 from mimics_app.builders.kit.sketch import Point, Sketch, Uv
 from mimics_app.builders.kit.solids import Axes, Skin, add_prism
 

@@ -6,7 +6,7 @@ import math
 
 from mimics_app.builders.city.fittings import plain, window
 from mimics_app.builders.city.streets import SIDE
-from mimics_app.builders.city.surfaces import TILE
+from mimics_app.builders.city.textures import TILE
 from mimics_app.builders.kit.chance import Chance
 from mimics_app.builders.kit.facade import Opening, Zone, add_zone, wall_axes
 from mimics_app.builders.kit.sketch import Point, Sketch

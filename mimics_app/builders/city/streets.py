@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from mimics_app.builders.city.fittings import plain
-from mimics_app.builders.city.surfaces import LANE_HALF, TILE
+from mimics_app.builders.city.textures import LANE_HALF, TILE
 from mimics_app.builders.kit.sketch import Point, Sketch, Uv
 
 __all__ = [

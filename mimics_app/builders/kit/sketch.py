@@ -120,6 +120,45 @@ class Sketch:
                 uvs = [uv] * 4 if uv else _flat_uvs(corners, per_metre)
                 self.fan(material, corners, uvs, shade * (under if side == "d" else 1.0))
 
+    def sheet(
+        self,
+        material: str,
+        corner: Point,
+        along: Point,
+        up: Point,
+        steps: tuple[int, int],
+        per_metre: float,
+        shade: Callable[[Point], float],
+    ) -> None:
+        """Add a rectangle in pieces, so that its shade can vary; seen from along x up.
+
+        Args:
+            material: Name of the material.
+            corner: First corner [m].
+            along: First side [m].
+            up: Second side [m].
+            steps: Pieces along each side.
+            per_metre: Repetitions of the texture per metre.
+            shade: Factor on the colour at a point.
+        """
+        columns, rows = steps
+        wide, high = (math.sqrt(sum(part * part for part in side)) for side in (along, up))
+        corners: list[Point] = []
+        uvs: list[Uv] = []
+        for row in range(rows + 1):
+            for column in range(columns + 1):
+                s, t = column / columns, row / rows
+                x, y, z = (c + s * a + t * u for c, a, u in zip(corner, along, up, strict=True))
+                corners.append((x, y, z))
+                uvs.append((s * wide * per_metre, -t * high * per_metre))
+        triangles: list[tuple[int, int, int]] = []
+        for row in range(rows):
+            for column in range(columns):
+                first = row * (columns + 1) + column
+                above = first + columns + 1
+                triangles += [(first, first + 1, above + 1), (first, above + 1, above)]
+        self.strip(material, corners, uvs, triangles, [shade(point) for point in corners])
+
     def add(self, other: Sketch, place: Callable[[Point], Point], turn: Callable[[Point], Point] | None = None) -> None:
         """Add another sketch.
 

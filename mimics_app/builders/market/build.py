@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from mimics_app.builders.market.clay import PIXELS, PIXELS_OF_EDGES, PIXELS_OF_SKIN, Clay, pack_forms, pack_model
 from mimics_app.builders.market.fruit import apple
 from mimics_app.builders.market.garden import TREE_COVERAGES, build_meadow, build_tree
-from mimics_app.builders.market.hand import fingers, palm, thumb
+from mimics_app.builders.market.props import barrel, bed, crate, fence, jug
+from mimics_app.builders.market.sleeved_hand import fingers, palm, thumb
 from mimics_app.builders.market.stall import awning, goods, stall_wood
-from mimics_app.builders.market.things import barrel, bed, crate, fence, jug
 
 __all__ = ["compose"]
 

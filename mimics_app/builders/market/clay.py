@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.world.gltf.source import parse_gltf
+from mimics_app.world.gltf.gltf_document import parse_gltf
 from mimics_app.world.gltf.writer import GltfWriter, MeshPart
 from mimics_app.world.meshes.mesh import MeshData, compute_normals
 from mimics_app.world.meshes.primitives import tube

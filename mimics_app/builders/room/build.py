@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 
 from mimics_app.builders.kit.sketch import Point, Sketch
 from mimics_app.builders.market.clay import pack_model
-from mimics_app.builders.room import surfaces, things
+from mimics_app.builders.room import force_models, textures
 from mimics_app.world.gltf.writer import GltfWriter
 
 __all__ = ["compose"]
@@ -31,8 +30,6 @@ _COLOURS = {
 _BOARD, _GROOVE = 0.14, 0.006
 """Width of a panel's board, and of the groove beside it [m]."""
 
-Shade = Callable[[Point], float]
-
 
 def compose(seed: int) -> dict[str, bytes]:
     """Return all files by name.
@@ -42,15 +39,19 @@ def compose(seed: int) -> dict[str, bytes]:
     """
     return {
         "room.glb": _room(seed),
-        "ice.png": surfaces.paint_ice(seed),
-        "rubber.png": surfaces.paint_rubber(seed),
-        "ripples.png": surfaces.paint_ripples(seed),
-        "cushion.png": surfaces.paint_cushion(seed),
-        "oak.png": surfaces.paint_oak(seed),
-        "spring.glb": pack_model("spring", {"coil": (things.spring(), 0.35), "foot": (things.spring_foot(), 0.5)}),
-        "magnet.glb": pack_model("magnet", {"bow": (things.magnet(), 0.35), "tips": (things.magnet_tips(), 0.3)}),
-        "cube.glb": pack_model("cube", {"cube": (things.rounded_cube(), 0.3)}),
-        "arrow.glb": pack_model("arrow", {"arrow": (things.arrow(), 0.6)}),
+        "ice.png": textures.paint_ice(seed),
+        "rubber.png": textures.paint_rubber(seed),
+        "ripples.png": textures.paint_ripples(seed),
+        "cushion.png": textures.paint_cushion(seed),
+        "oak.png": textures.paint_oak(seed),
+        "spring.glb": pack_model(
+            "spring", {"coil": (force_models.spring(), 0.35), "foot": (force_models.spring_foot(), 0.5)}
+        ),
+        "magnet.glb": pack_model(
+            "magnet", {"bow": (force_models.magnet(), 0.35), "tips": (force_models.magnet_tips(), 0.3)}
+        ),
+        "cube.glb": pack_model("cube", {"cube": (force_models.rounded_cube(), 0.3)}),
+        "arrow.glb": pack_model("arrow", {"arrow": (force_models.arrow(), 0.6)}),
     }
 
 
@@ -76,7 +77,7 @@ def _room(seed: int) -> bytes:
 
 
 def _painted(seed: int) -> dict[str, bytes]:
-    return {"oak": surfaces.paint_oak(seed), "boards": surfaces.paint_boards(seed)}
+    return {"oak": textures.paint_oak(seed), "boards": textures.paint_boards(seed)}
 
 
 def _table() -> Sketch:
@@ -109,15 +110,15 @@ def _walls(floor: float, back: float = -_WALL, ground: str = "boards") -> Sketch
         shadow = 1.0 - 0.55 * math.exp(-away / 0.25) if floor < 0.0 else 1.0
         return shadow * (1.0 - 0.35 * math.exp(-max(min(point[2] + back, _SIDE - abs(point[0])), 0.0) / 0.25))
 
-    _sheet(sketch, ground, (-_SIDE, floor, _FRONT), (2 * _SIDE, 0, 0), (0, 0, -_FRONT - back), (16, 16), 1.0, below)
+    sketch.sheet(ground, (-_SIDE, floor, _FRONT), (2 * _SIDE, 0, 0), (0, 0, -_FRONT - back), (16, 16), 1.0, below)
     walls = (
         ((-_SIDE, 0.0, -back), (2 * _SIDE, 0.0, 0.0)),
         ((-_SIDE, 0.0, _FRONT), (0.0, 0.0, -_FRONT - back)),
         ((_SIDE, 0.0, -back), (0.0, 0.0, _FRONT + back)),
     )
     for (x, _, z), along in walls:
-        _sheet(sketch, "panel", (x, floor, z), along, (0.0, rail - floor, 0.0), (12, 6), 1.0 / 0.55, corner)
-        _sheet(sketch, "plaster", (x, rail, z), along, (0.0, high - rail, 0.0), (12, 4), 0.5, corner)
+        sketch.sheet("panel", (x, floor, z), along, (0.0, rail - floor, 0.0), (12, 6), 1.0 / 0.55, corner)
+        sketch.sheet("plaster", (x, rail, z), along, (0.0, high - rail, 0.0), (12, 4), 0.5, corner)
     for number in range(1, round(2 * _SIDE / _BOARD)):
         x, z = -_SIDE + number * _BOARD, -back + 0.002
         groove = [(x, floor, z), (x + _GROOVE, floor, z), (x + _GROOVE, rail, z), (x, rail, z)]
@@ -125,37 +126,3 @@ def _walls(floor: float, back: float = -_WALL, ground: str = "boards") -> Sketch
     sketch.box("rail", (-_SIDE, rail - 0.03, -back), (_SIDE, rail + 0.012, -back + 0.022), hidden="nwe")
     sketch.box("rail", (-_SIDE, floor, -back), (_SIDE, floor + 0.10, -back + 0.018), hidden="nwed", shade=0.85)
     return sketch
-
-
-def _sheet(
-    sketch: Sketch,
-    material: str,
-    corner: Point,
-    along: Point,
-    up: Point,
-    steps: tuple[int, int],
-    per_metre: float,
-    shade: Shade,
-) -> None:
-    """A rectangle in pieces, so that its corners can be shaded; seen from along x up."""
-    columns, rows = steps
-    corners: list[Point] = []
-    uvs: list[tuple[float, float]] = []
-    wide, high = (math.sqrt(sum(part * part for part in side)) for side in (along, up))
-    for row in range(rows + 1):
-        for column in range(columns + 1):
-            s, t = column / columns, row / rows
-            x, y, z = (c + s * a + t * u for c, a, u in zip(corner, along, up, strict=True))
-            corners.append((x, y, z))
-            uvs.append((s * wide * per_metre, -t * high * per_metre))
-    triangles: list[tuple[int, int, int]] = []
-    for row in range(rows):
-        for column in range(columns):
-            first = row * (columns + 1) + column
-            above = first + columns + 1
-            triangles += [(first, first + 1, above + 1), (first, above + 1, above)]
-    sketch.strip(material, corners, uvs, triangles, _shades(corners, shade))
-
-
-def _shades(corners: Sequence[Point], shade: Shade) -> list[float]:
-    return [shade(point) for point in corners]

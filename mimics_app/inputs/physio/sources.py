@@ -49,7 +49,7 @@ def _serial(address: str, seed: int) -> SignalSource:
 
 
 def _board(address: str, seed: int) -> SignalSource:
-    from mimics_app.inputs.physio.board import BoardSource
+    from mimics_app.inputs.physio.brainflow_board import BoardSource
 
     return BoardSource(address)
 

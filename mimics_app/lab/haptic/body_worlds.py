@@ -17,7 +17,7 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.rendering.haptic.kernels.objects.bodies import place_bodies, step_bodies
 from mimics_app.rendering.haptic.kernels.objects.collisions import collide_bodies
-from mimics_app.rendering.haptic.kernels.objects.poses import pose_shapes
+from mimics_app.rendering.haptic.kernels.objects.shape_poses import pose_shapes
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
 from mimics_app.rendering.haptic.objects import ObjectWork, new_object_work
 

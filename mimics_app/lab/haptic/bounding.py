@@ -34,10 +34,10 @@ def _cost_us(kind: ShapeKind, triangles: int, count: int) -> float:
     return touch_scene(kind, count, triangles).cost_us()
 
 
-_FIT = "what the thing is shaped like"
+_FIT = "the shape of the object"
 compare(
     GROUP,
-    "touching a round thing with friction, whole; error: false force of a frictionless slide over a ball",
+    "touching a round object with friction, whole; error: false force of a frictionless slide over a ball",
     "N",
     [
         Rival("sphere", "round every way", _FIT, {"shape": "sphere"}, (ShapeKind.SPHERE, 0)),

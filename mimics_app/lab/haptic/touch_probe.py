@@ -18,8 +18,8 @@ from mimics_app.contracts.haptic_objects import OBJECT_COUNTS, STATIC, ShapeKind
 from mimics_app.contracts.kernel import kernel
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, new_rows
 from mimics_app.contracts.probe import shortest_us
-from mimics_app.rendering.haptic.kernels.objects.points import place_points
-from mimics_app.rendering.haptic.kernels.objects.poses import pose_shapes
+from mimics_app.rendering.haptic.kernels.objects.interaction_points import place_points
+from mimics_app.rendering.haptic.kernels.objects.shape_poses import pose_shapes
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
 from mimics_app.rendering.haptic.kernels.objects.touch import touch_points
 from mimics_app.rendering.haptic.mesh_table import build_mesh_table

@@ -25,7 +25,7 @@ from mimics_app.rendering.haptic.kernels.tunnel_projection import (
     track_one_step,
 )
 from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE
-from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve, build_tunnel
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Table, TunnelRecord, TunnelStateRecord

@@ -35,7 +35,7 @@ from mimics_app.rendering.haptic.loop_tick import SIMULATION, TICK, late_class, 
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, no_objects
 from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, ObjectWork, new_object_work
 from mimics_app.rendering.haptic.scene_block import scene_from_components
-from mimics_app.rendering.haptic.tunnel import build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import (

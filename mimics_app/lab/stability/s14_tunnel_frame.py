@@ -19,7 +19,7 @@ from mimics_app.contracts.kernel import kernel
 from mimics_app.lab.experiment import Experiment, Outcome, Points, Row, largest_disagreement
 from mimics_app.rendering.haptic.kernels.tunnel import tunnel_force
 from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE
-from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve, build_tunnel
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Table, TunnelRecord, TunnelStateRecord

@@ -27,7 +27,7 @@ from mimics_app.lab.stability.linear import find_limit
 from mimics_app.maths.bspline import basis_functions
 from mimics_app.rendering.haptic.kernels.tunnel_projection import slope, track
 from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE
-from mimics_app.rendering.haptic.tunnel import TunnelCurve, build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve, build_tunnel
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import Table, TunnelRecord, TunnelStateRecord

@@ -100,7 +100,7 @@ compare(
     cost=lambda settings, _: city_us(settings),
     error=city_error,
     default="all",
-    why_default="it hides as well where nobody wrote boxes; the city, measured here, has boxes by its author",
+    why_default="it hides as well without authored boxes; the city, measured here, has boxes by its author",
 )
 _COVERED = "coarser forms by how much of the picture they cover"
 compare(

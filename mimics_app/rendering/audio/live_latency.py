@@ -256,8 +256,8 @@ def _play_contacts(
     memory = SessionMemory()
     settings = AudioSettings(
         sounds={"contact": SoundSpec(recipe="tick"), "tap": SoundSpec(recipe="tap")},
-        triggers={"contact": "contact", "contact/thing": "tap"},
-        materials=("", "thing"),
+        triggers={"contact": "contact", "contact/object": "tap"},
+        materials=("", "object"),
         body_materials=(1,),
         scrape="",
         mixer=mixer,

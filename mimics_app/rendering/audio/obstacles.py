@@ -12,16 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.sound_scene import BANDS
+from mimics_app.contracts.sound_scene import BANDS, SOUND_SPEED
 
 __all__ = ["BAND_HZ", "Box", "diffraction_db", "passes_of", "transmission_db"]
 
 
 BAND_HZ = (250.0, 1400.0, 6000.0)
 """Representative frequency of each band [Hz]."""
-
-SOUND_SPEED = 343.0
-"""Speed of sound in air at 20 degrees C [m/s]."""
 
 _SPREAD = 0.25  # distance of the other four ray ends from the source [m]
 _WAVELENGTHS = SOUND_SPEED / np.array(BAND_HZ)

@@ -38,7 +38,7 @@ class PulseStream:
 
     Args:
         rate: Frames per second.
-        period: Frames after which the server asks for more.
+        period: Frames after which the server requests more.
         clock: Clock of the session, for the time-out.
 
     Attributes:

@@ -17,8 +17,8 @@ __all__ = ["CALM_S", "QueueLength"]
 CALM_S = 120.0
 """Time without a near-miss, in either length, before the queue is shortened [s]."""
 
-_MOST_CHANGES = 200
-"""Changes kept for the report; later ones are counted in `ms` only."""
+_MOST_KEPT = 200
+"""Changes and underruns kept for the report; later ones are counted only."""
 
 
 class QueueLength:
@@ -48,13 +48,15 @@ class QueueLength:
         self._least_ever = shortest
         self._since = 0
         self._changes: list[tuple[float, float]] = []
+        self._empty_ns: list[int] = []
 
-    def read(self, left: int, position: int, *, ran_empty: bool, steady: bool) -> None:
+    def read(self, left: int, position: int, now_ns: int, *, ran_empty: bool, steady: bool) -> None:
         """Take what is left in the queue before a refill, and change the length where that is due.
 
         Args:
             left: Frames left; negative: the device has played so much silence.
-            position: Frames mixed so far, the time of the reading.
+            position: Frames mixed so far, the time of the reading on the device's scale.
+            now_ns: Session time of the reading [ns].
             ran_empty: Whether the device found the queue empty.
             steady: Whether only an underrun may lengthen the queue now: samples of a playing sound are still computed,
                 and would come too late for a mixer that works further ahead. A near-miss is then answered later.
@@ -62,6 +64,8 @@ class QueueLength:
         self._least, self._least_ever = min(self._least, left), min(self._least_ever, left)
         if ran_empty:
             self.underruns += 1
+            if self.underruns <= _MOST_KEPT:
+                self._empty_ns.append(now_ns)
             self._change(self._missing(left), position)
             return
         self.near_misses += left <= self._margin
@@ -74,13 +78,17 @@ class QueueLength:
             self._change(-((spare + 1) // 2), position)
 
     def report(self) -> Mapping[str, Any]:
-        """Return the present, longest and least filled length [ms], what happened, and `changes` as (s, ms)."""
+        """Return the present, longest and least filled length [ms], what happened, and `changes` as (s, ms).
+
+        `empty_ns` are the session times at which the queue was found empty.
+        """
         return {
             "ms": self._ms(self.frames),
             "longest_ms": self._ms(self._longest_used),
             "least_left_ms": self._ms(self._least_ever),
             "near_misses": self.near_misses,
             "changes": [list(change) for change in self._changes],
+            "empty_ns": list(self._empty_ns),
         }
 
     def _missing(self, left: int) -> int:
@@ -93,7 +101,7 @@ class QueueLength:
         self.frames = min(max(before + steps * self._step, self._shortest), self._longest)
         self._longest_used = max(self._longest_used, self.frames)
         self._least, self._since = self.frames, position
-        if self.frames != before and len(self._changes) < _MOST_CHANGES:
+        if self.frames != before and len(self._changes) < _MOST_KEPT:
             self._changes.append((round(position / self._rate, 3), self._ms(self.frames)))
 
     def _ms(self, frames: int) -> float:

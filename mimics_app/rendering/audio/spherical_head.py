@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.sound_scene import SOUND_SPEED
 
 __all__ = ["HEAD_RADIUS", "add_at_sphere", "sphere_delay_s"]
 
 HEAD_RADIUS = 0.0875
 """Radius of the sphere [m] (Woodworth & Schlosberg 1954)."""
 
-_SOUND_SPEED = 343.0
 _SHADOW = 0.9
 """Panning depth: the power ratio of the ears is (1 + 0.9) / (1 - 0.9), 13 dB, for a source at the side."""
 
@@ -31,7 +31,7 @@ def sphere_delay_s(azimuth: float) -> float:
         azimuth: Azimuth of a far source, clockwise from ahead [rad]; a source behind is mirrored to the front.
     """
     side = math.asin(math.sin(azimuth))
-    return HEAD_RADIUS / _SOUND_SPEED * (side + math.sin(side))
+    return HEAD_RADIUS / SOUND_SPEED * (side + math.sin(side))
 
 
 @kernel

@@ -137,7 +137,7 @@ class StreamedMixer:
         now, left = self._clock.now_ns(), self._stream.left()
         empty = self._stream.ran_empty
         if self.position > 0:
-            self.queue.read(left, self.position, ran_empty=empty, steady=now < self._driven_ns)
+            self.queue.read(left, self.position, now, ran_empty=empty, steady=now < self._driven_ns)
         ahead = max(left, 0)
         while ahead + frames <= self.queue.frames:
             ahead = self._stream.write(soften_peaks(self._mixer.render(frames))[0])
@@ -160,7 +160,7 @@ class StreamedMixer:
         Args:
             now: Time of the reading [ns]; it is exact or too late, so the minimum counts.
             ahead: Frames between the mixer and the device.
-            ran_empty: Whether the stream begins anew.
+            ran_empty: Whether the stream restarts.
         """
         timing, wanted = self._mixer.timing, self.queue.frames + _READING
         taken = self.position - ahead

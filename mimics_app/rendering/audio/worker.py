@@ -9,6 +9,7 @@ import pickle
 import signal
 import sys
 import threading
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from multiprocessing import connection, parent_process
@@ -34,9 +35,8 @@ from mimics_app.rendering.audio.settings import AudioSettings
 from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK
 from mimics_app.rendering.audio.streamed_mixer import StreamedMixer
 from mimics_app.rendering.audio.wav_file import unused_name
-from mimics_app.rendering.audio.work_times import WorkTimes
 
-__all__ = ["FIFO_PRIORITY", "ask_for_fifo", "run"]
+__all__ = ["FIFO_PRIORITY", "WorkTimes", "ask_for_fifo", "run"]
 
 _LIVE_WAIT_NS = 4_000_000
 _STREAM_WAIT_NS = 500_000  # the queue of a stream is polled
@@ -64,6 +64,33 @@ def run(memory: SessionMemory, settings: AudioSettings, orders: Connection, resu
         session.step()
     session.send(session.finish())
     session.engine.close()
+
+
+_BIN_NS = 10_000
+_BINS = 2000
+"""Number of bins, up to 20 ms; the last one also counts longer times."""
+
+
+class WorkTimes:
+    """A histogram with bins of 10 us."""
+
+    def __init__(self) -> None:
+        self._counts = np.zeros(_BINS, np.int64)
+        self._longest_ns = 0
+
+    def count(self, took_ns: int) -> None:
+        """Count the working time of one block [ns]."""
+        self._counts[min(took_ns // _BIN_NS, _BINS - 1)] += 1
+        self._longest_ns = max(self._longest_ns, took_ns)
+
+    def percentiles_us(self) -> Mapping[str, float]:
+        """Return p50 and p99 (upper ends of their bins), max [us] and `count`; empty without counts."""
+        total = int(self._counts.sum())
+        if total == 0:
+            return {}
+        ranks = np.searchsorted(np.cumsum(self._counts), [np.ceil(0.50 * total), np.ceil(0.99 * total)])
+        p50, p99 = ((ranks + 1) * _BIN_NS * 1e-3).tolist()
+        return {"p50": p50, "p99": p99, "max": self._longest_ns * 1e-3, "count": total}
 
 
 class _LiveSession:

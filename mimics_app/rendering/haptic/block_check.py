@@ -7,47 +7,21 @@ from typing import Any
 import numpy as np
 
 from mimics_app.contracts.arrays import Records
-from mimics_app.contracts.haptic import FEEL, LIMIT_NAMES, AdmittanceForm, Controller, Projection
-from mimics_app.contracts.haptic_objects import (
-    MAX_PIECES,
-    STATIC,
-    EffectKind,
-    ForceLaw,
-    ObjectIntegrator,
-    ShapeKind,
-    SignalSource,
-    SignalTarget,
-)
-from mimics_app.contracts.loop_fields import MAX_CONTACTS, MAX_JOINTS
+from mimics_app.contracts.bounded_fields import largest_values
+from mimics_app.contracts.haptic import FEEL, LIMIT_NAMES
+from mimics_app.contracts.haptic_objects import STATIC
+from mimics_app.contracts.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.object_rows import ObjectCapacities, Rows, count_rows
 from mimics_app.rendering.haptic.row_checks import check_points, check_shapes
 
 __all__ = ["check_block"]
 
 
-_LARGEST = {
-    "controller": max(Controller),
-    "form": max(AdmittanceForm),
-    "joints": MAX_JOINTS,
-    "contacts": MAX_CONTACTS,
-}
-"""Largest value of the integer fields that the tick branches on or counts with; the smallest is 0."""
-
 _NOT_NEGATIVE = (*sorted(LIMIT_NAMES - {"joint_min", "joint_max"}), *(name for name, _ in FEEL))
 """Fields of SCENE that must be 0 or more: a negative limit would reverse a force."""
 
 _ROTATION_TOLERANCE = 1e-3
 """Largest excess of a rotation's norm over 1."""
-
-_CHOICES: dict[str, dict[str, int]] = {
-    "shapes": {"kind": max(ShapeKind), "law": max(ForceLaw)},
-    "bodies": {"integrator": max(ObjectIntegrator)},
-    "effects": {"kind": max(EffectKind)},
-    "points": {},
-    "wires": {"source": max(SignalSource), "target": max(SignalTarget)},
-    "tunnels": {"projection": max(Projection), "pieces": MAX_PIECES},
-}
-"""Largest value of such fields in the rows of each table."""
 
 
 def check_block(scene: Records, rows: Rows | None, capacities: ObjectCapacities, meshes: int = 0) -> None:
@@ -65,8 +39,8 @@ def check_block(scene: Records, rows: Rows | None, capacities: ObjectCapacities,
     """
     if int(scene[0]["sequence"]) < 1:
         raise ValueError("SCENE.sequence must count up from 1")
-    for name, largest in _LARGEST.items():
-        _check_whole(f"SCENE.{name}", int(scene[0][name]), 0, int(largest))
+    for name, largest in largest_values(scene.dtype).items():
+        _check_whole(f"SCENE.{name}", int(scene[0][name]), 0, largest)
     for name in _float_fields(scene.dtype):
         if not np.all(np.isfinite(scene[0][name])):
             raise ValueError(f"SCENE.{name} is not finite")
@@ -102,8 +76,8 @@ def _check_rows(counts: np.void, rows: Rows | None, capacities: ObjectCapacities
 
 def _check_table(name: str, table: Records) -> None:
     """Refuse a table with a choice out of range or a number that is not finite."""
-    for field, largest in _CHOICES[name].items():
-        _check_column(f"{name}.{field}", table[field], 0, int(largest))
+    for field, largest in largest_values(table.dtype).items():
+        _check_column(f"{name}.{field}", table[field], 0, largest)
     for field in _float_fields(table.dtype):
         bad = ~np.isfinite(table[field]).reshape(len(table), -1).all(axis=1)
         if bad.any():

@@ -110,7 +110,7 @@ class HapticEngine:
 
     @property
     def ticks(self) -> int:
-        """Ticks done so far; a count that stands still means a dead loop."""
+        """Ticks done so far; a constant count means a dead loop."""
         return int(self._memory.control[ControlWord.TICKS])
 
     @property

@@ -60,7 +60,7 @@ class LatenessReport:
         held: Late ticks: output held, or more.
         stale: Ticks with stale device data.
         stops: Latched stops.
-        holds: Times the force was ramped down for late ticks and returned by itself.
+        holds: Times the force was ramped down for late ticks and returned on its own.
         ticks: Total number of ticks.
         recipe: Scheduler recipe of the thread.
     """

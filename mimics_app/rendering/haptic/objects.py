@@ -22,10 +22,10 @@ from mimics_app.contracts.loop_ports import FIELD_PARAMETERS, FIELDS
 from mimics_app.contracts.object_rows import ObjectCapacities, new_rows
 from mimics_app.rendering.haptic.kernels.directions import MAX_TOUCHED, TOUCHED
 from mimics_app.rendering.haptic.kernels.objects.contact_scratch import BEFORE, BIRTH, CONTACT_SCRATCH
-from mimics_app.rendering.haptic.kernels.objects.effect_memory import EFFECT_MEMORY
-from mimics_app.rendering.haptic.kernels.objects.hand import HAND_LENGTH
+from mimics_app.rendering.haptic.kernels.objects.object_inputs import INPUT_LENGTH
 from mimics_app.rendering.haptic.kernels.objects.records import (
     DYNAMICS,
+    EFFECT_MEMORY,
     MAX_WALLS,
     MEMORY,
     PAIR,
@@ -64,7 +64,7 @@ class ObjectWork(NamedTuple):
         touches: TOUCH, shape [1 + bodies]: the static scene, then the bodies.
         motion_words: View of `motions` as words, shape [bodies, words].
         force: Force of the objects on the user in this tick, world [N], shape [3].
-        hand: Signals of the person for the objects, shape [HAND_LENGTH].
+        inputs: Signals of the person for the objects, shape [INPUT_LENGTH].
         dynamics: DYNAMICS, shape [bodies].
         tracking: TRACKING, shape [1].
         solids: SOLID, shape [shapes].
@@ -107,7 +107,7 @@ class ObjectWork(NamedTuple):
     touches: Records
     motion_words: NDArray[np.int64]
     force: NDArray[np.float64]
-    hand: NDArray[np.float64]
+    inputs: NDArray[np.float64]
     dynamics: Records
     tracking: Records
     solids: Records
@@ -156,7 +156,7 @@ def new_object_work(capacities: ObjectCapacities, meshes: MeshTable | None = Non
         touches=np.zeros(1 + bodies, TOUCH),
         motion_words=motions.view(np.int64).reshape(bodies, MOTION.itemsize // 8),
         force=np.zeros(3),
-        hand=np.zeros(HAND_LENGTH),
+        inputs=np.zeros(INPUT_LENGTH),
         dynamics=np.zeros(bodies, DYNAMICS),
         tracking=np.zeros(1, TRACKING),
         solids=np.zeros(shapes, SOLID),
@@ -202,8 +202,9 @@ _VECTOR = types.float64[::1]
 SIMULATE = types.void(
     borrowed_type(ROWS), borrowed_type(OBJECT_WORK), from_dtype(OBJECT_COUNTS), _VECTOR, FIELDS, types.float64, _VECTOR
 )
-"""Signature of `simulate(rows, work, counts, hand, fields, dt, force)`, the objects' part of the tick.
+"""Signature of `simulate(rows, work, counts, inputs, fields, dt, force)`, the objects' part of the tick.
 
 It is passed to the loop as a first-class function, so that a scene without objects imports, compiles and runs none of
-their code. `hand` holds the signals of the person (kernels.objects.hand), `force` receives the force on the user.
+their code. `inputs` holds the signals of the person (kernels.objects.object_inputs), `force` receives the force on the
+user.
 """

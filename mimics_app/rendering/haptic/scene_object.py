@@ -81,13 +81,13 @@ class ObjectRows:
     shapes: tuple[ShapeRow, ...]
 
 
-def rows_of_object(scene: Scene, entity: str, thing: HapticObject, *, moves: bool, integrator: str) -> ObjectRows:
+def rows_of_object(scene: Scene, entity: str, spec: HapticObject, *, moves: bool, integrator: str) -> ObjectRows:
     """Return the rows of an object, cached by everything they depend on.
 
     Args:
         scene: The checked scene.
         entity: Id of the object.
-        thing: Its component.
+        spec: Component of the object.
         moves: Whether it has a body.
         integrator: Integrator of bodies without one of their own.
 
@@ -95,10 +95,10 @@ def rows_of_object(scene: Scene, entity: str, thing: HapticObject, *, moves: boo
         ObjectFault: The object is not valid.
     """
     mesh = scene.entity(entity).components.get("mesh")
-    digests = tuple(digest_of(scene, shape.source) for shape in thing.shapes or () if isinstance(shape, MeshSolid))
+    digests = tuple(digest_of(scene, shape.source) for shape in spec.shapes or () if isinstance(shape, MeshSolid))
     key = ("haptic object", entity, moves, integrator)
-    source = (thing, mesh, _place(scene, entity), digests)
-    return scene.derive(key, lambda: _make_object(scene, entity, thing, moves, integrator), source)
+    source = (spec, mesh, _place(scene, entity), digests)
+    return scene.derive(key, lambda: _make_object(scene, entity, spec, moves, integrator), source)
 
 
 def rows_of_walls(scene: Scene, entity: str, walls: HapticWalls) -> ObjectRows:
@@ -113,12 +113,12 @@ def _place(scene: Scene, entity: str) -> tuple[float, ...]:
     return (*position.tolist(), *turn.tolist())
 
 
-def _make_object(scene: Scene, entity: str, thing: HapticObject, moves: bool, integrator: str) -> ObjectRows:
-    solids = shapes_of(scene, entity, thing)
-    body = _body(scene, entity, thing, solids, integrator) if moves else None
+def _make_object(scene: Scene, entity: str, spec: HapticObject, moves: bool, integrator: str) -> ObjectRows:
+    solids = shapes_of(scene, entity, spec)
+    body = _body(scene, entity, spec, solids, integrator) if moves else None
     shapes = []
     for solid in solids:
-        surface = surface_of(solid, thing)
+        surface = surface_of(solid, spec)
         row = _surface_row(surface)
         row["position"], row["orientation"] = solid.position, _unit(solid.rotation)
         if not moves:
@@ -150,27 +150,27 @@ def _make_walls(scene: Scene, entity: str, walls: HapticWalls) -> ObjectRows:
     return ObjectRows(None, tuple(shapes))
 
 
-def _body(scene: Scene, entity: str, thing: HapticObject, solids: tuple[Solid, ...], integrator: str) -> Records:
+def _body(scene: Scene, entity: str, spec: HapticObject, solids: tuple[Solid, ...], integrator: str) -> Records:
     row = np.zeros(1, BODY)
     flags = [
-        (thing.enable_translation, BodyFlag.TRANSLATION),
-        (thing.enable_rotation, BodyFlag.ROTATION),
-        (thing.enable_force_on_object, BodyFlag.FORCE_ON_OBJECT),
-        (thing.enable_torque_on_object, BodyFlag.TORQUE_ON_OBJECT),
-        (thing.sleeps, BodyFlag.SLEEPS),
+        (spec.enable_translation, BodyFlag.TRANSLATION),
+        (spec.enable_rotation, BodyFlag.ROTATION),
+        (spec.enable_force_on_object, BodyFlag.FORCE_ON_OBJECT),
+        (spec.enable_torque_on_object, BodyFlag.TORQUE_ON_OBJECT),
+        (spec.sleeps, BodyFlag.SLEEPS),
     ]
     row["flags"] = sum(int(flag) for wanted, flag in flags if wanted)
-    row["integrator"] = _INTEGRATORS[integrator if thing.integrator == "auto" else thing.integrator]
+    row["integrator"] = _INTEGRATORS[integrator if spec.integrator == "auto" else spec.integrator]
     row["spawn"] = 1
-    weight = mass_properties_of(scene, thing, solids)
+    weight = mass_properties_of(scene, spec, solids)
     row["mass"], row["centre"], row["inertia"] = weight.mass, weight.centre, weight.inertia
     row["position"], row["orientation"] = pose_of(scene, entity)
-    row["velocity"], row["omega"] = thing.initial_velocity, thing.initial_angular_velocity
-    row["gravity"] = thing.gravity
-    row["damping_translation"] = thing.environment_translation_damping
-    row["damping_rotation"] = thing.environment_rotation_damping
-    row["force_aux"], row["torque_aux"] = thing.force_aux, thing.torque_aux
-    row["grip"], row["crush_force"] = thing.grip, thing.crush_force
+    row["velocity"], row["omega"] = spec.initial_velocity, spec.initial_angular_velocity
+    row["gravity"] = spec.gravity
+    row["damping_translation"] = spec.environment_translation_damping
+    row["damping_rotation"] = spec.environment_rotation_damping
+    row["force_aux"], row["torque_aux"] = spec.force_aux, spec.torque_aux
+    row["grip"], row["crush_force"] = spec.grip, spec.crush_force
     return row
 
 

@@ -30,6 +30,7 @@ from mimics_app.rendering.haptic.mesh_table import MeshTable, build_mesh_table
 from mimics_app.rendering.haptic.scene_effects import EffectRows
 from mimics_app.rendering.haptic.scene_object import MeshKey, ObjectRows, rows_of_object, rows_of_walls
 from mimics_app.rendering.haptic.scene_tunnel import planned_projection, tunnel_rows
+from mimics_app.world.components.block_signals import parse_source, parse_target
 from mimics_app.world.components.object_bodies import ObjectFault, digest_of
 from mimics_app.world.components.objects import (
     Connections,
@@ -40,7 +41,6 @@ from mimics_app.world.components.objects import (
     InteractionPoints,
 )
 from mimics_app.world.components.robot import Ball, Robot
-from mimics_app.world.components.signals import parse_source, parse_target
 from mimics_app.world.meshes.solids import SolidMesh, hull_corners
 from mimics_app.world.scene.scene import Scene
 
@@ -143,9 +143,9 @@ def _planned_integrator(scene: Scene) -> str:
 
 def _gather(scene: Scene) -> SceneObjects:
     gathered = _Gathered(scene)
-    for entity, thing, pointer in scene.components(HapticObject):
+    for entity, spec, pointer in scene.components(HapticObject):
         try:
-            gathered.add_object(entity, thing)
+            gathered.add_object(entity, spec)
         except ObjectFault as fault:
             raise SceneError(scene.issue(f"{pointer}{fault.place}", fault.what, fault.fix)) from None
     for entity, walls, _ in scene.components(HapticWalls):
@@ -183,11 +183,11 @@ class _Gathered:
     materials: list[str] = field(default_factory=lambda: [""])
     meshes: dict[MeshKey, SolidMesh] = field(default_factory=dict)
 
-    def add_object(self, entity: str, thing: HapticObject) -> None:
+    def add_object(self, entity: str, spec: HapticObject) -> None:
         """Add an object with its shapes."""
-        moves = thing.enable_translation or thing.enable_rotation or entity in self._named
+        moves = spec.enable_translation or spec.enable_rotation or entity in self._named
         integrator = _planned_integrator(self.scene)
-        rows = rows_of_object(self.scene, entity, thing, moves=moves, integrator=integrator)
+        rows = rows_of_object(self.scene, entity, spec, moves=moves, integrator=integrator)
         body = STATIC
         if rows.body is not None:
             body = len(self.bodies)

@@ -17,12 +17,14 @@ import sys
 import threading
 from dataclasses import dataclass
 
-__all__ = ["RECIPES", "Granted", "arrange_thread", "demote", "lower_this_thread", "spin_for"]
+__all__ = ["RECIPES", "Granted", "arrange_thread", "cores", "demote", "lower_this_thread", "occupy_core", "spin_for"]
 
 RECIPES = ("auto", "fifo", "ordinary", "plain")
 """auto: fifo where allowed, else ordinary. fifo: SCHED_FIFO. ordinary: the best without privileges. plain: default."""
 
 _FIFO_PRIORITY = 50
+
+_HIGHEST_PRIORITY = 99
 
 _RUNAWAY_US = 500_000
 """RLIMIT_RTTIME: processor time of a real-time thread without a sleep before SIGXCPU [us]."""
@@ -92,6 +94,23 @@ def demote(thread_id: int) -> Granted:
     """Remove SCHED_FIFO from a runaway thread of this process, so that the machine stays usable."""
     os.sched_setscheduler(thread_id, os.SCHED_OTHER | os.SCHED_RESET_ON_FORK, os.sched_param(0))
     return Granted("demoted", False)
+
+
+def cores() -> list[int]:
+    """Return the numbers of the cores this process may use; [] where the system does not tell."""
+    return sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+
+
+def occupy_core(core: int) -> bool:
+    """Pin the calling thread to a core, before everything else there; False where the system refuses."""
+    if not hasattr(os, "sched_setaffinity"):
+        return False
+    try:
+        os.sched_setaffinity(0, {core})
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_HIGHEST_PRIORITY))
+    except OSError:
+        return False
+    return True
 
 
 def _set_fifo() -> bool:

@@ -9,19 +9,19 @@ from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.rendering.haptic.kernels.objects.bodies import place_bodies, step_bodies
 from mimics_app.rendering.haptic.kernels.objects.collisions import collide_bodies
-from mimics_app.rendering.haptic.kernels.objects.effects import apply_effects
+from mimics_app.rendering.haptic.kernels.objects.force_effects import apply_effects
 from mimics_app.rendering.haptic.kernels.objects.grip import grip_bodies
-from mimics_app.rendering.haptic.kernels.objects.hand import (
-    HAND_FORCE_MEASURED,
-    HAND_GRASP,
-    HAND_POSITION,
-    HAND_VELOCITY,
+from mimics_app.rendering.haptic.kernels.objects.interaction_points import place_points
+from mimics_app.rendering.haptic.kernels.objects.object_inputs import (
+    INPUT_FORCE_MEASURED,
+    INPUT_GRASP,
+    INPUT_POSITION,
+    INPUT_VELOCITY,
 )
-from mimics_app.rendering.haptic.kernels.objects.points import place_points
-from mimics_app.rendering.haptic.kernels.objects.poses import pose_shapes
-from mimics_app.rendering.haptic.kernels.objects.signals import carry_signals
+from mimics_app.rendering.haptic.kernels.objects.shape_poses import pose_shapes
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
 from mimics_app.rendering.haptic.kernels.objects.touch import touch_points
+from mimics_app.rendering.haptic.kernels.objects.wires import carry_signals
 from mimics_app.rendering.haptic.kernels.vectors import all_finite
 from mimics_app.rendering.haptic.objects import SIMULATE, ObjectWork
 
@@ -33,7 +33,7 @@ __all__ = ["simulate_objects"]
 
 @typed_kernel(SIMULATE)
 def simulate_objects(
-    rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, hand: Vec, fields: Fields, dt: float, force: Vec
+    rows: Rows, work: ObjectWork, counts: ObjectCountsRecord, inputs: Vec, fields: Fields, dt: float, force: Vec
 ) -> None:
     """Simulate one tick of all objects.
 
@@ -41,7 +41,7 @@ def simulate_objects(
         rows: Tables of objects from the main thread.
         work: Advanced by one tick.
         counts: SCENE.objects.
-        hand: See kernels.objects.hand, shape [HAND_LENGTH].
+        inputs: See kernels.objects.object_inputs, shape [INPUT_LENGTH].
         fields: Force fields by EFFECT.field.
         dt: Tick [s].
         force: Out: force of the objects on the user, world [N], shape [3].
@@ -49,13 +49,13 @@ def simulate_objects(
     totals = work.totals[0]
     for each in range(work.totals.shape[0]):
         clear_totals(work.totals[each])
-    carry_signals(rows, work, counts, hand)
+    carry_signals(rows, work, counts, inputs)
     place_bodies(rows, work, counts)
     pose_shapes(rows, work, counts)
-    place_points(rows, work, counts, hand[HAND_POSITION:HAND_VELOCITY], hand[HAND_VELOCITY:HAND_FORCE_MEASURED])
+    place_points(rows, work, counts, inputs[INPUT_POSITION:INPUT_VELOCITY], inputs[INPUT_VELOCITY:INPUT_FORCE_MEASURED])
     touch_points(rows, work, counts, dt)
-    apply_effects(rows, work, counts, hand, fields)
-    grip_bodies(rows, work, counts, hand[HAND_GRASP], dt)
+    apply_effects(rows, work, counts, inputs, fields)
+    grip_bodies(rows, work, counts, inputs[INPUT_GRASP], dt)
     collide_bodies(rows, work, counts, dt)
     step_bodies(rows, work, counts, dt)
     for i in range(3):

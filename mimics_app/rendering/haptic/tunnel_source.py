@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.maths.bspline_fit import fit_spline
-from mimics_app.rendering.haptic.tunnel import TunnelCurve, TunnelError, TunnelFault, build_tunnel
+from mimics_app.rendering.haptic.tunnel_geometry import TunnelCurve, TunnelError, TunnelFault, build_tunnel
 from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.scene.json_text import parse_json
-from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.scene.scene_files import read_bytes
 
 __all__ = ["fit_path", "read_path", "tunnel_from_component"]
 

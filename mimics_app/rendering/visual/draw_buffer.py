@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from mimics_app.rendering.visual.surfaces.picture_texture import make_picture_texture
 from mimics_app.rendering.visual.surfaces.raw_gl import SRGB8_ALPHA8, RawGL
 from mimics_app.rendering.visual.surfaces.surface import Size, release_framebuffer
 
@@ -36,8 +37,7 @@ class DrawBuffer:
     ) -> None:
         self._ctx = ctx
         self.size, self.samples = size, samples
-        self.texture = ctx.texture(size, 4, dtype=dtype, internal_format=SRGB8_ALPHA8 if srgb else None)
-        self.texture.repeat_x = self.texture.repeat_y = False
+        self.texture = _make_texture(ctx, size, dtype, srgb)
         depth = ctx.depth_renderbuffer(size, samples=samples)
         drawn = ctx.renderbuffer(size, 4, samples=samples, dtype=dtype) if samples else self.texture
         self.framebuffer = ctx.framebuffer([drawn], depth)
@@ -63,6 +63,14 @@ class DrawBuffer:
         release_framebuffer(self.framebuffer)
         if self.samples:
             self.texture.release()
+
+
+def _make_texture(ctx: moderngl.Context, size: Size, dtype: str, srgb: bool) -> moderngl.Texture:
+    if dtype == "f1" and not srgb:
+        return make_picture_texture(ctx, size)
+    texture = ctx.texture(size, 4, dtype=dtype, internal_format=SRGB8_ALPHA8 if srgb else None)
+    texture.repeat_x = texture.repeat_y = False
+    return texture
 
 
 def texture_of(framebuffer: moderngl.Framebuffer) -> moderngl.Texture:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,7 +93,7 @@ class Lighting:
         """Number of point and spot lights."""
         return len(self.places)
 
-    @property
+    @cached_property
     def figures(self) -> tuple[object, ...]:
         """Every value of the lighting, to be compared with that of another frame."""
         arrays = (self.sun_direction, self.sun_colour, self.zenith, self.horizon, self.ground, self.ambient)
@@ -128,11 +128,12 @@ class Lighting:
 
 def gather_lighting(world: World) -> Lighting:
     """Return the lights and the sky of a world; the first directional light is the sun."""
-    sun = next((light for light in world.lights if light.kind == "directional"), None)
+    kinds = [(light.kind, light) for light in world.lights]
+    sun = next((light for kind, light in kinds if kind == "directional"), None)
     sun_colour = sun.intensity * np.asarray(sun.colour, np.float64) if sun else np.zeros(3)
     sky, flat = world.environment, np.zeros(3)
-    for light in world.lights:
-        if light.kind == "ambient":
+    for kind, light in kinds:
+        if kind == "ambient":
             flat = flat + light.intensity * np.asarray(light.colour)
     return Lighting(
         sun_direction=-sun.direction_world if sun else np.array([0.0, 1.0, 0.0]),
@@ -143,7 +144,7 @@ def gather_lighting(world: World) -> Lighting:
         ground=np.asarray(sky.ground, np.float64),
         ambient=sky.ambient + flat,
         scattered=sky.scatter * sun_colour,
-        places=_strongest([light for light in world.lights if light.kind in ("point", "spot")]),
+        places=_strongest([light for kind, light in kinds if kind in ("point", "spot")]),
         fog=sky.fog,
         backdrop=sky.backdrop,
     )

@@ -105,7 +105,6 @@ class Renderer:
         self._shadows = ShadowStage(ctx, self.settings.shadow_size)
         self._world = WorldStage(ctx, self._shaders, self._arena, self._frame, self.settings, has.texture_size)
         self._effects: EffectStage | None = None
-        self._longest_texture = has.texture_size
         self._hud_pass = HudPass(ctx, self._shaders)
         self._pictures = PictureStage(ctx, self._shaders)
         self._still = StillPicture()
@@ -120,8 +119,7 @@ class Renderer:
         if self._overlay is None:
             from mimics_app.rendering.visual.overlay.overlay import Overlay
 
-            ctx = self._surface.ctx
-            self._overlay = Overlay(ctx, self._shaders, self._arena, self._frame, self._clock)
+            self._overlay = Overlay(self._surface.ctx, self._shaders, self._arena, self._frame, self._clock)
         return self._overlay
 
     def shows(self, layer: Layer) -> bool:
@@ -322,8 +320,8 @@ class Renderer:
         if self._effects is None:
             from mimics_app.rendering.visual.stages.effect_stage import EffectStage
 
-            self._effects = EffectStage(self._surface.ctx, self._shaders, self._longest_texture)
-        self._effects.prepare(self.world, lights, self.settings.particle_light)
+            self._effects = EffectStage(self._surface.ctx, self._shaders, self._has.texture_size)
+        self._effects.prepare(self.world, lights, self.settings)
         return self._effects
 
     def _batch(

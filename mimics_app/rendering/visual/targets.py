@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 from mimics_app.rendering.visual.draw_buffer import DrawBuffer, texture_of
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.bloom import BloomPass
-from mimics_app.rendering.visual.passes.screen import PictureFilter
+from mimics_app.rendering.visual.passes.picture_filters import EdgeFilter, Enlargement, PictureFilter
 from mimics_app.rendering.visual.settings import RenderSettings
+from mimics_app.rendering.visual.surfaces.picture_texture import make_picture_texture
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface, release_framebuffer
 from mimics_app.rendering.visual.view import Rect
 
@@ -18,11 +19,6 @@ if TYPE_CHECKING:
     import moderngl
 
 __all__ = ["PictureTarget"]
-
-_EDGE_STEPS = 9.0
-"""Steps in which an edge is followed in each direction: 22 pixels."""
-_EDGE_REACH, _LINEAR_REACH = 24, 1
-"""Radius of the filters [texels]."""
 
 
 class PictureTarget:
@@ -40,11 +36,12 @@ class PictureTarget:
         self._surface = surface
         self._most_samples = surface.ctx.max_samples
         self._bloom = BloomPass(surface.ctx, shaders, settings)
-        self._edges = PictureFilter(surface.ctx, shaders, "post/edges.frag", _EDGE_REACH, steps=_EDGE_STEPS)
-        self._enlarge = PictureFilter(surface.ctx, shaders, "post/resample.frag", _LINEAR_REACH)
+        self._edges = EdgeFilter(surface.ctx, shaders)
+        self._enlarge = Enlargement(surface.ctx, shaders)
         self._made_for: object = None
         self._multisampled: moderngl.Framebuffer | None = None
-        # The surface without depth: a copy resolves every attachment that both framebuffers have.
+        # The surface without depth: a copy resolves every attachment that both framebuffers have, and llvmpipe scales
+        # in integers only where there is no depth.
         self._shown: moderngl.Framebuffer | None = None
         self._buffer: DrawBuffer | None = None
         self._between: list[moderngl.Framebuffer] = []
@@ -99,12 +96,14 @@ class PictureTarget:
             Draw calls made.
         """
         draws, surface = 0, self._surface
-        if self._buffer is not None:
+        if self._buffer is not None and self._shown is not None:
             self._buffer.finish(parts)
-            if self._filters:
-                target = self._filtered or surface.framebuffer
+            if filters := self._filters:
+                own = surface.framebuffer if filters[-1] is self._edges else self._shown
+                target = self._filtered or own
                 draws += self._filter(self._buffer.texture, target, rectangles, parts if self._filtered else None)
-        finished = self._filtered or (self._buffer.finished if self._buffer else self._multisampled)
+        unfiltered = self._buffer.finished if self._buffer else self._multisampled
+        finished = self._filtered if self._filters else unfiltered
         if self._shown is not None and finished is not None:
             surface.ctx.copy_framebuffer(self._shown, finished)
         surface.framebuffer.use()
@@ -123,8 +122,10 @@ class PictureTarget:
             target.clear(alpha=1.0)
         draws, places = 0, [*([drawn] * len(self._between)), rectangles]
         for step, into, where in zip(self._filters, [*self._between, target], places, strict=True):
-            if parts is None or isinstance(step, BloomPass):
+            if isinstance(step, BloomPass):
                 draws += step.draw(picture, into, drawn, where)
+            elif parts is None:
+                draws += step.draw(picture, into, drawn, where, exact=target is self._filtered)
             else:
                 parts = step.draw_parts(picture, into, drawn[0], where[0], parts)
                 draws += len(parts)
@@ -152,17 +153,20 @@ class PictureTarget:
         ctx, size, samples = self._surface.ctx, self.size, self.samples
         if self.filtered:
             self._buffer = DrawBuffer(ctx, size, samples, "f2" if self.settings.bloom > 0.0 else "f1")
-            for _ in self._filters[1:]:
-                texture = ctx.texture(size, 4)
-                texture.repeat_x = texture.repeat_y = False
-                self._between.append(ctx.framebuffer([texture]))
+            self._between = [self._make_target(step, size) for step in self._filters[:-1]]
             if self.keep and self._filters and not self.settings.bloom:
-                self._filtered = ctx.framebuffer([ctx.texture(self._surface.size, 4)])
+                self._filtered = self._make_target(self._filters[-1], self._surface.size)
         elif samples:
             colour = ctx.renderbuffer(size, 4, samples=samples)
             self._multisampled = ctx.framebuffer([colour], ctx.depth_renderbuffer(size, samples=samples))
-        if self._filtered or (not self._filters and (samples or self.filtered)):
+        if self.filtered or samples:
             self._shown = ctx.framebuffer([self._surface.framebuffer.color_attachments[0]])
+
+    def _make_target(self, step: BloomPass | PictureFilter, size: Size) -> moderngl.Framebuffer:
+        """Return a framebuffer for the output of a filter."""
+        ctx = self._surface.ctx
+        depth = ctx.depth_renderbuffer(size) if step is self._edges else None
+        return ctx.framebuffer([make_picture_texture(ctx, size)], depth)
 
     def _free(self) -> None:
         for own in (*self._between, self._multisampled, self._filtered):

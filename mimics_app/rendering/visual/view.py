@@ -72,6 +72,12 @@ class View:
         return self.window / ((right - left) * (top - bottom))
 
     @cached_property
+    def figures(self) -> tuple[object, ...]:
+        """Every value that the picture depends on, to be compared with that of another view."""
+        arrays = (self.world_from_eye, self.clip_plane, self.queued_at)
+        return (*(None if each is None else each.tobytes() for each in arrays), self.tangents, self.near, self.far)
+
+    @cached_property
     def clip_from_eye(self) -> F8:
         """Projection from the frame "eye": world axes, origin `eye_world` (float64 [4, 4]).
 

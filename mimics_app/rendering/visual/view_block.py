@@ -77,9 +77,10 @@ class ViewBlock:
         self.settings = settings
         self._data = np.zeros((), VIEW_BLOCK)
         self._buffer = ctx.buffer(reserve=VIEW_BLOCK.itemsize)
+        self._made_of: tuple[object, ...] = ()
 
     def fill(self, view: View, lighting: Lighting, plan: ShadowPlan, other: View, *, sun: bool, eye: int = -1) -> None:
-        """Upload the uniforms of a view; positions are made relative to the camera in float64 first.
+        """Upload the uniforms of a view where any changed; positions are relative to the camera, made so in float64.
 
         Args:
             view: The view.
@@ -89,6 +90,10 @@ class ViewBlock:
             sun: False leaves the sun out.
             eye: Number of the eye that stereo shaders draw; -1: both.
         """
+        made_of = (view.figures, other.figures, lighting.figures, plan.figures, self.settings, sun, eye)
+        if made_of == self._made_of:
+            return
+        self._made_of = made_of
         data, origin = self._data, view.eye_world
         for number, each in enumerate((view, other)):
             data["clip_from_eyes"][number] = each.clip_from_eye.T

@@ -8,7 +8,7 @@ from dataclasses import replace
 from enum import Enum
 from pathlib import Path
 from statistics import fmean
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from msgspec import structs
 
@@ -16,9 +16,9 @@ from mimics_app.contracts.board import Card
 from mimics_app.contracts.clock import FRAME_NS, SECOND_NS
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.messages import TactileEvent
+from mimics_app.contracts.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
-from mimics_app.tasks.kinds.avatar_cord_report import AvatarCordSection
 from mimics_app.tasks.kinds.avatar_cord_spec import AvatarCordSpec, ExperimentGoal, QuestionnaireSpec
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, TaskKind
 from mimics_app.tasks.kinds.questionnaire_file import check_questionnaire, read_questionnaire
@@ -218,6 +218,23 @@ def _column(name: str, what: str, *, sums: bool = False) -> Measure:
     return Measure(name, name, what, ScorePartSpec(weight=0.0, best=1.0, worst=0.0), total=name, sums=sums)
 
 
+class AvatarCordSection(ReportSection):
+    """Section of runs with trials of the experiment."""
+
+    heading = "Connection to an avatar"
+    colours = "The handle path, where the subject held the robot, is blue."
+
+    def takes(self, facts: Mapping[str, Any], attempts: Sequence[ReportedAttempt]) -> bool:
+        return any("tap_error_ms" in attempt.row for attempt in attempts)
+
+    def tiles(self, task: Mapping[str, Any]) -> Mapping[str, tuple[Any, str]]:
+        return {
+            "ownership": (task.get("ownership"), ""),
+            "drift towards the avatar": (task.get("drift_m"), "m"),
+            "taps off their time, mean of the trials' worst": (task.get("tap_error_ms"), "ms"),
+        }
+
+
 class AvatarCordKind(TaskKind):
     """The built-in kind of the experiment with the cord."""
 
@@ -256,7 +273,7 @@ class AvatarCordKind(TaskKind):
         for label, condition in section.conditions.items():
             if not condition.cord and condition.mode != "none" and "cord" in (condition.places or section.taps.places):
                 where = f"{pointer}/{self.name}/conditions/{escape(label)}"
-                yield where, "taps a cord that nobody sees", 'give it "places", such as ["back"]'
+                yield where, "taps a cord that is hidden", 'give it "places", such as ["back"]'
 
     def _check_labels(self, spec: TaskSpec, section: AvatarCordSpec, pointer: str) -> Iterator[Fault]:
         blocks = spec.trials if not isinstance(spec.trials, str) else []

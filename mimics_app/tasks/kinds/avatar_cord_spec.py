@@ -110,7 +110,9 @@ class QuestionnaireSpec(Component, frozen=True):
     items: Annotated[list[ItemSpec], Meta(min_length=1, max_length=100, description="The statements")]
     least: Annotated[int, Meta(ge=-10, le=10, description="Not at all")] = -3
     most: Annotated[int, Meta(ge=-10, le=10, description="Completely")] = 3
-    order: Annotated[Literal["listed", "shuffled"], Meta(description="shuffled: anew for every trial")] = "shuffled"
+    order: Annotated[Literal["listed", "shuffled"], Meta(description="shuffled: in a new order for every trial")] = (
+        "shuffled"
+    )
     source: Annotated[str, Meta(max_length=400, description="Where the statements come from")] = ""
 
 
@@ -141,8 +143,8 @@ class AvatarCordSpec(Component, frozen=True):
         Meta(description="After each trial, here or in a JSON file whose name stands here; absent: none"),
     ] = None
     probe: Annotated[ProbeSpec | None, Meta(description="Before the statements; absent: none")] = None
-    simulated: Annotated[SubjectModel, Meta(description="Who answers where nobody is there")] = field(
-        default_factory=SubjectModel
+    simulated: Annotated[SubjectModel, Meta(description="Simulated subject that answers in a simulated session")] = (
+        field(default_factory=SubjectModel)
     )
 
     @property

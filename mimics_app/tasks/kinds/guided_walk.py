@@ -49,7 +49,7 @@ class GuidedWalkSpec(Component, frozen=True):
     ] = "intimate"
     walker: Annotated[
         Literal["simulated", "hand"],
-        Meta(description="Who walks: a simulated person, or whoever leads the hand forwards and back."),
+        Meta(description="Walker: a simulated person, or the person who moves the hand forwards and back."),
     ] = "simulated"
 
 

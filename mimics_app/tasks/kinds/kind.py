@@ -63,11 +63,11 @@ class Measure:
     """One number of a travel that counts in the score.
 
     Attributes:
-        column: Its name in the trial table, with the unit, e.g. "grasp_error_n".
-        part: Its name in the scene's `task.score`.
+        column: Name in the trial table, with the unit, e.g. "grasp_error_n".
+        part: Name in the scene's `task.score`.
         what: Description with the unit, for the schema and the report.
         default: Weight and limits in the score unless the scene states them.
-        total: Its name among the session's totals, "" for none.
+        total: Name among the session's totals, "" for none.
         sums: Whether the total is a sum over the trials; a mean otherwise.
     """
 
@@ -80,7 +80,7 @@ class Measure:
 
 
 class KindPlay:
-    """One kind of task through the attempts of a session."""
+    """Behaviour of one kind of task during a session."""
 
     @property
     def orders(self) -> Mapping[str, object]:
@@ -127,7 +127,7 @@ class KindPlay:
         """Begin an attempt: the robot moves to the start."""
 
     def let_go(self, seen: Observation) -> None:
-        """Begin the travel with this frame."""
+        """Begin the travel in this frame: the person may move the robot."""
 
     def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
         """Take a frame and return it with `progress` and `distance` as defined by this kind.
@@ -161,19 +161,19 @@ class TaskKind(ABC):
     """A kind of task: its additions to the task block of a scene file.
 
     Attributes:
-        name: As an entry point, and of its `section` in the task block.
-        section: Settings of its own under `task.NAME`, or None.
-        goals: Structs with tag field "kind" that may stand under `task.goals`.
-        conditions: Likewise under `task.triggers[].when`.
-        measures: What it measures beside what every task does.
+        name: Name of the entry point, and of the `section` in the task block.
+        section: Struct of its settings under `task.NAME`, or None.
+        goals: Structs with tag field "kind", for `task.goals`.
+        conditions: The same for `task.triggers[].when`.
+        measures: Measures beside those of every task.
         targets: Numbers of the task that a parameter may change, as `task.NAME`.
         completes: Name among the totals for the count of trials that reached their goal, "" for none.
         cards: Names of its cards, as `hud.show` of a scene lists them.
-        scored: Whether its trials earn points where the scene states no weights; an experiment has nothing to win.
-        journals: Kinds of the lines that `take_events` hands to the journal, which a replay compares.
+        scored: Whether its trials have a score where the scene states no weights; those of an experiment have none.
+        journals: Kinds of the journal lines from `take_events`, which a replay compares.
         label: Caption of the progress card.
         contacts: Caption of the card that counts contacts.
-        report: What it adds to the report of a run, or None.
+        report: Its section in the report of a run, or None.
     """
 
     name: ClassVar[str]
@@ -191,15 +191,15 @@ class TaskKind(ABC):
     report: ClassVar[ReportSection | None] = None
 
     def read_files(self, section: Component, folder: Path, root: Path) -> Component:
-        """This kind's section with the files that it names read.
+        """Return this kind's section with the contents of the files that it names.
 
         Args:
-            section: As the scene says it, of the right types.
-            folder: Of the scene file.
-            root: Folder that files must lie inside.
+            section: The section as decoded from the scene.
+            folder: Folder of the scene file.
+            root: Folder that must contain the files.
 
         Raises:
-            SceneError: with every fault of the files.
+            SceneError: With every fault of the files.
         """
         return section
 
@@ -208,7 +208,7 @@ class TaskKind(ABC):
 
         Args:
             spec: The task.
-            offers: What the scene has for tasks, e.g. "tunnel".
+            offers: Features of the scene for tasks, e.g. "tunnel".
         """
         return spec.section(self.name) is not None or any(isinstance(goal, self.goals) for goal in spec.goals)
 
@@ -217,7 +217,7 @@ class TaskKind(ABC):
         return iter(())
 
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
-        """Faults of a task against its scene. Called for every task."""
+        """Return the faults of a task in its scene. Called for every task."""
         return []
 
     @abstractmethod
@@ -226,6 +226,6 @@ class TaskKind(ABC):
 
         Args:
             spec: A task that this kind takes.
-            context: What it must know of the scene.
-            seed: Of the session; everything drawn comes from it.
+            context: Properties of the scene.
+            seed: Seed of the session, for all random numbers.
         """

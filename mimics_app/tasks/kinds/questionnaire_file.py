@@ -9,7 +9,7 @@ from mimics_app.tasks.kinds.avatar_cord_spec import QuestionnaireSpec
 from mimics_app.world.components.struct_reader import FAILED, read_struct
 from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.paths import PathFault, find_file
-from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.scene.scene_files import read_bytes
 
 __all__ = ["check_questionnaire", "read_questionnaire"]
 
@@ -20,8 +20,8 @@ def read_questionnaire(name: str, folder: Path, root: Path) -> QuestionnaireSpec
     """Read a JSON object of what may stand under `task.avatar_cord.questionnaire`.
 
     Args:
-        name: Of the file, from the scene's folder.
-        folder: Of the scene file.
+        name: Path of the file from the scene's folder.
+        folder: Folder of the scene file.
         root: Folder that it must lie inside.
 
     Raises:

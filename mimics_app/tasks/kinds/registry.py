@@ -7,12 +7,12 @@ from typing import cast
 
 from mimics_app.contracts.plugins import PluginGroup
 from mimics_app.contracts.report_section import ReportSection
-from mimics_app.tasks.kinds import avatar_cord, carry, guided_walk, tunnel
+from mimics_app.tasks.kinds import avatar_cord, carry, city_walk, guided_walk, tunnel
 from mimics_app.tasks.kinds.kind import TaskKind
 
 __all__ = ["PLUGINS", "report_sections", "task_kinds"]
 
-_BUILT_IN: tuple[TaskKind, ...] = (tunnel.KIND, carry.KIND, avatar_cord.KIND, guided_walk.KIND)
+_BUILT_IN: tuple[TaskKind, ...] = (tunnel.KIND, carry.KIND, avatar_cord.KIND, guided_walk.KIND, city_walk.KIND)
 
 
 def _fault_of(name: str, loaded: object) -> str:

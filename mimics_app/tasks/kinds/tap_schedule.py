@@ -25,7 +25,7 @@ class Tap:
         felt_ns: Time at which it is felt, likewise [ns].
         place: "cord", "back" or "stomach".
         felt_at: Vibrator that is driven.
-        share: Of the cord's length, where `place` is "cord".
+        share: Share of the cord's length, where `place` is "cord".
         theta: Around it [rad].
     """
 

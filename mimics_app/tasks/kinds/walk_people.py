@@ -7,7 +7,7 @@ The walker's parameters are from publications and were fixed before any learning
   Soc Psychol Bull 29(7), 2003);
 - the nearer the intruder, the stronger the answer (Llobera et al., ACM TAP 8(1), 2010);
 - a step of a walker is about half a metre, one that gives way about a third;
-- a stranger's gesture is followed now and then and ever less: between a tenth and a third of the time at first.
+- a stranger's gesture is followed sometimes, and less with time: between a tenth and a third of the time at first.
 
 One step of either lasts two seconds. A walker moves away from a guide within their personal space, so a guide moves a
 walker by approaching from behind, or by beckoning from the front.

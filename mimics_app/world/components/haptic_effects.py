@@ -41,27 +41,27 @@ class _Within(Component, frozen=True):
     ] = 0.0
 
 
-class Spring(_Within, frozen=True, kw_only=True, tag="spring", tag_field="kind"):
-    """Spring to a point."""
+class _Pull(_Within, frozen=True, kw_only=True):
+    """A spring and damper to a point or a path."""
 
     stiffness: Annotated[Positive, Meta(description="Stiffness [N/m]")]
-    damping: Annotated[NotNegative, Meta(description="Damping of all motion while it pulls [N s/m]")] = 0.0
     dead_band: Annotated[NotNegative, Meta(description="Distance below which it exerts no force [m]")] = 0.0
     largest_force: Annotated[
         NotNegative, Meta(description="Force limit of spring and damper together [N]; 0: none")
     ] = 0.0
 
 
-class PathSpring(_Within, frozen=True, kw_only=True, tag="path_spring", tag_field="kind"):
+class Spring(_Pull, frozen=True, kw_only=True, tag="spring", tag_field="kind"):
+    """Spring to a point."""
+
+    damping: Annotated[NotNegative, Meta(description="Damping of all motion while it pulls [N s/m]")] = 0.0
+
+
+class PathSpring(_Pull, frozen=True, kw_only=True, tag="path_spring", tag_field="kind"):
     """Spring to the closest point of a path; motion along the path is free."""
 
     path: Annotated[str, Meta(description="Id of an entity with a `haptic_path` or a `tunnel`")]
-    stiffness: Annotated[Positive, Meta(description="Stiffness [N/m]")]
     damping: Annotated[NotNegative, Meta(description="Damping across the path while it pulls [N s/m]")] = 0.0
-    dead_band: Annotated[NotNegative, Meta(description="Distance below which it exerts no force [m]")] = 0.0
-    largest_force: Annotated[
-        NotNegative, Meta(description="Force limit of spring and damper together [N]; 0: none")
-    ] = 0.0
 
 
 class Viscosity(_Within, frozen=True, kw_only=True, tag="viscosity", tag_field="kind"):

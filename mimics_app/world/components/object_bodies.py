@@ -64,13 +64,13 @@ class BodyMass:
     inertia: F8
 
 
-def shapes_of(scene: Scene, entity: str, thing: HapticObject) -> tuple[Solid, ...]:
+def shapes_of(scene: Scene, entity: str, spec: HapticObject) -> tuple[Solid, ...]:
     """Return the shapes of an object: its own, else its entity's visible primitive; boxes and spheres are fitted.
 
     Raises:
         ObjectFault: it has none, or a model that cannot be touched.
     """
-    found = thing.shapes or (_of_primitive(scene, entity),)
+    found = spec.shapes or (_of_primitive(scene, entity),)
     return tuple(_fitted(scene, shape, f"/shapes/{i}") for i, shape in enumerate(found))
 
 
@@ -99,28 +99,28 @@ def digest_of(scene: Scene, source: str) -> str:
     return "" if asset is None else asset.digest
 
 
-def mass_properties_of(scene: Scene, thing: HapticObject, shapes: tuple[Solid, ...]) -> BodyMass:
+def mass_properties_of(scene: Scene, spec: HapticObject, shapes: tuple[Solid, ...]) -> BodyMass:
     """Return mass, centre and inertia: as given, else of the shapes with uniform density.
 
     Raises:
         ObjectFault: a surface that is not closed has nothing to fill.
     """
-    known = thing.inertia is not None and thing.centre is not None and thing.density is None
-    if known or not (thing.enable_translation or thing.enable_rotation):
+    known = spec.inertia is not None and spec.centre is not None and spec.density is None
+    if known or not (spec.enable_translation or spec.enable_rotation):
         filled = FilledShape(1.0, np.zeros(3), np.eye(3))
     else:
         filled = combine([_filled(scene, shape, f"/shapes/{i}") for i, shape in enumerate(shapes)])
-    mass = thing.mass if thing.mass is not None else _DEFAULT_MASS
-    if thing.density is not None:
-        mass = thing.density * filled.volume
+    mass = spec.mass if spec.mass is not None else _DEFAULT_MASS
+    if spec.density is not None:
+        mass = spec.density * filled.volume
     inertia = filled.inertia * (mass / filled.volume)
     centre = filled.centre
-    if thing.inertia is not None:
-        inertia = np.diag(thing.inertia)
-    elif thing.centre is not None:
-        shift = np.array(thing.centre) - centre
+    if spec.inertia is not None:
+        inertia = np.diag(spec.inertia)
+    elif spec.centre is not None:
+        shift = np.array(spec.centre) - centre
         inertia = inertia + mass * (float(shift @ shift) * np.eye(3) - np.outer(shift, shift))
-    return BodyMass(mass, centre if thing.centre is None else np.array(thing.centre), inertia)
+    return BodyMass(mass, centre if spec.centre is None else np.array(spec.centre), inertia)
 
 
 def rotation_of(quaternion: tuple[float, ...]) -> F8:

@@ -11,6 +11,7 @@ import numpy as np
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.haptic_objects import MAX_PIECES
 from mimics_app.world.components import haptic_effects as effects
+from mimics_app.world.components.block_signals import SignalFault, parse_source, parse_target
 from mimics_app.world.components.haptic_shapes import (
     CubeSolid,
     CylinderSolid,
@@ -32,7 +33,6 @@ from mimics_app.world.components.objects import (
 )
 from mimics_app.world.components.registry import register_check, register_limit
 from mimics_app.world.components.robot import Tunnel
-from mimics_app.world.components.signals import SignalFault, parse_source, parse_target
 from mimics_app.world.scene.placing import pose_of, stands_somewhere
 
 if TYPE_CHECKING:
@@ -56,30 +56,30 @@ _MAX_DISTANCE = 1e3
 """Maximum distance of an object from the world's origin [m]."""
 
 
-def _check_object(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
+def _check_object(spec: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
     issues = _check_place(pointer, scene)
-    if thing.mass is not None and thing.density is not None:
+    if spec.mass is not None and spec.density is not None:
         issues.append(scene.issue(f"{pointer}/density", "both mass and density are given", "leave one of the two out"))
-    if thing.enable_translation is False and any(thing.initial_velocity):
+    if spec.enable_translation is False and any(spec.initial_velocity):
         issues.append(
             scene.issue(
                 f"{pointer}/initial_velocity", "its translation is disabled", "enable_translation, or leave out"
             )
         )
-    if thing.enable_rotation is False and any(thing.initial_angular_velocity):
+    if spec.enable_rotation is False and any(spec.initial_angular_velocity):
         where = f"{pointer}/initial_angular_velocity"
         issues.append(scene.issue(where, "its rotation is disabled", "enable_rotation, or leave it out"))
-    if thing.inertia is not None and 2.0 * max(thing.inertia) > sum(thing.inertia) * (1.0 + 1e-9):
+    if spec.inertia is not None and 2.0 * max(spec.inertia) > sum(spec.inertia) * (1.0 + 1e-9):
         what = "no body has this inertia: one axis is above the sum of the other two"
         issues.append(scene.issue(f"{pointer}/inertia", what))
-    if thing.crush_force > 0.0 and not thing.grip:
+    if spec.crush_force > 0.0 and not spec.grip:
         issues.append(scene.issue(f"{pointer}/crush_force", "the object cannot be gripped", 'set "grip": true'))
-    for i, shape in enumerate(thing.shapes):
+    for i, shape in enumerate(spec.shapes):
         issues += _check_shape(shape, f"{pointer}/shapes/{i}", scene)
-    own: Layer = (thing, pointer)
-    special: list[Layer] = [(shape, f"{pointer}/shapes/{i}") for i, shape in enumerate(thing.shapes)]
+    own: Layer = (spec, pointer)
+    special: list[Layer] = [(shape, f"{pointer}/shapes/{i}") for i, shape in enumerate(spec.shapes)]
     issues += _check_surfaces([[layer, own] for layer in special] or [[own]], scene)
-    return issues or _check_body(thing, pointer, scene)
+    return issues or _check_body(spec, pointer, scene)
 
 
 def _check_place(pointer: str, scene: Scene) -> list[Issue]:
@@ -96,14 +96,14 @@ def _check_place(pointer: str, scene: Scene) -> list[Issue]:
     return []
 
 
-def _check_body(thing: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
+def _check_body(spec: HapticObject, pointer: str, scene: Scene) -> list[Issue]:
     """Faults of the object as a whole: its shapes and mass."""
     try:
-        shapes = shapes_of(scene, scene.owner(pointer).id, thing)
+        shapes = shapes_of(scene, scene.owner(pointer).id, spec)
         smallest = min(map(_width, shapes))
         if smallest < _MIN_WIDTH:
             return [scene.issue(pointer, _too_thin(smallest))]
-        mass_properties_of(scene, thing, shapes)
+        mass_properties_of(scene, spec, shapes)
     except ObjectFault as fault:
         return [scene.issue(f"{pointer}{fault.place}", fault.what, fault.fix)]
     return []

@@ -20,6 +20,7 @@ __all__ = [
     "ComponentCheck",
     "Section",
     "SectionCheck",
+    "check_of_system",
     "checks_of",
     "component",
     "component_types",
@@ -42,7 +43,7 @@ ComponentCheck = Callable[[Any, str, "Scene"], list[Issue]]
 """(struct, pointer into the resolved scene, scene) -> faults; make them with `scene.issue(pointer + "/field", ...)`."""
 
 SectionCheck = Callable[[Any, "Scene"], list[Issue]]
-"""(struct, scene) -> faults of a section such as `task`."""
+"""(struct, scene) -> faults of a section such as `task`, or of a system."""
 
 
 class Section(msgspec.Struct, frozen=True):
@@ -57,6 +58,7 @@ _systems: dict[str, type[msgspec.Struct]] = {}
 _sections: dict[str, Section] = {}
 _checks: dict[str, list[ComponentCheck]] = {}
 _limits: dict[str, int] = {}
+_system_checks: dict[str, SectionCheck | None] = {}
 
 S = TypeVar("S", bound=type[msgspec.Struct])
 
@@ -76,9 +78,10 @@ def component(name: str) -> Callable[[S], S]:
     return decorate
 
 
-def register_system(name: str, struct: type[msgspec.Struct]) -> None:
-    """Register the settings of system `name`; raise ValueError where another type has that name."""
+def register_system(name: str, struct: type[msgspec.Struct], check: SectionCheck | None = None) -> None:
+    """Register type and check of the settings of system `name`; raise ValueError where another type has that name."""
     _add(_systems, "system", name, struct)
+    _system_checks[name] = check
 
 
 def register_section(name: str, struct: type[msgspec.Struct], check: SectionCheck | None = None) -> None:
@@ -116,6 +119,11 @@ def system_types() -> dict[str, type[msgspec.Struct]]:
 def section_of(name: str) -> Section | None:
     """Return the registered top-level section, or None."""
     return _sections.get(name)
+
+
+def check_of_system(name: str) -> SectionCheck | None:
+    """Return the check of a system's settings, or None."""
+    return _system_checks.get(name)
 
 
 def checks_of(component_type: str) -> list[ComponentCheck]:

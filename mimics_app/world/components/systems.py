@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from msgspec import Meta
 
+from mimics_app.contracts.display_choice import DISPLAY_KINDS, display_names
+from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.world.components.bounds import Extent, Factor, Length
 from mimics_app.world.components.registry import Component, register_system
+
+if TYPE_CHECKING:
+    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["AudioSettings", "DisplaySettings", "HapticSettings", "Tolerances", "VisualSettings"]
 
@@ -86,21 +91,8 @@ class DisplaySettings(Component, frozen=True):
     """Display of the picture; --display overrides it."""
 
     kind: Annotated[
-        Literal[
-            "desktop",
-            "sbs",
-            "sbs-half",
-            "tb",
-            "interleaved",
-            "anaglyph",
-            "quad",
-            "wall",
-            "cave",
-            "hmd",
-            "openxr",
-            "sim-hmd",
-        ],
-        Meta(description="Kind of display, as of --display"),
+        str,
+        Meta(max_length=64, examples=[*DISPLAY_KINDS], description="Kind of display, as of --display"),
     ] = "desktop"
     file: Annotated[
         str, Meta(max_length=400, description="File of the walls or the headset, beside the scene; '' for none")
@@ -174,8 +166,16 @@ class Tolerances(Component, frozen=True):
     ] = None
 
 
+def _check_display(settings: DisplaySettings, scene: Scene) -> list[Issue]:
+    """Return a fault where neither the program nor an installed package has the display."""
+    if settings.kind in DISPLAY_KINDS or settings.kind in (known := display_names()):
+        return []
+    what, fix = f'there is no display "{settings.kind}"', nearest(settings.kind, known)
+    return [scene.issue("/systems/display/kind", what, fix)]
+
+
 register_system("tolerances", Tolerances)
 register_system("haptic", HapticSettings)
 register_system("visual", VisualSettings)
-register_system("display", DisplaySettings)
+register_system("display", DisplaySettings, _check_display)
 register_system("audio", AudioSettings)

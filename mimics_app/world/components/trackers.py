@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from msgspec import Meta, field
 
+from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.contracts.tracker_port import TRACKER_KINDS, tracker_names
 from mimics_app.world.components.bounds import Point, Quaternion
 from mimics_app.world.components.registry import Component, register_system
+
+if TYPE_CHECKING:
+    from mimics_app.world.scene.scene import Scene
 
 __all__ = ["RoomPoints", "TrackerSpec", "TrackersSettings"]
 
@@ -29,10 +34,12 @@ class TrackerSpec(Component, frozen=True):
 
     name: Annotated[_Name, Meta(description="Name in messages")]
     kind: Annotated[
-        Literal["fastrak", "flock", "vrpn", "osc", "lsl", "scripted", "pointer", "headset", "tape"],
+        str,
         Meta(
+            max_length=64,
+            examples=[*TRACKER_KINDS],
             description="Protocol; scripted: a simulated person; pointer: mouse and gamepad; headset: the "
-            "display's own head and hands; tape: a recording"
+            "display's own head and hands; tape: a recording",
         ),
     ]
     address: Annotated[
@@ -72,4 +79,15 @@ class TrackersSettings(Component, frozen=True):
     tape: Annotated[bool, Meta(description="True: every report is kept in the run folder, as trackers.jsonl")] = False
 
 
-register_system("trackers", TrackersSettings)
+def _check_trackers(settings: TrackersSettings, scene: Scene) -> list[Issue]:
+    """Return the devices of a kind that neither the program nor an installed package has."""
+    unknown = [(n, spec.kind) for n, spec in enumerate(settings.devices) if spec.kind not in TRACKER_KINDS]
+    known = tracker_names() if unknown else ()
+    return [
+        scene.issue(f"/systems/trackers/devices/{n}/kind", f'there is no tracker "{kind}"', nearest(kind, known))
+        for n, kind in unknown
+        if kind not in known
+    ]
+
+
+register_system("trackers", TrackersSettings, _check_trackers)

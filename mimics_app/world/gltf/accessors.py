@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Records
 from mimics_app.world.gltf.buffers import GltfBuffers
-from mimics_app.world.gltf.source import GltfSource
+from mimics_app.world.gltf.gltf_document import GltfSource
 
 __all__ = ["MAX_ELEMENTS", "GltfAccessors"]
 

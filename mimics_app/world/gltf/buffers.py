@@ -5,8 +5,8 @@ from __future__ import annotations
 import base64
 import binascii
 
-from mimics_app.world.gltf.source import MAX_TOTAL_BYTES, GltfSource
-from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.gltf.gltf_document import MAX_TOTAL_BYTES, GltfSource
+from mimics_app.world.scene.scene_files import read_bytes
 
 __all__ = ["GltfBuffers", "data_uri"]
 

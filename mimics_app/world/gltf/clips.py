@@ -9,9 +9,9 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F4
 from mimics_app.world.gltf.accessors import GltfAccessors
+from mimics_app.world.gltf.gltf_document import GltfSource
 from mimics_app.world.gltf.meshes import GltfMesh
 from mimics_app.world.gltf.nodes import GltfNode
-from mimics_app.world.gltf.source import GltfSource
 from mimics_app.world.motion.clip import Clip, ClipEvent, Interpolation, Track, TrackPath, pack_clip
 
 __all__ = ["GltfClips"]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.world.gltf.accessors import GltfAccessors
-from mimics_app.world.gltf.source import GltfSource
+from mimics_app.world.gltf.gltf_document import GltfSource
 from mimics_app.world.meshes.deform import MorphTarget, VertexWeights
 
 if TYPE_CHECKING:

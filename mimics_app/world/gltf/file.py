@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Any
 from mimics_app.contracts.errors import nearest
 from mimics_app.world.gltf.accessors import GltfAccessors
 from mimics_app.world.gltf.buffers import GltfBuffers
+from mimics_app.world.gltf.gltf_document import GltfError, GltfSource, open_gltf
 from mimics_app.world.gltf.images import GltfImages
 from mimics_app.world.gltf.materials import GltfMaterials
 from mimics_app.world.gltf.meshes import GltfMesh, GltfMeshes
 from mimics_app.world.gltf.nodes import GltfCamera, GltfLight, GltfNode, GltfNodes
 from mimics_app.world.gltf.references import check_references
 from mimics_app.world.gltf.sounds import GltfSounds, read_sounds
-from mimics_app.world.gltf.source import GltfError, GltfSource, open_gltf
 from mimics_app.world.materials.material import Material, TextureData
 
 if TYPE_CHECKING:

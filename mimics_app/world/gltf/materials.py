@@ -9,8 +9,8 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.world.gltf.gltf_document import GltfSource
 from mimics_app.world.gltf.images import GltfImages
-from mimics_app.world.gltf.source import GltfSource
 from mimics_app.world.materials.material import IDENTITY, MAPS, Affine, AlphaMode, Material
 
 __all__ = ["GltfMaterial", "GltfMaterials"]

@@ -10,8 +10,8 @@ import numpy as np
 from mimics_app.contracts.arrays import F4, U4
 from mimics_app.world.gltf.accessors import GltfAccessors
 from mimics_app.world.gltf.deforms import GltfDeforms
+from mimics_app.world.gltf.gltf_document import MAX_ITEMS, GltfSource
 from mimics_app.world.gltf.materials import GltfMaterial
-from mimics_app.world.gltf.source import MAX_ITEMS, GltfSource
 from mimics_app.world.meshes.mesh import FARTHEST, MeshData, compute_normals
 
 __all__ = ["GltfMesh", "GltfMeshes", "GltfPrimitive"]

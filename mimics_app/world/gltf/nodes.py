@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from mimics_app.maths.decompose import decompose_trs
-from mimics_app.world.gltf.source import GltfSource
+from mimics_app.world.gltf.gltf_document import GltfSource
 from mimics_app.world.levels import MAX_LEVELS
 from mimics_app.world.light import LightKind
 from mimics_app.world.meshes.mesh import FARTHEST

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from mimics_app.world.gltf.source import GltfSource
+from mimics_app.world.gltf.gltf_document import GltfSource
 from mimics_app.world.scene.json_text import escape
 
 __all__ = ["check_references"]

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.world.gltf.accessors import GltfAccessors
+from mimics_app.world.gltf.gltf_document import GltfSource
 from mimics_app.world.gltf.meshes import GltfMesh
 from mimics_app.world.gltf.nodes import GltfNode
-from mimics_app.world.gltf.source import GltfSource
 
 __all__ = ["MAX_JOINTS", "GltfSkin", "GltfSkins", "check_bound_nodes"]
 

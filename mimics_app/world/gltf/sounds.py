@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from mimics_app.world.gltf.buffers import GltfBuffers, data_uri
-from mimics_app.world.gltf.source import GltfSource, open_gltf
+from mimics_app.world.gltf.gltf_document import GltfSource, open_gltf
 
 __all__ = ["EXTENSION", "GltfAudio", "GltfEmitter", "GltfSounds", "read_embedded_sound", "read_sounds"]
 

@@ -10,7 +10,7 @@ from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.components.struct_reader import FAILED, is_comment, read_struct
 from mimics_app.world.materials.technique import TechniqueSpec
 from mimics_app.world.scene.json_text import parse_json
-from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.scene.scene_files import read_bytes
 
 __all__ = ["built_in_techniques", "read_techniques"]
 

@@ -15,7 +15,7 @@ from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.materials.material import Material, TextureData
 from mimics_app.world.meshes.mesh import FARTHEST, MeshData
 from mimics_app.world.meshes.shading_groups import shaded_mesh
-from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.scene.scene_files import read_bytes
 from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.world import World
 

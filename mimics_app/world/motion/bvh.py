@@ -18,7 +18,7 @@ from mimics_app.world.motion.clip import Clip, clip_of_poses
 from mimics_app.world.motion.humanoid import HumanoidMap, find_humanoid
 from mimics_app.world.motion.pose import Pose
 from mimics_app.world.motion.retarget import Retarget
-from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.scene.scene_files import read_bytes
 
 __all__ = ["MotionCapture", "capture_clip", "read_bvh"]
 

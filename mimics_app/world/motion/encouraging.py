@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mimics_app.world.motion.animator import Animator
-from mimics_app.world.motion.machine import State, StateMachine
+from mimics_app.world.motion.state_machine import State, StateMachine
 
 __all__ = ["EncouragingMachine"]
 

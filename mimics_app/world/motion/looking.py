@@ -8,17 +8,16 @@ from collections.abc import Callable
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.maths.quat import multiply, rotate, rotate_back, slerp
+from mimics_app.maths.quat import IDENTITY, rotate_back
 from mimics_app.world.motion.animator import Rig
 from mimics_app.world.motion.humanoid import HumanoidMap
-from mimics_app.world.motion.kernels.chain import arc, localise
+from mimics_app.world.motion.kernels.gaze import look
 from mimics_app.world.motion.pose import Pose
 from mimics_app.world.motion.reach import Chain
 
 __all__ = ["Blink", "Breath", "LookAt", "find_morphs"]
 
 
-_IDENTITY = np.array([0.0, 0.0, 0.0, 1.0])
 _NECK_SHARE = 0.4
 """Share of the look-at rotation that the neck takes; the head takes the rest."""
 _EASE = 6.0
@@ -41,58 +40,37 @@ class LookAt:
     _EYES = 0.5
 
     def __init__(self, rig: Rig, bones: HumanoidMap, target: Callable[[], F8 | None], limit: float = 1.2) -> None:
-        self._rig, self._target, self._limit = rig, target, limit
-        self._chain = Chain(rig)
-        self._head = bones.slots["head"]
-        self._neck = bones.slots.get("neck", -1)
-        self._eyes = [bones.slots[eye] for eye in ("leftEye", "rightEye") if eye in bones.slots]
-        rest = Chain(rig)
+        self._target, self._chain = target, Chain(rig)
+        eyes = [bones.slots[eye] for eye in ("leftEye", "rightEye") if eye in bones.slots]
+        self._slots = np.array([bones.slots.get("neck", -1), bones.slots["head"], *eyes], np.int32)
         # The forward direction is that of the toes, else +z as in glTF.
-        self._ahead = _ahead(rest, bones)
-        self._gaze = [self._into(rest, slot) for slot in (self._head, *self._eyes)]
-        self._turn = _IDENTITY.copy()
+        ahead, self._gazes = _ahead(self._chain, bones), np.zeros((len(self._slots), 3))
+        for slot, gaze in zip(self._slots[1:], self._gazes[1:], strict=True):
+            rotate_back(self._chain.turns[slot], ahead, gaze)
+        self._limits, self._turn = np.array([limit, self._EYES]), np.array(IDENTITY)
         self.weight = 1.0
 
     def __call__(self, pose: Pose, seconds: float) -> None:
         target, chain = self._target(), self._chain
-        chain.follow(pose)
-        wanted = _IDENTITY if target is None else self._wanted(target)
         share = 1.0 - math.exp(-_EASE * abs(seconds)) if seconds else 1.0
-        slerp(self._turn, wanted, share, self._turn)
-        if self._neck >= 0:
-            self._apply(pose, self._neck, _NECK_SHARE)
-            chain.follow_slot(pose, self._head)
-        self._apply(pose, self._head, 1.0 - _NECK_SHARE if self._neck >= 0 else 1.0)
-        for slot, gaze in zip(self._eyes, self._gaze[1:], strict=True):
-            chain.follow_slot(pose, slot)
-            if target is not None:
-                turn = _limited(self._out(slot, gaze), target - chain.places[slot], self._EYES)
-                self._turn_slot(pose, slot, turn)
-
-    def _wanted(self, target: F8) -> F8:
-        """Return the rotation of head and neck together, in the frame of the model."""
-        now = self._out(self._head, self._gaze[0])
-        return _limited(now, target - self._chain.places[self._head], self._limit)
-
-    def _apply(self, pose: Pose, slot: int, share: float) -> None:
-        part = np.empty(4)
-        slerp(_IDENTITY, self._turn, share * self.weight, part)
-        self._turn_slot(pose, slot, part)
-
-    def _turn_slot(self, pose: Pose, slot: int, turn: F8) -> None:
-        turned = np.empty(4)
-        multiply(turn, self._chain.turns[slot], turned)
-        localise(slot, turned, self._rig.parents, self._chain.turns, pose.rotations)
-
-    def _into(self, rest: Chain, slot: int) -> F8:
-        own = np.empty(3)
-        rotate_back(rest.turns[slot], self._ahead, own)
-        return own
-
-    def _out(self, slot: int, gaze: F8) -> F8:
-        turned = np.empty(3)
-        rotate(self._chain.turns[slot], gaze, turned)
-        return turned
+        of_neck = _NECK_SHARE if self._slots[0] >= 0 else 0.0
+        look(
+            chain.rig.parents,
+            pose.translations,
+            pose.rotations,
+            pose.scales,
+            chain.places,
+            chain.turns,
+            chain.scales,
+            self._slots,
+            self._gazes,
+            np.zeros(3) if target is None else np.ascontiguousarray(target),
+            target is not None,
+            share,
+            self.weight * np.array([of_neck, 1.0 - of_neck]),
+            self._limits,
+            self._turn,
+        )
 
 
 class Blink:
@@ -134,18 +112,6 @@ def find_morphs(rig: Rig, *words: str) -> list[int]:
     """Return the morph weights with one of some names, in upper or lower case, of all meshes."""
     wanted = {word.lower() for word in words}
     return [k for k, name in enumerate(rig.morph_names) if name.lower() in wanted]
-
-
-def _limited(now: F8, wanted: F8, limit: float) -> F8:
-    """Return the shortest rotation between two directions, limited to an angle [rad]."""
-    turn = np.empty(4)
-    if float(np.linalg.norm(wanted)) < 1e-6:
-        return _IDENTITY
-    arc(np.ascontiguousarray(now), np.ascontiguousarray(wanted), turn)
-    angle = 2.0 * math.acos(min(1.0, float(turn[3])))
-    if angle > limit:
-        slerp(_IDENTITY, turn, limit / angle, turn)
-    return turn
 
 
 def _ahead(rest: Chain, bones: HumanoidMap) -> F8:

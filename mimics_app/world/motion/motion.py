@@ -14,8 +14,8 @@ from mimics_app.world.transforms import TransformTable
 if TYPE_CHECKING:
     from mimics_app.world.motion.animator import Animator
     from mimics_app.world.motion.clip import ClipEvent
-    from mimics_app.world.motion.machine import StateMachine
     from mimics_app.world.motion.skinned_body import SkinnedBody
+    from mimics_app.world.motion.state_machine import StateMachine
 
 __all__ = ["Motion"]
 

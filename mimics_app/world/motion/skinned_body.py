@@ -10,7 +10,7 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F4, F8, I4
 from mimics_app.world.meshes.mesh import MeshData
-from mimics_app.world.motion.kernels.palette import bound_joints, write_palette
+from mimics_app.world.motion.kernels.skinning_palette import bound_joints, write_palette
 from mimics_app.world.transforms import TransformTable
 
 __all__ = ["Binding", "SkinnedBody", "Skinning", "bind"]
@@ -71,6 +71,7 @@ class SkinnedBody:
         rows: Palette in the frame of the node, three matrix rows per joint, float32 [joints, 3, 4].
         duals: Palette as dual quaternions, float32 [joints, 8].
         weights: Weights of its morph targets in this frame, float32 [targets].
+        morphed: True when any of these is not zero.
         stretched: True when a joint is stretched in this frame.
         bounds: Bounding box in the frame of the node: minimum and maximum [m].
         revision: Changes with every deformation.
@@ -87,7 +88,7 @@ class SkinnedBody:
         self.rows: F4 = np.zeros((joints, 3, 4), np.float32)
         self.duals: F4 = np.zeros((joints, 8), np.float32)
         self.weights: F4 = np.zeros(len(morphs), np.float32)
-        self.stretched = False
+        self.morphed = self.stretched = False
         self.revision = 0
         self._morphs = morphs
         self._grown = _growth(list(meshes.values()))
@@ -118,6 +119,7 @@ class SkinnedBody:
                 self._write(row, transforms.world)
         if bent:
             self.weights[:] = self._morphs
+            self.morphed = bool(self.weights.any())
             self._bound()
             self.revision += 1
 

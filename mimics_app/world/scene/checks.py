@@ -6,7 +6,7 @@ import math
 from collections import Counter
 
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, nearest
-from mimics_app.world.components.registry import checks_of, limits, section_of
+from mimics_app.world.components.registry import check_of_system, checks_of, limits, section_of
 from mimics_app.world.gltf.nodes import MAX_DEPTH
 from mimics_app.world.meshes.mesh import FARTHEST
 from mimics_app.world.scene.scene import Scene, SceneEntity
@@ -38,11 +38,15 @@ def check_meaning(scene: Scene) -> list[Issue]:
                 issues += found
                 if found:  # later checks may rely on this one
                     break
-    for name, struct in scene.sections.items():
-        section = section_of(name)
-        if section is not None and section.check is not None:
-            issues += section.check(struct, scene)
-    return issues
+    return issues + _check_settings(scene)
+
+
+def _check_settings(scene: Scene) -> list[Issue]:
+    """Return the faults of systems and sections."""
+    checks = [(check_of_system(name), struct) for name, struct in scene.systems.items()]
+    sections = ((section_of(name), struct) for name, struct in scene.sections.items())
+    checks += [(section.check, struct) for section, struct in sections if section is not None]
+    return [issue for check, struct in checks if check is not None for issue in check(struct, scene)]
 
 
 def _check_numbers(scene: Scene) -> list[Issue]:

@@ -12,7 +12,7 @@ from mimics_app.world.components.registry import section_of
 from mimics_app.world.components.struct_reader import is_comment
 from mimics_app.world.scene.json_text import escape
 from mimics_app.world.scene.provenance import Layer, Origins, merged
-from mimics_app.world.scene.source import SceneSource
+from mimics_app.world.scene.scene_files import SceneSource
 from mimics_app.world.scene.spec import MAX_ENTITIES
 
 __all__ = ["EntityDraft", "SceneDocument", "resolve"]

@@ -27,6 +27,7 @@ from mimics_app.world.components import (
     tactile,
     trackers,
     visible,
+    walking,
 )
 from mimics_app.world.components.plugins import register_plugins
 from mimics_app.world.components.struct_reader import is_comment
@@ -35,7 +36,7 @@ from mimics_app.world.scene.json_text import NOT_FINITE, TOO_LARGE, TORN
 from mimics_app.world.scene.loader import SceneLoader
 from mimics_app.world.scene.paths import find_root
 from mimics_app.world.scene.scene import Scene
-from mimics_app.world.scene.source import read_sources
+from mimics_app.world.scene.scene_files import read_sources
 
 if TYPE_CHECKING:
     from mimics_app.world.world import World
@@ -55,6 +56,7 @@ REGISTERING = (
     systems,
     tactile,
     trackers,
+    walking,
     robot_checks,
     object_checks,
 )
@@ -97,7 +99,7 @@ def load_scene(path: Path | str, root: Path | None = None, before: Scene | None 
 
 def build_world(scene: Scene) -> World:
     """Build the running world of a scene."""
-    from mimics_app.world.scene.build import build  # compiled code: not needed to check a scene
+    from mimics_app.world.scene.world_construction import build  # compiled code: not needed to check a scene
 
     return build(scene)
 

@@ -18,7 +18,7 @@ from mimics_app.world.scene.json_text import escape
 from mimics_app.world.scene.materials import load_materials, load_techniques
 from mimics_app.world.scene.paths import PathFault, find_file
 from mimics_app.world.scene.scene import Scene, SceneEntity
-from mimics_app.world.scene.source import SceneSource
+from mimics_app.world.scene.scene_files import SceneSource
 from mimics_app.world.scene.spec import TransformSpec
 
 __all__ = ["SceneLoader"]

@@ -27,6 +27,10 @@ def _anything(scene: Scene, settings: Settings) -> bool:
     return True
 
 
+def _never(settings: Settings) -> bool:
+    return False
+
+
 def _one(scene: Scene) -> int:
     return 1
 
@@ -48,6 +52,7 @@ class Use:
             budget; 0 where they do not.
         within: Part of `explain` whose cost includes this one's; "" where it counts on its own.
         count: Number of times a scene pays its cost in a tick, for a group of the haptic loop.
+        only_live: Predicate: the planner takes a method, by its settings, only for live software rendering.
     """
 
     what: str
@@ -57,6 +62,7 @@ class Use:
     pixels: int = 0
     within: str = ""
     count: Callable[[Scene], int] = _one
+    only_live: Callable[[Settings], bool] = _never
 
 
 @dataclass(frozen=True, slots=True)

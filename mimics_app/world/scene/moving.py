@@ -56,8 +56,8 @@ def set_moving(world: World, scene: Scene, entity: SceneEntity) -> None:
 
 def _animate(world: World, node: SceneNode, animator: Animator, wanted: Animation) -> None:
     from mimics_app.world.motion.animator import mask_of
-    from mimics_app.world.motion.machine import State, StateMachine, Transition
     from mimics_app.world.motion.root_motion import RootMotion
+    from mimics_app.world.motion.state_machine import State, StateMachine, Transition
 
     if wanted.states:
         states = {

@@ -9,7 +9,9 @@ import numpy as np
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.effects import Billboard, Particles, Projector
 from mimics_app.world.components.visible import CameraComponent, LightComponent, MeshComponent
-from mimics_app.world.scene.build import (
+from mimics_app.world.scene.file import load_scene
+from mimics_app.world.scene.scene import Scene, SceneEntity
+from mimics_app.world.scene.world_construction import (
     build_entity,
     finish_model_node,
     light_up,
@@ -22,8 +24,6 @@ from mimics_app.world.scene.build import (
     show_mesh,
     turn_to_targets,
 )
-from mimics_app.world.scene.file import load_scene
-from mimics_app.world.scene.scene import Scene, SceneEntity
 from mimics_app.world.world import World
 
 __all__ = ["Changes", "apply_scene", "reload_scene"]

@@ -8,7 +8,7 @@ from typing import TypeVar
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.components.struct_reader import FAILED, read_struct
 from mimics_app.world.scene.json_text import parse_json
-from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.scene.scene_files import read_bytes
 
 __all__ = ["read_struct_file"]
 

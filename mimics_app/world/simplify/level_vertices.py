@@ -12,16 +12,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.world.gltf.accessors import GltfAccessors
 from mimics_app.world.gltf.deforms import GltfDeforms
+from mimics_app.world.gltf.gltf_document import GltfSource
 from mimics_app.world.gltf.skins import GltfSkin
-from mimics_app.world.gltf.source import GltfSource
 from mimics_app.world.meshes.deform import VertexWeights
-from mimics_app.world.simplify.poses import bent_joints, bent_places, morphed_places
+from mimics_app.world.simplify.error_poses import bent_joints, bent_places, morphed_places
 
 __all__ = ["Bending", "LevelVertices", "joint_parents", "lighter"]
 
-F8 = NDArray[np.float64]
 
 _ARRAY_BUFFER = 34962
 _CODES = {"|i1": 5120, "|u1": 5121, "<i2": 5122, "<u2": 5123, "<u4": 5125, "<f4": 5126}

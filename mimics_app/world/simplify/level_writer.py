@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from mimics_app.world.gltf.accessors import GltfAccessors
 from mimics_app.world.gltf.buffers import GltfBuffers, data_uri
+from mimics_app.world.gltf.gltf_document import MAX_TOTAL_BYTES, GltfSource, open_gltf
 from mimics_app.world.gltf.skins import GltfSkins
-from mimics_app.world.gltf.source import MAX_TOTAL_BYTES, GltfSource, open_gltf
 from mimics_app.world.gltf.writer import pack_glb
 from mimics_app.world.levels import MAX_LEVELS, coverages_of
-from mimics_app.world.scene.source import read_bytes
+from mimics_app.world.scene.scene_files import read_bytes
 from mimics_app.world.simplify.decimation import Decimated, decimate
 from mimics_app.world.simplify.level_vertices import Bending, LevelVertices, lighter
 

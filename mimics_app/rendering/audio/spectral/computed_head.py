@@ -10,13 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.sound_scene import SOUND_SPEED
 from mimics_app.rendering.audio.spectral.head import HeadResponses, directions_from_angles
 
 __all__ = ["compute_head", "sphere_response"]
 
-
-SOUND_SPEED = 343.0
-"""Speed of sound in air at 20 degrees C [m/s]."""
 
 _RADIUS_OF_WIDTH = 0.531
 """Radius of the sphere over head width: 80.7 mm for KEMAR's 152 mm, which gives its ITD of 706 us (Kuhn, 3 a / c)."""

@@ -13,6 +13,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8, Words
 from mimics_app.contracts.borrowed import borrowed
 from mimics_app.contracts.kernel import kernel
+from mimics_app.contracts.sound_scene import SOUND_SPEED
 from mimics_app.rendering.audio.spectral.cell_kernels import Cells, cell_of, fill_cell
 from mimics_app.rendering.audio.spectral.mix_kernels import State, Voices
 
@@ -24,9 +25,6 @@ INVERSE, LINEAR, EXPONENTIAL = 0, 1, 2
 
 CONE = 3
 """Columns of a cone: half its inner angle, half its outer angle [rad], outer gain."""
-
-SOUND_SPEED = 343.0
-"""Speed of sound in air at 20 degrees C [m/s]."""
 
 _NEAREST = 1e-3  # m: distance from the centre of the head within which a sound is heard ahead
 _FASTEST = 0.5  # limit of velocities in the Doppler shift, relative to the speed of sound

@@ -21,8 +21,8 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.contracts.loop_ports import COMMAND_FORCE, DevicePlugin
 from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
-from mimics_app.rendering.haptic.devices.bench import DeviceBench, OtherSide, Track
-from mimics_app.rendering.haptic.devices.finding import Failed, Finding, NotApplicable, must
+from mimics_app.rendering.haptic.devices.conformance_finding import Failed, Finding, NotApplicable, must
+from mimics_app.rendering.haptic.devices.device_bench import DeviceBench, OtherSide, Track
 from mimics_app.rendering.haptic.devices.kinematics_checks import KINEMATICS_CHECKS
 from mimics_app.world.components.robot import Robot
 

@@ -101,32 +101,32 @@ def _vector(values: Point) -> str:
     return "[" + ",".join(f"{value:.6g}" for value in values) + "]"
 
 
-def _properties(thing: DeviceObject) -> tuple[str, dict[str, str]]:
+def _properties(item: DeviceObject) -> tuple[str, dict[str, str]]:
     """Return the HapticMaster's name of the kind and the kind's own properties."""
-    match thing:
+    match item:
         case DeviceBlock():
-            return "block", {"size": _vector(thing.size)}
+            return "block", {"size": _vector(item.size)}
         case DeviceSphere():
-            return "sphere", {"radius": f"{thing.radius:.6g}"}
+            return "sphere", {"radius": f"{item.radius:.6g}"}
         case DeviceCylinder():
-            return "cylinder", {"radius": f"{thing.radius:.6g}", "length": f"{thing.length:.6g}"}
+            return "cylinder", {"radius": f"{item.radius:.6g}", "length": f"{item.length:.6g}"}
         case DevicePlane():
-            return "flatplane", {"normal": _vector(thing.normal)}
+            return "flatplane", {"normal": _vector(item.normal)}
         case DeviceSpring():
-            own = {"maxforce": f"{thing.largest_force:.6g}"}
-            return "spring", own | ({"direction": _vector(thing.direction)} if any(thing.direction) else {})
+            own = {"maxforce": f"{item.largest_force:.6g}"}
+            return "spring", own | ({"direction": _vector(item.direction)} if any(item.direction) else {})
         case DeviceDamper():
-            return "damper", {"dampcoef": _vector(thing.damping)}
+            return "damper", {"dampcoef": _vector(item.damping)}
 
 
-def hapticmaster_commands(thing: DeviceObject) -> list[str]:
+def hapticmaster_commands(item: DeviceObject) -> list[str]:
     """Return the commands that create and enable an object on the machine, in order."""
-    kind, properties = _properties(thing)
-    if not isinstance(thing, DeviceDamper):
-        properties["pos"] = _vector(thing.centre)
-        properties["stiffness"] = f"{thing.stiffness:.6g}"
-        properties["dampfactor"] = f"{thing.damping_ratio:.6g}"
-    if isinstance(thing, _Surface) and thing.friction > 0.0:
-        properties["friction"] = f"{thing.friction:.6g}"
-    settings = [f"set {thing.name} {name} {value}" for name, value in properties.items()]
-    return [f"create {kind} {thing.name}", *settings, f"set {thing.name} enable"]
+    kind, properties = _properties(item)
+    if not isinstance(item, DeviceDamper):
+        properties["pos"] = _vector(item.centre)
+        properties["stiffness"] = f"{item.stiffness:.6g}"
+        properties["dampfactor"] = f"{item.damping_ratio:.6g}"
+    if isinstance(item, _Surface) and item.friction > 0.0:
+        properties["friction"] = f"{item.friction:.6g}"
+    settings = [f"set {item.name} {name} {value}" for name, value in properties.items()]
+    return [f"create {kind} {item.name}", *settings, f"set {item.name} enable"]

@@ -160,7 +160,7 @@ def _settings(given: dict[str, Any]) -> dict[str, Any]:
 def _set_up(talk: _Conversation, inertia: float, objects: tuple[DeviceObject, ...], *, may_move: bool) -> float:
     """Bring the machine to "stop" with its mass, a bias force and the objects; 1 when it is this program's emulator.
 
-    The calibration moves the machine; it runs with `may_move` only, never by itself after a connection was lost.
+    The calibration moves the machine; it runs with `may_move` only, never on its own after a lost connection.
     """
     talk.ask("remove all")
     if talk.ask("get emergencybuttonpushed") == "true":
@@ -174,8 +174,8 @@ def _set_up(talk: _Conversation, inertia: float, objects: tuple[DeviceObject, ..
     talk.ask(f"set inertia {inertia:.6g}")
     for command in ("create biasforce mimics", "set mimics force [0,0,0]", "set mimics enable"):
         talk.ask(command)
-    for thing in objects:
-        for command in hapticmaster_commands(thing):
+    for item in objects:
+        for command in hapticmaster_commands(item):
             talk.ask(command)
     return float(talk.try_to_ask("get emulator") == '"mimics"')
 

@@ -13,11 +13,11 @@ from mimics_app.contracts.haptic import SCENE
 from mimics_app.contracts.loop_fields import MAX_CONTACTS, MAX_JOINTS
 from mimics_app.contracts.loop_ports import DATA_DQ, DATA_FORCE, DATA_Q, DATA_TORQUE
 from mimics_app.rendering.haptic.descriptors.joint_limits import joint_limits
-from mimics_app.rendering.haptic.devices.finding import NotApplicable, must
+from mimics_app.rendering.haptic.devices.conformance_finding import NotApplicable, must
 from mimics_app.rendering.haptic.scene_block import apply_robot
 
 if TYPE_CHECKING:
-    from mimics_app.rendering.haptic.devices.bench import DeviceBench
+    from mimics_app.rendering.haptic.devices.device_bench import DeviceBench
     from mimics_app.world.components.robot import Robot
 
 __all__ = ["KINEMATICS_CHECKS"]

@@ -20,14 +20,23 @@ from mimics_app.rendering.haptic.kernels.contact_limits import common_share, is_
 from mimics_app.rendering.haptic.kernels.limiter import limit_force, limit_held
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, limited_credit, middle_velocity
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch
-from mimics_app.rendering.haptic.kernels.tank import payable_share, settle_account
 from mimics_app.rendering.haptic.kernels.tunnels import share_in_touch
 from mimics_app.rendering.haptic.kernels.vectors import fill, norm, rotate, rotate_back, scale
 
 if TYPE_CHECKING:
     from mimics_app.contracts.record_types import SceneRecord, StateRecord, Table, TotalsRecord, TouchedRecord
 
-__all__ = ["ACTING", "FREE_TIME", "account", "act", "acting_contact", "device_delay", "own_damping"]
+__all__ = [
+    "ACTING",
+    "FREE_TIME",
+    "account",
+    "act",
+    "acting_contact",
+    "device_delay",
+    "own_damping",
+    "payable_share",
+    "settle_account",
+]
 
 
 _LINE = 32
@@ -74,6 +83,34 @@ _STABLE_DAMPER = 0.5
 """Largest damper of the passivity controller [virtual masses per tick]; from 2 on it would oscillate."""
 
 
+_EMPTYING_TIME = 0.1
+"""Shortest time in which active forces may empty the tank [s], so that they fade instead of breaking off."""
+
+
+@kernel
+def settle_account(level: float, given: float, inflow: float, size: float, dt: float) -> float:
+    """Level of the tank [J] after a tick.
+
+    Args:
+        level: Level before the tick [J].
+        given: Work of the active forces on the user [J]; below 0: work of the user on them.
+        inflow: Refill [W].
+        size: Capacity [J].
+        dt: Tick [s].
+    """
+    return min(size, max(0.0, level - given + inflow * dt))
+
+
+@kernel
+def payable_share(level: float, power: float, inflow: float) -> float:
+    """Share 0-1 of the active forces that can be paid, where all of them would give `power` [W] to the user.
+
+    Available are the refill and the level within the emptying time; forces that absorb power are free.
+    """
+    allowed = inflow + level / _EMPTYING_TIME
+    return allowed / power if power > allowed else 1.0
+
+
 @kernel
 def device_delay(scene: SceneRecord, state: StateRecord) -> float:
     """Delay from a command to its motion [s]: the stated or the measured one, whichever is longer."""
@@ -91,7 +128,7 @@ def _find_displacement(scene: SceneRecord, state: StateRecord, dt: float) -> Non
     """Set displacement and velocity of virtual mass or device since the last tick, exact for a held force.
 
     The virtual mass moves by (v_{k-1} + v_k) T / 2 under a constant force, the device from one position to the next. A
-    jump of the position is no displacement: it stops the loop by itself.
+    jump of the position is no displacement: it stops the loop on its own.
     """
     acting = state.acting
     admittance = scene.controller == Controller.ADMITTANCE

@@ -23,7 +23,7 @@ from mimics_app.rendering.haptic.kernels.contacts import (
 )
 from mimics_app.rendering.haptic.kernels.drive import control, note_arrival
 from mimics_app.rendering.haptic.kernels.jumps import note_jump
-from mimics_app.rendering.haptic.kernels.objects.hand import write_hand
+from mimics_app.rendering.haptic.kernels.objects.object_inputs import write_object_inputs
 from mimics_app.rendering.haptic.kernels.objects.published import sum_motions
 from mimics_app.rendering.haptic.kernels.objects.touches import follow_touch, follow_touches
 from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs, write_outputs
@@ -86,8 +86,8 @@ def _find_virtual_forces(
     state = states[0]
     own, delay = own_damping(scene), device_delay(scene, state)
     follow_tunnels(scene, rows.tunnels, objects.tunnels, state, own, delay, period)
-    write_hand(states, scene.contacts, dt, objects.hand)
-    simulate(rows, objects, scene.objects, objects.hand, fields, dt, objects.force)
+    write_object_inputs(states, scene.contacts, dt, objects.inputs)
+    simulate(rows, objects, scene.objects, objects.inputs, fields, dt, objects.force)
     state.objects_failed = objects.totals[0].status
     set_virtual_forces(scene, states, objects.totals, objects.force)
 

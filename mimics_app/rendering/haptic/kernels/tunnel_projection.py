@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.haptic import Projection
+from mimics_app.contracts.haptic_objects import Projection
 from mimics_app.contracts.kernel import kernel
 
 if TYPE_CHECKING:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,9 @@ from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.materials.look import Look
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.world.world import World
+
+if TYPE_CHECKING:
+    from mimics_app.world.motion.skinned_body import SkinnedBody
 
 __all__ = ["DrawItems", "DrawState", "list_items"]
 
@@ -75,6 +79,17 @@ class DrawItems:
     of_state: list[DrawState]
     of_shadow: list[DrawState]
 
+    def follow(self, body: SkinnedBody) -> I4:
+        """Update the bounds of a deformable body; return its items."""
+        items = self._of_body.get(body)
+        if items is None:
+            numbers = [self._numbers[name] for name in body.meshes if name in self._numbers]
+            items = self._of_body[body] = np.flatnonzero(np.isin(self.meshes, numbers)).astype(np.int32)
+        lower, upper = body.bounds
+        self.half[items] = half = 0.5 * (upper - lower)
+        self.local[items, :3], self.local[items, 3] = 0.5 * (lower + upper), math.sqrt(half @ half)
+        return items
+
     def rebound(self, world: World, names: Sequence[str]) -> Flags:
         """Update the bounds of meshes whose vertices changed; return which items show one of them, [n]."""
         known = self._numbers
@@ -86,6 +101,10 @@ class DrawItems:
         touched: Flags = lines >= 0
         self.local[touched], self.half[touched] = local[lines[touched]], half[lines[touched]]
         return touched
+
+    @cached_property
+    def _of_body(self) -> dict[SkinnedBody, I4]:
+        return {}
 
     @cached_property
     def _numbers(self) -> dict[str, int]:

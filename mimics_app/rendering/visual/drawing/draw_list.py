@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,9 @@ from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
+
+if TYPE_CHECKING:
+    from mimics_app.world.motion.skinned_body import SkinnedBody
 
 __all__ = ["DRAWN", "HIDDEN", "Casters", "DrawList", "Tally"]
 
@@ -90,7 +94,7 @@ class DrawList:
         self._world: F8 = np.zeros((0, 4, 4))
         self._casters: dict[float, Casters] = {}
         self._coarser: dict[float, tuple[Casters, Casters]] = {}
-        self._bent: dict[str, int] = {}
+        self._bent: dict[SkinnedBody, int] = {}
         self.fates: NDArray[np.uint8] | None = None
 
     def update(
@@ -153,25 +157,24 @@ class DrawList:
         skipped = other or transforms.updates > last + 1
         missed = everything or skipped
         changed = transforms.changed if transforms.updates > last else np.zeros_like(transforms.changed)
-        rewritten = [*self._arena.rewritten, *self._newly_bent(world)]
-        if rewritten:
-            reshaped = items.rebound(world, rewritten)
+        rewritten, bent = self._arena.rewritten, self._newly_bent(world)
+        if rewritten or bent:
             changed = changed.copy()
-            changed[items.rows[reshaped]] = 1
+        if rewritten:
+            changed[items.rows[items.rebound(world, rewritten)]] = 1
+        for body in bent:
+            changed[items.rows[items.follow(body)]] = 1
         self.moved = None if skipped else changed[items.rows] > 0
-        if not (missed or transforms.updates > last or rewritten):
+        if not (missed or transforms.updates > last or rewritten or bent):
             return 0
         bounds = (items.local, self.centres, self.radii, self._mirrored)
         return int(update_bounds(items.rows, self._world, changed, missed, *bounds))
 
-    def _newly_bent(self, world: World) -> list[str]:
-        """Return the meshes whose skinned bounds changed since the last call."""
-        bodies = world.motion.body_of
-        if not bodies:
-            return []
-        revisions = {name: body.revision for name, body in bodies.items()}
-        before, self._bent = self._bent, revisions
-        return [name for name, revision in revisions.items() if before.get(name) != revision]
+    def _newly_bent(self, world: World) -> list[SkinnedBody]:
+        """Return the bodies whose skinned bounds changed since the last call."""
+        bodies = world.motion.bodies.values()
+        before, self._bent = self._bent, {body: body.revision for body in bodies}
+        return [body for body in bodies if before.get(body) != body.revision]
 
     def casters(self, max_radius: float) -> Casters:
         """Return the shadow casters and the spheres that a shadow map has to cover.
@@ -248,7 +251,7 @@ class DrawList:
         """
         items, picked = self.items, self._picked
         # One level for both eyes: two different levels of a body cannot be fused.
-        between = replace(views[0], queued_at=origin)
+        between = views[0] if len(views) == 1 else replace(views[0], queued_at=origin)
         shown = self._levels.show(key, between, sizes[0], self._shown, self.centres, self.radii, self._detail)
         count = self._pick(views[0], shown, sizes[0], samples)
         if len(views) > 1:
@@ -318,6 +321,8 @@ class DrawList:
             self.fates[items] = np.maximum(self.fates[items], fate)
 
     def _batch_blended(self, frame: FrameBuffers, blended: I4, eye: F8) -> tuple[list[DrawRun], F8]:
+        if not len(blended):
+            return [], np.zeros(0)
         away = np.linalg.norm(self.centres[blended] - eye, axis=1)
         far_first = np.argsort(-away, kind="stable")
         order = np.ascontiguousarray(blended[far_first])

@@ -119,7 +119,7 @@ class FeedbackSkinning:
         held = self._hold(mesh)
         defines = [f"SETS_{held.sets}"]
         defines += ["DUAL"] if body.method == "dual" else []
-        morphed = held.deltas is not None and bool(body.weights.any())
+        morphed = held.deltas is not None and body.morphed
         defines += ["MORPHS"] if morphed else []
         shader = self._shaders.feedback("skin/skin.vert", _VARYINGS, tuple(defines))
         if morphed:

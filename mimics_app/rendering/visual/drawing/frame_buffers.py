@@ -14,7 +14,7 @@ from mimics_app.rendering.visual.kernels.commands import MAX_TRIANGLES, write_co
 from mimics_app.rendering.visual.materials.look import Look
 from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
-from mimics_app.world.store import grown
+from mimics_app.world.entity_ids import grown
 
 if TYPE_CHECKING:
     import moderngl

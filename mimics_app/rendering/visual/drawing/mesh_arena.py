@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.rendering.visual.drawing.solids import Solid, find_solid
+from mimics_app.rendering.visual.drawing.occluder_boxes import Solid, find_solid
 from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
 from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.meshes.mesh_buffer import MeshChange

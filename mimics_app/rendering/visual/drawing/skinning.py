@@ -35,6 +35,16 @@ class BendSource:
     normal_deltas: F4 | None
 
 
+@dataclass(slots=True, eq=False)
+class _Bent:
+    """A mesh of a body: constant input, skinned vertices [n, 8], and the revision of the body they are of."""
+
+    body: SkinnedBody
+    source: BendSource
+    stream: F4
+    revision: int = -1
+
+
 class ProcessorSkinning:
     """Skins meshes in compiled loops and uploads them.
 
@@ -44,9 +54,8 @@ class ProcessorSkinning:
 
     def __init__(self, arena: MeshArena) -> None:
         self._arena = arena
-        self._sources: dict[int, BendSource] = {}
-        self._streams: dict[str, F4] = {}
-        self._done: dict[str, tuple[int, int]] = {}
+        self._bent: dict[str, _Bent] = {}
+        self._sources: dict[MeshData, BendSource] = {}
         self._rebuilt = -1
         self.vertices = 0
 
@@ -62,35 +71,30 @@ class ProcessorSkinning:
         if not bodies:
             return
         if self._rebuilt != self._arena.rebuilt:
-            self._rebuilt, self._done, self._streams = self._arena.rebuilt, {}, {}
-            shown = {id(mesh) for body in bodies.values() for mesh in body.meshes.values()}
-            self._sources = {key: source for key, source in self._sources.items() if key in shown}
+            self._rebuilt, self._bent, self._sources = self._arena.rebuilt, {}, {}
         for name in names:
             body = bodies.get(name)
-            if body is None or self._done.get(name) == (id(body), body.revision):
+            if body is None:
                 continue
-            self._done[name] = id(body), body.revision
-            stream = self._stream(name, body.meshes[name])
-            bend_mesh(self._source(body.meshes[name]), body, stream)
-            self._arena.write_bent(name, stream)
-            self.vertices += len(stream)
+            bent = self._bent.get(name)
+            if bent is None or bent.body is not body or bent.source.mesh is not body.meshes[name]:
+                bent = self._bent[name] = self._prepare(body, body.meshes[name])
+            if bent.revision != body.revision:
+                bent.revision = body.revision
+                bend_mesh(bent.source, body, bent.stream)
+                self._arena.write_bent(name, bent.stream)
+                self.vertices += len(bent.stream)
 
     def release(self) -> None:
         """Do nothing: no GPU object is owned."""
 
-    def _stream(self, name: str, mesh: MeshData) -> F4:
-        if name not in self._streams:
-            stream = np.zeros((len(mesh.positions), _FLOATS), np.float32)
-            if mesh.uvs is not None:
-                stream[:, 6:] = mesh.uvs
-            self._streams[name] = stream
-        return self._streams[name]
-
-    def _source(self, mesh: MeshData) -> BendSource:
-        known = self._sources.get(id(mesh))
-        if known is None or known.mesh is not mesh:
-            known = self._sources[id(mesh)] = make_source(mesh)
-        return known
+    def _prepare(self, body: SkinnedBody, mesh: MeshData) -> _Bent:
+        if mesh not in self._sources:
+            self._sources[mesh] = make_source(mesh)
+        stream = np.zeros((len(mesh.positions), _FLOATS), np.float32)
+        if mesh.uvs is not None:
+            stream[:, 6:] = mesh.uvs
+        return _Bent(body, self._sources[mesh], stream)
 
 
 def make_source(mesh: MeshData) -> BendSource:
@@ -108,7 +112,7 @@ def bend_mesh(source: BendSource, body: SkinnedBody, out: F4) -> None:
     """Write position and normal of a mesh's skinned vertices into float32 [n, 8]."""
     mesh = source.mesh
     positions, normals = mesh.positions, mesh.normals
-    if mesh.morphs and body.weights.any():
+    if mesh.morphs and body.morphed:
         positions, base = np.empty_like(positions), positions
         morph_vertices(base, source.position_deltas, body.weights, positions)
         if source.normal_deltas is not None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.rendering.visual.figures.glyphs import Glyph, GlyphAtlas, load_glyph_atlas
+from mimics_app.rendering.visual.figures.glyphs import GlyphAtlas, load_glyph_atlas
 from mimics_app.world.materials.material import TextureData
 
 __all__ = ["caption_key", "caption_picture", "draw_letters"]
@@ -82,16 +82,15 @@ def draw_letters(atlas: GlyphAtlas, text: str, size: tuple[int, int], em: float)
     em = min(em, room / max(face.measure(text), 1e-3))
     pen, base = 0.5 * (width - em * face.measure(text)), 0.5 * height - _MIDDLE * em
     ink = np.zeros((height, width))
-    for glyph, along in face.layout(text):
-        if glyph.box[2] > 0.0:
-            _add_glyph(ink, atlas, glyph, (pen + em * along, base), em)
+    line = face.layout(text)
+    for along, box, picture in zip(line.pens, line.boxes, line.pictures, strict=True):
+        _add_glyph(ink, atlas, (box, picture), (pen + em * along, base), em)
     return ink
 
 
-def _add_glyph(ink: F8, atlas: GlyphAtlas, glyph: Glyph, pen: tuple[float, float], em: float) -> None:
-    """Draw one glyph; `pen` is its position from the lower left corner [px]."""
-    left, bottom, wide, high = glyph.box
-    u, v, across, up = glyph.picture
+def _add_glyph(ink: F8, atlas: GlyphAtlas, glyph: tuple[F8, F8], pen: tuple[float, float], em: float) -> None:
+    """Draw one glyph by its box and picture (see `Line`); `pen` is its position from the lower left corner [px]."""
+    (left, bottom, wide, high), (u, v, across, up) = glyph
     rows, columns = np.mgrid[0 : ink.shape[0], 0 : ink.shape[1]] + 0.5
     share_x = (columns - pen[0] - em * left) / (em * wide)
     share_y = (ink.shape[0] - rows - pen[1] - em * bottom) / (em * high)

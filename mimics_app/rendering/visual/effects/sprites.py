@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -27,9 +28,9 @@ from mimics_app.rendering.visual.kernels.sprites import (
 from mimics_app.rendering.visual.materials.picture_arrays import PictureArray, PictureArrays
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.components.effects import Billboard, Particles, SpriteShape
+from mimics_app.world.entity_ids import grown
 from mimics_app.world.materials.material import TextureData
 from mimics_app.world.materials.sprite_pictures import sprite_picture
-from mimics_app.world.store import grown
 from mimics_app.world.world import World
 
 __all__ = ["SpriteField", "SpriteRun", "SpriteState"]
@@ -82,11 +83,13 @@ class SpriteField:
     Attributes:
         vertices: Vertices of all views, SPRITE_VERTEX [>= count, 4].
         count: Pieces of sprites written to it since the last update.
+        cuts: Whether large sprites are cut along their outline, which changes pixels at its edge by two levels of 255.
         issues: Missing textures, each reported once; the caller removes what it reports.
     """
 
     def __init__(self, arrays: PictureArrays) -> None:
         self._arrays = arrays
+        self.cuts = True
         self._made_for: tuple[int, int, int] | None = None
         self._pictures: dict[str, TextureData | None] = {}
         self._states: list[SpriteState] = []
@@ -157,7 +160,8 @@ class SpriteField:
 
     def _write(self, view: View, eye: F8, height: int, count: int) -> None:
         """Write the vertices of the sprites in `_order`, and the first row of each into `_places`."""
-        sprites, least = self._rows.rows, MIN_OUTLINED * (view.tangents[3] - view.tangents[2]) / height
+        sprites = self._rows.rows
+        least = MIN_OUTLINED * (view.tangents[3] - view.tangents[2]) / height if self.cuts else math.inf
         end = cut_sprites(sprites, self._order, count, self.count, eye, least, self._outlined, self._places)
         self.vertices = grown(self.vertices, end)
         right = np.ascontiguousarray(view.world_from_eye[:3, 0])

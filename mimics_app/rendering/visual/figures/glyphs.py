@@ -6,7 +6,6 @@ Built by assets/fonts/build_glyphs.py; distance fields stay crisp at any size an
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import resources
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue, SceneError
 
-__all__ = ["Face", "Glyph", "GlyphAtlas", "load_glyph_atlas"]
+__all__ = ["Face", "Glyph", "GlyphAtlas", "Line", "load_glyph_atlas"]
 
 _MISSING = "\N{WHITE SQUARE}"
 _MAX_LINES = 512
@@ -41,8 +41,21 @@ class Glyph:
     picture: Box
 
 
-Line = tuple[tuple[Glyph, float], ...]
-"""Glyphs with the pen's position before each [em]."""
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A line of text at size 1, without its empty glyphs.
+
+    Attributes:
+        length: Length of the line [em].
+        pens: Distance of the pen from the line's start before each glyph [em], float64 [n].
+        boxes: Box of each glyph [em], float64 [n, 4]; see `Glyph`.
+        pictures: Rectangle of each in the atlas [uv], float64 [n, 4].
+    """
+
+    length: float
+    pens: F8
+    boxes: F8
+    pictures: F8
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,26 +67,30 @@ class Face:
     _lines: dict[str, Line] = field(default_factory=dict)
 
     def layout(self, text: str) -> Line:
-        """Return each glyph of a line with the pen's distance from the line's start [em]."""
+        """Return a line of text."""
         known = self._lines.get(text)
         if known is None:
             if len(self._lines) >= _MAX_LINES:
                 self._lines.clear()
-            known = self._lines[text] = tuple(self._set(text))
+            known = self._lines[text] = self._set(text)
         return known
 
     def measure(self, text: str) -> float:
         """Return the length of a line [em]."""
-        line = self.layout(text)
-        return line[-1][1] + line[-1][0].advance if line else 0.0
+        return self.layout(text).length
 
-    def _set(self, text: str) -> Iterator[tuple[Glyph, float]]:
+    def _set(self, text: str) -> Line:
         pen, before = 0.0, ""
+        drawn: list[tuple[float, Glyph]] = []
         for character in text:
             glyph = self.glyphs.get(character) or self.glyphs[_MISSING]
             pen += self.kerning.get(before + character, 0.0)
-            yield glyph, pen
+            if glyph.box[2] > 0.0:
+                drawn.append((pen, glyph))
             pen, before = pen + glyph.advance, character
+        boxes = np.array([glyph.box for _, glyph in drawn], np.float64).reshape(-1, 4)
+        pictures = np.array([glyph.picture for _, glyph in drawn], np.float64).reshape(-1, 4)
+        return Line(pen, np.array([start for start, _ in drawn]), boxes, pictures)
 
 
 @dataclass(frozen=True, eq=False)

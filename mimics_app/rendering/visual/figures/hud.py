@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.visual.figures.glyphs import GlyphAtlas, load_glyph_atlas
 
 __all__ = ["CANVAS_HEIGHT", "HUD_ROW", "Align", "Colour", "Hud"]
@@ -23,6 +24,11 @@ HUD_ROW = np.dtype([("box", "f4", (4,)), ("picture", "f4", (4,)), ("tint", "f4",
 """One rectangle as shaders/hud/hud.vert reads it."""
 
 _BOX, _GLYPH, _IMAGE = 0.0, 1.0, 2.0
+_GLYPH_STYLE = (_GLYPH, 0.0, 0.0, 0.0)
+_FLOATS = HUD_ROW.itemsize // 4
+
+_BEFORE: dict[Align, float] = {"left": 0.0, "centre": 0.5, "right": 1.0}
+"""Share of a line's length that is left of its place."""
 
 
 class Hud:
@@ -40,8 +46,8 @@ class Hud:
 
     def __init__(self, atlas: GlyphAtlas | None = None) -> None:
         self._atlas = atlas
-        self._rows: list[tuple[tuple[float, ...], ...]] = []
-        self._parts: list[NDArray[np.void]] = []
+        self._rows: list[tuple[float, ...]] = []
+        self._parts: list[F4] = []
         self.width = CANVAS_HEIGHT * 16.0 / 9.0
         self.height = CANVAS_HEIGHT
         self.revision = 0
@@ -68,13 +74,13 @@ class Hud:
     def rows(self) -> NDArray[np.void]:
         """Return the content, HUD_ROW [n], in drawing order."""
         self._pack()
-        return np.concatenate(self._parts) if self._parts else np.zeros(0, HUD_ROW)
+        parts = self._parts or [np.zeros((0, _FLOATS), np.float32)]
+        return np.concatenate(parts).view(HUD_ROW)[:, 0]
 
     def extend(self, rows: NDArray[np.void]) -> None:
         """Add many rectangles at once, HUD_ROW [n]."""
         self._pack()
-        self._parts.append(rows)
-        self.revision += 1
+        self._append(np.ascontiguousarray(rows).view(np.float32).reshape(-1, _FLOATS))
 
     def box(
         self,
@@ -144,13 +150,15 @@ class Hud:
         """
         face = self.atlas.face(bold=bold)
         line = self._shorten(text, size, width, bold=bold)
-        length = face.measure(line) * size
-        cursor = x - {"left": 0.0, "centre": 0.5, "right": 1.0}[align] * length
-        for glyph, offset in face.layout(line):
-            if glyph.box[2] > 0.0:
-                left, bottom, glyph_width, height = (size * side for side in glyph.box)
-                place = (cursor + offset * size + left, y + bottom, glyph_width, height)
-                self._add(place, glyph.picture, colour, (_GLYPH, 0.0, 0.0, 0.0))
+        laid = face.layout(line)
+        length = laid.length * size
+        rows = np.empty((len(laid.pens), _FLOATS), np.float32)
+        boxes = size * laid.boxes
+        boxes[:, 0] += x - _BEFORE[align] * length + laid.pens * size
+        boxes[:, 1] += y
+        rows[:, :4], rows[:, 4:8], rows[:, 8:12], rows[:, 12:] = boxes, laid.pictures, colour, _GLYPH_STYLE
+        self._pack()
+        self._append(rows)
         return length
 
     def measure(self, text: str, size: float, *, bold: bool = False) -> float:
@@ -185,9 +193,14 @@ class Hud:
     def _pack(self) -> None:
         """Convert the rows added one by one to an array."""
         if self._rows:
-            self._parts.append(np.array(self._rows, HUD_ROW))
+            self._parts.append(np.array(self._rows, np.float32))
             self._rows.clear()
 
+    def _append(self, rows: F4) -> None:
+        if len(rows):
+            self._parts.append(rows)
+            self.revision += 1
+
     def _add(self, box: tuple[float, ...], picture: tuple[float, ...], tint: Colour, style: tuple[float, ...]) -> None:
-        self._rows.append((box, picture, tint, style))
+        self._rows.append((*box, *picture, *tint, *style))
         self.revision += 1

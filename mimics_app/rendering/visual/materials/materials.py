@@ -86,8 +86,8 @@ class MaterialStore:
         self._known: dict[str, tuple[Material, _Pictures]] = {}
         self._techniques: dict[str, TechniqueSpec] = dict(built_in_techniques())
         self._broken: dict[str, str] = {}
-        self._textures = TextureStore(ctx, has.texture_size)
-        self._arrays = PictureArrays(ctx, has.texture_size)
+        self._textures = TextureStore(ctx, shaders, has.texture_size)
+        self._arrays = PictureArrays(ctx, shaders, has.texture_size)
         self._held: list[tuple[list[str], list[object]]] = []
         self._variant = _Variant()
         self._reported: set[Issue] = set()

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import F8
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.materials.texture_levels import TextureLevels
 from mimics_app.world.materials.material import TextureData
 
 if TYPE_CHECKING:
@@ -21,9 +23,10 @@ _Kind = tuple[tuple[int, ...], tuple[str, str], str, bool]
 class PictureArray:
     """Texture array of images of equal size and sampling, one layer each; uploaded on first use after a change."""
 
-    def __init__(self, ctx: moderngl.Context, longest: int) -> None:
+    def __init__(self, ctx: moderngl.Context, longest: int, levels: TextureLevels) -> None:
         self._ctx = ctx
         self._longest = longest
+        self._levels = levels
         self._layers: list[tuple[str, TextureData]] = []
         self._texture: moderngl.TextureArray | None = None
 
@@ -55,7 +58,7 @@ class PictureArray:
         pixels = np.stack([shrunk(_display_values(picture), self._longest) for _, picture in self._layers])
         layers, height, width = pixels.shape[:3]
         texture = self._ctx.texture_array((width, height, layers), 4, pixels.tobytes())
-        set_sampling(texture, self._layers[0][1])
+        set_sampling(texture, self._layers[0][1], self._levels)
         return texture
 
 
@@ -64,18 +67,20 @@ class PictureArrays:
 
     Args:
         ctx: Context that owns them.
+        shaders: Shader library, for the levels.
         longest: Largest texture size of the driver [texels]; larger images are halved until they fit.
     """
 
-    def __init__(self, ctx: moderngl.Context, longest: int) -> None:
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:
         self._ctx = ctx
         self._longest = longest
+        self._levels = TextureLevels(ctx, shaders)
         self._arrays: dict[_Kind, PictureArray] = {}
 
     def place(self, name: str, picture: TextureData) -> tuple[PictureArray, int]:
         """Return the array and the layer of an image."""
         kind = (picture.pixels.shape, picture.wrap, picture.filter, picture.srgb)
-        array = self._arrays.setdefault(kind, PictureArray(self._ctx, self._longest))
+        array = self._arrays.setdefault(kind, PictureArray(self._ctx, self._longest, self._levels))
         return array, array.place(name, picture)
 
     def release(self) -> None:
@@ -83,6 +88,7 @@ class PictureArrays:
         for array in self._arrays.values():
             array.release()
         self._arrays.clear()
+        self._levels.release()
 
 
 def encode_srgb(linear: F8) -> F8:
@@ -103,13 +109,27 @@ def unfolded(picture: TextureData) -> NDArray[np.uint8]:
     return pixels
 
 
-def set_sampling(texture: moderngl.Texture | moderngl.TextureArray, picture: TextureData) -> None:
-    """Set wrap and filter of a texture as its image requests."""
+def set_sampling(
+    texture: moderngl.Texture | moderngl.TextureArray,
+    picture: TextureData,
+    levels: TextureLevels,
+    *,
+    srgb: bool = False,
+) -> None:
+    """Set wrap and filter of a texture as its image requests, with levels where it needs them.
+
+    Args:
+        texture: The texture, filled.
+        picture: The image.
+        levels: Makes the levels.
+        srgb: True where the sampler decodes the texels.
+    """
     import moderngl
 
+    if picture.filter == "trilinear":
+        levels.make(texture, srgb=srgb)
     texture.repeat_x, texture.repeat_y = (side != "clamp" for side in picture.wrap)
     if picture.filter == "trilinear":
-        texture.build_mipmaps()
         texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
     else:
         texture.filter = (moderngl.NEAREST,) * 2 if picture.filter == "nearest" else (moderngl.LINEAR,) * 2

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.materials.picture_arrays import set_sampling, shrunk, unfolded
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.materials.texture_levels import TextureLevels
 from mimics_app.rendering.visual.surfaces.raw_gl import SRGB8_ALPHA8
 from mimics_app.world.materials.material import TextureData
 
@@ -19,11 +21,13 @@ class TextureStore:
 
     Args:
         ctx: Context that owns them.
+        shaders: Shader library, for the levels.
         longest: Largest texture size of the driver [texels]; larger images are halved until they fit.
     """
 
-    def __init__(self, ctx: moderngl.Context, longest: int) -> None:
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:
         self._ctx = ctx
+        self._levels = TextureLevels(ctx, shaders)
         self._longest = longest
         self._known: dict[tuple[str, bool], tuple[TextureData, moderngl.Texture]] = {}
 
@@ -53,11 +57,12 @@ class TextureStore:
         for _, texture in self._known.values():
             texture.release()
         self._known.clear()
+        self._levels.release()
 
     def _make(self, picture: TextureData, *, srgb: bool) -> moderngl.Texture:
         pixels = shrunk(unfolded(picture), self._longest)
         height, width = pixels.shape[:2]
         inner = SRGB8_ALPHA8 if srgb else None
         texture = self._ctx.texture((width, height), 4, pixels.tobytes(), internal_format=inner)
-        set_sampling(texture, picture)
+        set_sampling(texture, picture, self._levels, srgb=srgb)
         return texture

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -56,7 +57,7 @@ class HudPlane:
     up_world: F8
     canvas_height: float = CANVAS_HEIGHT
 
-    @property
+    @cached_property
     def canvas_width(self) -> float:
         """Width of the canvas, by the plane's aspect ratio [hud px]."""
         return float(self.canvas_height * np.linalg.norm(self.right_world) / np.linalg.norm(self.up_world))
@@ -72,14 +73,22 @@ def plane_of_views(views: Sequence[View], depth: float) -> HudPlane:
         views: The views of one screen.
         depth: Distance from the eyes [m], limited by near and far plane, and for two eyes by comfortable convergence.
     """
+    return _plane_of(tuple(views), depth)
+
+
+@lru_cache(maxsize=4)
+def _plane_of(views: tuple[View, ...], depth: float) -> HudPlane:
     depth = max(depth, _MIN_STEREO_DEPTH) if len(views) > 1 else depth
     nearest, farthest = max(view.near for view in views), min(view.far for view in views)
     depth = min(max(depth, _BEYOND * nearest), farthest / _BEYOND)
-    seen = np.mean([view.tangents for view in views], axis=0)
+    if len(views) == 1:
+        seen, centre, axes = np.array(views[0].tangents), views[0].eye_world, views[0].world_from_eye[:3, :3]
+    else:
+        seen = np.mean([view.tangents for view in views], axis=0)
+        centre = np.mean([view.eye_world for view in views], axis=0)
+        axes = _axes_between(views[0].world_from_eye[:3, :3], views[-1].world_from_eye[:3, :3])
     around = len(views) > 1 and bool(seen[3] - seen[2] >= _HEADSET_HEIGHT)
     left, right, bottom, top = depth * (_readable(seen) if around else seen)
-    centre = np.mean([view.eye_world for view in views], axis=0)
-    axes = _axes_between(views[0].world_from_eye[:3, :3], views[-1].world_from_eye[:3, :3])
     origin = centre + axes @ np.array([left, bottom, -depth])
     canvas = CANVAS_HEIGHT / _ENLARGED if around else CANVAS_HEIGHT
     return HudPlane(origin, axes[:, 0] * (right - left), axes[:, 1] * (top - bottom), canvas)
@@ -112,6 +121,7 @@ class HudPass:
         self._commands: moderngl.Buffer | None = None
         self._arrays: dict[int, tuple[int, moderngl.VertexArray]] = {}
         self._uploaded: tuple[int, int] | None = None
+        self._row_kinds = np.zeros(0, np.float32)
         self._kinds: list[int] = []
         self._glyphs: moderngl.Texture | None = None
         self._images: moderngl.TextureArray | None = None
@@ -129,8 +139,9 @@ class HudPass:
             return 0
         self._upload(hud)
         assert self._commands is not None
+        projection = clip_from_hud(view, plane)
         for kind in set(self._kinds):
-            self._shaders[kind].set_matrix("clip_from_hud", clip_from_hud(view, plane))
+            self._shaders[kind].set_matrix("clip_from_hud", projection)
             if kind == _GLYPH:
                 self._shaders[kind].set_number("glyph_spread", hud.atlas.spread)
         ctx = self._ctx
@@ -149,6 +160,7 @@ class HudPass:
             if part is not None:
                 part.release()
         self._rows = self._commands = self._glyphs = self._images = None
+        self._row_kinds = self._row_kinds[:0]
 
     def _release_arrays(self) -> None:
         for _, array in self._arrays.values():
@@ -160,20 +172,26 @@ class HudPass:
         if key == self._uploaded and self._rows is not None:
             return
         rows = hud.rows()
+        self._uploaded = key
         if self._rows is None or self._rows.size < rows.nbytes:
             self._release_arrays()
             if self._rows is not None:
                 self._rows.release()
             self._rows = self._ctx.buffer(reserve=max(2 * rows.nbytes, 64 * HUD_ROW.itemsize))
         self._rows.orphan()
-        self._rows.write(rows.tobytes())
-        self._uploaded = key
-        kinds = np.minimum(rows["style"][:, 0], _IMAGE).astype(int)
+        self._rows.write(rows)
+        kinds = rows["style"][:, 0]
+        if not np.array_equal(kinds, self._row_kinds):
+            self._row_kinds = kinds.copy()
+            self._command(np.minimum(kinds, _IMAGE).astype(int))
+
+    def _command(self, kinds: NDArray[np.int_]) -> None:
+        """Make the draw commands of rows, given their kinds."""
         starts = np.concatenate([[0], np.flatnonzero(np.diff(kinds)) + 1])
         self._kinds = kinds[starts].tolist()
         commands = np.zeros((len(starts), _COMMAND), np.uint32)
         commands[:, 0], commands[:, 3] = _CORNERS, starts
-        commands[:, 1] = np.diff(np.append(starts, len(rows)))
+        commands[:, 1] = np.diff(np.append(starts, len(kinds)))
         if self._commands is not None:
             self._commands.release()
         self._commands = self._ctx.buffer(commands.tobytes())

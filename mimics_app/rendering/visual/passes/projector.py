@@ -33,7 +33,7 @@ class ProjectorPass:
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:
         self._ctx = ctx
         self._shaders = shaders
-        self._textures = TextureStore(ctx, longest)
+        self._textures = TextureStore(ctx, shaders, longest)
 
     def draw(
         self,

@@ -27,8 +27,9 @@ _BINDING = 9
 
 def flat_sky(lighting: Lighting, settings: RenderSettings) -> tuple[float, float, float] | None:
     """Return the display values of a sky of one colour, the clear colour of plain shading; None for any other sky."""
-    same = np.array_equal(lighting.zenith, lighting.horizon) and np.array_equal(lighting.horizon, lighting.ground)
-    if settings.shading != "plain" or not same or lighting.backdrop is not None:
+    if settings.shading != "plain" or lighting.backdrop is not None:
+        return None
+    if not (np.array_equal(lighting.zenith, lighting.horizon) and np.array_equal(lighting.horizon, lighting.ground)):
         return None
     red, green, blue = encode_srgb(settings.exposure * lighting.zenith).tolist()
     return red, green, blue
@@ -45,7 +46,7 @@ class SkyPass:
         self._ctx = ctx
         self._shaders = shaders
         self._longest = longest
-        self._textures = TextureStore(ctx, longest)
+        self._textures = TextureStore(ctx, shaders, longest)
         self._shader = shaders.program("sky/sky.vert", "sky/sky.frag")
         self._made_for: tuple[ShaderProgram, int] | None = None
         self._array: moderngl.VertexArray | None = None

@@ -69,6 +69,8 @@ class Presenter:
         self.timing = FrameTiming(0)
         self._begun = False
         self._eyes: list[Eye] = []
+        self._views: list[View] = []
+        self._seen: object = None
         self._compose: ComposePass | None = None
 
     def follow(self, head: HeadSource) -> None:
@@ -125,15 +127,20 @@ class Presenter:
         ]
 
     def views(self, camera: Camera) -> list[View]:
-        """Return the views of all eyes at the frame's display time."""
+        """Return the views of all eyes at the frame's display time: the same ones where nothing has changed."""
         if self.drawn is not self.surface:
             self.drawn.resize(self._wanted())
         viewpoint = Viewpoint(camera.world_from_eye, camera.vertical_fov)
         self._eyes = self.display.eyes(viewpoint, self.drawn.size, self.timing.display_ns)
-        return [
-            View(eye.world_from_eye, eye.tangents, eye.rectangle, camera.near, camera.far, eye.screen, pair=eye.pair)
-            for eye in self._eyes
-        ]
+        near, far = camera.near, camera.far
+        seen = [(eye.world_from_eye.tobytes(), eye.tangents, eye.rectangle, eye.screen, eye.pair) for eye in self._eyes]
+        if self._seen != (seen, near, far):
+            self._seen = seen, near, far
+            self._views = [
+                View(eye.world_from_eye, eye.tangents, eye.rectangle, near, far, eye.screen, pair=eye.pair)
+                for eye in self._eyes
+            ]
+        return list(self._views)
 
     def ray(self, camera: Camera, right: float, up: float) -> tuple[F8, F8]:
         """Return the ray through a point of the shown picture, each coordinate in [-1, 1].

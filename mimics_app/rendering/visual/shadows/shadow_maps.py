@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -68,6 +69,11 @@ class ShadowPlan:
     def maps(self) -> list[ShadowMap]:
         """All maps."""
         return [*self.sun, *self.spots.values()]
+
+    @cached_property
+    def figures(self) -> tuple[object, ...]:
+        """Grid and projections, to be compared with those of another frame."""
+        return self.grid, tuple(self.spots), *((each.texel, each.clip_from_world.tobytes()) for each in self.maps)
 
     def tile_of(self, shadow: ShadowMap) -> tuple[float, float, float]:
         """Return lower left corner and width of a map's tile in the atlas, in [0, 1]."""

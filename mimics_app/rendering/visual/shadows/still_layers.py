@@ -78,7 +78,7 @@ class StillLayers:
         casters, layer = shadow.casters.items, self._layers.get(shadow.tile)
         quiet = self._frame - self._moved_at[casters] >= QUIET_FRAMES
         if layer is not None and self._still_holds(layer, shadow, grid):
-            kept = np.isin(casters, layer.items, assume_unique=True)
+            kept = self._among(layer.items)[casters]
             if not (quiet & ~kept).any():
                 return Split(None, False, casters[~kept])
         self._layers.pop(shadow.tile, None)
@@ -93,4 +93,10 @@ class StillLayers:
         alike = layer.grid == grid and np.array_equal(layer.clip, shadow.clip_from_world)
         if not alike or (self._moved_at[layer.items] > layer.frame).any():
             return False
-        return bool(np.isin(layer.items, shadow.casters.items, assume_unique=True).all())
+        return bool(self._among(shadow.casters.items)[layer.items].all())
+
+    def _among(self, items: I4) -> NDArray[np.bool_]:
+        """Return True for each of some items, by number."""
+        among = np.zeros(len(self._moved_at), np.bool_)
+        among[items] = True
+        return among

@@ -17,7 +17,7 @@ from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.projector import ProjectorPass
 from mimics_app.rendering.visual.passes.sprites import SpritePass
 from mimics_app.rendering.visual.passes.states import draw_runs
-from mimics_app.rendering.visual.settings import ParticleLight
+from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.world import World
 
@@ -31,23 +31,24 @@ class EffectStage:
     """Prepares and draws sprites and projected textures."""
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest_texture: int) -> None:
-        self._pictures = PictureArrays(ctx, longest_texture)
+        self._pictures = PictureArrays(ctx, shaders, longest_texture)
         self._field = SpriteField(self._pictures)
         self._sprites = SpritePass(ctx, shaders)
         self._projectors = ProjectorField()
         self._projecting = ProjectorPass(ctx, shaders, longest_texture)
         self._lights: frozenset[str] = frozenset()
 
-    def prepare(self, world: World, lights: frozenset[str], particle_light: ParticleLight) -> None:
+    def prepare(self, world: World, lights: frozenset[str], settings: RenderSettings) -> None:
         """Update the effects from the world, at its time.
 
         Args:
             world: The world, updated.
             lights: Shader features that the frame's light needs.
-            particle_light: Where the light of lit particles is computed.
+            settings: Quality.
         """
         self._lights = lights
-        self._sprites.particle_light = particle_light
+        self._sprites.particle_light = settings.particle_light
+        self._field.cuts = settings.profile != "study"
         self._field.update(world)
         self._projectors.update(world)
 

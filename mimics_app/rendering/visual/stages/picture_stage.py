@@ -102,14 +102,15 @@ class PictureStage:
 
     def draw(self, stage: WorldStage, scene: FrameScene, samples: int) -> int:
         """Draw the frame's pictures; return the draw calls."""
+        if not self._jobs:
+            return 0
         # A screen emits linear light, which is tone mapped in the view that sees the screen.
         scene = replace(scene, settings=replace(scene.settings, ambient_occlusion=0.0))
         emitted = replace(scene, settings=replace(scene.settings, tone_map="none", exposure=1.0))
         draws = 0
-        if self._jobs:
-            for picture in self.pictures.values():
-                if isinstance(picture, MirrorPicture):
-                    picture.show(())
+        for picture in self.pictures.values():
+            if isinstance(picture, MirrorPicture):
+                picture.show(())
         for job in self._jobs:
             size = job.drawn.rectangle[2:]
             if isinstance(job.picture, MirrorPicture):

@@ -99,8 +99,7 @@ def capture_frame(scene: FrameScene, view: View, rectangle: Rect, listed: DrawLi
     plan, lighting, world = scene.plan, scene.lighting, scene.world
     fixed = (
         (world, scene.settings, shaders, world.environment, world.effects.revision, rectangle),
-        (view.world_from_eye.tobytes(), view.tangents, view.near, view.far),
-        (lighting.figures, plan.grid, *(each.clip_from_world.tobytes() for each in plan.maps)),
+        (view.figures, lighting.figures, plan.figures),
     )
     return SeenFrame(
         fixed=fixed,

@@ -49,14 +49,31 @@ def create_surface(
         raise UsageError(f'no graphics backend "{backend}"', nearest(backend, BACKENDS))
     if min(size) < 1:
         raise UsageError(f"a picture of {size[0]} x {size[1]} pixels is not possible", "give a size like 1280x720")
+    if backend == "window":
+        return create_window(size, title, vsync=vsync, stereo=stereo)
     _keep_freed_memory()
-    if backend == "egl":
-        return _EglSurface(size)
-    if backend == "osmesa":
-        return _OSMesaSurface(_OSMesaLoader(), size)
+    return _EglSurface(size) if backend == "egl" else _OSMesaSurface(_OSMesaLoader(), size)
+
+
+def create_window(
+    size: Size | None, title: str, *, vsync: bool = True, stereo: bool = False, scene: bool = True
+) -> Surface:
+    """Create a window as `create_surface` does; without a size, of one that suits the monitor.
+
+    Args:
+        size: Width and height [px], or None.
+        title: Title.
+        vsync: Whether `swap` waits for the display.
+        stereo: Whether it has quad buffers.
+        scene: Whether a scene is drawn in it; False: pages of words, which may be large in software too.
+
+    Raises:
+        DeviceError: See `create_surface`.
+    """
     from mimics_app.rendering.visual.surfaces.window import WindowSurface
 
-    return WindowSurface(size, title, vsync=vsync, stereo=stereo)
+    _keep_freed_memory()
+    return WindowSurface(size, title, vsync=vsync, stereo=stereo, scene=scene)
 
 
 def _keep_freed_memory() -> None:

@@ -27,6 +27,8 @@ _RENDERBUFFER, _FRAMEBUFFER, _DEPTH_STENCIL_ATTACHMENT, _DEPTH24_STENCIL8 = 0x8D
 
 _TEXTURE_2D, _READ_FRAMEBUFFER, _DRAW_FRAMEBUFFER, _COLOUR_BUFFER_BIT, _NEAREST = 0x0DE1, 0x8CA8, 0x8CA9, 0x4000, 0x2600
 
+_RGBA, _BGRA, _UNSIGNED_BYTE = 0x1908, 0x80E1, 0x1401
+
 _UINT, _INT, _BYTE, _FLOAT = ctypes.c_uint, ctypes.c_int, ctypes.c_ubyte, ctypes.c_float
 _ARGUMENTS: dict[str, tuple[Any, ...]] = {
     "glFlush": (),
@@ -43,6 +45,8 @@ _ARGUMENTS: dict[str, tuple[Any, ...]] = {
     "glBindFramebuffer": (_UINT, _UINT),
     "glViewportIndexedf": (_UINT, _FLOAT, _FLOAT, _FLOAT, _FLOAT),
     "glBlitFramebuffer": (*(_INT,) * 8, _UINT, _UINT),
+    "glBindTexture": (_UINT, _UINT),
+    "glTexImage2D": (_UINT, *(_INT,) * 5, _UINT, _UINT, ctypes.c_void_p),
     "glBindVertexArray": (_UINT,),
     "glVertexAttribDivisor": (_UINT, _UINT),
     "glCopyImageSubData": (_UINT, _UINT, *(_INT,) * 4, _UINT, _UINT, *(_INT,) * 7),
@@ -93,6 +97,12 @@ class RawGL:
         self._calls["glBindVertexArray"](array)
         for location in locations:
             self._calls["glVertexAttribDivisor"](location, instances)
+
+    def store_as_bgra(self, texture: moderngl.Texture) -> None:
+        """Store the bytes of a texture as blue, green, red, alpha; its content is undefined afterwards."""
+        self._calls["glBindTexture"](_TEXTURE_2D, texture.glo)
+        form = (_RGBA, *texture.size, 0, _BGRA, _UNSIGNED_BYTE)  # drivers choose the order of the pixels given
+        self._calls["glTexImage2D"](_TEXTURE_2D, 0, *form, None)
 
     def copy_texels(self, source: moderngl.Texture, target: moderngl.Texture, place: tuple[int, int, int, int]) -> None:
         """Copy a rectangle [texel] of one texture to the same place in another one of the same format."""

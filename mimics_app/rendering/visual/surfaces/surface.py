@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.window_input import GamepadState, InputEvent
+from mimics_app.rendering.visual.surfaces.picture_texture import make_picture_texture
 
 if TYPE_CHECKING:
     import moderngl
@@ -84,6 +85,11 @@ class Surface:
         """Return the events since the last call, oldest first, and update keys, buttons and gamepad."""
         return []
 
+    @property
+    def resized_to(self) -> Size | None:
+        """Size that a person gave the window, full screen aside; None without one."""
+        return None
+
     def pointer(self) -> tuple[float, float] | None:
         """Return the pointer's position, right and up in [-1, 1]; None before it first moved over the window."""
         return None
@@ -143,7 +149,7 @@ class Surface:
         self.reset_status: Callable[[], str] = ResetStatus(ctx)
 
     def _make_framebuffer(self, size: Size) -> moderngl.Framebuffer:
-        return self.ctx.framebuffer([self.ctx.renderbuffer(size, 4)], self.ctx.depth_renderbuffer(size))
+        return self.ctx.framebuffer([make_picture_texture(self.ctx, size)], self.ctx.depth_renderbuffer(size))
 
 
 def release_framebuffer(framebuffer: moderngl.Framebuffer) -> None:

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.window_input import GamepadState, InputEvent
+from mimics_app.rendering.visual.surfaces.capabilities import read_capabilities
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
+from mimics_app.rendering.visual.surfaces.window_size import on_the_desktop, smallest_size, usual_size
 
 if TYPE_CHECKING:
     import moderngl
@@ -30,8 +32,8 @@ _READ_FRAMEBUFFER, _DRAW_FRAMEBUFFER, _COLOUR_BUFFER_BIT, _NEAREST = 0x8CA8, 0x8
 class WindowSurface(Surface):
     """A window, of which there is one at a time: the picture is drawn offscreen and copied to it by `swap`.
 
-    F11 toggles full screen. With `stereo` it is quad-buffered, and `swap` fills both back buffers from the halves of
-    `both_eyes`.
+    Without a size it is as suits the monitor, or small where a scene is drawn in software. F11 toggles full screen.
+    With `stereo` it is quad-buffered, and `swap` fills both back buffers from the halves of `both_eyes`.
 
     Raises:
         DeviceError: no display, no OpenGL 4.3, or no quad buffers.
@@ -39,17 +41,20 @@ class WindowSurface(Surface):
 
     _events: list[InputEvent]
 
-    def __init__(self, size: Size, title: str, *, vsync: bool = True, stereo: bool = False) -> None:
+    def __init__(
+        self, size: Size | None, title: str, *, vsync: bool = True, stereo: bool = False, scene: bool = True
+    ) -> None:
         import glfw
 
         self._read_library(glfw)
-        self._title, self._vsync, self._stereo = title, vsync, stereo
+        self._title, self._vsync, self._stereo, self._scene = title, vsync, stereo, scene
         self._pointer: tuple[float, float] | None = None
         self._windowed: tuple[int, int, int, int] | None = None
         context = self._open(size)
+        self._opened: Size = glfw.get_window_size(self._window)
         super().__init__("window", context, glfw.get_framebuffer_size(self._window))
 
-    def _open(self, size: Size) -> moderngl.Context:
+    def _open(self, size: Size | None) -> moderngl.Context:
         """Open the window and create its context."""
         import moderngl
 
@@ -60,7 +65,12 @@ class WindowSurface(Surface):
         self._bind_framebuffer, self._blit_framebuffer = _load_blit(glfw)
         self._draw_buffer = ctypes.CFUNCTYPE(None, ctypes.c_uint)(glfw.get_proc_address("glDrawBuffer"))
         self._listen()
-        return moderngl.create_context(require=430)
+        context = moderngl.create_context(require=430)
+        if size is None:
+            if self._scene and read_capabilities(context).software:  # the time of a frame grows with its pixels
+                glfw.set_window_size(self._window, *on_the_desktop(glfw, smallest_size(glfw)))
+            glfw.show_window(self._window)
+        return context
 
     def renew(self) -> None:
         # A GLFW window keeps its context for life: another window is opened in its place, full screen or not.
@@ -83,6 +93,11 @@ class WindowSurface(Surface):
         if any(event.kind == "key" and event.name == "f11" and event.pressed and not event.repeat for event in events):
             self.toggle_fullscreen()
         return events
+
+    @property
+    def resized_to(self) -> Size | None:
+        size = self._windowed[2:] if self._windowed else self._glfw.get_window_size(self._window)
+        return None if size == self._opened else size
 
     def pointer(self) -> tuple[float, float] | None:
         return self._pointer
@@ -225,7 +240,7 @@ class WindowSurface(Surface):
         return GamepadState()
 
 
-def _open_window(glfw: ModuleType, size: Size, title: str, *, stereo: bool = False) -> Any:
+def _open_window(glfw: ModuleType, wanted: Size | None, title: str, *, stereo: bool = False) -> Any:
     # Errors are return values, raised as one DeviceError here, instead of warnings on stderr.
     glfw.ERROR_REPORTING = False  # type: ignore[attr-defined]  # the module's documented switch
     if not glfw.init():
@@ -240,7 +255,8 @@ def _open_window(glfw: ModuleType, size: Size, title: str, *, stereo: bool = Fal
     glfw.window_hint(glfw.STEREO, stereo)
     glfw.window_hint(glfw.SRGB_CAPABLE, False)
     glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
-    size = _on_the_desktop(glfw, size)
+    glfw.window_hint(glfw.VISIBLE, wanted is not None)
+    size = on_the_desktop(glfw, wanted or usual_size(glfw))
     window = glfw.create_window(*size, title, None, None)
     if not window:  # a driver that cannot report a reset may refuse the request
         glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.NO_ROBUSTNESS)
@@ -251,17 +267,6 @@ def _open_window(glfw: ModuleType, size: Size, title: str, *, stereo: bool = Fal
             raise DeviceError("the display provides no window with a buffer for each eye", _FIX_QUAD)
         raise DeviceError("the display provides no window with OpenGL 4.3", _FIX_GL)
     return window
-
-
-def _on_the_desktop(glfw: ModuleType, size: Size) -> Size:
-    """Limit a size to that of all monitors' work areas together [px]."""
-    areas = [glfw.get_monitor_workarea(monitor) for monitor in glfw.get_monitors()]
-    areas = [area for area in areas if area[2] > 0 and area[3] > 0]
-    if not areas:
-        return size
-    width = max(x + w for x, _, w, _ in areas) - min(x for x, _, _, _ in areas)
-    height = max(y + h for _, y, _, h in areas) - min(y for _, y, _, _ in areas)
-    return min(size[0], width), min(size[1], height)
 
 
 def _load_blit(glfw: ModuleType) -> tuple[Callable[..., None], Callable[..., None]]:

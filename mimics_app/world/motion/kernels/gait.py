@@ -121,7 +121,7 @@ def place_feet(phase: float, stance: float, stride: float, touch: float, shape: 
     is as high as lets the knee that carries bend as the table has it; the foot in the air follows the table.
 
     Args:
-        phase: Of the left foot, 0: its heel touches; 0 to 1. The right one is half a cycle off.
+        phase: Phase of the left foot, 0 to 1, 0 at heel strike; the right foot is half a cycle apart.
         stance: Share of the cycle in which a foot stands.
         stride: Displacement of the body in a cycle [m].
         touch: Where the ankle of a flat foot would be at the heel's touch, ahead of the hip [m].
@@ -129,7 +129,7 @@ def place_feet(phase: float, stance: float, stride: float, touch: float, shape: 
             farthest that toes bend [rad], joint of the toes above the
             sole [m]; [8].
         table: Lean of the thigh, flexion of the knee, pitch of the foot over the cycle [rad], [n, 3].
-        out: Of each foot: ankle ahead of the hip [m], ankle above the ground [m], pitch (toes up) [rad], point of
+        out: For each foot: ankle ahead of the hip [m], ankle above the ground [m], pitch (toes up) [rad], point of
             contact ahead of the hip [m], 1 while it stands, bend of the toes up [rad], share of the body that it
             carries; written, [2, 7].
 

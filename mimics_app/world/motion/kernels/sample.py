@@ -94,8 +94,8 @@ def sample_clip(
 
     Args:
         tracks: Slot, path, interpolation, first key, keys, first value, width; [tracks, 7].
-        times: Of all keys [s].
-        values: Of all keys.
+        times: Times of all keys [s].
+        values: Values of all keys.
         at: Time in the clip [s].
         cursors: Key of each track in the last call, kept between calls, [tracks].
         morph_first: First morph weight of each slot, [slots + 1].

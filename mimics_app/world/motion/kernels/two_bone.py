@@ -175,7 +175,7 @@ def _reach_one(asked: F8, limbs: F8, states: F8, i: int, out: F8, u: F8, w: F8, 
 def _reach_plain(asked: F8, limbs: F8, states: F8, first: int, out: F8, cases: I4) -> int:
     """Solve successive limbs without special cases, in registers alone; return the index of the first other one.
 
-    A loop within one call: to hand over five arrays costs more than to solve a limb.
+    The loop is within one call: passing five arrays costs more than solving a limb.
     """
     for i in range(first, asked.shape[0]):
         a, b = limbs[i, 0], limbs[i, 1]
@@ -218,7 +218,7 @@ def reach_two_bones(asked: F8, limbs: F8, states: F8, out: F8, cases: I4) -> Non
             greatest angle the elbow may swing about the line to the hand in this step [rad]; [n, 4].
         states: Kept from step to step: direction to the hand, direction of the elbow, 1 where they are known; [n, 7].
         out: Elbow and hand [m], written, [n, 6]; as before where what is asked is not finite.
-        cases: What was special, bits of `ReachCase`, written, [n].
+        cases: Special cases, bits of `ReachCase`, written, [n].
     """
     u, w, before = np.empty(3), np.empty(3), np.empty(3)
     i = _reach_plain(asked, limbs, states, 0, out, cases)

@@ -22,7 +22,7 @@ from mimics_app.rendering.haptic.kernels.objects.loads import load_bodies
 from mimics_app.rendering.haptic.kernels.objects.manifold import lay_over, write_feature
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANY_DIRECTION
 from mimics_app.rendering.haptic.kernels.objects.resolve import apply_contact, end_contact
-from mimics_app.rendering.haptic.kernels.objects.sweep import find_pairs, near
+from mimics_app.rendering.haptic.kernels.objects.sweep_and_prune import find_pairs, near
 from mimics_app.rendering.haptic.kernels.objects.triples import dot, times
 
 if TYPE_CHECKING:

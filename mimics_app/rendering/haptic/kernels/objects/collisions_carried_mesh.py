@@ -167,7 +167,7 @@ def edge_in(
 
     Args:
         p: Start of the edge, world [m].
-        q: Its end [m].
+        q: End of the edge [m].
         other: SOLID of the other shape.
         toward: Direction that its faces must face; ANY_DIRECTION: the ends of the chord do not count.
         side: As `_corners_in`.

@@ -178,7 +178,7 @@ def chord_in(solid: SolidRecord, p: Vec3, q: Vec3, table: MeshTable, scratch: Sc
     Args:
         solid: SOLID of a box, cylinder, capsule or mesh.
         p: Start of the segment, world [m].
-        q: Its end [m].
+        q: End of the edge [m].
         table: MeshTable.
         scratch: SCRATCH.
 
@@ -202,7 +202,7 @@ def deepest_between(
     Args:
         solid: SOLID of the shape.
         p: Start of the edge, world [m].
-        q: Its end [m].
+        q: End of the edge [m].
         chord: Result of `chord_in`, with two normals.
         toward: Direction that the outward normal must face, or ANY_DIRECTION.
         table: MeshTable.

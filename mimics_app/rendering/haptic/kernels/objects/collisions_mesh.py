@@ -95,7 +95,7 @@ def depth_in_mesh(
     Args:
         b: SOLID of the mesh.
         p: Centre of the ball, world [m].
-        radius: Of the ball [m].
+        radius: Radius of the ball [m].
         reach: Largest distance of its centre from the surface [m].
         toward: Only faces of the mesh that face this direction count, or all with ANY_DIRECTION.
         table: MeshTable.

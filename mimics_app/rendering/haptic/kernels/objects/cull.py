@@ -33,7 +33,7 @@ def find_near(bounds: F8, shapes: int, p: Vec, radius: float, near: I8) -> int:
             infinite one always.
         shapes: Number of shapes in use.
         p: The point, world [m], shape [3].
-        radius: Of the point's ball [m].
+        radius: Radius of the point's ball [m].
         near: Receives the rows, shape [>= shapes].
 
     Returns:

@@ -182,7 +182,7 @@ def first_crossing(mesh: MeshRecord, vertices: F8, corners: I4, boxes: F8, a: Ve
         corners: Rows of vertices, shape [triangles, 3].
         boxes: AABB of each node, minimum then maximum, shape [nodes, 6] [m].
         a: Start of the segment [m], mesh frame.
-        b: Its end [m].
+        b: End of the segment [m].
         n: Scratch, shape [3].
     """
     found, earliest = -1, 2.0

@@ -15,7 +15,12 @@ from mimics_app.rendering.haptic.kernels.objects.memory import follow_point, kee
 from mimics_app.rendering.haptic.kernels.objects.mesh_walk import probe_mesh
 from mimics_app.rendering.haptic.kernels.objects.records import MAX_WALLS
 from mimics_app.rendering.haptic.kernels.objects.shapes import probe_shape
-from mimics_app.rendering.haptic.kernels.objects.surface import anchor_stiffness, lower_by_ripple, normal_force, rub
+from mimics_app.rendering.haptic.kernels.objects.surface_force import (
+    anchor_stiffness,
+    lower_by_ripple,
+    normal_force,
+    rub,
+)
 from mimics_app.rendering.haptic.kernels.vectors import copy, rotate
 
 if TYPE_CHECKING:

@@ -1,0 +1,87 @@
+"""Choice of the scenario of a scene: the one that it names, built in or a plug-in, else one for its components.
+
+A scene with a robot and no other scenario needs no code of its own: `TouchScene` plays its components.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import cast
+
+from mimics_app.app.scenes.shipped import ONLY_LOOKED_AT
+from mimics_app.contracts.errors import SceneError, nearest
+from mimics_app.contracts.plugins import PluginError
+from mimics_app.contracts.scenario_port import PLUGINS, Scenario
+from mimics_app.scenarios.avatar_cord import AvatarCord
+from mimics_app.scenarios.city_walk import CityWalk
+from mimics_app.scenarios.guided_walk import GuidedWalk
+from mimics_app.scenarios.pick_and_place import PickAndPlace
+from mimics_app.scenarios.touch_scene import TouchScene
+from mimics_app.scenarios.wavy_tunnel import WavyTunnel
+from mimics_app.world.components.hand import GraspingHand
+from mimics_app.world.components.robot import Robot, Tunnel
+from mimics_app.world.scene.scene import Scene
+from mimics_app.world.world import World
+
+__all__ = ["BUILT_IN", "BY_COMPONENT", "is_part", "is_playable", "open_scenario"]
+
+_Builder = Callable[[Scene, World], Scenario]
+
+BUILT_IN: dict[str, _Builder] = {
+    "wavy_tunnel": WavyTunnel,
+    "pick_and_place": PickAndPlace,
+    "avatar_cord": AvatarCord,
+    "guided_walk": GuidedWalk,
+    "city_walk": CityWalk,
+}
+"""Scenarios that come with the product, by name."""
+
+BY_COMPONENT: dict[type, _Builder] = {Tunnel: WavyTunnel, GraspingHand: PickAndPlace, Robot: TouchScene}
+"""Scenario of a scene that names none, by the first of these components it has."""
+
+_ROBOT_NEEDED = 'include "mimics:scenes/parts/touch_room.json" and add {"id": "robot", "prefab": "robot"}'
+
+
+def open_scenario(scene: Scene, world: World) -> Scenario:
+    """Return the scenario of a scene, in the world built from it.
+
+    Raises:
+        SceneError: No scenario can play the scene, or it lacks a part that its scenario needs.
+    """
+    return _find_builder(scene)(scene, world)
+
+
+def is_part(scene: Scene) -> bool:
+    """Whether a scene file is only to be included by others: a scenario takes it, but it has neither robot nor task."""
+    return is_playable(scene) and not scene.has(Robot) and "task" not in scene.sections
+
+
+def is_playable(scene: Scene) -> bool:
+    """Whether a scenario takes the scene; it may still lack a part that the scenario needs."""
+    try:
+        _find_builder(scene)
+    except SceneError:
+        return False
+    return True
+
+
+def _find_builder(scene: Scene) -> _Builder:
+    if scene.scenario == ONLY_LOOKED_AT:
+        raise SceneError(scene.issue("/scenario", "nothing is to be done in this scene", "look at it: mimics view"))
+    if scene.scenario in BUILT_IN:
+        return BUILT_IN[scene.scenario]
+    installed = PLUGINS.names()
+    if scene.scenario in installed:
+        try:
+            return cast(_Builder, PLUGINS.load(scene.scenario))
+        except PluginError as error:
+            what = f'the scenario "{scene.scenario}" is not available'
+            raise SceneError(scene.issue("/scenario", what, str(error))) from error
+    if scene.scenario != scene.name:
+        hint = nearest(scene.scenario, [*BUILT_IN, *installed])
+        raise SceneError(scene.issue("/scenario", f'no scenario "{scene.scenario}"', f"leave it out; {hint}"))
+    for component, builder in BY_COMPONENT.items():
+        if scene.has(component):
+            return builder
+    what = "nothing plays this scene: it has no robot, and names no scenario"
+    raise SceneError(scene.issue("", what, f"{_ROBOT_NEEDED}; to look at it only: mimics view"))

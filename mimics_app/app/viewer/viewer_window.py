@@ -1,0 +1,274 @@
+"""The viewer's window: it handles events, draws after changes, and watches the files."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from mimics_app.app.picture.overlay_keys import toggle_overlay
+from mimics_app.app.picture.window_opening import open_window, remember_size
+from mimics_app.app.settings import Profile
+from mimics_app.app.terminal.output import with_line
+from mimics_app.app.viewer.controls import ViewerControls
+from mimics_app.app.viewer.page import KEYS, draw_caption, draw_hint, draw_message
+from mimics_app.app.viewer.selection import Selection
+from mimics_app.app.viewer.shown import Shown, Up, open_shown
+from mimics_app.app.viewer.viewport import Viewport
+from mimics_app.contracts.clock import FRAME_NS, SECOND_NS, Clock, MonotonicClock
+from mimics_app.contracts.errors import MimicsError, SceneError
+from mimics_app.rendering.visual.figures.key_page import draw_keys
+from mimics_app.rendering.visual.surfaces.headless import save_png
+from mimics_app.rendering.visual.surfaces.surface import Size
+from mimics_app.world.scene.watcher import SceneWatcher
+
+__all__ = ["ViewerSession"]
+
+_LOOK_NS = SECOND_NS // 4
+"""Period of the checks of the files [ns]."""
+_SHOW_NS = 5 * SECOND_NS
+"""Time for which a message is shown [ns]."""
+_REST_NS = SECOND_NS // 5
+"""Time without a change after which a picture is drawn with anti-aliasing [ns]."""
+_LONGEST_STEP_S = 0.1
+"""Longest time step of the flight [s]."""
+
+
+class ViewerSession:
+    """One window, from opening to closing.
+
+    Args:
+        shown: The first model or scene.
+        size: Size of the window [px]; None: see `open_window`.
+        profile: Quality of a scene's picture.
+        camera: See `Viewport`.
+        up: Upward axis of a mesh file, for its reload.
+
+    Attributes:
+        pictures: PNG files that the person saved.
+        saved: Scene files that were written.
+        backend: Backend of the surface.
+    """
+
+    def __init__(
+        self, shown: Shown, size: Size | None, profile: Profile = "training", camera: str = "", up: Up = "y"
+    ) -> None:
+        self._clock: Clock = MonotonicClock()
+        self._up = up
+        self._surface = open_window(size, f"{shown.title} - mimics")
+        self._viewport = Viewport(self._surface, shown, profile, camera)
+        self._selection = Selection(shown)
+        self._controls = ViewerControls(self._viewport, self._selection, self._commands())
+        self._watcher = SceneWatcher(shown.files)
+        self._keys_shown = self._left = self._alarm = self._marked = self._warned = False
+        self._message, self._message_until_ns = "", 0
+        self._clip = ""
+        self.pictures: list[Path] = []
+        self.saved: list[Path] = []
+        self.backend = self._surface.backend
+
+    def run(self, shown: Callable[[], None] | None = None) -> None:
+        """Run until the window closes; `shown` is called after the first picture."""
+        self._draw(smooth=False)
+        if shown is not None:
+            shown()
+        due = looked = before = begun = drawn = self._clock.now_ns()
+        rested = False
+        while not (self._surface.should_close or self._left):
+            now = self._clock.now_ns()
+            events = self._surface.poll()
+            toggle_overlay(self._viewport.renderer, events)
+            self._controls.handle(events)
+            self._controls.fly(min((now - before) / SECOND_NS, _LONGEST_STEP_S))
+            before = now
+            self._pass_time((now - begun) / SECOND_NS)
+            if now - looked >= _LOOK_NS:
+                looked = now
+                self._look(now)
+            if self._controls.dirty or self._viewport.renderer.shows("graph"):
+                self._controls.dirty, drawn, rested = False, now, not self._viewport.in_software
+                self._draw(smooth=rested)
+            elif not rested and now - drawn > _REST_NS:
+                rested = True
+                self._draw(smooth=True)
+            due = max(due + FRAME_NS, self._clock.now_ns() - FRAME_NS)
+            self._clock.sleep_until_ns(due)
+
+    def __enter__(self) -> ViewerSession:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        for name, node in self._selection.unsaved.items():
+            sys.stderr.write(f"mimics: not saved: {name}, moved to {node.position.tolist()}\n")
+        self._viewport.release()
+        remember_size(self._surface)
+        self._surface.close()
+
+    def _draw(self, *, smooth: bool) -> None:
+        """Draw a frame, with anti-aliasing or, while a picture drawn on the processor changes, without."""
+        shown, hud = self._viewport.shown, self._viewport.renderer.hud
+        shown.world.update()
+        hud.clear()
+        lines = [shown.size]
+        if self._selection.chosen is not None:
+            lines.append(self._describe_chosen())
+        self._mark_chosen()
+        draw_caption(hud, shown.title, lines, shown.notes)
+        draw_hint(hud, "H: keys")
+        draw_message(hud, self._message, alarm=self._alarm)
+        if self._keys_shown:
+            draw_keys(hud, KEYS)
+        self._viewport.draw(smooth=smooth)
+        self._surface.swap()
+
+    def _pass_time(self, seconds: float) -> None:
+        """Advance effects and animations; a scene without them is drawn only after other changes."""
+        effects, motion = self._viewport.shown.world.effects, self._viewport.shown.world.motion
+        effects.time = motion.time = seconds
+        self._controls.dirty = self._controls.dirty or bool(effects.emitters) or motion.alive
+
+    def _mark_chosen(self) -> None:
+        """Draw a box and arrows at the selected node; the overlay is created at the first selection."""
+        if self._selection.chosen is not None:
+            self._marked = True
+            overlay = self._viewport.renderer.overlay
+            overlay.chosen = self._selection.chosen.index
+            overlay.handles = self._selection.handles(self._viewport.orbit.view(self._surface.size))
+        elif self._marked:
+            self._viewport.renderer.overlay.chosen = None
+
+    def _describe_chosen(self) -> str:
+        node = self._selection.chosen
+        assert node is not None
+        x, y, z = node.world_matrix()[:3, 3]
+        axis = "" if self._selection.axis is None else f", along {'xyz'[self._selection.axis]}"
+        unsaved = ", not saved (Ctrl + S)" if node.name in self._selection.unsaved else ""
+        return f"{node.name or 'a part'} at {x:.3f}, {y:.3f}, {z:.3f} m{axis}{unsaved}"
+
+    def _commands(self) -> dict[str, Callable[[], object]]:
+        return {
+            "h": self._toggle_keys,
+            "escape": self._leave,
+            "g": self._toggle_floor,
+            "l": self._toggle_lights,
+            "f12": self._take_picture,
+            "ctrl+s": self._save,
+            "n": lambda: self._next_clip(1),
+            "p": lambda: self._next_clip(-1),
+            "space": self._hold,
+        }
+
+    def _next_clip(self, step: int) -> None:
+        """Play the next or the previous clip of the model; between the last and the first it is at rest."""
+        from mimics_app.app.viewer.playing import clips_of, play_clip
+
+        names = ["", *clips_of(self._viewport.shown)]
+        if len(names) == 1:
+            self._say("nothing moves in it")
+            return
+        self._clip = names[(names.index(self._clip) + step) % len(names)] if self._clip in names else names[1]
+        play_clip(self._viewport.shown, self._clip)
+        self._say(f'clip "{self._clip}"' if self._clip else "at rest")
+
+    def _hold(self) -> None:
+        """Hold the present clip, or let it continue."""
+        layers = [
+            layer for animator in self._viewport.shown.world.motion.animators.values() for layer in animator.layers
+        ]
+        held = any(layer.speed != 0.0 for layer in layers)
+        for layer in layers:
+            layer.speed = 0.0 if held else 1.0
+        if layers:
+            self._say("held" if held else "goes on")
+
+    def _toggle_keys(self) -> None:
+        self._keys_shown = not self._keys_shown
+
+    def _toggle_floor(self) -> None:
+        if self._viewport.studio is not None:
+            self._viewport.studio.toggle_floor()
+
+    def _toggle_lights(self) -> None:
+        studio = self._viewport.studio
+        if studio is None or not studio.has_own_lights:
+            self._say("it has no lights of its own" if studio is not None else "the scene has its own light")
+        else:
+            studio.toggle_lights()
+
+    def _leave(self) -> None:
+        """Close the page of keys, else deselect, else close the window, after a warning about unsaved moves."""
+        if self._keys_shown:
+            self._keys_shown = False
+        elif self._selection.chosen is not None:
+            self._selection.chosen = None
+        elif self._selection.unsaved and not self._warned:
+            self._warned = True
+            self._say(f"not saved: {', '.join(self._selection.unsaved)}; Ctrl + S saves, Esc leaves", alarm=True)
+        else:
+            self._left = True
+
+    def _take_picture(self) -> None:
+        """Save the window's picture, with anti-aliasing and without a message."""
+        self._message = ""
+        self._draw(smooth=True)
+        number = 1
+        while (file := Path(f"{self._viewport.shown.path.stem}_{number:03d}.png")).exists():
+            number += 1
+        save_png(self._surface, file)
+        self.pictures.append(file)
+        self._say(f"picture: {file}")
+
+    def _save(self) -> None:
+        if self._viewport.shown.scene is None:
+            self._say("a model is changed in its modeller; what is saved here are scene files", alarm=True)
+            return
+        try:
+            files = self._selection.save()
+        except SceneError as error:
+            self._say(with_line(error.issues[0]), alarm=True)
+            return
+        self._warned = False
+        self.saved += [file for file in files if file not in self.saved]
+        if self._watcher.changed():
+            self._take_over()
+        self._say(f"saved {', '.join(str(file) for file in files)}" if files else "nothing was moved")
+
+    def _look(self, now_ns: int) -> None:
+        """Remove an old message, and reload changed files."""
+        if self._message and now_ns > self._message_until_ns:
+            self._message, self._controls.dirty = "", True
+        renderer = self._viewport.renderer
+        before = renderer.shaders_replaced
+        for issue in renderer.reload_shaders():
+            sys.stderr.write(f"mimics: {issue}\n")
+            self._say(str(issue), alarm=True)
+        self._controls.dirty = self._controls.dirty or renderer.shaders_replaced != before
+        if self._selection.holding or not self._watcher.changed():
+            return
+        try:
+            self._take_over()
+            self._say("loaded again")
+        except MimicsError as error:
+            self._say(with_line(error.issues[0]), alarm=True)
+            self._message_until_ns = sys.maxsize  # until the file is corrected
+
+    def _take_over(self) -> None:
+        """Show the present contents of the file; where it is faulty, the old picture stays."""
+        shown = self._viewport.shown
+        if shown.scene is None:
+            fresh = open_shown(shown.path, self._up)
+            self._viewport.show(fresh)
+            self._selection.show(fresh)
+        else:
+            from mimics_app.app.viewer.resting import rest
+            from mimics_app.world.scene.reload import reload_scene
+
+            shown.scene, _ = reload_scene(shown.world, shown.scene)
+            rest(shown.scene, shown.world)
+            shown.files, shown.notes = list(shown.scene.files), list(shown.scene.notes)
+        self._watcher.watch(self._viewport.shown.files)
+
+    def _say(self, text: str, *, alarm: bool = False) -> None:
+        self._message, self._alarm = text, alarm
+        self._message_until_ns = self._clock.now_ns() + _SHOW_NS
+        self._controls.dirty = True

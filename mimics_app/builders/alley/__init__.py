@@ -1,0 +1,3 @@
+"""Builder of the alley of the guided walk."""
+
+__all__: list[str] = []

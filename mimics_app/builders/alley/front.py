@@ -1,0 +1,230 @@
+"""House of an alley, seen from close by: windows with frames and shutters, doors with panels, all of it geometry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mimics_app.builders.city.textures import TILE
+from mimics_app.builders.kit.facade import Opening, Zone, add_zone, wall_axes
+from mimics_app.builders.kit.sketch import Sketch, Uv
+from mimics_app.builders.kit.solids import Axes, Skin, add_column, add_prism
+
+__all__ = ["HouseFront", "build_front"]
+
+_DEPTH = 5.0
+"""Depth of a house behind its front [m]."""
+_GROUND, _STOREY = 2.9, 2.6
+"""Heights of the ground floor and of each floor above [m]."""
+_WINDOW, _DOOR = (0.92, 1.25), (0.98, 2.16)
+"""Width and height of the openings [m]."""
+_HEAD = 2.28
+"""Upper edge of doors and of windows of the ground floor [m]."""
+_UPPER_SILL = 0.85
+"""Height of a window's sill above the floor of an upper storey [m]."""
+_RECESS = 0.14
+"""Depth of the reveals [m]."""
+_PLINTH = 0.42
+_OVERHANG, _RISE = 0.38, 2.1
+"""Roof: how far it stands out over the alley, and height of its ridge above the eaves [m]."""
+_STONE = Skin("stone", (1.2, 1.2))
+_WALL_TILE = {"brick": (1.25, 1.5), "plaster": (2.4, 2.4)}
+"""Metres one repetition of a wall's texture covers, less than in the city: it is seen from a step away."""
+
+
+@dataclass(frozen=True)
+class HouseFront:
+    """What distinguishes one house from the next.
+
+    Attributes:
+        wall: Material of the wall.
+        width: Along the alley [m].
+        storeys: Floors, the ground floor included.
+        bays: Openings side by side on each floor.
+        door: Bay of the door; -1: none.
+        paint: Material of shutters and door.
+        shutters: Whether the windows have them.
+    """
+
+    wall: str
+    width: float
+    storeys: int
+    bays: int
+    door: int
+    paint: str
+    shutters: bool
+
+    @property
+    def eaves(self) -> float:
+        """Height of the walls [m]."""
+        return _GROUND + (self.storeys - 1) * _STOREY
+
+
+def build_front(house: HouseFront) -> Sketch:
+    """Build a house that stands on y = 0 at z < 0, centred in x, and faces +z."""
+    sketch, axes = Sketch(), wall_axes(house.width, _DEPTH, "front")
+    wall = Skin(house.wall, _WALL_TILE[house.wall.rstrip("0123456789")])
+    _add_ground_floor(sketch, axes, house, wall)
+    for storey in range(1, house.storeys):
+        _add_upper_floor(sketch, axes, house, wall, _GROUND + (storey - 1) * _STOREY)
+    _add_other_sides(sketch, house, wall)
+    _add_roof(sketch, house, wall)
+    add_column(
+        sketch,
+        (0.5 * house.width - 0.12, 0.0, 0.07),
+        (0.5 * house.width - 0.12, house.eaves, 0.07),
+        (0.045, 0.045),
+        8,
+        _skin("zinc"),
+    )
+    return sketch
+
+
+def _skin(material: str, shade: float = 1.0) -> Skin:
+    return Skin(material, shade=shade)
+
+
+def _middles(house: HouseFront) -> list[float]:
+    return [house.width * (bay + 0.5) / house.bays for bay in range(house.bays)]
+
+
+def _add_ground_floor(sketch: Sketch, axes: Axes, house: HouseFront, wall: Skin) -> None:
+    row = []
+    for bay, middle in enumerate(_middles(house)):
+        wide, high = _DOOR if bay == house.door else _WINDOW
+        panel = _skin("glass") if bay != house.door else _skin(house.paint)
+        row.append(Opening(middle - 0.5 * wide, middle + 0.5 * wide, _HEAD - high, _HEAD, panel, _RECESS))
+    roofed = 0.72 if house.storeys == 1 else 1.0
+    add_zone(sketch, axes, Zone(0.0, house.width, 0.0, _GROUND, [row], wall, _STONE, footed=True, roofed=roofed))
+    door: Opening | None = None
+    for bay, opening in enumerate(row):
+        if bay == house.door:
+            door = opening
+            _add_door(sketch, axes, opening, house.paint)
+        else:
+            _add_window(sketch, axes, opening, house)
+    _add_plinth(sketch, axes, house.width, door)
+
+
+def _add_upper_floor(sketch: Sketch, axes: Axes, house: HouseFront, wall: Skin, floor: float) -> None:
+    wide, high = _WINDOW
+    bottom = floor + _UPPER_SILL
+    row = [
+        Opening(middle - 0.5 * wide, middle + 0.5 * wide, bottom, bottom + high, _skin("glass"), _RECESS)
+        for middle in _middles(house)
+    ]
+    top = floor + _STOREY
+    add_zone(
+        sketch,
+        axes,
+        Zone(0.0, house.width, floor, top, [row], wall, _STONE, roofed=0.72 if top == house.eaves else 1.0),
+    )
+    for opening in row:
+        _add_window(sketch, axes, opening, house)
+
+
+def _add_bar(sketch: Sketch, axes: Axes, low: Uv, high: Uv, reach: Uv, skin: Skin) -> None:
+    """A block on the wall from `low` to `high`, over a reach outwards [m]; without the side that nobody sees."""
+    (a0, b0), (a1, b1), (c0, c1) = low, high, reach
+    faces = (
+        ((a0, b0, c1), (a1, b0, c1), (a1, b1, c1), (a0, b1, c1), 1.0),
+        ((a0, b0, c0), (a1, b0, c0), (a1, b0, c1), (a0, b0, c1), 0.55),
+        ((a0, b1, c1), (a1, b1, c1), (a1, b1, c0), (a0, b1, c0), 1.0),
+        ((a0, b0, c0), (a0, b0, c1), (a0, b1, c1), (a0, b1, c0), 0.9),
+        ((a1, b0, c1), (a1, b0, c0), (a1, b1, c0), (a1, b1, c1), 0.9),
+    )
+    for first, second, third, fourth, shade in faces:
+        corners = (first, second, third, fourth)
+        places = [(a + c, b + c) for a, b, c in corners]
+        sketch.fan(skin.material, [axes.point(*corner) for corner in corners], skin.lay(places), shade * skin.shade)
+
+
+def _add_window(sketch: Sketch, axes: Axes, opening: Opening, house: HouseFront) -> None:
+    """Frame, crossbars, sill and shutters."""
+    left, right, bottom, top = opening.left, opening.right, opening.bottom, opening.top
+    frame, middle = _skin("frame"), 0.5 * (left + right)
+    bars = [
+        ((left, bottom), (right, bottom + 0.07)),
+        ((left, top - 0.06), (right, top)),
+        ((left, bottom + 0.07), (left + 0.06, top - 0.06)),
+        ((right - 0.06, bottom + 0.07), (right, top - 0.06)),
+        ((middle - 0.03, bottom + 0.07), (middle + 0.03, top - 0.06)),
+        ((left + 0.06, top - 0.42), (right - 0.06, top - 0.38)),
+    ]
+    for low, high in bars:
+        _add_bar(sketch, axes, low, high, (-_RECESS, -_RECESS + 0.045), frame)
+    _add_bar(sketch, axes, (left - 0.06, bottom - 0.07), (right + 0.06, bottom), (-_RECESS, 0.08), _STONE)
+    if house.shutters:
+        half = 0.5 * (right - left)
+        for edge in (left - half - 0.02, right + 0.02):
+            _add_shutter(sketch, axes, (edge, bottom), (edge + half, top), _skin(house.paint))
+
+
+def _add_shutter(sketch: Sketch, axes: Axes, low: Uv, high: Uv, paint: Skin) -> None:
+    """An open shutter: a frame around slats."""
+    (left, bottom), (right, top) = low, high
+    _add_bar(sketch, axes, low, high, (0.0, 0.02), Skin(paint.material, shade=0.8))
+    rails = [
+        (low, (right, bottom + 0.06)),
+        ((left, top - 0.06), high),
+        ((left, bottom + 0.06), (left + 0.05, top - 0.06)),
+        ((right - 0.05, bottom + 0.06), (right, top - 0.06)),
+    ]
+    for first, second in rails:
+        _add_bar(sketch, axes, first, second, (0.02, 0.04), paint)
+    slats = 7
+    step = (top - bottom - 0.12) / slats
+    for slat in range(slats):
+        edge = bottom + 0.06 + slat * step
+        leaning = [
+            axes.point(left + 0.05, edge, 0.036),
+            axes.point(right - 0.05, edge, 0.036),
+            axes.point(right - 0.05, edge + step, 0.021),
+            axes.point(left + 0.05, edge + step, 0.021),
+        ]
+        sketch.fan(paint.material, leaning, [(0.0, 0.0)] * 4, [1.0, 1.0, 0.7, 0.7])
+
+
+def _add_door(sketch: Sketch, axes: Axes, opening: Opening, paint: str) -> None:
+    """A stone surround, raised panels, a light above them, a handle and a step."""
+    left, right, bottom, top = opening.left, opening.right, opening.bottom, opening.top
+    for low, high in (
+        ((left - 0.14, 0.0), (left, top)),
+        ((right, 0.0), (right + 0.14, top)),
+        ((left - 0.14, top), (right + 0.14, top + 0.16)),
+    ):
+        _add_bar(sketch, axes, low, high, (0.0, 0.05), _STONE)
+    _add_bar(sketch, axes, (left, 0.0), (right, bottom), (-_RECESS, 0.16), _STONE)
+    middle, deep = 0.5 * (left + right), -_RECESS
+    for low_edge, high_edge in ((bottom + 0.14, bottom + 0.75), (bottom + 0.87, bottom + 1.55)):
+        for first, second in ((left + 0.1, middle - 0.05), (middle + 0.05, right - 0.1)):
+            _add_bar(sketch, axes, (first, low_edge), (second, high_edge), (deep, deep + 0.03), _skin(paint, 1.15))
+    _add_bar(sketch, axes, (left + 0.1, top - 0.4), (right - 0.1, top - 0.1), (deep, deep + 0.02), _skin("glass"))
+    _add_bar(
+        sketch, axes, (right - 0.09, bottom + 0.95), (right - 0.05, bottom + 1.1), (deep, deep + 0.06), _skin("zinc")
+    )
+
+
+def _add_plinth(sketch: Sketch, axes: Axes, width: float, door: Opening | None) -> None:
+    """A band of stone along the foot, interrupted by the door."""
+    gap = (door.left - 0.14, door.right + 0.14) if door else (width, width)
+    for left, right in ((0.0, gap[0]), (gap[1], width)):
+        if right > left:
+            _add_bar(sketch, axes, (left, 0.0), (right, _PLINTH), (0.0, 0.03), Skin("stone", _STONE.tile, shade=0.8))
+
+
+def _add_other_sides(sketch: Sketch, house: HouseFront, wall: Skin) -> None:
+    """Sides and back, without openings."""
+    for side, length in (("left", _DEPTH), ("right", _DEPTH), ("back", house.width)):
+        axes = wall_axes(house.width, _DEPTH, side)
+        add_zone(sketch, axes, Zone(0.0, length, 0.0, house.eaves, [], wall, _STONE))
+
+
+def _add_roof(sketch: Sketch, house: HouseFront, wall: Skin) -> None:
+    """A gable with its ridge along the alley."""
+    low, high, o = house.eaves, house.eaves + _RISE, _OVERHANG
+    along = Axes(a=(0.0, 0.0, -1.0), b=(0.0, 1.0, 0.0), c=(1.0, 0.0, 0.0))
+    outline = [(-o, low), (_DEPTH + o, low), (_DEPTH + o, low + 0.14), (0.5 * _DEPTH, high), (-o, low + 0.14)]
+    cover = Skin("tiles", TILE["tiles"])
+    sides = (_skin("beam", 0.6), _skin("beam"), cover, cover, _skin("beam"))
+    half = 0.5 * house.width
+    add_prism(sketch, along, outline, -half, half, (wall, wall), sides)

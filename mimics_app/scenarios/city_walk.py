@@ -1,0 +1,87 @@
+"""City walk (D2.1 Table 1): the person's view and own body on a path through a town, and the people they meet."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimics_app.contracts.errors import SceneError
+from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
+from mimics_app.contracts.trial_state import TrialState
+from mimics_app.maths import quat
+from mimics_app.scenarios.ground_path import GroundPath
+from mimics_app.scenarios.path_figure import PathFigure
+from mimics_app.scenarios.touch_scene import TouchScene
+from mimics_app.tasks.kinds.city_walk import CityWalkSpec
+from mimics_app.tasks.scene_section import task_of
+from mimics_app.world.components.visible import CameraComponent
+from mimics_app.world.components.walking import PathWalker, WalkingPath
+from mimics_app.world.scene.scene import Scene
+from mimics_app.world.world import World
+
+__all__ = ["CityWalk"]
+
+_GLANCE = 8.0
+"""Angle of the eyes per displacement of the hand to the side [rad/m]."""
+_WIDEST = 1.2
+"""Largest angle of the eyes to the side [rad]."""
+
+
+class CityWalk(TouchScene):
+    """A walk through a town. The hand moves in the frame of the person: up is faster, to the side looks about.
+
+    Walkers that accompany the person follow the person's pace; the others walk at their own speed all the time.
+
+    Args:
+        scene: The checked scene; needs a robot and a task with `city_walk`.
+        world: The world built from it.
+
+    Raises:
+        SceneError: the task has no city walk.
+    """
+
+    def __init__(self, scene: Scene, world: World) -> None:
+        super().__init__(scene, world)
+        spec = task_of(scene).section("city_walk")
+        if not isinstance(spec, CityWalkSpec):
+            raise SceneError(scene.issue("/task", "it has no city_walk", 'write "city_walk": {"person": ...}'))
+        paths = {name: GroundPath(path) for name, path, _ in scene.components(WalkingPath)}
+        walkers = {name: walker for name, walker, _ in scene.components(PathWalker)}
+        figures = {
+            name: PathFigure(world.find(name), walker, paths[walker.path], -1.0 if name == spec.person else 1.0)
+            for name, walker in walkers.items()
+        }
+        led = {spec.person, *(name for name, walker in walkers.items() if walker.beside == spec.person)}
+        self._led = [figures[name] for name in walkers if name in led]
+        self._others = [(figures[name], walkers[name].speed) for name in walkers if name not in led]
+        self._walk = {"walk.along": 0.0, "walk.speed": 0.0}
+        self._person = world.find(spec.person)
+        self._eyes = [
+            (node, np.array(node.orientation))
+            for name, _, _ in scene.components(CameraComponent)
+            if (parent := (node := world.find(name)).parent) is not None and parent.index == self._person.index
+        ]
+
+    def hand_frame(self) -> NDArray[np.float64]:
+        return self._person.world_matrix()
+
+    def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
+        super().apply(orders, snapshot)
+        for name in self._walk:
+            value = orders.visual.get(name)
+            if isinstance(value, int | float):
+                self._walk[name] = float(value)
+        walks = orders.view.state is TrialState.TRAVEL and not orders.view.paused
+        for figure in self._led:
+            figure.go(self._walk["walk.along"], self._walk["walk.speed"] if walks else 0.0)
+        seconds = snapshot.t_ns * 1e-9
+        for figure, own in self._others:
+            figure.go(own * seconds, own)
+        self._look_aside(float(snapshot.hip_world[0] - self._start[0]))
+
+    def _look_aside(self, aside: float) -> None:
+        angle = min(max(_GLANCE * aside, -_WIDEST), _WIDEST)
+        turn = np.empty(4)
+        for node, ahead in self._eyes:
+            quat.multiply(quat.about_axis((0.0, 1.0, 0.0), -angle), ahead, turn)
+            node.set_orientation(turn)

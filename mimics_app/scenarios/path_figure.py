@@ -1,0 +1,62 @@
+"""A figure on a ground path: its node, the legs of its model, and the ground it treads on."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mimics_app.maths import quat
+from mimics_app.scenarios.ground_path import GroundPath
+from mimics_app.scenarios.walking_figure import add_walk, below, hide_head
+from mimics_app.world.components.walking import PathWalker
+from mimics_app.world.scene_node import SceneNode
+
+if TYPE_CHECKING:
+    from mimics_app.world.motion.gait import Pace
+
+__all__ = ["PathFigure"]
+
+_CRAWL = 0.02
+"""Speed below which the legs stand [m/s]."""
+
+
+class PathFigure:
+    """A walker of a scene.
+
+    Args:
+        node: The node; its model is at the node or at a child of it. Without a model only the node moves.
+        walker: Its component.
+        path: The path of the component.
+        ahead: 1: the figure looks along the node's +z, as models do; -1: along its -z, as cameras do, and its head is
+            hidden from them.
+    """
+
+    def __init__(self, node: SceneNode, walker: PathWalker, path: GroundPath, ahead: float = 1.0) -> None:
+        self._node, self._walker, self._path, self._ahead = node, walker, path, ahead
+        self._x = self._z = self._yaw = self._speed = 0.0
+        self._s = walker.start
+        animator = below(node, node.world.motion.animators)
+        add_walk(animator, self._pace, lambda: (self._x, self._z, self._yaw), lambda: path.ground(self._s))
+        if ahead < 0.0:
+            hide_head(animator)
+        self.go(0.0, 0.0)
+
+    def go(self, walked: float, speed: float) -> None:
+        """Place the figure where it is after a distance from its start [m], with its present speed [m/s]."""
+        self._s, self._speed = self._walker.start + walked, speed
+        self._yaw = self._path.heading(self._s)
+        x, y, z = self._path.at(self._s)
+        aside = self._walker.aside
+        self._x, self._z = x - aside * math.cos(self._yaw), z + aside * math.sin(self._yaw)
+        self._node.set_position(np.array([self._x, y, self._z]))
+        turn = self._yaw + (0.0 if self._ahead > 0.0 else math.pi)
+        self._node.set_orientation(quat.about_axis((0.0, 1.0, 0.0), turn))
+
+    def _pace(self) -> Pace:
+        from mimics_app.world.motion.gait import Pace, natural_step
+
+        if self._speed < _CRAWL:
+            return Pace(0.0, 0.0)
+        return Pace(self._speed, natural_step(self._speed))

@@ -1,0 +1,70 @@
+"""Functions shared by figures that walk: the legs of a model, and a head hidden from its own eyes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeVar
+
+from mimics_app.world.scene_node import SceneNode
+
+if TYPE_CHECKING:
+    from mimics_app.world.motion.animator import Animator
+    from mimics_app.world.motion.gait import Pace
+    from mimics_app.world.motion.pose import Pose
+
+__all__ = ["add_walk", "below", "hide_head"]
+
+Part = TypeVar("Part")
+"""An animator or a state machine."""
+
+_UNSEEN = 1e-3
+"""Scale of a hidden head: a fifth of a millimetre."""
+
+
+def below(node: SceneNode, parts: Mapping[int, Part]) -> Part | None:
+    """Return the part, by the index of its node, of the model at a node or at a child of it."""
+    return next((parts[each.index] for each in (node, *node.children) if each.index in parts), None)
+
+
+def hide_head(animator: Animator | None) -> None:
+    """Hide the head of a model, for a camera at its eyes, by scaling it down."""
+    if animator is None or "head" not in animator.rig.names:
+        return
+    head = animator.rig.slot("head")
+
+    def shrink(pose: Pose, seconds: float) -> None:
+        pose.scales[head] = _UNSEEN
+
+    animator.steps.append(shrink)
+
+
+def add_walk(
+    animator: Animator | None,
+    pace: Callable[[], Pace],
+    ground: Callable[[], tuple[float, float, float]],
+    material: Callable[[], str] = str,
+) -> None:
+    """Let the legs of a model walk with its node, each heel strike an event "step"; without a model nothing happens.
+
+    Args:
+        animator: Animator of the model.
+        pace: Returns speed and step length.
+        ground: Returns the model's place and heading on the ground: x, z [m] and the angle about +y from +z [rad].
+        material: Returns the material of the ground under the model, "" for that of the scene.
+    """
+    if animator is None:
+        return
+    from mimics_app.world.motion.gait import Walk
+    from mimics_app.world.motion.humanoid import find_humanoid
+
+    bones = find_humanoid(animator.rig)
+    if not bones.missing:
+        walk = Walk(
+            animator.rig,
+            bones,
+            pace,
+            ground=ground,
+            events=lambda event: animator.events.append(replace(event, material=material())),
+        )
+        animator.steps.insert(0, walk)  # the head turns to somebody after the trunk has

@@ -1,0 +1,141 @@
+"""City walk (D2.1 Table 1): a person walks along a path at a speed of their own, led by the hand like a throttle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated
+
+from msgspec import Meta
+
+from mimics_app.contracts.board import Bar, Card
+from mimics_app.contracts.errors import Issue
+from mimics_app.contracts.scenario_port import TaskContext
+from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, TaskKind, Values
+from mimics_app.tasks.observation import Observation
+from mimics_app.world.components.registry import Component
+from mimics_app.world.components.walking import PathWalker
+
+if TYPE_CHECKING:
+    from mimics_app.tasks.task import TaskSpec
+    from mimics_app.world.scene.scene import Scene
+
+__all__ = ["KIND", "CityWalkPlay", "CityWalkSpec"]
+
+_DEAD = 0.015
+"""Dead zone of the deflection [m]."""
+_PUSH = 1.0
+"""Largest acceleration of a walker [m/s^2]: from rest to a stroll in about a second."""
+
+
+class CityWalkSpec(Component, frozen=True):
+    """A walk along a path; the higher the hand above where the trial began, the faster."""
+
+    person: Annotated[str, Meta(description="Entity with a `path_walker` that goes where the person is.")]
+    fastest: Annotated[
+        float, Meta(gt=0.0, le=2.5, description="Walking speed at full deflection of the hand [m/s].")
+    ] = 1.4
+    deflection: Annotated[float, Meta(gt=_DEAD, le=0.5, description="Full deflection of the hand [m].")] = 0.1
+
+
+class Walked(Component, frozen=True, tag="walked", tag_field="kind"):
+    """The person has walked a distance."""
+
+    metres: Annotated[float, Meta(gt=0.0, le=1e5, description="Distance [m].")]
+    hold_s: Annotated[float, Meta(ge=0.0, le=60.0, description="For how long [s].")] = 0.0
+
+
+class CityWalkPlay(KindPlay):
+    """The walks of a session.
+
+    Args:
+        spec: Section of the task.
+        metres: Distance to be walked [m].
+    """
+
+    def __init__(self, spec: CityWalkSpec, metres: float) -> None:
+        self._spec, self._metres = spec, metres
+        self._hand_from = 0.0
+        self.begin_attempt()
+
+    def begin_attempt(self) -> None:
+        self._along, self._speed, self._seconds = 0.0, 0.0, 0.0
+
+    def let_go(self, seen: Observation) -> None:
+        self._hand_from = seen.ball_world[1]
+
+    def see(self, seen: Observation, settings: Mapping[str, object]) -> Observation:
+        return replace(seen, progress=min(self._along / self._metres, 1.0))
+
+    def travel(self, seen: Observation, seconds: float) -> None:
+        """Walk for a frame."""
+        raised = (seen.ball_world[1] - self._hand_from - _DEAD) / (self._spec.deflection - _DEAD)
+        change = self._spec.fastest * min(max(raised, 0.0), 1.0) - self._speed
+        self._speed += min(max(change, -_PUSH * seconds), _PUSH * seconds)
+        self._along += self._speed * seconds
+        self._seconds += seconds
+
+    @property
+    def visual(self) -> Mapping[str, object]:
+        return {"walk.along": round(self._along, 4), "walk.speed": round(self._speed, 4)}
+
+    @property
+    def prompt(self) -> str:
+        return "" if self._along > 0.0 else "Raise the hand to walk, lower it to stop; aside to look about"
+
+    @property
+    def measures(self) -> Values:
+        return {"walked_m": self._along, "walk_speed_mps": self._along / self._seconds if self._seconds else None}
+
+    def holds(self, goal: Component, seen: Observation) -> bool:
+        assert isinstance(goal, Walked)
+        return self._along >= goal.metres
+
+    def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
+        speed = Card("Speed", f"{self._speed:.1f} m/s", bar=Bar(self._speed, self._spec.fastest), width=220.0)
+        return {"speed": speed, "walked": Card("Walked", f"{self._along:.0f} of {self._metres:.0f} m", width=220.0)}
+
+
+class CityWalkKind(TaskKind):
+    """Walking as a task."""
+
+    name, section, goals = "city_walk", CityWalkSpec, (Walked,)
+    measures = (
+        Measure(
+            "walked_m",
+            "walked",
+            "Distance walked [m].",
+            ScorePartSpec(weight=0.0, best=60.0, worst=0.0),
+            "walked_m",
+            sums=True,
+        ),
+        Measure(
+            "walk_speed_mps",
+            "walk_speed",
+            "Mean walking speed [m/s].",
+            ScorePartSpec(weight=0.0, best=1.4, worst=0.2),
+            "walk_speed_mps",
+        ),
+    )
+    completes = "walks"
+    cards = ("speed", "walked")
+    label = "Path"
+
+    def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
+        if any(isinstance(goal, Walked) for goal in spec.goals) and spec.section(self.name) is None:
+            yield (f"{pointer}/goals", "a goal needs the section city_walk", 'write "city_walk": {"person": ...}')
+
+    def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
+        section = spec.section(self.name)
+        if not isinstance(section, CityWalkSpec):
+            return []
+        return scene.check_entity_with(PathWalker, f"/task/{self.name}/person", section.person)
+
+    def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> CityWalkPlay:
+        section = spec.section(self.name)
+        assert isinstance(section, CityWalkSpec)
+        metres = [goal.metres for goal in spec.goals if isinstance(goal, Walked)]
+        return CityWalkPlay(section, max(metres, default=100.0))
+
+
+KIND = CityWalkKind()

@@ -1,0 +1,164 @@
+"""Names and sizes of files: a name means one thing wherever it appears, and a small module has more than one user."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from pathlib import PurePosixPath
+
+import pytest
+
+from tests.architecture.sources import imports, modules, texts
+
+SHARED = {
+    "admittance": "forms of admittance control, and their measurement",
+    "assets": "files of models, sounds and pictures",
+    "attempts": "attempts at a trial",
+    "avatar_cord": "the experiment with an avatar and a cord",
+    "bench": "a part of `mimics bench`",
+    "bending": "deformable bodies",
+    "board": "the board over the picture",
+    "bodies": "haptic bodies that move",
+    "build": "the composition of one builder's files",
+    "catalogue": "modules of a package by name, imported on request",
+    "check": "checks of what a person wrote or connected",
+    "contact": "contact of a point with a shape",
+    "cord": "a hanging cord",
+    "cull": "broad phase of a point against shapes",
+    "culling": "frustum culling",
+    "ecg": "the electrocardiogram",
+    "effects": "visual effects",
+    "emg": "the electromyogram",
+    "engine": "the running part of a rendering",
+    "explain": "`mimics explain`",
+    "file": "a reader of a file format",
+    "frame": "one frame of the main thread, and its cost",
+    "friction": "friction laws, and their measurement",
+    "gait": "synthesis of a gait",
+    "goals": "goals of a task or of its adaptation",
+    "guided_walk": "the guided walk",
+    "hand": "an anatomical hand",
+    "hapticmaster": "the HapticMaster",
+    "hud": "the heads-up display",
+    "integrators": "integrators of a body, and their measurement",
+    "json_text": "a strict reader of JSON",
+    "levels": "levels of detail",
+    "lsl": "the lab streaming layer",
+    "materials": "materials of surfaces",
+    "mesh": "a triangle mesh",
+    "methods": "methods with alternatives",
+    "objects": "haptic objects",
+    "occlusion": "occlusion culling",
+    "page": "one HTML page, or one page of the viewer",
+    "person": "one person: described, or simulated",
+    "plugins": "plug-ins of installed packages",
+    "pointer": "mouse, keyboard and gamepad as a pointing device",
+    "probe": "shared parts of measurements",
+    "reach": "two-bone inverse kinematics of a limb",
+    "registry": "members of a kind by name, built in and installed",
+    "reload": "live reload of a scene file",
+    "replay": "replay of a recording",
+    "report": "`mimics report`",
+    "rhythm": "the rhythm of the heart",
+    "robot": "the robot of a scene",
+    "robot_checks": "checks of a scene's robot",
+    "rotation": "updates of an orientation, and their measurement",
+    "run": "one run of a session",
+    "schema": "`mimics schema`",
+    "serial_robot": "a robot on a serial line",
+    "settings": "settings of a package",
+    "shapes": "primitive shapes",
+    "signals": "body signals",
+    "skinning": "skinning of meshes, and its measurement",
+    "solids": "closed solids",
+    "spec": "structs of a file format",
+    "sprites": "billboards and particles",
+    "stage": "a stage of Figure 1",
+    "state_machine": "states and transitions",
+    "stereo": "two eyes",
+    "stills": "single frames as files",
+    "textures": "images of surfaces",
+    "trackers": "trackers of head and hands",
+    "tunnel": "the haptic tunnel",
+    "upper_body": "a body from trackers of head and hands",
+    "worker": "the main function of a process of its own",
+}
+"""Names that several files have, and the one meaning of each."""
+
+TWO_MEANINGS = {
+    "bounds": "number types of components, and bounding spheres of draw items",
+    "view": "the command `mimics view`, and one camera of the picture",
+    "watch": "the live processing of body signals, and the stability monitor of the loop",
+}
+"""Names that mean two things, in packages that no reader opens together."""
+
+_SMALL = 40
+_LARGEST = 400
+
+ON_THEIR_OWN = {
+    "__main__": "the interpreter starts it",
+    "app/bench/record_load": "a process of its own",
+    "app/commands/": "the command line finds a command by its name",
+    "builders/": "the catalogue finds a builder by its name",
+    "rendering/audio/kernels": "compiled; its user knows more than arrays",
+    "rendering/haptic/devices/inverse_by_steps": "compiles on import, and is imported on demand",
+}
+"""Small modules with one user, or none that imports them, and why they stay: a whole path, or a package's with "/"."""
+
+
+def _names() -> dict[str, list[str]]:
+    found = defaultdict(list)
+    for path in texts():
+        if (name := PurePosixPath(path).stem) != "__init__":
+            found[name].append(path)
+    return {name: paths for name, paths in found.items() if len(paths) > 1}
+
+
+def test_a_file_name_that_is_used_again_means_the_same() -> None:
+    """Give a new file a name that says which; or it means what the others mean, and the table says what that is."""
+    listed = {*SHARED, *TWO_MEANINGS}
+    assert not {name: paths for name, paths in _names().items() if name not in listed}
+    assert not listed - set(_names()), "no longer shared: remove the line"
+
+
+def _importers() -> dict[str, set[str]]:
+    """Product modules that import each module, by path without suffix."""
+    users: dict[str, set[str]] = defaultdict(set)
+    known = {path.removesuffix(".py") for path in texts()}
+    for path, tree in modules().items():
+        for _, name in imports(tree):
+            if not name.startswith("mimics_app."):
+                continue
+            target = name.removeprefix("mimics_app.").replace(".", "/")
+            target = target if target in known else target.rpartition("/")[0]
+            users[target].add(path.removesuffix(".py"))
+    return users
+
+
+def _foldable(lines: dict[str, int], users: dict[str, set[str]]) -> list[str]:
+    """Return small modules with one user that has room for them."""
+    found = []
+    for path, count in lines.items():
+        stays = any(path == own or (own.endswith("/") and path.startswith(own)) for own in ON_THEIR_OWN)
+        if count > _SMALL or stays or path.endswith("__init__") or len(users.get(path, ())) > 1:
+            continue
+        if all(lines[user] + count <= _LARGEST for user in users.get(path, ())):
+            found.append(path)
+    return found
+
+
+def test_a_small_module_with_one_user_is_part_of_it() -> None:
+    lines = {path.removesuffix(".py"): text.count("\n") for path, text in texts().items()}
+    users = _importers()
+    assert not _foldable(lines, users), "fold each into its user, or say in ON_THEIR_OWN why it stays"
+    needed = Counter(own for own in ON_THEIR_OWN for path in lines if path == own or path.startswith(own))
+    assert not [own for own in ON_THEIR_OWN if not needed[own]], "gone: remove the line"
+
+
+@pytest.mark.parametrize(("count", "users", "found"), [(40, {"a"}, True), (41, {"a"}, False), (40, {"a", "b"}, False)])
+def test_a_planted_small_module_is_found(count: int, users: set[str], found: bool) -> None:
+    lines = {"a": 100, "b": 100, "planted": count}
+    assert (_foldable(lines, {"a": {"b", "c"}, "b": {"a", "c"}, "planted": users}) == ["planted"]) is found
+
+
+def test_no_file_of_the_product_is_longer_than_a_reader_wants() -> None:
+    assert not {path: n for path, text in texts().items() if (n := text.count("\n")) > _LARGEST}

@@ -1,0 +1,37 @@
+"""The page of a study compares what its task measured."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from mimics_app.app.study.page import write_page
+
+TIMES = {"time_s": "3.14159", "contacts": "2", "smoothness": "", "begin_ns": "7"}
+
+
+@pytest.mark.parametrize(
+    ("measured", "heads"),
+    [
+        ({**TIMES, "score": "91.5"}, ["score", "time_s", "contacts"]),
+        ({**TIMES, "score": "91.5", "walked_m": "140.0"}, ["score", "time_s", "contacts", "walked_m"]),
+        ({**TIMES, "score": "", "ownership": "1.5"}, ["ownership"]),
+        ({**TIMES, "score": ""}, []),
+    ],
+    ids=["any task", "a walk", "an experiment, which has no score", "nothing"],
+)
+def test_measures_that_have_a_value_are_compared(tmp_path: Path, measured: dict[str, str], heads: list[str]) -> None:
+    rows = [{"subject": k, "label": "a", "outcome": "finished", **measured} for k in (1, 2)]
+    rows.append({"subject": 3, "label": "a", "outcome": "aborted", "path_m": "1.0", "drift_m": "0.1"})
+    write_page(tmp_path / "study.html", "walk", [], rows, [])
+    page = (tmp_path / "study.html").read_text(encoding="utf-8")
+    assert re.findall("<th>(.*?)</th>", page)[: 2 + len(heads)] == ["condition", "n", *heads]
+    assert re.findall("<li>(.*?):", page) == heads
+    assert ("3.14 (0)" in page) is ("time_s" in heads)
+
+
+def test_without_a_finished_trial_the_page_says_so(tmp_path: Path) -> None:
+    write_page(tmp_path / "study.html", "walk", [], [{"subject": 1, "label": "a", "outcome": "timeout"}], [])
+    assert "No trial finished." in (tmp_path / "study.html").read_text(encoding="utf-8")
