@@ -8,7 +8,7 @@ import numpy as np
 
 from mimics_app.dsp.channel import Channel, Event, Found
 from mimics_app.dsp.filters import Floats, band_pass, delay_of
-from mimics_app.dsp.kernels.beats import BEATS_STATE, FITTED, Bank, choose_beats
+from mimics_app.dsp.kernels.beats import BEATS_STATE, FITTED, PROVISIONAL, Bank, choose_beats
 from mimics_app.dsp.kernels.ecg import ECG_STATE, MISSING, NPK, SPK, find_beats
 from mimics_app.dsp.kernels.rhythm import LAST, UNSTEADY
 from mimics_app.dsp.rhythm import Rhythm
@@ -87,6 +87,13 @@ TEMPLATE_TUNING = np.array(
         1.6,  # mean intervals without a beat after which one found by energy fills the gap
         1.52,  # ... if its energy is more than this multiple of the noise level
         0.497,  # share of the beats found by templates below which these are discarded
+        0.09,  # standard deviation of the intervals on a path, as a share of the period
+        5.0,  # cost of a missed beat on it, in the logarithm of the probability
+        40.0,  # evidence of a path from which its form is used, in the same
+        0.9,  # least time between two searches of a form [s]
+        60.0,  # time constant with which the evidence for a form fades [s]
+        6.0,  # signal from which on one is searched [s]
+        0.7,  # least share of that signal which the beats of a path cover, each by a mean interval
     ]
 )
 """Parameters of `choose_beats`, by index."""
@@ -108,7 +115,7 @@ class Ecg(Channel):
         self._state, self._beats = np.zeros(ECG_STATE), np.zeros(BEATS_STATE)
         for state in (self._state, self._beats):
             state[LAST], state[UNSTEADY] = -1.0, 0.5  # it takes a dozen beats until the rhythm counts as steady
-        self._beats[FITTED] = -np.inf
+        self._beats[FITTED], self._beats[PROVISIONAL] = -np.inf, 1.0
         self._step = max(round(rate / _TEMPLATE_HZ), 1)
         self._bank = _bank(rate / self._step)
         self._wide = np.zeros(self._length)
@@ -155,6 +162,8 @@ _UNCLEAR, _CLEAR = 1.8, 4.0
 
 _TEMPLATE_HZ = 180.0
 """Sampling rate of the templates, approximately [Hz]."""
+_SEARCHED_S = 10.0
+"""Length of the signal in which a form is searched [s]."""
 _TEMPLATES, _ORDER = 3, 4
 """Forms of beats, and order of the noise's predictor."""
 
@@ -162,6 +171,6 @@ _TEMPLATES, _ORDER = 3, 4
 def _bank(rate: float) -> Bank:
     """Return ring buffer, templates and noise without content, for a sampling rate of the ring buffer [Hz]."""
     length = round(TEMPLATE_TUNING[0] * rate) + round(TEMPLATE_TUNING[1] * rate)
-    shapes = (3, int(4 * rate)), (_TEMPLATES, length + _ORDER), (_TEMPLATES, length), (_TEMPLATES, 2)
+    shapes = (3, int(_SEARCHED_S * rate)), (_TEMPLATES, length + _ORDER), (_TEMPLATES, length), (_TEMPLATES, 2)
     rings, templates, whitened, sizes = (np.zeros(shape) for shape in shapes)
     return rings, templates, whitened, sizes, np.zeros((_ORDER + 2, _ORDER + 1))

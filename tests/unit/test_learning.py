@@ -67,9 +67,10 @@ def test_a_body_that_ignores_the_task_gives_no_benefit() -> None:
     assert measured >= 0.99 * alone
 
 
-@pytest.mark.parametrize("name", ["linucb", "thompson", "q", "sarsa"])
+@pytest.mark.parametrize("name", ["linucb", "thompson", "q", "sarsa", "actor_critic"])
 def test_learners_learn(name: str) -> None:
-    assert play_cohort(POLICIES[name], n=200).mean < 0.5 * play_cohort(POLICIES["random"], n=200).mean
+    """Better than a fixed demand, which itself has less than half the regret of chance."""
+    assert play_cohort(POLICIES[name], n=200).mean < 0.9 * play_cohort(POLICIES["fixed"], n=200).mean
 
 
 def test_the_agent_waits_for_the_next_trial_and_keeps_limits_and_steps() -> None:

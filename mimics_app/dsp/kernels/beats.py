@@ -5,6 +5,9 @@ the templates stand out clearly from the noise between beats. In noise the beats
 is accepted by its score (`templates`) and its time in the rhythm. Where it leaves a gap, a beat found by energy fills
 it: an extrasystole of a form not yet learnt. If gaps are filled more often than not, the forms have changed (a moved
 electrode): the templates are discarded, and energy alone decides until there are new ones.
+
+Templates that never stood out clearly, because the signal began in noise or the electrode moved in it, are provisional.
+About once a second a form is searched in the last seconds (`beat_path`), which replaces them if it explains more.
 """
 
 from __future__ import annotations
@@ -12,7 +15,18 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.kernel import kernel
-from mimics_app.dsp.kernels.rhythm import LAST, RHYTHM, RR, add_beat, off_beat, steadiness
+from mimics_app.dsp.kernels.beat_path import (
+    BEATS,
+    DEVIATION,
+    EVIDENCE,
+    LATEST,
+    PATH,
+    PERIOD,
+    find_form,
+    find_path,
+    unroll,
+)
+from mimics_app.dsp.kernels.rhythm import LAST, PHASE, RHYTHM, RR, UNSTEADY, add_beat, off_beat, steadiness
 from mimics_app.dsp.kernels.sections import Floats
 from mimics_app.dsp.kernels.templates import (
     COUNT,
@@ -28,19 +42,34 @@ from mimics_app.dsp.kernels.templates import (
     whiten,
 )
 
-__all__ = ["BEATS_STATE", "FITTED", "MATCHED", "Bank", "choose_beats"]
+__all__ = ["BEATS_STATE", "FITTED", "MATCHED", "PROVISIONAL", "Bank", "choose_beats"]
 
 Bank = tuple[Floats, Floats, Floats, Floats, Floats]
 """Ring buffer [3, m], templates [k, l + p], whitened templates [k, l], their sizes [k, 2], noise [p + 2, p + 1]."""
 
-(MATCHED, CAND_T, CAND_V, BACK_T, BACK_V, N, SHARE, ENERGY_T, ENERGY_V, VARIANCE, HEARD, FITTED) = range(
-    RHYTHM, RHYTHM + 12
-)
-BEATS_STATE = RHYTHM + 12
+(
+    MATCHED,
+    CAND_T,
+    CAND_V,
+    BACK_T,
+    BACK_V,
+    N,
+    SHARE,
+    ENERGY_T,
+    ENERGY_V,
+    VARIANCE,
+    HEARD,
+    FITTED,
+    PROVISIONAL,
+    SEARCHED,
+    PROVEN,
+) = range(RHYTHM, RHYTHM + 15)
+BEATS_STATE = RHYTHM + 15
 """Length of the state vector: the rhythm, whether templates decide, candidate and its score, best rejected candidate
 and by how much its score exceeds the threshold, samples seen, share of beats found by templates, strongest beat found
 by energy since the last beat and its strength, variance of the whitened noise, samples of noise, last beat found by
-templates. Times are in samples of the ring buffer; the samples seen and the last entry are samples of the signal."""
+templates, whether the templates are provisional, last search of a form, evidence for the provisional templates. Times
+are in samples of the ring buffer; the samples seen and the last beat found by templates are samples of the signal."""
 
 _LATER = 0.3
 """Time after which a sample is learnt as noise if no beat was found near it [s]."""
@@ -118,6 +147,9 @@ def _hear(
     """Take a beat found by energy: report and learn it, or keep it for a gap; return the beats written so far."""
     rings, templates, _, sizes, _ = bank
     at = int(np.round((beat[0] + delay) / step))
+    due = n > max(tuning[29] * rate, state[SEARCHED] + tuning[27] * rate)
+    if due and state[PROVISIONAL] > 0.0 and state[VARIANCE] > 0.0:
+        _search(at, n, state, bank, rate, tuning)
     if state[MATCHED] > 0.0:
         if beat[2] > max(state[ENERGY_V], tuning[22]) and at - state[LAST] > _APART * rate:
             state[ENERGY_T], state[ENERGY_V] = at, beat[2]
@@ -136,6 +168,37 @@ def _hear(
         add_beat(at, state, 0.0, rate, rhythm)
         mark_beat(at, n, rings, int(tuning[4] * rate))
     return count
+
+
+@kernel
+def _search(at: int, n: int, state: Floats, bank: Bank, rate: float, tuning: Floats) -> None:
+    """Search a form that explains the last seconds better than the provisional templates, beginning with one beat."""
+    rings, templates, whitened, sizes, noise = bank
+    variance, error, hold = state[VARIANCE], noise[noise.shape[1]], int(tuning[17] * rate)
+    signal, white, path = np.empty(rings.shape[1]), np.empty(rings.shape[1]), np.zeros(PATH)
+    unroll(n, rings[SIGNAL], signal)
+    unroll(n, rings[WHITE], white)
+    state[PROVEN] *= max(1.0 - (n - state[SEARCHED]) / (tuning[28] * rate), 0.0)
+    state[SEARCHED] = n
+    if sizes[:, COUNT].max() >= tuning[8]:
+        shares = np.full(sizes.shape[0], -np.inf)
+        for k in range(sizes.shape[0]):
+            if sizes[k, COUNT] >= tuning[8]:
+                shares[k] = np.log(sizes[k, COUNT] / sizes[:, COUNT].sum())
+        find_path(whitened, shares, white, variance, tuning[2], rate, hold, tuning[24], tuning[25], path)
+        state[PROVEN] = max(state[PROVEN], path[EVIDENCE])
+    after = int(np.round(tuning[1] * rate))
+    begin = signal.shape[0] - 1 - n + at + after - templates.shape[1]
+    if begin < 0 or begin + templates.shape[1] > signal.shape[0]:
+        return
+    form = signal[begin : begin + templates.shape[1]].copy()
+    find_form(form, signal, white, error, variance, tuning[2], rate, hold, tuning[24], tuning[25], path)
+    covered = path[BEATS] * path[PERIOD] > tuning[30] * min(n, signal.shape[0])
+    if covered and path[EVIDENCE] > max(state[PROVEN], tuning[26]):
+        templates[0], sizes[:, COUNT] = form, 0.0
+        sizes[0, COUNT], state[PROVEN] = path[BEATS], path[EVIDENCE]
+        state[RR], state[UNSTEADY] = path[PERIOD], path[DEVIATION]
+        state[PHASE] = n + path[LATEST] - after + 1
 
 
 @kernel
@@ -168,14 +231,16 @@ def _switch(state: Floats, sizes: Floats, tuning: Floats) -> None:
             largest = max(largest, sizes[k, ENERGY])
     clear = np.sqrt(largest / state[VARIANCE])
     if state[MATCHED] == 0.0:
-        if 0.0 < clear < tuning[9]:
+        if clear >= tuning[9]:
+            state[PROVISIONAL] = 0.0
+        elif clear > 0.0:
             state[MATCHED], state[SHARE] = 1.0, 1.0
             state[CAND_V] = state[BACK_V] = -np.inf
             state[ENERGY_V] = 0.0
     elif clear > tuning[10]:
-        state[MATCHED] = 0.0
+        state[MATCHED] = state[PROVISIONAL] = 0.0
     elif state[SHARE] < tuning[23]:
-        state[MATCHED] = 0.0
+        state[MATCHED], state[PROVISIONAL], state[PROVEN] = 0.0, 1.0, 0.0
         sizes[:, COUNT] = 0.0
 
 

@@ -23,9 +23,11 @@ __all__ = [
     "WHITE",
     "learn_beat",
     "learn_noise",
+    "log_ratio",
     "mark_beat",
     "score",
     "whiten",
+    "whiten_form",
 ]
 
 SIGNAL, WHITE, NEAR = range(3)
@@ -130,18 +132,38 @@ def whiten(templates: Floats, whitened: Floats, sizes: Floats, noise: Floats) ->
     _solve(noise, p)
     error = noise[p + 1]
     for k in range(templates.shape[0]):
-        sizes[k, ENERGY] = 0.0
-        for i in range(whitened.shape[1]):
-            value = 0.0
-            for j in range(p + 1):
-                value += error[j] * templates[k, p + i - j]
-            whitened[k, i] = value
-            sizes[k, ENERGY] += value * value
+        whiten_form(templates[k], error, whitened[k])
+        sizes[k, ENERGY] = (whitened[k] * whitened[k]).sum()
     variance = 0.0
     for i in range(p + 1):
         for j in range(p + 1):
             variance += error[i] * noise[i, j] * error[j]
     return max(variance, _TINY)
+
+
+@kernel
+def whiten_form(form: Floats, error: Floats, whitened: Floats) -> None:
+    """Pass a form, shape [l + p], through the error filter, shape [p + 1], to `whitened`, shape [l]."""
+    p = error.shape[0] - 1
+    for i in range(whitened.shape[0]):
+        whitened[i] = 0.0
+        for j in range(p + 1):
+            whitened[i] += error[j] * form[p + i - j]
+
+
+@kernel
+def log_ratio(without: float, rest: float, variance: float, freedom: float, length: int) -> float:
+    """Return the log likelihood ratio of a template, under Student-t distributed noise.
+
+    Args:
+        without: Energy of the samples.
+        rest: Energy that is left when the template is subtracted.
+        variance: Of the noise.
+        freedom: Degrees of freedom of its distribution.
+        length: Number of samples.
+    """
+    ratio = np.log((freedom * variance + without) / (freedom * variance + rest))
+    return float(0.5 * (freedom + length) * ratio)
 
 
 @kernel
@@ -193,6 +215,6 @@ def score(
         for i in range(length):
             both += rings[WHITE, (n - length + 1 + i) % m] * whitened[k, i]
         rest = max(without - 2.0 * both + sizes[k, ENERGY], 0.0)
-        ratio = np.log((freedom * variance + without) / (freedom * variance + rest))
-        best = max(best, 0.5 * (freedom + length) * ratio + np.log(sizes[k, COUNT] / sizes[:, COUNT].sum()))
+        share = np.log(sizes[k, COUNT] / sizes[:, COUNT].sum())
+        best = max(best, log_ratio(without, rest, variance, freedom, length) + share)
     return best

@@ -29,7 +29,8 @@ __all__ = ["NoiseRow", "noise_of", "noise_rows"]
 _EXCERPT = "nst_118e"
 _LOUD_DB, _SOFT_DB, _CLEANEST_DB = 0.0, 6.0, 24.0
 """Signal-to-noise ratios of the two excerpts whose difference is the noise, and of the cleanest one [dB]."""
-_ELECTRODE_DB = (6.0, 0.0)
+_ELECTRODE_DB = (16.6, 4.6, -1.4, -7.4)
+"""Levels by `noise_size` at which noise is as loud as in the stress test at its 24, 12, 6 and 0 dB [dB]."""
 _PIECES, _PIECE_S = 4, 120.0
 """Number of parts of each record, and their length [s]."""
 _ANEW = 20
