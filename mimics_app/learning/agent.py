@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.action_space import ActionSpace, Parameter
-from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
 from mimics_app.learning.policy import Outcome, Policy
 from mimics_app.learning.registry import EXPLORERS, build_policy
@@ -72,16 +71,11 @@ class Agent:
 
     def _outcome(self, state: UserState, result: TrialResult | None, reward: float | None) -> Outcome:
         demand = self._space.demand(self._values if result is None else result.values)
-        load, spread = np.nan, np.nan
-        if state.load is not None and state.arousal is not None:
-            load, spread = state.load[2] - state.load[0], state.arousal.variance
-        worth = np.nan if reward is None else reward - self._cost(result)
-        return Outcome(
-            _one(np.nan if demand is None else demand),
-            _one(np.nan if result is None else result.performance),
-            _one(load),
-            _one(spread),
-            _one(worth),
+        return Outcome.of_one(
+            np.nan if demand is None else demand,
+            np.nan if result is None else result.performance,
+            state,
+            np.nan if reward is None else reward - self._cost(result),
         )
 
     def _cost(self, result: TrialResult | None) -> float:
@@ -126,7 +120,3 @@ class _Arms:
         drawn = (self._means + spread * self._rng.standard_normal((_DRAWS, len(self._values)))).argmax(axis=1)
         share = (np.count_nonzero(drawn == drawn[0]) + 0.5) / (_DRAWS + 0.5)
         return self._values[int(drawn[0])], float(share)
-
-
-def _one(value: float) -> F8:
-    return np.array([value])
