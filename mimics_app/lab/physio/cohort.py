@@ -16,6 +16,7 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.estimation.fusion import load_of
 from mimics_app.inputs.physio.simulated.person import Family, LatentPeople, draw_traits
 from mimics_app.lab.physio.simulated_task import draw_success, regret_of
+from mimics_app.learning.goals import success_reward
 from mimics_app.learning.policy import Outcome, Policy
 
 __all__ = ["CohortResult", "play_cohort"]
@@ -95,8 +96,7 @@ def play_cohort(
         share = success.share(gap, noise)
         arousal = _read(people, noise, drift, t)
         load = np.array([sum(np.array(load_of(mean, _AROUSAL_VARIANCE)) * (-1.0, 0.0, 1.0)) for mean in arousal])
-        worth = np.maximum(1.0 - np.abs(share - 0.7) / 0.3, -1.0)
-        policy.learn(Outcome(demand, share, load, np.full(n, _AROUSAL_VARIANCE), worth))
+        policy.learn(Outcome(demand, share, load, np.full(n, _AROUSAL_VARIANCE), success_reward(share)))
     return CohortResult(regret, demands, traits.more_responses > 0.0)
 
 

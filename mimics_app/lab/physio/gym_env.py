@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.inputs.physio.simulated.person import LatentPeople, draw_traits
-from mimics_app.lab.physio.simulated_task import MEAN_EASE, Success, draw_slope
+from mimics_app.lab.physio.simulated_task import draw_success
 from mimics_app.learning.goals import success_reward
 from mimics_app.learning.policy import TARGET
 
@@ -65,7 +65,7 @@ class TrainingEnv(gymnasium.Env[NDArray[np.float32], dict[str, Any]]):
         """Begin a session of another person."""
         super().reset(seed=seed)
         self._people = LatentPeople(draw_traits(self.np_random, 1))
-        self._success = Success(draw_slope(self.np_random, 1), np.full(1, MEAN_EASE))
+        self._success = draw_success(self.np_random, 1)
         self._trial = 0
         return self._see(0.5, TARGET), {}
 
@@ -74,7 +74,7 @@ class TrainingEnv(gymnasium.Env[NDArray[np.float32], dict[str, Any]]):
         demand = self._space.demand(self._values(action))
         demand = 0.5 if demand is None else demand
         demands = np.array([demand])
-        gap = demands - self._people.skill
+        gap = self._people.gap(demands)
         for _ in range(round(_TRIAL_S / _STEP_S)):
             self._people.step(_STEP_S, demands, np.full(1, _POWER_W), np.ones(1))
         share = float(self._success.share(gap, self.np_random)[0])

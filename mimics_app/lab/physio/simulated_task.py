@@ -19,7 +19,6 @@ from mimics_app.inputs.physio.simulated.person import LatentPeople
 from mimics_app.inputs.physio.simulated.signals import SignalGenerator
 
 __all__ = [
-    "MEAN_EASE",
     "POWER_W",
     "REST_S",
     "TRIAL_S",
@@ -35,10 +34,9 @@ REST_S, TRIAL_S = 90, 90
 """Lengths of rest and trial where body signals are simulated [s]: longer than the windows of the features."""
 POWER_W = 0.2
 """Mechanical power of a slow arm against a small resistance [W]."""
-MEAN_EASE = 0.085
-"""Mean demand of 50 % success above the best demand: 70 % success at the best one with a slope of 10."""
-_EASE_SPREAD = 0.03
-"""Standard deviation of that between people."""
+_EASE = (0.085, 0.03)
+"""Mean and standard deviation of the demand of 50 % success above the best demand. The mean one, with a slope of 10,
+gives 70 % success at the best demand."""
 _SLOPES = (8.0, 16.0)
 """Range of the slope of success over demand [logit per unit]."""
 _REPETITIONS = 10
@@ -72,7 +70,7 @@ def draw_slope(rng: np.random.Generator, n: int) -> F8:
 
 def draw_success(rng: np.random.Generator, n: int) -> Success:
     """Draw the success of n people."""
-    return Success(draw_slope(rng, n), rng.normal(MEAN_EASE, _EASE_SPREAD, n))
+    return Success(draw_slope(rng, n), rng.normal(*_EASE, n))
 
 
 def regret_of(gap: F8) -> F8:
