@@ -10,10 +10,9 @@ import numpy as np
 
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import process_seconds
-from mimics_app.dsp.ecg import Ecg
 from mimics_app.lab.figure import Figure, write_figure
 from mimics_app.lab.physio.cohort import play_cohort
-from mimics_app.lab.physio.detection import Annotated, annotated_records, matched, mixed_noise
+from mimics_app.lab.physio.detection import Annotated, annotated_records, detect, f1_of, matched, mixed_noise
 from mimics_app.lab.physio.load_sessions import draw_load_people
 from mimics_app.lab.physio.loop_study import SEEDS
 from mimics_app.lab.physio.state_study import StateScore, state_study
@@ -32,11 +31,12 @@ Detector = Callable[[F8, float], F8]
 
 _SHOWN = ("random", "staircase", "proportional", "kalman", "thompson", "q")
 _GAPS = (0.08, 0.11, 0.15, 0.22)
+"""Deviation of the demand from the best one in a trial that is too easy or too hard."""
 _EACH = 4
 """Number of people of each family and seed."""
 _RIVALS = ("adaptive", "adaptive, not asked", "fixed", "fusion", "success alone", "threshold per person", "majority")
 _MINUTES = 5.0
-_BLOCK_S = 0.02
+"""Length of a record for the detectors [min]."""
 
 
 def draw_figures(folder: Path, names: Sequence[str], records: Path | None = None) -> list[Path]:
@@ -113,13 +113,12 @@ def _records(folder: Path | None) -> dict[str, list[Annotated]]:
 
 
 def _ours(values: F8, rate: float) -> F8:
-    channel, block = Ecg(rate), max(1, round(_BLOCK_S * rate))
-    return np.array([e.t_s for i in range(0, len(values), block) for e in channel.push(values[i : i + block])])
+    return np.array([event.t_s for event in detect(values, rate)])
 
 
 def _cost_and_f1(find: Detector, records: list[Annotated]) -> tuple[float, float]:
     """Return the time per hour of signal [s] and F1 over all beats."""
-    spent, seconds, hits, both = 0.0, 0.0, 0, 0
+    spent, seconds, hits, beats, detected = 0.0, 0.0, 0, 0, 0
     for record in records:
         find(record.values[: round(20.0 * record.rate)], record.rate)
         begun = process_seconds()
@@ -127,8 +126,9 @@ def _cost_and_f1(find: Detector, records: list[Annotated]) -> tuple[float, float
         spent += process_seconds() - begun
         seconds += len(record.values) / record.rate
         hits += matched(record.beats, found)
-        both += len(record.beats) + len(found)
-    return spent * 3600.0 / seconds, 2.0 * hits / max(both, 1)
+        beats += len(record.beats)
+        detected += len(found)
+    return spent * 3600.0 / seconds, f1_of(hits, beats, detected)
 
 
 def learning_curves(people: int = 400, trials: int = 40) -> Figure:

@@ -10,7 +10,7 @@ from mimics_app.dsp.ecg import Ecg
 from mimics_app.inputs.physio.simulated.person import LatentPeople, draw_traits
 from mimics_app.inputs.physio.simulated.signals import Disturbance, SignalGenerator
 from mimics_app.lab.figure import Figure
-from mimics_app.lab.physio.detection import Annotated, matched, mixed_noise
+from mimics_app.lab.physio.detection import Annotated, f1_of, matched, mixed_noise
 from mimics_app.lab.physio_drawing import Cell, Grid, heat_map, physio_figure, row_of
 from mimics_app.learning.policy import TARGET, Outcome
 from mimics_app.learning.rules import Proportional
@@ -62,7 +62,7 @@ def _detected(disturbance: Disturbance, decibel: float) -> tuple[float, float]:
     seen = np.isfinite(record.values[np.minimum((record.beats * record.rate).astype(int), len(record.values) - 1)])
     beats = record.beats[seen]
     hits = matched(beats, np.array(found))
-    return 2.0 * hits / max(len(beats) + len(found), 1), float(np.mean(flagged))
+    return f1_of(hits, len(beats), len(found)), float(np.mean(flagged))
 
 
 def _record(disturbance: Disturbance, decibel: float) -> Annotated:

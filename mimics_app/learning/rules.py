@@ -9,6 +9,17 @@ from mimics_app.learning.policy import LEVELS, TARGET, Choice, Outcome, logit
 
 __all__ = ["Fixed", "KalmanSkill", "Proportional", "RandomLevel", "Staircase"]
 
+_FIRST_SPREAD, _WALK = 0.2, 0.005
+"""Standard deviation of a person's demand of 70 % success before any trial, and of its change in a trial [demand]."""
+_VIEW, _EXTREME_VIEW = 0.06, 0.18
+"""Standard deviation of that demand as seen by success, and by a success below 10 % or above 90 % [demand]."""
+_LOAD_GAIN, _LOAD_VIEW = 0.25, 0.25
+"""Demand in excess per unit of load, and standard deviation of the demand as seen by the load [demand]."""
+_KEPT = 0.92
+"""Share of the correlation of load and success that is left after a trial."""
+_LEAST_RECORD = 0.2
+"""Correlation of load and success below which the load is not used."""
+
 
 class Fixed:
     """Keeps the demand of the session's beginning."""
@@ -84,15 +95,15 @@ class KalmanSkill(Fixed):
         """Begin a session of people at these demands [n]."""
         super().begin(start, rng)
         n = len(self._demand)
-        self._variance = np.full(n, 0.2**2)
+        self._variance = np.full(n, _FIRST_SPREAD**2)
         self._weights = np.zeros((n, 3))  # correlation of load and success: products, squares of either
 
     def learn(self, outcome: Outcome) -> None:
         """Learn from a trial."""
-        self._variance += 0.005**2
+        self._variance += _WALK**2
         p = outcome.performance
         away = (logit(p) - logit(np.array(TARGET))) / self._slope
-        wide = np.where(np.abs(p - 0.5) > 0.4, 0.18, 0.06)
+        wide = np.where(np.abs(p - 0.5) > 0.4, _EXTREME_VIEW, _VIEW)
         known = np.isfinite(p) & np.isfinite(outcome.demand)
         self._update(outcome.demand + away, np.where(known, wide**2, np.inf))
         if self._use_load:
@@ -104,12 +115,12 @@ class KalmanSkill(Fixed):
         known = np.isfinite(outcome.load) & np.isfinite(outcome.demand)
         both = known & np.isfinite(away)
         products = np.stack([-load * np.nan_to_num(away), load**2, np.nan_to_num(away) ** 2], axis=1)
-        self._weights = np.where(both[:, None], 0.92 * self._weights + products, self._weights)
+        self._weights = np.where(both[:, None], _KEPT * self._weights + products, self._weights)
         product, one, other = self._weights.T
         record = np.clip(product / np.sqrt(one * other + 1e-9), 0.0, 1.0)
-        variance = (0.25**2 + 0.09 * np.nan_to_num(outcome.load_variance)) / np.maximum(record, 1e-3) ** 2
-        view = outcome.demand - 0.25 * np.clip(load, -0.9, 0.9)
-        self._update(view, np.where(known & (record > 0.2), variance, np.inf))
+        variance = (_LOAD_VIEW**2 + 0.09 * np.nan_to_num(outcome.load_variance)) / np.maximum(record, 1e-3) ** 2
+        view = outcome.demand - _LOAD_GAIN * np.clip(load, -0.9, 0.9)
+        self._update(view, np.where(known & (record > _LEAST_RECORD), variance, np.inf))
 
     def _update(self, view: F8, noise: F8) -> None:
         gain = np.where(

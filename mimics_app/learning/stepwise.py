@@ -18,6 +18,13 @@ GAPS = (0.5, 0.9, 1.4, 2.2)
 STATES = 2 * (len(GAPS) + 1)
 """Number of states: bins of distance, with the guide behind the person as seen from the goal, or between the two."""
 
+_FIRST_VALUE = 0.1
+"""Value of every action before it was tried [m gained]: above 0, so that each is tried."""
+_RATE, _DISCOUNT, _TRACE = 0.15, 0.8, 0.6
+"""Learning rate, discount factor per step, and lambda."""
+_EXPLORES, _FADES, _LEAST = 0.5, 0.15, 0.05
+"""Probability of a random action in a new state, its decay per visit, and its lower limit."""
+
 
 def place_of(observed: Mapping[str, float]) -> int:
     """Return the state of a step: `gap` from person to guide and `way` from person to goal, both signed [m]."""
@@ -36,13 +43,13 @@ class StepValues:
 
     def __init__(self, deeds: int, rng: np.random.Generator, *, learns: bool = True) -> None:
         self._rng, self._deeds, self._learns = rng, deeds, learns
-        self.values: NDArray[np.float64] = np.full((STATES, deeds), 0.1)
+        self.values: NDArray[np.float64] = np.full((STATES, deeds), _FIRST_VALUE)
         self._traces = np.zeros_like(self.values)
         self._tried = np.zeros(STATES)
 
     def choose(self, state: int) -> tuple[int, float]:
         """Return an action and its propensity."""
-        explore = 1.0 if not self._learns else max(0.05, 0.5 / (1.0 + 0.15 * self._tried[state]))
+        explore = 1.0 if not self._learns else max(_LEAST, _EXPLORES / (1.0 + _FADES * self._tried[state]))
         best = int(self.values[state].argmax())
         chances = np.full(self._deeds, explore / self._deeds)
         chances[best] += 1.0 - explore
@@ -52,11 +59,11 @@ class StepValues:
     def learn(self, state: int, deed: int, reward: float, following: int) -> None:
         """Update the values with the reward of an action in a state and the state that followed."""
         self._tried[state] += 1.0
-        aim = reward + 0.8 * float(self.values[following].max())
+        aim = reward + _DISCOUNT * float(self.values[following].max())
         error = aim - self.values[state, deed]
-        self._traces *= 0.8 * 0.6
+        self._traces *= _DISCOUNT * _TRACE
         self._traces[state, deed] = 1.0
-        self.values += 0.15 * error * self._traces
+        self.values += _RATE * error * self._traces
 
 
 class StepAgent:

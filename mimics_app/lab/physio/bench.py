@@ -30,6 +30,7 @@ __all__ = ["measure_noise", "measure_physio"]
 
 _SIMULATED = "simulated people; a simulation is no clinical evidence"
 _NOISY_MINUTES = 5.0
+"""Length of a record to which noise is added, from its beginning [min]."""
 _GAPS = (0.08, 0.15, 0.22)
 """Deviation of the demand from the best one in a trial that is too easy or too hard."""
 
@@ -41,13 +42,13 @@ def measure_physio(folder: Path | None, peers: Path | None) -> dict[str, Any]:
         folder: Folder of annotated records; None: simulated ones.
         peers: Folder whose physio/bench_rpeaks.py runs other detectors on the same records; None: not measured.
     """
-    records = list(annotated_records(folder))
-    clean = [_row(record) for record in records]
+    clean = [_row(record) for record in annotated_records(folder)]
+    heads = list(annotated_records(folder, _NOISY_MINUTES))
     noisy = [
-        _row(mixed_noise(_head(record), decibel, seed))
+        _row(mixed_noise(head, decibel, seed))
         for decibel in NOISE_DB
-        for seed, record in enumerate(records)
-        if not record.name.startswith("nst")
+        for seed, head in enumerate(heads)
+        if not head.name.startswith("nst")
     ]
     return {
         "ecg": [*clean, *noisy],
@@ -80,13 +81,6 @@ def _row(record: Annotated) -> dict[str, Any]:
 
 def _p95(values: NDArray[np.float64]) -> float:
     return float(np.quantile(values, 0.95))
-
-
-def _head(record: Annotated) -> Annotated:
-    """Return the first minutes of a record."""
-    n = min(len(record.values), round(60.0 * _NOISY_MINUTES * record.rate))
-    beats = record.beats[record.beats < n / record.rate]
-    return Annotated(record.name, record.rate, record.values[:n], beats)
 
 
 def _load(gap: float) -> dict[str, dict[str, float]]:

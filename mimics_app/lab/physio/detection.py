@@ -24,6 +24,8 @@ __all__ = [
     "Annotated",
     "Score",
     "annotated_records",
+    "detect",
+    "f1_of",
     "matched",
     "measure_cost",
     "mixed_noise",
@@ -37,6 +39,7 @@ NOISE_DB = (12.0, 6.0, 0.0)
 _WITHIN_S = 0.15
 """Largest distance of a detected from an annotated beat [s]: ANSI/AAMI EC57."""
 _BLOCK_S = 0.02
+"""Length of a block of samples [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +73,7 @@ class Score:
     @property
     def f1(self) -> float:
         """Harmonic mean of sensitivity and positive predictive value."""
-        return 2.0 * self.hits / max(self.beats + self.found, 1)
+        return f1_of(self.hits, self.beats, self.found)
 
     @property
     def sensitivity(self) -> float:
@@ -131,12 +134,22 @@ def noise_size(record: Annotated, decibel: float) -> float:
 
 
 def score_beats(record: Annotated) -> Score:
-    """Score the product's detector, fed in blocks of 20 ms, over a whole record including its beginning."""
-    channel, block = Ecg(record.rate), max(1, round(_BLOCK_S * record.rate))
-    events = [e for i in range(0, len(record.values), block) for e in channel.push(record.values[i : i + block])]
+    """Score the product's detector over a whole record including its beginning."""
+    events = detect(record.values, record.rate)
     found = np.array([event.t_s for event in events])
     late = np.array([event.known_s - event.t_s for event in events])
     return Score(record.name, len(record.beats), len(found), matched(record.beats, found), late)
+
+
+def detect(values: F8, rate: float) -> list[Event]:
+    """Return the R peaks that the product's detector finds in an ECG [mV], fed in blocks of 20 ms."""
+    channel, block = Ecg(rate), max(1, round(_BLOCK_S * rate))
+    return [event for i in range(0, len(values), block) for event in channel.push(values[i : i + block])]
+
+
+def f1_of(hits: int, beats: int, found: int) -> float:
+    """Return F1, the harmonic mean of sensitivity and positive predictive value; 0 without a beat."""
+    return 2.0 * hits / max(beats + found, 1)
 
 
 def matched(truth: F8, found: F8) -> int:
