@@ -266,8 +266,8 @@ def test_a_stream_of_lsl() -> None:
         channels.append_child("channel").append_child_value("label", label)
     outlet = pylsl.StreamOutlet(info)
     source = LslSource(name)
+    source.read(time.monotonic_ns())  # opens the stream
     outlet.wait_for_consumers(10.0)
-    source.read(time.monotonic_ns())
     end = time.monotonic() + 20.0
     blocks: list[Any] = []
     sent = 0
