@@ -17,7 +17,7 @@ OVERRULED = 0.15
 
 
 def check_policy(build: Callable[[], Policy]) -> None:
-    """Play trials of one person, as a session does, and of seven; raises AssertionError at what a policy must not do."""
+    """Play trials of one person, as a session does, and of seven; raises AssertionError at what it must not do."""
     for people in (1, 7):
         first, again = (_played(build(), people) for _ in range(2))
         for one, other in zip(first, again, strict=True):

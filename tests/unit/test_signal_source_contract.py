@@ -113,7 +113,9 @@ FAULTS = {
     "Silent": "it delivers signals",
     "Gone": "the box is off",
 }
-GROUP = "[mimics_app.signal_sources]\n" + "".join(f"{name.lower()} = lab_of_boxes:{name}\n" for name in ("Box", *FAULTS))
+GROUP = "[mimics_app.signal_sources]\n" + "".join(
+    f"{name.lower()} = lab_of_boxes:{name}\n" for name in ("Box", *FAULTS)
+)
 
 
 @pytest.fixture
