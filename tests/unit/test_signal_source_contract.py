@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -14,7 +13,7 @@ from mimics_app.contracts.input_port import SignalSource
 from mimics_app.inputs.physio.simulated.source import PRESETS
 from mimics_app.inputs.physio.sources import KINDS, open_source
 from mimics_app.inputs.stage import Movement
-from tests.support.amplifier import AmplifierEmulator
+from tests.support.amplifier import AmplifierEmulator, opened
 from tests.support.plugin_site import write_package
 from tests.support.signal_source_kit import FRAME_NS, check_signal_source, on_the_virtual_clock
 
@@ -146,10 +145,7 @@ def test_the_movement_keeps_the_contract() -> None:
 @pytest.mark.parametrize("binary", [False, True])
 def test_an_amplifier_keeps_the_contract(binary: bool) -> None:
     emulator = AmplifierEmulator(["ecg", "eda"], RATE, binary=binary)
-    announced = threading.Timer(0.1, emulator.announce)
-    announced.start()
-    source = open_source(f"serial:{emulator.port}", 1)
-    announced.join()
+    source = opened(emulator)
 
     def send(frame: int) -> int:
         emulator.send(np.full((PER_FRAME, 2), float(frame)))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import threading
 import time
 from pathlib import Path
 from types import SimpleNamespace
@@ -24,7 +23,7 @@ from mimics_app.inputs.physio.serial_amplifier import SerialAmplifier
 from mimics_app.inputs.physio.simulated.source import SimulatedBody
 from mimics_app.inputs.physio.sources import look_for_source, open_source
 from mimics_app.inputs.stage import Movement
-from tests.support.amplifier import AmplifierEmulator
+from tests.support.amplifier import AmplifierEmulator, opened
 from tests.support.body_signals import body
 
 SECOND = 1_000_000_000
@@ -140,23 +139,6 @@ def until(source: Any, wanted: int, give_up_s: float = 20.0) -> list[Any]:
         blocks += [block for block in source.read(time.monotonic_ns()) if block.name == "ecg"]
         time.sleep(0.005)
     return blocks
-
-
-def opened(emulator: AmplifierEmulator) -> SerialAmplifier:
-    """The amplifier at the other end, which says its header until somebody listens."""
-    heard = threading.Event()
-
-    def announce() -> None:
-        while not heard.wait(0.05):
-            emulator.announce()
-
-    talk = threading.Thread(target=announce)
-    talk.start()
-    try:
-        return SerialAmplifier(emulator.port)
-    finally:
-        heard.set()
-        talk.join()
 
 
 @pytest.mark.parametrize("binary", [False, True])
