@@ -258,8 +258,7 @@ def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
     from mimics_app.lab.measure import as_dict, measure
 
     registry = load_methods()
-    groups: dict[str, Any] = applicable({group: as_dict(measure(group, registry)) for group in all_groups()})
-    return {"groups": groups}
+    return {"groups": applicable({group: as_dict(measure(group, registry)) for group in all_groups()})}
 
 
 def _measure_audio(args: argparse.Namespace) -> dict[str, Any]:
