@@ -25,7 +25,8 @@ class Parameter:
         unit: Unit of all the values above; "-" for none.
         kind: A `tasks.task.ActionKind`: what the parameter changes.
         harder: 1: larger values make the task harder, -1: smaller ones do, 0: neither.
-        cost: Cost of a change over the whole range to a learning system, in units of its reward.
+        cost: What a value as far from the default as the range is wide costs a learning system with each reward, in
+            units of the reward; in proportion nearer to the default.
         dwell_s: Shortest time between two changes by a learning system [s].
     """
 

@@ -60,7 +60,8 @@ class Aim:
 class SignalBlock:
     """Raw samples of one signal: values [shape n] at `rate` [Hz], the first at `t_ns`; NaN: missing.
 
-    Body signals are "ecg" [mV], "gsr" [uS], "emg" [mV], "resp" [any unit]; of the movement "speed" [m/s], "power" [W].
+    Body signals are "ecg" [mV], "gsr" [uS], "emg" [mV], "resp" [any unit]; of the movement "speed" [m/s] and
+    "power" [W] of the hand, "head" [rad/s].
     """
 
     name: str
@@ -165,6 +166,7 @@ class Experience:
         t_ns: Time of the frame.
         speed: Speed of the hand [m/s].
         power: Mechanical power from the person into the robot [W]; negative power counts as 0.
+        head: room_from_head, float64 [4, 4]; None: not tracked in this frame.
         demand: Difficulty of the task, 0 to 1 within the range of its parameters; None: not known.
         acting: True while the person may act.
         result: Result of a trial that ended in this frame.
@@ -173,6 +175,7 @@ class Experience:
     t_ns: int
     speed: float = 0.0
     power: float = 0.0
+    head: NDArray[np.float64] | None = None
     demand: float | None = None
     acting: bool = False
     result: TrialResult | None = None

@@ -1,4 +1,4 @@
-"""Movement: features of the speed of the hand and of its mechanical power."""
+"""Movement: features of the speed of hand and head, and of the mechanical power of the hand."""
 
 from __future__ import annotations
 
@@ -10,18 +10,24 @@ import numpy as np
 from mimics_app.dsp.channel import Channel, Event, Found
 from mimics_app.dsp.filters import Floats
 
-__all__ = ["Power", "Speed"]
+__all__ = ["Head", "Power", "Speed"]
 
 _WINDOW_S = 10
 """Window of the features of the speed [s]."""
 
 
-class Speed(Channel):
-    """Speed of the hand [m/s]: mean and smoothness over the last 10 s."""
+class _Motion(Channel):
+    """Speed of a part of the body: mean and smoothness over the last 10 s.
 
-    name: ClassVar[str] = "speed"
+    Attributes:
+        part: First word of the features.
+        least: Largest speed below which the part is at rest and has no smoothness, in the unit of the signal.
+    """
+
     latency_s: ClassVar[float] = 1.0
     lowest_rate: ClassVar[float] = 20.0
+    part: ClassVar[str]
+    least: ClassVar[float]
 
     def __init__(self, rate: float) -> None:
         super().__init__(rate)
@@ -36,12 +42,28 @@ class Speed(Channel):
         if not len(speed):
             return Found({}, 0.0)
         peak = float(speed.max())
-        features = {"hand_speed": float(np.mean(speed))}
-        if peak > 0.01:  # a hand at rest has no smoothness
+        features = {f"{self.part}_speed": float(np.mean(speed))}
+        if peak > self.least:
             turns = int(np.count_nonzero(np.diff(np.sign(np.diff(speed))) < 0))
-            features["hand_peaks_per_s"] = turns * self.rate / len(speed)
-            features["hand_evenness"] = float(np.mean(speed) / peak)
+            features[f"{self.part}_peaks_per_s"] = turns * self.rate / len(speed)
+            features[f"{self.part}_evenness"] = float(np.mean(speed) / peak)
         return Found(features, float(np.isfinite(raw).mean()))
+
+
+class Speed(_Motion):
+    """Speed of the hand [m/s]."""
+
+    name: ClassVar[str] = "speed"
+    part: ClassVar[str] = "hand"
+    least: ClassVar[float] = 0.01
+
+
+class Head(_Motion):
+    """Angular speed of the head [rad/s]."""
+
+    name: ClassVar[str] = "head"
+    part: ClassVar[str] = "head"
+    least: ClassVar[float] = 0.05
 
 
 class Power(Channel):

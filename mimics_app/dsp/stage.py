@@ -14,12 +14,12 @@ from mimics_app.dsp.channel import Channel, Event
 from mimics_app.dsp.ecg import Ecg
 from mimics_app.dsp.emg import Emg
 from mimics_app.dsp.gsr import Gsr
-from mimics_app.dsp.movement import Power, Speed
+from mimics_app.dsp.movement import Head, Power, Speed
 from mimics_app.dsp.resp import Resp
 
 __all__ = ["CHANNELS", "NullDsp", "PhysioDsp"]
 
-CHANNELS: dict[str, Callable[[float], Channel]] = {c.name: c for c in (Ecg, Gsr, Emg, Resp, Speed, Power)}
+CHANNELS: dict[str, Callable[[float], Channel]] = {c.name: c for c in (Ecg, Gsr, Emg, Resp, Speed, Power, Head)}
 """Processing of each signal by its name; signals of other names are recorded and not processed."""
 
 _SECOND = 1_000_000_000

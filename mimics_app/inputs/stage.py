@@ -99,22 +99,41 @@ def _one_pointer(states: Sequence[PointerState], *, stop: bool) -> PointerState 
 
 
 class Movement:
-    """A `SignalSource` of "speed" [m/s] and "power" [W]: one sample a frame, that of the previous frame."""
+    """A `SignalSource` of "speed" [m/s] and "power" [W] of the hand, and of "head" [rad/s] where the head is tracked.
+
+    One sample a frame, that of the previous frame. "head" is NaN in a frame without tracking and in the one after it.
+    """
 
     def __init__(self) -> None:
         self._last: Experience | None = None
+        self._head: Experience | None = None
+        self._turning: float | None = None
 
     def read(self, now_ns: int) -> tuple[SignalBlock, ...]:
         """Return the newest sample of each signal."""
         last, self._last = self._last, None
         if last is None:
             return ()
-        pairs = (("speed", last.speed), ("power", last.power))
+        pairs = [("speed", last.speed), ("power", last.power)]
+        if self._turning is not None:
+            pairs.append(("head", self._turning))
         return tuple(SignalBlock(name, _RATE, last.t_ns, np.array([value])) for name, value in pairs)
 
     def feel(self, experience: Experience) -> None:
         """Keep the movement of this frame."""
-        self._last = experience
+        if experience.head is not None or self._turning is not None:
+            self._turning = _turning(self._head, experience)
+        self._last = self._head = experience
 
     def close(self) -> None:
         """Nothing is open."""
+
+
+def _turning(before: Experience | None, now: Experience) -> float:
+    """Return the angular speed of the head from one frame to the next [rad/s]; NaN where either has no head."""
+    if before is None or before.head is None or now.head is None or now.t_ns <= before.t_ns:
+        return float("nan")
+    turned = np.asarray(before.head)[:3, :3].T @ np.asarray(now.head)[:3, :3]
+    axis = (turned[2, 1] - turned[1, 2], turned[0, 2] - turned[2, 0], turned[1, 0] - turned[0, 1])
+    angle = np.arctan2(np.linalg.norm(axis), np.trace(turned) - 1.0)  # 2 sin and 2 cos: exact for small angles
+    return float(angle) * 1e9 / (now.t_ns - before.t_ns)

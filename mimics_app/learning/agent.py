@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+
 import numpy as np
 
 from mimics_app.contracts.action_space import ActionSpace, Parameter
-from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
 from mimics_app.learning.policy import Outcome, Policy
 from mimics_app.learning.registry import EXPLORERS, build_policy
@@ -52,10 +53,11 @@ class Agent:
         """Return the action after a trial, or after a reward without one; None where nothing changes."""
         if result is None and reward is None:
             return None
-        self._policy.learn(self._outcome(state, result, reward))
         held = self._values if result is None else result.values
+        self._policy.learn(self._outcome(state, result, reward, held))
         for arms in self._arms:
-            arms.learn(reward, held.get(arms.name))
+            cost = _cost([self._space[arms.name]], held)
+            arms.learn(None if reward is None else reward - cost, held.get(arms.name))
         choice = self._policy.act()
         values, propensity = self._wanted(float(choice.demand[0])), float(choice.propensity[0])
         for arms in self._arms:
@@ -70,26 +72,17 @@ class Agent:
             return None
         return TaskAction(values, None if result is None else result.trial + 1, propensity)
 
-    def _outcome(self, state: UserState, result: TrialResult | None, reward: float | None) -> Outcome:
-        demand = self._space.demand(self._values if result is None else result.values)
-        load, spread = np.nan, np.nan
-        if state.load is not None and state.arousal is not None:
-            load, spread = state.load[2] - state.load[0], state.arousal.variance
-        worth = np.nan if reward is None else reward - self._cost(result)
-        return Outcome(
-            _one(np.nan if demand is None else demand),
-            _one(np.nan if result is None else result.performance),
-            _one(load),
-            _one(spread),
-            _one(worth),
+    def _outcome(
+        self, state: UserState, result: TrialResult | None, reward: float | None, held: Mapping[str, float]
+    ) -> Outcome:
+        """Return the outcome of the values that held, less what those of the demand cost."""
+        demand = self._space.demand(held)
+        return Outcome.of_one(
+            np.nan if demand is None else demand,
+            np.nan if result is None else result.performance,
+            state,
+            np.nan if reward is None else reward - _cost((p for p in self._space if p.harder != 0), held),
         )
-
-    def _cost(self, result: TrialResult | None) -> float:
-        """Return the cost of the trial's deviation from the defaults."""
-        if result is None:
-            return 0.0
-        changed = ((p, result.values[p.name]) for p in self._space if p.name in result.values and p.high > p.low)
-        return sum(p.cost * abs(value - p.default) / (p.high - p.low) for p, value in changed)
 
     def _wanted(self, demand: float) -> dict[str, float]:
         return {p.name: p.at_demand(demand) for p in self._space if p.harder != 0}
@@ -98,6 +91,12 @@ class Agent:
         """Whether the dwell time of a parameter is over."""
         since = (now_ns - self._changed_ns[name]) / 1e9 if name in self._changed_ns else np.inf
         return since >= self._space[name].dwell_s
+
+
+def _cost(parameters: Iterable[Parameter], held: Mapping[str, float]) -> float:
+    """Return what it costs that these parameters deviate from their defaults."""
+    changed = ((p, held[p.name]) for p in parameters if p.name in held and p.high > p.low)
+    return sum(p.cost * abs(value - p.default) / (p.high - p.low) for p, value in changed)
 
 
 class _Arms:
@@ -126,7 +125,3 @@ class _Arms:
         drawn = (self._means + spread * self._rng.standard_normal((_DRAWS, len(self._values)))).argmax(axis=1)
         share = (np.count_nonzero(drawn == drawn[0]) + 0.5) / (_DRAWS + 0.5)
         return self._values[int(drawn[0])], float(share)
-
-
-def _one(value: float) -> F8:
-    return np.array([value])

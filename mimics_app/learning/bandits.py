@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.learning.policy import LEVELS, Choice, Outcome
+from mimics_app.learning.policy import LEVELS, TARGET, Choice, Outcome
 
 __all__ = ["LinUcb", "Thompson"]
 
@@ -43,7 +43,7 @@ class _LinearBandit:
         self._sums += row * np.where(known, left, 0.0)[:, None] / _NOISE**2
         self._place = np.where(np.isfinite(outcome.demand), outcome.demand, self._place)
         load = 0.3 * np.nan_to_num(outcome.load)
-        self._asked = np.nan_to_num(outcome.performance - 0.7) - load
+        self._asked = np.nan_to_num(outcome.performance - TARGET) - load
 
     def _features(self, demand: F8) -> F8:
         """Return the features of demands [n, levels], shape [n, levels, f]."""

@@ -4,15 +4,24 @@ from __future__ import annotations
 
 from typing import Literal
 
+import numpy as np
+
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.messages import TrialResult, UserState
 from mimics_app.contracts.stages import Goal
+from mimics_app.learning.policy import TARGET
 
-__all__ = ["StateBand", "SuccessShare", "TaskGoal", "build_goal"]
+__all__ = ["StateBand", "SuccessShare", "TaskGoal", "build_goal", "success_reward"]
 
 Quantity = Literal["arousal", "valence", "effort"]
 
 _EVERY_NS = 30_000_000_000
 """Period of the rewards of a state: body signals are slow [ns]."""
+
+
+def success_reward(success: float | F8, share: float = TARGET) -> F8:
+    """Return 1 at the wanted share of success, falling linearly to 0 at the nearer end of the scale, at least -1."""
+    return np.asarray(np.maximum(1.0 - np.abs(success - share) / min(share, 1.0 - share), -1.0))
 
 
 class TaskGoal:
@@ -30,17 +39,14 @@ class SuccessShare:
         share: Share of success, 0 to 1.
     """
 
-    def __init__(self, share: float = 0.7) -> None:
+    def __init__(self, share: float = TARGET) -> None:
         self._share = share
 
     def reward(self, state: UserState, result: TrialResult | None) -> float | None:
-        """Return 1 at the share, falling linearly to 0 at the nearer end of the scale, at least -1.
-
-        None after practice or a step, which do not count.
-        """
+        """Return `success_reward` of a trial; None after practice or a step, which do not count."""
         if result is None or result.practice or result.outcome == "step":
             return None
-        return max(1.0 - abs(result.performance - self._share) / min(self._share, 1.0 - self._share), -1.0)
+        return float(success_reward(result.performance, self._share))
 
 
 class StateBand:

@@ -8,11 +8,14 @@ from typing import Protocol
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.messages import UserState
 
-__all__ = ["LEVELS", "Choice", "Outcome", "Policy", "logit"]
+__all__ = ["LEVELS", "TARGET", "Choice", "Outcome", "Policy", "logit"]
 
 LEVELS = np.linspace(0.0, 1.0, 11)
 """Demands among which policies with discrete choices choose."""
+TARGET = 0.7
+"""Share of success that counts as a challenge: Metzger et al., JNER 11:154, 2014."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +43,14 @@ class Outcome:
     load: F8
     load_variance: F8
     reward: F8
+
+    @staticmethod
+    def of_one(demand: float, performance: float, state: UserState, reward: float) -> Outcome:
+        """Return the outcome for one person, whose load is known where both load and arousal are."""
+        load, variance = np.nan, np.nan
+        if state.load is not None and state.arousal is not None:
+            load, variance = state.load[2] - state.load[0], state.arousal.variance
+        return Outcome(*(np.array([value]) for value in (demand, performance, load, variance, reward)))
 
 
 class Policy(Protocol):

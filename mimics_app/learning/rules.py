@@ -5,12 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.learning.policy import LEVELS, Choice, Outcome, logit
+from mimics_app.learning.policy import LEVELS, TARGET, Choice, Outcome, logit
 
 __all__ = ["Fixed", "KalmanSkill", "Proportional", "RandomLevel", "Staircase"]
-
-TARGET = 0.7
-"""Share of success that counts as a challenge: Metzger et al., JNER 11:154, 2014."""
 
 
 class Fixed:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.learning.policy import Choice, Outcome
+from mimics_app.learning.policy import TARGET, Choice, Outcome
 
 __all__ = ["ActorCritic", "SarsaLambda", "TabularQ"]
 
@@ -59,7 +59,7 @@ class _Table:
         """Return the state after a trial [n], and set the demand to the actual one."""
         self._trials += 1
         self._demand = np.where(np.isfinite(outcome.demand), outcome.demand, self._demand)
-        success = np.searchsorted(_BINS, np.nan_to_num(outcome.performance, nan=0.7))
+        success = np.searchsorted(_BINS, np.nan_to_num(outcome.performance, nan=TARGET))
         load = np.searchsorted([-0.4, 0.4], np.nan_to_num(outcome.load))
         return success * 3 + load
 
@@ -67,7 +67,7 @@ class _Table:
 def _first_values() -> F8:
     """Return the initial values [states, actions]: lower the farther an action is from the proportional rule."""
     middle = np.array([0.1, 0.33, 0.53, 0.7, 0.85, 0.96])
-    wanted = 0.5 * (middle - 0.7)
+    wanted = 0.5 * (middle - TARGET)
     values: F8 = np.repeat(-2.0 * np.abs(MOVES[None, :] - wanted[:, None]), 3, axis=0)
     return values
 

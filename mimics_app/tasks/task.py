@@ -92,7 +92,10 @@ class ParameterSpec(Component, frozen=True):
         Literal[-1, 0, 1],
         Meta(description="1: larger values make the task harder; -1: smaller ones do; 0: neither."),
     ] = 0
-    cost: Annotated[Factor, Meta(description="Cost to a learning system of a change over the whole range.")] = 0.0
+    cost: Annotated[
+        Factor,
+        Meta(description="What a learning system pays of each reward for a value a whole range off the default."),
+    ] = 0.0
     dwell_s: Annotated[Seconds, Meta(description="Shortest time between two changes by a learning system [s].")] = 0.0
     veto: Annotated[bool, Meta(description="True: no learning system may change it.")] = False
 

@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.estimation.fusion import FusionEstimation
+from mimics_app.learning.agent import Agent
+from mimics_app.learning.goals import build_goal
 from tests.support.body_signals import body
 
 
@@ -41,3 +44,24 @@ def test_pure_effort_is_not_reported_as_arousal(seed: int) -> None:
 def test_too_hard_a_task_is() -> None:
     arousal, _ = estimate(300, 1, power=0.0, demand=0.95)
     assert np.mean(arousal[-60:]) > np.mean(arousal[:25]) + 0.15
+
+
+def effort_under(goal: str, *, measured: bool = True) -> float:
+    """Mean effort over the second half of an hour in which the agent sets the power through a resistance."""
+    agent = Agent("thompson", ActionSpace([Parameter("resistance", 0.4, 0.0, 1.0, harder=1)]), 4)
+    dsp, estimation, wanted, resistance, effort = PhysioDsp(), FusionEstimation(60.0), build_goal(goal), 0.4, []
+    for second in range(3600):
+        t_ns = second * 10**9
+        blocks = [SignalBlock("power", 60.0, t_ns, np.full(60, 1.5 * resistance))] if measured else []
+        state = estimation.update(dsp.process(blocks, t_ns + 10**9))
+        action = agent.choose(state, None, wanted.reward(state, None), t_ns)
+        resistance = resistance if action is None else action.values["resistance"]
+        effort.append(resistance if state.effort is None else state.effort.mean)
+    return float(np.mean(effort[1800:]))
+
+
+def test_movement_reaches_learning_through_the_state() -> None:
+    """Power becomes a feature, the feature effort, effort a reward, and the reward the next power."""
+    assert effort_under("effort:0:0.2") < 0.3
+    assert effort_under("effort:0.6:0.8") > 0.5
+    assert effort_under("effort:0.6:0.8", measured=False) == 0.4, "no signal, no state, no reward, no choice"

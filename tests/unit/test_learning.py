@@ -105,6 +105,43 @@ def test_a_trial_without_a_reward_teaches_nothing(name: str) -> None:
         np.testing.assert_array_equal(vars(policies[0])[key], value)
 
 
+def test_a_look_that_costs_is_chosen_less_than_one_that_is_free() -> None:
+    """All looks earn the same reward; the farther one is from the default, the more of it a cost takes."""
+
+    def looks(cost: float) -> list[float]:
+        look = Parameter("look", 0.0, 0.0, 2.0, step=1.0, kind="appearance", cost=cost)
+        agent, held = Agent("random", ActionSpace([look]), 3), 0.0
+        chosen = []
+        for trial in range(300):
+            seen = TrialResult(trial, 0, "finished", 0.5, 0.5, values={"look": held})
+            action = agent.choose(NOBODY, seen, 0.5, trial)
+            held = held if action is None else action.values["look"]
+            chosen.append(held)
+        return chosen[100:]
+
+    free, dear = looks(0.0), looks(1.0)
+    assert 0.2 < free.count(2.0) / 200 < 0.5, "without a cost all three alike"
+    assert dear.count(2.0) < 10
+    assert dear.count(0.0) > 150
+
+
+@pytest.mark.parametrize("trials", [True, False], ids=["reward of a trial", "reward of a state"])
+def test_a_demand_that_costs_is_left_for_the_default(trials: bool) -> None:
+    """The reward is the same everywhere: only the cost of the way from the default tells the levels apart."""
+
+    def away(cost: float) -> float:
+        radius = Parameter("radius", 0.9, 0.6, 1.2, harder=-1, cost=cost)
+        agent, held, total = Agent("thompson", ActionSpace([radius]), 3), 0.9, 0.0
+        for trial in range(60):
+            seen = result(trial, 0.7, held) if trials else None
+            action = agent.choose(NOBODY, seen, 0.5, trial * 10**9)
+            held = held if action is None else action.values["radius"]
+            total += abs(held - 0.9) / 0.6 if trial >= 20 else 0.0
+        return total / 40
+
+    assert away(3.0) < 0.5 * away(0.0)
+
+
 def test_a_veto_leaves_it_alone() -> None:
     agent = Agent("random", ActionSpace([LOOK]), 1)
     for trial in range(20):

@@ -15,6 +15,7 @@ from mimics_app.app.cli import main
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 from mimics_app.contracts.messages import Experience
 from mimics_app.contracts.plugins import PluginGroup
+from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.inputs.physio import sources
 from mimics_app.inputs.physio.amplifier_frames import AmplifierReader, binary_header, binary_samples
 from mimics_app.inputs.physio.integrity import Grid
@@ -23,6 +24,7 @@ from mimics_app.inputs.physio.serial_amplifier import SerialAmplifier
 from mimics_app.inputs.physio.simulated.source import SimulatedBody
 from mimics_app.inputs.physio.sources import look_for_source, open_source
 from mimics_app.inputs.stage import Movement
+from mimics_app.maths.poses import rotation_from_vector
 from tests.support.amplifier import AmplifierEmulator, opened
 from tests.support.body_signals import body
 
@@ -295,6 +297,25 @@ def test_the_movement_is_a_signal() -> None:
     movement.feel(Experience(0, speed=0.2, power=0.5))
     speed, power = movement.read(16_000_000)
     assert (speed.name, speed.values.tolist(), power.name, power.values.tolist()) == ("speed", [0.2], "power", [0.5])
+
+
+@pytest.mark.parametrize("turn", [0.02, 2.5])
+def test_a_turning_head_becomes_features_and_a_lost_one_is_not_still(turn: float) -> None:
+    """Constant angular speed about a tilted axis, then three seconds without tracking."""
+    movement, dsp, frames = Movement(), PhysioDsp(), []
+    for frame in range(780):
+        t_ns, pose = round(frame * SECOND / 60), np.eye(4)
+        pose[:3, :3] = rotation_from_vector(turn * frame / 60 * np.array([0.36, 0.48, 0.8]))
+        movement.feel(Experience(t_ns, head=pose if frame < 600 else None))
+        frames.append(dsp.process(movement.read(t_ns), t_ns))
+    tracked, lost = frames[599], frames[-1]
+    assert tracked.values["head_speed"] == pytest.approx(turn, rel=1e-6)
+    assert ("head_evenness" in tracked.values) == (turn > 0.05), "a head at rest has no smoothness"
+    assert tracked.quality["head"] > 0.9
+    assert lost.quality["head"] == 0.0
+    assert not any(name.startswith("head") for name in lost.values)
+    assert "hand_speed" in lost.values
+    assert all(np.isfinite(value) for frame in frames for value in frame.values.values())
 
 
 def test_the_command_writes_events_a_page_and_features(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,7 +14,7 @@ from mimics_app.recording.run_folder import write_atomically
 
 __all__ = ["write_page"]
 
-_UNITS = {"ecg": "mV", "gsr": "µS", "emg": "mV", "resp": "1", "speed": "m/s", "power": "W"}
+_UNITS = {"ecg": "mV", "gsr": "µS", "emg": "mV", "resp": "1", "speed": "m/s", "power": "W", "head": "rad/s"}
 _EVENTS = {
     "ecg": ("r_peak", "R peak"),
     "gsr": ("scr", "skin conductance response"),

@@ -28,6 +28,7 @@ from mimics_app.contracts.messages import (
     VRInput,
 )
 from mimics_app.contracts.stage_timer import UNTIMED
+from mimics_app.contracts.tracker_port import TrackedPose
 
 __all__ = ["Frames", "experience_of"]
 
@@ -141,7 +142,7 @@ class Frames:
             self._effects.step(orders, events, now_ns)
             core.sound.step(orders, core.world, now_ns)
         with stage("record"):
-            core.inputs.feel(experience_of(orders, snapshot, now_ns))
+            core.inputs.feel(experience_of(orders, snapshot, core.trackers.pose("head", now_ns), now_ns))
             core.tap.step(self.number, vr.signals, features, state)
             self._journal(vr, taken, snapshot, len(events), now_ns)
         self.number, self.orders, self.snapshot, self.events = self.number + 1, orders, snapshot, events
@@ -195,14 +196,15 @@ class Frames:
         self._inbox.send(vr.pointer, trial=trial, may_act=orders.person_may_act)
 
 
-def experience_of(orders: TaskOrders, snapshot: HapticSnapshot, now_ns: int) -> Experience:
-    """Return the speed, power, demand and result of the person in a frame."""
+def experience_of(orders: TaskOrders, snapshot: HapticSnapshot, head: TrackedPose | None, now_ns: int) -> Experience:
+    """Return the speed, power, head, demand and result of the person in a frame."""
     velocity = np.asarray(snapshot.v_world, float)
     power = float(np.dot(np.asarray(snapshot.f_user_world, float), velocity))
     return Experience(
         now_ns,
         speed=float(np.linalg.norm(velocity)),
         power=max(power, 0.0),
+        head=None if head is None or head.stale else head.pose,
         demand=orders.demand,
         acting=orders.person_may_act,
         result=orders.result,

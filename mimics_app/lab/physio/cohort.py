@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import F8
 from mimics_app.estimation.fusion import load_of
 from mimics_app.inputs.physio.simulated.person import Family, LatentPeople, draw_traits
+from mimics_app.lab.physio.simulated_task import draw_success, regret_of
+from mimics_app.learning.goals import success_reward
 from mimics_app.learning.policy import Outcome, Policy
 
 __all__ = ["CohortResult", "play_cohort"]
@@ -22,13 +24,15 @@ __all__ = ["CohortResult", "play_cohort"]
 
 _TRIAL_S = 20.0
 _STEP_S = 5.0
-_REPETITIONS = 10
-_BAND = 0.15
-"""Deviation of the demand from the best one at which the benefit of a trial is 1/e."""
+"""Length of a trial, and step of the latent state [s]."""
+_POWER_W = 0.3
+"""Mechanical power of the arm [W]."""
 _HEART_NOISE, _SKIN_NOISE = 2.5, 1.5
 """Noise of a trial's mean [1/min, 1/min]."""
 _DRIFT = 0.05
 """Standard deviation of the linear drift of both [1/min per trial]."""
+_AROUSAL_VARIANCE = 0.15
+"""Variance of the arousal of a trial, as told to the policy."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,23 +82,21 @@ def play_cohort(
     people_rng, noise, chance = np.random.default_rng([seed, 160]).spawn(3)
     traits = draw_traits(people_rng, n, family)
     people, policy = LatentPeople(traits, family), build()
-    slope = people_rng.uniform(8.0, 16.0, n)
-    ease = people_rng.normal(0.085, 0.03, n)
+    success = draw_success(people_rng, n)
     drift = people_rng.normal(0.0, _DRIFT, (2, n))
     policy.begin(np.full(n, 0.5), chance)
     regret, demands = np.empty((trials, n)), np.empty((trials, n))
     for t in range(trials):
         demand = np.clip(policy.act().demand, 0.0, 1.0)
-        gap = demand - people.skill + 0.2 * people.fatigue
-        regret[t], demands[t] = 1.0 - np.exp(-((gap / _BAND) ** 2)), demand
+        gap = people.gap(demand)
+        regret[t], demands[t] = regret_of(gap), demand
         felt = noise.uniform(0.0, 1.0, n) if blind else demand
         for _ in range(round(_TRIAL_S / _STEP_S)):
-            people.step(_STEP_S, felt, np.full(n, 0.3), np.ones(n))
-        share = noise.binomial(_REPETITIONS, 1.0 / (1.0 + np.exp(slope * (gap - ease)))) / _REPETITIONS
+            people.step(_STEP_S, felt, np.full(n, _POWER_W), np.ones(n))
+        share = success.share(gap, noise)
         arousal = _read(people, noise, drift, t)
-        load = np.array([sum(np.array(load_of(mean, 0.15)) * (-1.0, 0.0, 1.0)) for mean in arousal])
-        worth = np.maximum(1.0 - np.abs(share - 0.7) / 0.3, -1.0)
-        policy.learn(Outcome(demand, share, load, np.full(n, 0.15), worth))
+        load = np.array([sum(np.array(load_of(mean, _AROUSAL_VARIANCE)) * (-1.0, 0.0, 1.0)) for mean in arousal])
+        policy.learn(Outcome(demand, share, load, np.full(n, _AROUSAL_VARIANCE), success_reward(share)))
     return CohortResult(regret, demands, traits.more_responses > 0.0)
 
 

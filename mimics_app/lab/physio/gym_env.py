@@ -14,12 +14,17 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.action_space import ActionSpace, Parameter
 from mimics_app.inputs.physio.simulated.person import LatentPeople, draw_traits
+from mimics_app.lab.physio.simulated_task import draw_success
+from mimics_app.learning.goals import success_reward
+from mimics_app.learning.policy import TARGET
 
 __all__ = ["TrainingEnv", "gym_space"]
 
 _TRIAL_S = 20.0
 _STEP_S = 5.0
-_TARGET = 0.7
+"""Length of a trial, and step of the latent state [s]."""
+_POWER_W = 0.3
+"""Mechanical power of the arm [W]."""
 _DEFAULT = ActionSpace([Parameter("difficulty", 0.5, 0.0, 1.0, harder=1)])
 
 
@@ -60,21 +65,21 @@ class TrainingEnv(gymnasium.Env[NDArray[np.float32], dict[str, Any]]):
         """Begin a session of another person."""
         super().reset(seed=seed)
         self._people = LatentPeople(draw_traits(self.np_random, 1))
-        self._slope = self.np_random.uniform(8.0, 16.0)
+        self._success = draw_success(self.np_random, 1)
         self._trial = 0
-        return self._see(0.5, _TARGET), {}
+        return self._see(0.5, TARGET), {}
 
     def step(self, action: dict[str, Any]) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Simulate a trial."""
         demand = self._space.demand(self._values(action))
         demand = 0.5 if demand is None else demand
-        gap = demand - float(self._people.skill[0])
+        demands = np.array([demand])
+        gap = self._people.gap(demands)
         for _ in range(round(_TRIAL_S / _STEP_S)):
-            self._people.step(_STEP_S, np.array([demand]), np.array([0.3]), np.ones(1))
-        success = self.np_random.binomial(10, 1.0 / (1.0 + np.exp(self._slope * (gap - 0.085)))) / 10.0
+            self._people.step(_STEP_S, demands, np.full(1, _POWER_W), np.ones(1))
+        share = float(self._success.share(gap, self.np_random)[0])
         self._trial += 1
-        reward = max(1.0 - abs(success - _TARGET) / (1.0 - _TARGET), -1.0)
-        return self._see(demand, success), float(reward), False, self._trial >= self._trials, {}
+        return self._see(demand, share), float(success_reward(share)), False, self._trial >= self._trials, {}
 
     def _values(self, action: dict[str, Any]) -> dict[str, float]:
         values = {}

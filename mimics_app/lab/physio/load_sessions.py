@@ -12,28 +12,24 @@ from pathlib import Path
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.clock import SECOND_NS
-from mimics_app.contracts.messages import SignalBlock
-from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.estimation.fusion import FusionEstimation
 from mimics_app.estimation.load_people import LoadPeople
 from mimics_app.estimation.trial_view import TrialView
 from mimics_app.inputs.physio.simulated.person import FAMILIES, Family, LatentPeople, draw_traits
-from mimics_app.inputs.physio.simulated.signals import SignalGenerator
+from mimics_app.lab.physio.simulated_task import POWER_W, REST_S, TRIAL_S, SignalSession, Success, draw_slope
+from mimics_app.learning.policy import logit
 
 __all__ = ["draw_load_people", "write_shipped_people"]
 
 
-_REST_S, _TRIAL_S, _ROUNDS = 90, 90, 4
-"""Lengths of rest and trials [s], longer than the windows of the features, and number of rounds of three trials."""
+_ROUNDS = 4
+"""Number of rounds of three trials."""
 _BASELINE_S = 60.0
-_POWER_W = 0.2
-"""Mechanical power of a slow arm against a small resistance [W]."""
+"""Length of the calibration [s]."""
 _RIGHT = (0.5, 0.9)
 """Range of the success at the right demand."""
-_SLOPES = (8.0, 16.0)
-"""Range of the slope of success over demand [logit per unit]."""
-_REPETITIONS = 10
+_LOAD_S = 30
+"""Averaging time of the load by the fusion [s]."""
 
 
 def draw_load_people(each: int, gap: float, seed: int = 1) -> LoadPeople:
@@ -67,37 +63,29 @@ class _Session:
 
     def __init__(self, rng: np.random.Generator, family: Family) -> None:
         self.people = LatentPeople(draw_traits(rng, 1, family), family)
-        self._generator = SignalGenerator(rng)
-        self._dsp, self._fusion, self._second = PhysioDsp(), FusionEstimation(_BASELINE_S), 0
+        self._signals, self._fusion = SignalSession(self.people, rng), FusionEstimation(_BASELINE_S)
 
     def live(self, seconds: int, demand: float, power: float) -> tuple[TrialView, F8]:
         """Advance in time; return the features and the mean load by the fusion at its end."""
         view, loads = TrialView(), []
-        for _ in range(seconds):
-            acting = np.array([float(np.isfinite(demand))])
-            self.people.step(1.0, np.array([demand]), np.array([power]), acting)
-            made = self._generator.second(self.people.drive(np.zeros(1))) | {"power": np.array([power])}
-            t_ns = self._second * SECOND_NS
-            rates = {"power": 1.0}
-            blocks = [SignalBlock(n, rates.get(n, 1000.0), t_ns, v) for n, v in made.items() if n != "emg"]
-            self._second += 1
-            state = self._fusion.update(self._dsp.process(blocks, self._second * SECOND_NS))
+        for frame in self._signals.live(seconds, demand, power):
+            state = self._fusion.update(frame)
             view.see(self._fusion.seen)
             loads.append((1.0 / 3.0,) * 3 if state.load is None else state.load)
-        return view, np.mean(loads[-30:], axis=0)
+        return view, np.mean(loads[-_LOAD_S:], axis=0)
 
 
 def _play(rng: np.random.Generator, family: Family, gap: float) -> tuple[F8, F8, F8]:
     """Simulate a person; return features [t, f], classes [t] and probabilities by the fusion [t, 3] of the trials."""
     session = _Session(rng, family)
-    slope, right = rng.uniform(*_SLOPES), rng.uniform(*_RIGHT)
+    slope, right = draw_slope(rng, 1), rng.uniform(*_RIGHT)
+    success = Success(slope, logit(np.array(right)) / slope)
     order = np.concatenate([rng.permutation(3) for _ in range(_ROUNDS)])
-    session.live(_REST_S, np.nan, 0.0)
+    session.live(REST_S, np.nan, 0.0)
     rows, loads = [], []
     for label in order.tolist():
-        off, people = gap * (label - 1), session.people
-        view, load = session.live(_TRIAL_S, float(people.skill[0] - 0.2 * people.fatigue[0]) + off, _POWER_W)
-        succeeds = 1.0 / (1.0 + (1.0 / right - 1.0) * np.exp(slope * off))
-        rows.append(view.features(float(rng.binomial(_REPETITIONS, succeeds)) / _REPETITIONS))
+        off = gap * (label - 1)
+        view, load = session.live(TRIAL_S, float(session.people.best[0]) + off, POWER_W)
+        rows.append(view.features(float(success.share(np.full(1, off), rng)[0])))
         loads.append(load)
     return np.array(rows), order, np.array(loads)

@@ -12,13 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.contracts.clock import SECOND_NS
-from mimics_app.contracts.messages import SignalBlock, TrialResult, UserState
+from mimics_app.contracts.messages import TrialResult, UserState
 from mimics_app.contracts.stages import Estimation
-from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.estimation.registry import DEFAULT, build_estimation
 from mimics_app.inputs.physio.simulated.person import FAMILIES, Family, LatentPeople, draw_traits
-from mimics_app.inputs.physio.simulated.signals import SignalGenerator
+from mimics_app.lab.physio.simulated_task import POWER_W, REST_S, TRIAL_S, SignalSession, draw_success, regret_of
+from mimics_app.learning.goals import success_reward
 from mimics_app.learning.policy import Outcome, Policy
 from mimics_app.learning.registry import POLICIES
 
@@ -30,16 +29,8 @@ PEOPLE, TRIALS = 20, 14
 SEEDS = (1, 2, 3)
 """Seeds of the groups of people: the ratio of two policies differs by a fifth between groups (decision 166)."""
 
-_REST_S, _TRIAL_S, _BASELINE_S = 90, 90, 60.0
-_POWER_W = 0.2
-"""Mechanical power of a slow arm against a small resistance [W]."""
-_BAND = 0.15
-"""Deviation of the demand from the best one at which the benefit of a trial is 1/e."""
-_REPETITIONS = 10
-_SLOPES = (8.0, 16.0)
-"""Range of the slope of success over demand [logit per unit]."""
-_EASE = (0.085, 0.03)
-"""Mean and standard deviation of the demand of 50 % success above the best demand."""
+_BASELINE_S = 60.0
+"""Length of the estimator's calibration [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,51 +91,36 @@ class _Person:
     """Session of one person."""
 
     def __init__(self, rng: np.random.Generator, family: Family, *, silent: bool, blind: bool) -> None:
-        who, self._chance, self._body, self._choice, self._felt = rng.spawn(5)
+        who, self._chance, body, self._choice, self._felt = rng.spawn(5)
         traits = draw_traits(who, 1, family)
         while silent and traits.more_responses[0] > 0.0:
             traits = draw_traits(who, 1, family)
         self._latent, self._blind = LatentPeople(traits, family), blind
-        self._slope, self._ease = who.uniform(*_SLOPES), who.normal(*_EASE)
-        self._generator, self._dsp, self._second = SignalGenerator(self._body), PhysioDsp(), 0
+        self._success, self._session = draw_success(who, 1), SignalSession(self._latent, body)
 
     def play(self, policy: Policy, trials: int, *, sees: bool) -> F8:
         """Return the regret of each trial, shape [trials]; `sees`: signals are simulated and the load is estimated."""
         estimation = build_estimation(DEFAULT, _BASELINE_S) if sees else None
         policy.begin(np.full(1, 0.5), self._choice)
-        self._live(_REST_S, np.nan, 0.0, estimation)
+        self._live(REST_S, np.nan, 0.0, estimation)
         regret = np.empty(trials)
         for t in range(trials):
-            demand = float(np.clip(policy.act().demand, 0.0, 1.0)[0])
-            gap = demand - float(self._latent.skill[0] - 0.2 * self._latent.fatigue[0])
-            regret[t] = 1.0 - np.exp(-((gap / _BAND) ** 2))
-            self._live(_TRIAL_S, self._felt.uniform() if self._blind else demand, _POWER_W, estimation)
-            share = self._chance.binomial(_REPETITIONS, 1.0 / (1.0 + np.exp(self._slope * (gap - self._ease)))) / 10.0
-            load = None if estimation is None else self._judge(estimation, share)
-            policy.learn(_outcome(demand, share, load))
+            demand = np.clip(policy.act().demand, 0.0, 1.0)
+            gap = self._latent.gap(demand)
+            regret[t] = regret_of(gap)[0]
+            self._live(TRIAL_S, self._felt.uniform() if self._blind else float(demand[0]), POWER_W, estimation)
+            share = float(self._success.share(gap, self._chance)[0])
+            state = UserState(-1) if estimation is None else self._judge(estimation, share)
+            policy.learn(Outcome.of_one(float(demand[0]), share, state, float(success_reward(share))))
         return regret
 
     def _live(self, seconds: int, felt: float, power: float, estimation: Estimation | None) -> None:
+        if estimation is not None:
+            for frame in self._session.live(seconds, felt, power):
+                estimation.update(frame)
+            return
         for _ in range(seconds):
-            acting = np.array([float(np.isfinite(felt))])
-            self._latent.step(1.0, np.array([felt]), np.array([power]), acting)
-            self._second += 1
-            if estimation is None:
-                continue
-            made = self._generator.second(self._latent.drive(np.zeros(1))) | {"power": np.array([power])}
-            t_ns, rates = (self._second - 1) * SECOND_NS, {"power": 1.0}
-            blocks = [SignalBlock(k, rates.get(k, 1000.0), t_ns, v) for k, v in made.items() if k != "emg"]
-            estimation.update(self._dsp.process(blocks, self._second * SECOND_NS))
+            self._latent.step(1.0, np.array([felt]), np.array([power]), np.isfinite([felt]).astype(float))
 
     def _judge(self, estimation: Estimation, share: float) -> UserState:
-        return estimation.judge(TrialResult(0, self._second * SECOND_NS + 1, "finished", share, share, False))
-
-
-def _outcome(demand: float, share: float, state: UserState | None) -> Outcome:
-    """Return the outcome of a trial for the policy, as `Agent` does."""
-    load, spread = np.nan, np.nan
-    if state is not None and state.load is not None and state.arousal is not None:
-        load, spread = state.load[2] - state.load[0], state.arousal.variance
-    worth = max(1.0 - abs(share - 0.7) / 0.3, -1.0)
-    values = (demand, share, load, spread, worth)
-    return Outcome(*(np.array([value]) for value in values))
+        return estimation.judge(TrialResult(0, self._session.now_ns + 1, "finished", share, share, False))

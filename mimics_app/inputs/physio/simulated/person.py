@@ -30,6 +30,8 @@ _EFFORT_ON_S, _EFFORT_OFF_S = 35.0, 50.0
 Physiol Scand Suppl 415, 1974)."""
 _SLOPE = 5.0
 """Slope of the arousal aimed at, tanh(slope * (demand - skill))."""
+_TIRED = 0.2
+"""Loss of skill at full fatigue [demand]."""
 _FULL_POWER = 1.5
 """Mechanical power of an arm on a light robot that counts as full effort [W]."""
 
@@ -151,6 +153,15 @@ class LatentPeople:
         self._in_heart = np.zeros(n)
         self._seconds = 0.0
 
+    @property
+    def best(self) -> F8:
+        """Demand at which the task is a challenge now: the skill, less what fatigue takes of it, shape [n]."""
+        return np.asarray(self.skill - _TIRED * self.fatigue)
+
+    def gap(self, demand: F8) -> F8:
+        """Return how far a demand lies above the best one, shape [n]."""
+        return np.asarray(demand - self.skill + _TIRED * self.fatigue)
+
     def step(self, seconds: float, demand: F8, power: F8, acting: F8) -> None:
         """Advance the state.
 
@@ -161,7 +172,7 @@ class LatentPeople:
             acting: Whether the person may act, 0 or 1, shape [n].
         """
         asked = np.isfinite(demand) & (acting > 0.0)
-        gap = np.where(asked, np.nan_to_num(demand) - self.skill + 0.2 * self.fatigue, 0.0)
+        gap = np.where(asked, self.gap(np.nan_to_num(demand)), 0.0)
         aim = np.where(asked, np.tanh(_SLOPE * gap), 0.0)
         self.arousal += _share(seconds, _AROUSAL_S) * (aim - self.arousal)
         pleasure = np.where(asked, 1.0 - (gap / 0.25) ** 2, 0.2)
