@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
-from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.passes.shadow import MapWork, draw_shadows
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -121,9 +120,9 @@ class ShadowStage:
         """Triangles drawn into the maps of the frame."""
         return sum(work.triangles for work in self.work if work is not None)
 
-    def draw(self, arena: MeshArena, frame: FrameBuffers) -> int:
+    def draw(self, frame: FrameBuffers) -> int:
         """Draw the changed maps and bind the atlas; return the draw calls."""
-        draws = draw_shadows(self._ctx, arena, frame, self._target, self.plan, self.work)
+        draws = draw_shadows(self._ctx, frame, self._target, self.plan, self.work)
         self._target.bind()
         return draws
 
