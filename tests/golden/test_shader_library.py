@@ -78,7 +78,7 @@ def test_plain_light_asks_a_pixel_and_a_corner_for_no_more_than_the_scene_has(to
         renderer.release()
     texts = [compiled((_SHADERS / name).read_text(), defines) for name in ("plain/plain.vert", "plain/plain.frag")]
     called = set(re.findall(r"(\w+)\(", texts[0].split("void main()")[1])) - {"vec2", "vec3", "vec4", "mat3"}
-    least = {"normalize", "max", "dot", "sky_irradiance", "put_at", "abs", "cross", "transpose"}
+    least = {"normalize", "max", "dot", "sky_irradiance", "put_at", "abs", "instance_position", "instance_normal"}
     assert called == least | corner
     assert len(re.findall(r"^out ", texts[0], re.MULTILINE)) == varyings
     assert len(re.findall(r"^in ", texts[1], re.MULTILINE)) == varyings

@@ -118,7 +118,7 @@ class FeedbackSkinning:
 
     def _feed_back(self, name: str, mesh: MeshData, body: SkinnedBody) -> None:
         held = self._hold(mesh)
-        defines = [f"SETS_{held.sets}"]
+        defines = [f"SETS={held.sets}"]
         defines += ["DUAL"] if body.method == "dual" else []
         morphed = held.deltas is not None and body.morphed
         defines += ["MORPHS"] if morphed else []

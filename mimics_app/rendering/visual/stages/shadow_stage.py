@@ -37,12 +37,11 @@ __all__ = ["ShadowStage", "light_features"]
 
 
 def light_features(lighting: Lighting, settings: RenderSettings) -> frozenset[str]:
-    """Return the shader features that a frame's light needs (`materials.LIGHT_FEATURES`)."""
+    """Return the shader features that a frame's light needs, each "NAME" or "NAME=NUMBER"."""
     maps = _sun_maps(lighting, settings)
     wanted = {
         f"PLACED_LIGHTS={lighting.place_count}": lighting.place_count > 0,
-        "SUN_SHADOW": maps > 0,
-        f"SUN_MAPS_{maps}": maps > 1,
+        f"SUN_SHADOW={maps}": maps > 0,
         "SPOT_SHADOWS": settings.shadow_size > 0 and bool(_spots(lighting)),
         "HAZE": (lighting.fog.density if lighting.fog else settings.fog_density) > 0.0,
         "TONED": settings.tone_map == "neutral",
