@@ -3,9 +3,10 @@
 #if defined(SUN_SHADOW) || defined(SPOT_SHADOWS)
 layout(binding = 1) uniform sampler2D shadow_map;
 
-// Percentage-closer filter (Reeves et al. 1987) of 3 x 3 texels around a position in the atlas [texel], weights (1-f, 1, f) per axis: the
-// mean of four bilinear comparisons one texel apart. All four have the same f, so that their texels are added before
-// weighting. Even and odd texels have equal total weight: the 2 x 2 dither of translucent casters is not visible.
+// Percentage-closer filter (Reeves et al. 1987) of 3 x 3 texels around a position in the atlas [texel], weights
+// (1-f, 1, f) per axis: the mean of four bilinear comparisons one texel apart. All four have the same f, so that their
+// texels are added before weighting. Even and odd texels have equal total weight: the 2 x 2 dither of translucent casters
+// is not visible.
 //
 // Where the two diagonal blocks of 2 x 2 texels are alike, the other two count as such, too: all but two of the nine
 // texels are known, each of which has a quarter of the weight at most. A uniform number of turns prevents unrolling.

@@ -1,4 +1,5 @@
-// Rounded box, glyph from a signed distance field (Green 2007), or image. Each is a variant: software renderers pay for the texture that a box does not have.
+// Rounded box, glyph from a signed distance field (Green 2007), or image. Each is a variant: software renderers pay for
+// the texture that a box does not have.
 #if defined(GLYPHS)
 layout(binding = 2) uniform sampler2D glyphs;           // signed distance, 0.5 on the outline
 

@@ -18,9 +18,6 @@ from ctypes import POINTER, byref, c_void_p, cast, pointer
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mimics_app import __version__
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.display_port import DisplayFrame, FrameTiming, HeadsetState, Size
@@ -43,7 +40,6 @@ if TYPE_CHECKING:
 
 __all__ = ["OpenXrRuntime", "load_openxr", "no_runtime"]
 
-F8 = NDArray[np.float64]
 _NS = 1_000_000_000
 _SRGB8_ALPHA8 = 0x8C43
 """Swapchain format for display values; compositors take 8-bit values of any other format for linear light."""

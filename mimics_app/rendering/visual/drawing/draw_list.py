@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8, I4
+from mimics_app.contracts.arrays import B1, F8, I4, U1
 from mimics_app.rendering.visual.drawing.culling import make_culler
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems, list_items
 from mimics_app.rendering.visual.drawing.draw_order import DrawOrder
@@ -88,14 +87,14 @@ class DrawList:
         self._revision: tuple[int, int, str, str] | None = None
         self._occlusion: OcclusionPass | None = None
         self.tally = Tally()
-        self.moved: NDArray[np.bool_] | None = None
+        self.moved: B1 | None = None
         self.remade = True
         self._updates = 0
         self._world: F8 = np.zeros((0, 4, 4))
         self._casters: dict[float, Casters] = {}
         self._coarser: dict[float, tuple[Casters, Casters]] = {}
         self._bent: dict[SkinnedBody, int] = {}
-        self.fates: NDArray[np.uint8] | None = None
+        self.fates: U1 | None = None
 
     def update(
         self, world: World, settings: RenderSettings, *, light_features: frozenset[str], fates: bool = False
@@ -141,7 +140,7 @@ class DrawList:
         self.used[:] = False
 
     @property
-    def shown(self) -> NDArray[np.bool_]:
+    def shown(self) -> B1:
         """Items that may be drawn at all, [n]; a copy."""
         return self._shown != 0
 
@@ -264,7 +263,7 @@ class DrawList:
         opaque = frame.add(picked, solid, origin, items, self._world, self._mirrored)
         return opaque, *self._batch_blended(frame, blended, origin)
 
-    def _pick(self, view: View, shown: NDArray[np.uint8], size: Size, samples: int) -> int:
+    def _pick(self, view: View, shown: U1, size: Size, samples: int) -> int:
         """Pick the items that are visible in a view; return how many."""
         items, picked = self.items, self._picked
         before = self._culler.tests
@@ -277,9 +276,7 @@ class DrawList:
         self.tally.count(int(np.count_nonzero(shown)), seen, count, self._culler.tests - before)
         return count
 
-    def _pick_also(
-        self, views: Sequence[View], count: int, shown: NDArray[np.uint8], sizes: Sequence[Size], samples: int
-    ) -> int:
+    def _pick_also(self, views: Sequence[View], count: int, shown: U1, sizes: Sequence[Size], samples: int) -> int:
         """Add the items visible in other views to those picked already; return how many there are."""
         either = np.zeros(len(self.items.rows), np.bool_)
         either[self._picked[:count]] = True

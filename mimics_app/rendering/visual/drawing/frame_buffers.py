@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.rendering.visual.drawing.mesh_arena import COMMAND_WORDS, MeshArena
 from mimics_app.rendering.visual.kernels.commands import MAX_TRIANGLES, write_commands, write_instances
 from mimics_app.rendering.visual.materials.look import Look
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["DrawRun", "FrameBuffers"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
-U1 = NDArray[np.uint8]
 
 _INSTANCES = 1
 """Index of the instance count among the words of a command."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.visual.drawing.occluder_boxes import Solid, find_solid
 from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
 from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
@@ -132,7 +133,7 @@ class MeshArena:
             return False
         return all(map(is_, meshes, world.meshes.values())) and names == list(world.meshes)
 
-    def write_instances(self, rows: NDArray[np.float32]) -> None:
+    def write_instances(self, rows: F4) -> None:
         """Upload the instances of a frame, float32 [n, 4, 4], contiguous."""
         if rows.nbytes > self._instances.size:
             self.arrays.release()
@@ -142,7 +143,7 @@ class MeshArena:
             self._instances.orphan()
             self._instances.write(rows)
 
-    def write_bent(self, name: str, packed: NDArray[np.float32]) -> None:
+    def write_bent(self, name: str, packed: F4) -> None:
         """Overwrite the vertices of a mesh with its skinned ones, float32 [n, 8]."""
         self._vertices.write(packed, offset=self.ranges[name].base_vertex * _VERTEX.itemsize)
         self.uploaded += packed.nbytes
@@ -228,7 +229,7 @@ class MeshArena:
             parts = [_indices(mesh) for name, mesh in meshes.items() if self.ranges[name].wide == wide]
             self._indices[wide] = self._upload(self._indices[wide], parts, 4)
 
-    def _all_colours(self, meshes: dict[str, MeshData]) -> Iterable[NDArray[np.float32]]:
+    def _all_colours(self, meshes: dict[str, MeshData]) -> Iterable[F4]:
         """Return a colour for every vertex of the arena; empty where no mesh has colours."""
         if not any(known.coloured for known in self.ranges.values()):
             return []

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
 from mimics_app.rendering.visual.view import compute_frustum_planes
@@ -50,7 +49,7 @@ class Beam:
     towards: F8
     planes: F8
     corners: F8
-    onto: NDArray[np.int32] | None
+    onto: I4 | None
 
     def is_seen(self, view_planes: F8) -> bool:
         """Return False when the whole volume is behind one plane of a view's frustum, [k, 4]."""
@@ -124,7 +123,7 @@ def clip_from_projector(spec: Projector) -> F8:
     return compose_clip_from_view((-across, across, -up, up), spec.near, spec.depth)
 
 
-def _with_below(world: World, names: tuple[str, ...]) -> NDArray[np.int32]:
+def _with_below(world: World, names: tuple[str, ...]) -> I4:
     """Return the entity indices of nodes and all their descendants; unknown names are ignored."""
     hierarchy, capacity = world.graph.hierarchy, world.graph.store.capacity
     found = [hierarchy.subtree(world.graph.find(name), capacity) for name in names if name in world]

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, U1
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.materials.texture_levels import TextureLevels
 from mimics_app.world.materials.material import TextureData
@@ -97,7 +96,7 @@ def encode_srgb(linear: F8) -> F8:
     return np.asarray(np.where(clamped < 0.0031308, 12.92 * clamped, 1.055 * clamped ** (1.0 / 2.4) - 0.055))
 
 
-def unfolded(picture: TextureData) -> NDArray[np.uint8]:
+def unfolded(picture: TextureData) -> U1:
     """Return an image as it is uploaded, [height, width, 4].
 
     moderngl has no mirrored repeat: such an image is stored beside its reflection and read at half the rate.
@@ -135,14 +134,14 @@ def set_sampling(
         texture.filter = (moderngl.NEAREST,) * 2 if picture.filter == "nearest" else (moderngl.LINEAR,) * 2
 
 
-def shrunk(pixels: NDArray[np.uint8], longest: int) -> NDArray[np.uint8]:
+def shrunk(pixels: U1, longest: int) -> U1:
     """Halve an image until its longer side is at most `longest`, uint8 [height, width, 4]."""
     while max(pixels.shape[:2]) > longest:
         pixels = halved(pixels)
     return pixels
 
 
-def halved(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def halved(pixels: U1) -> U1:
     """Return an image of half the size, uint8 [ceil(h/2), ceil(w/2), 4]: means of 2 x 2 texels."""
     height, width = pixels.shape[:2]
     even = np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
@@ -150,7 +149,7 @@ def halved(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return np.asarray(np.round(blocks.mean(axis=(1, 3), dtype=np.float32)), np.uint8)
 
 
-def _display_values(picture: TextureData) -> NDArray[np.uint8]:
+def _display_values(picture: TextureData) -> U1:
     pixels = unfolded(picture)
     if picture.srgb:
         return pixels

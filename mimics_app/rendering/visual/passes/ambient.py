@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.visual.draw_buffer import texture_of
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
@@ -121,7 +121,7 @@ class AmbientPass:
         self._open = self._block = None
         self._free()
 
-    def _write(self, places: NDArray[np.float32]) -> None:
+    def _write(self, places: F4) -> None:
         """Upload the texels of each eye: corner [px], texels per pixel; first and last column, last row."""
         if self._block is None:
             self._block = self._ctx.buffer(reserve=64)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, U4
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
@@ -139,7 +139,7 @@ def fill_cord_block(data: NDArray[np.void], cord: Cord, eye: F8, sun: F8, time_s
         data["tap"][number] = (ripple.s, ripple.theta, ripple.age, height)
 
 
-def grid_indices(rings: int, sides: int) -> NDArray[np.uint32]:
+def grid_indices(rings: int, sides: int) -> U4:
     """Return the triangles of a tube of `rings` by `sides` + 1 vertices, counter-clockwise from outside."""
     i, j = np.meshgrid(np.arange(rings - 1), np.arange(sides), indexing="ij")
     corner = (i * (sides + 1) + j).ravel()

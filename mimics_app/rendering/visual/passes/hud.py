@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, U1
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, HUD_ROW, Hud
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
 from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
@@ -126,7 +126,7 @@ class HudPass:
         self._kinds: list[int] = []
         self._glyphs: moderngl.Texture | None = None
         self._images: moderngl.TextureArray | None = None
-        self._image_source: NDArray[np.uint8] | None = None
+        self._image_source: U1 | None = None
 
     def draw(self, hud: Hud, view: View, plane: HudPlane) -> int:
         """Draw the display over one view; sets the viewport to the view's rectangle.
@@ -206,7 +206,7 @@ class HudPass:
         if self._images is not None:
             self._images.use(_IMAGE_BINDING)
 
-    def _upload_images(self, images: NDArray[np.uint8] | None) -> None:
+    def _upload_images(self, images: U1 | None) -> None:
         self._image_source = images
         if self._images is not None:
             self._images.release()

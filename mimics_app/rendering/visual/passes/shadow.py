@@ -6,9 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowPlan
 from mimics_app.rendering.visual.shadows.shadow_target import ShadowTarget
@@ -87,7 +85,7 @@ def draw_shadows(
     return sum(len(each.runs) for _, each in changed)
 
 
-def _draw(frame: FrameBuffers, runs: Sequence[DrawRun], clip_from_origin: NDArray[np.float64]) -> None:
+def _draw(frame: FrameBuffers, runs: Sequence[DrawRun], clip_from_origin: F8) -> None:
     for run in runs:
         run.look.bind()
         run.look.shadow_shader.set_matrix("clip_from_eye", clip_from_origin)

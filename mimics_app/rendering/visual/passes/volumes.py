@@ -7,9 +7,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F4, F8
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
@@ -141,7 +140,7 @@ class VolumePass:
 class _Volume:
     """A volume on the GPU, with the mesh and light direction it was made for."""
 
-    def __init__(self, ctx: moderngl.Context, mesh: MeshData, light: F8, vertices: NDArray[np.float32]) -> None:
+    def __init__(self, ctx: moderngl.Context, mesh: MeshData, light: F8, vertices: F4) -> None:
         self._mesh, self._light = mesh, light
         self._buffer = ctx.buffer(vertices.tobytes() or bytes(16))
         self.arrays = VertexArrays(partial(_vertex_array, ctx, self._buffer))

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
@@ -158,8 +158,8 @@ class _Drawn:
 
     grid: int
     items: DrawItems
-    clip: NDArray[np.float64]
-    casters: NDArray[np.int32]
+    clip: F8
+    casters: I4
 
     def same(self, other: _Drawn) -> bool:
         """Whether both have the same depths, if no caster has moved."""
