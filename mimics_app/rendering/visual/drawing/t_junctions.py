@@ -63,7 +63,7 @@ def remove_t_junctions(mesh: MeshData) -> Sealed | None:
     if len(open_edges) * len(candidates) > _MAX_TESTS:
         return None
     found = np.empty((4 * len(open_edges) + 16, 3))
-    count = points_on_edges(points, open_edges, candidates, size * _ON_EDGE, found, len(found))
+    count = points_on_edges(points, open_edges, candidates, size * _ON_EDGE, found)
     if count > len(found):
         return None
     positions = mesh.positions[first][point_of]

@@ -248,8 +248,8 @@ class MaterialStore:
                 self._report(f'material "{material.name}": no texture "{key}"; a checker is drawn in its place')
             elif not self._textures.fits(pictures[which]):
                 height, width = pictures[which].pixels.shape[:2]
-                most = self._has.texture_size
-                self._report(f'texture "{key}": {width} x {height} is more than the driver\'s {most}; drawn smaller')
+                size = self._has.texture_size
+                self._report(f'texture "{key}": {width} x {height} is more than the driver\'s {size}; drawn smaller')
 
     def _report(self, what: str) -> None:
         issue = Issue("", "", what)

@@ -22,9 +22,9 @@ _Kind = tuple[tuple[int, ...], tuple[str, str], str, bool]
 class PictureArray:
     """Texture array of images of equal size and sampling, one layer each; uploaded on first use after a change."""
 
-    def __init__(self, ctx: moderngl.Context, longest: int, levels: TextureLevels) -> None:
+    def __init__(self, ctx: moderngl.Context, max_size: int, levels: TextureLevels) -> None:
         self._ctx = ctx
-        self._longest = longest
+        self._max_size = max_size
         self._levels = levels
         self._layers: list[tuple[str, TextureData]] = []
         self._texture: moderngl.TextureArray | None = None
@@ -54,7 +54,7 @@ class PictureArray:
             self._texture = None
 
     def _upload(self) -> moderngl.TextureArray:
-        pixels = np.stack([shrunk(_display_values(picture), self._longest) for _, picture in self._layers])
+        pixels = np.stack([shrunk(_display_values(picture), self._max_size) for _, picture in self._layers])
         layers, height, width = pixels.shape[:3]
         texture = self._ctx.texture_array((width, height, layers), 4, pixels.tobytes())
         set_sampling(texture, self._layers[0][1], self._levels)
@@ -67,19 +67,19 @@ class PictureArrays:
     Args:
         ctx: Context that owns them.
         shaders: Shader library, for the levels.
-        longest: Largest texture size of the driver [texels]; larger images are halved until they fit.
+        max_size: Maximum texture size of the driver [texels]; larger images are halved until they fit.
     """
 
-    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, max_size: int) -> None:
         self._ctx = ctx
-        self._longest = longest
+        self._max_size = max_size
         self._levels = TextureLevels(ctx, shaders)
         self._arrays: dict[_Kind, PictureArray] = {}
 
     def place(self, name: str, picture: TextureData) -> tuple[PictureArray, int]:
         """Return the array and the layer of an image."""
         kind = (picture.pixels.shape, picture.wrap, picture.filter, picture.srgb)
-        array = self._arrays.setdefault(kind, PictureArray(self._ctx, self._longest, self._levels))
+        array = self._arrays.setdefault(kind, PictureArray(self._ctx, self._max_size, self._levels))
         return array, array.place(name, picture)
 
     def release(self) -> None:
@@ -134,9 +134,9 @@ def set_sampling(
         texture.filter = (moderngl.NEAREST,) * 2 if picture.filter == "nearest" else (moderngl.LINEAR,) * 2
 
 
-def shrunk(pixels: U1, longest: int) -> U1:
-    """Halve an image until its longer side is at most `longest`, uint8 [height, width, 4]."""
-    while max(pixels.shape[:2]) > longest:
+def shrunk(pixels: U1, max_size: int) -> U1:
+    """Halve an image until its longer side is at most `max_size`, uint8 [height, width, 4]."""
+    while max(pixels.shape[:2]) > max_size:
         pixels = halved(pixels)
     return pixels
 

@@ -29,10 +29,10 @@ _OF_ALBEDO = ("TEXTURED", "COLOURED", "UV_TRANSFORMS")
 class ProjectorPass:
     """Draws projected textures."""
 
-    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, max_size: int) -> None:
         self._ctx = ctx
         self._shaders = shaders
-        self._textures = TextureStore(ctx, shaders, longest)
+        self._textures = TextureStore(ctx, shaders, max_size)
 
     def draw(
         self,

@@ -43,11 +43,11 @@ class SkyPass:
         issues: Backdrops that could not be drawn, each reported once; the caller removes what it reports.
     """
 
-    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, max_size: int) -> None:
         self._ctx = ctx
         self._shaders = shaders
-        self._longest = longest
-        self._textures = TextureStore(ctx, shaders, longest)
+        self._max_size = max_size
+        self._textures = TextureStore(ctx, shaders, max_size)
         self._shader = shaders.program("sky/sky.vert", "sky/sky.frag")
         self._arrays = bare_arrays(ctx)
         self._cube: tuple[list[TextureData], moderngl.TextureCube] | None = None
@@ -112,7 +112,7 @@ class SkyPass:
             self._cube[1].release()
         # Cube map faces are defined as seen from outside: mirror the sides, flip top and bottom.
         turned = (np.flip(each.pixels, 0 if number in (2, 3) else 1) for number, each in enumerate(pictures))
-        faces = [shrunk(face, self._longest) for face in turned]
+        faces = [shrunk(face, self._max_size) for face in turned]
         data = b"".join(np.ascontiguousarray(face).tobytes() for face in faces)
         size = (faces[0].shape[1], faces[0].shape[0])
         inner = SRGB8_ALPHA8 if pictures[0].srgb else None

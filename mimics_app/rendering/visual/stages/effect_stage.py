@@ -29,12 +29,12 @@ __all__ = ["EffectStage"]
 class EffectStage:
     """Prepares and draws sprites and projected textures."""
 
-    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest_texture: int) -> None:
-        self._pictures = PictureArrays(ctx, shaders, longest_texture)
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, max_size: int) -> None:
+        self._pictures = PictureArrays(ctx, shaders, max_size)
         self._field = SpriteField(self._pictures)
         self._sprites = SpritePass(ctx, shaders)
         self._projectors = ProjectorField()
-        self._projecting = ProjectorPass(ctx, shaders, longest_texture)
+        self._projecting = ProjectorPass(ctx, shaders, max_size)
         self._lights: frozenset[str] = frozenset()
 
     def prepare(self, world: World, lights: frozenset[str], settings: RenderSettings) -> None:

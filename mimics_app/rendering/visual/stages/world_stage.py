@@ -117,7 +117,7 @@ class WorldStage:
         shaders: ShaderLibrary,
         frame: FrameBuffers,
         settings: RenderSettings,
-        longest_texture: int,
+        max_size: int,
     ) -> None:
         self._ctx = ctx
         self._frame = frame
@@ -128,7 +128,7 @@ class WorldStage:
         self._volumes = VolumePass(ctx, shaders)
         self._ambient = AmbientPass(ctx, shaders, frame)
         self._cords = CordPass(ctx, shaders)
-        self.sky = SkyPass(ctx, shaders, longest_texture)
+        self.sky = SkyPass(ctx, shaders, max_size)
 
     def draw_parts(
         self, target: moderngl.Framebuffer, samples: int, scene: FrameScene, parts: Sequence[ViewDraws]
