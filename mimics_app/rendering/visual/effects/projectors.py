@@ -12,7 +12,7 @@ from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
 from mimics_app.rendering.visual.view import compute_frustum_planes
-from mimics_app.rendering.visual.view_matrices import compose_clip_from_view
+from mimics_app.rendering.visual.view_matrices import TEXTURE_FROM_CLIP, compose_clip_from_view
 from mimics_app.world.components.effects import Projector
 from mimics_app.world.materials.material import TextureData
 from mimics_app.world.materials.sprite_pictures import sprite_picture
@@ -20,8 +20,6 @@ from mimics_app.world.world import World
 
 __all__ = ["Beam", "BeamRuns", "ProjectorField", "clip_from_projector"]
 
-
-_TO_TEXTURE = np.array([[0.5, 0.0, 0.0, 0.5], [0.0, 0.5, 0.0, 0.5], [0.0, 0.0, 0.5, 0.5], [0.0, 0.0, 0.0, 1.0]])
 
 _CUBE = np.array([[*corner, 1.0] for corner in product((-1.0, 1.0), repeat=3)]).T
 
@@ -97,7 +95,7 @@ class ProjectorField:
         onto = _with_below(world, spec.onto) if spec.onto else None
         cube = np.linalg.inv(clip) @ _CUBE
         corners = (cube[:3] / cube[3]).T
-        return Beam(spec, key, picture, _TO_TEXTURE @ clip, towards, compute_frustum_planes(clip), corners, onto)
+        return Beam(spec, key, picture, TEXTURE_FROM_CLIP @ clip, towards, compute_frustum_planes(clip), corners, onto)
 
     def _picture(self, world: World, spec: Projector) -> tuple[str, TextureData]:
         own = f"#{spec.shape}", sprite_picture(spec.shape)

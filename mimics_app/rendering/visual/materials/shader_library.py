@@ -93,7 +93,7 @@ class ShaderLibrary:
         """Return the program of two shader files.
 
         Args:
-            vertex: Path below the shaders folder, e.g. "lit/lit.vert".
+            vertex: Path below the shaders folder, e.g. "common/mesh.vert".
             fragment: Path of the fragment shader.
             defines: Names to `#define`, e.g. ("TEXTURED",), as 1 unless "NAME=VALUE".
 

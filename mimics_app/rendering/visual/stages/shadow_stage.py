@@ -40,7 +40,7 @@ def light_features(lighting: Lighting, settings: RenderSettings) -> frozenset[st
     """Return the shader features that a frame's light needs, each "NAME" or "NAME=NUMBER"."""
     maps = _sun_maps(lighting, settings)
     wanted = {
-        f"PLACED_LIGHTS={lighting.place_count}": lighting.place_count > 0,
+        f"PLACED_LIGHTS={len(lighting.places)}": bool(lighting.places),
         f"SUN_SHADOW={maps}": maps > 0,
         "SPOT_SHADOWS": settings.shadow_size > 0 and bool(_spots(lighting)),
         "HAZE": (lighting.fog.density if lighting.fog else settings.fog_density) > 0.0,
