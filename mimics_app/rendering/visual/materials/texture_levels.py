@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.materials.vertex_arrays import bare_arrays
-from mimics_app.rendering.visual.surfaces.raw_gl import SRGB8_ALPHA8
+from mimics_app.rendering.visual.surfaces.raw_gl import SRGB8_ALPHA8, function_address
 
 if TYPE_CHECKING:
     import moderngl
@@ -157,9 +157,8 @@ class TextureLevels:
 
 
 def _load(ctx: moderngl.Context) -> dict[str, Callable[..., Any]]:
-    """Return the functions of OpenGL that moderngl lacks, by the context's own loader."""
-    loader: Any = ctx.mglo._context  # moderngl's own function loader
-    return {name: ctypes.CFUNCTYPE(*kinds)(loader.load_opengl_function(name)) for name, kinds in _FUNCTIONS.items()}
+    """Return the functions of OpenGL that moderngl lacks."""
+    return {name: ctypes.CFUNCTYPE(*kinds)(function_address(ctx, name)) for name, kinds in _FUNCTIONS.items()}
 
 
 def _sizes(width: int, height: int) -> list[tuple[int, int]]:
