@@ -8,6 +8,7 @@ The fault corrected, it becomes an `@example` of the test, which stays when the 
 from __future__ import annotations
 
 import gc
+import signal
 from collections.abc import Generator
 from pathlib import Path
 
@@ -32,6 +33,10 @@ settings.register_profile(DAILY, derandomize=False, deadline=None, database=Read
 settings.register_profile(RANDOM, derandomize=False, deadline=None, print_blob=True, database=_FOUND)
 settings.register_profile(NIGHTLY, parent=settings.get_profile(RANDOM), max_examples=2000)
 settings.load_profile(DAILY)
+
+# A job in the background of a shell ignores Ctrl-C, and so would every program that a test starts and interrupts.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["F4", "F8", "I4", "I8", "U1", "U2", "U4", "U8", "Mat", "Records", "Vec", "Vec3", "Words"]
+__all__ = ["B1", "F4", "F8", "I4", "I8", "U1", "U2", "U4", "U8", "Mat", "Records", "Vec", "Vec3", "Words"]
 
 F8 = NDArray[np.float64]
 F4 = NDArray[np.float32]
@@ -17,6 +17,7 @@ U8 = NDArray[np.uint64]
 U4 = NDArray[np.uint32]
 U2 = NDArray[np.uint16]
 U1 = NDArray[np.uint8]
+B1 = NDArray[np.bool_]
 
 Vec = F8
 """One axis: a point, a direction, a row of memory."""

@@ -176,7 +176,7 @@ def _table_row(row: Measured) -> Row:
 
 
 def as_dict(measured: MeasuredGroup) -> dict[str, Any]:
-    """Return plain values for `--json`."""
+    """Return plain values for `--json`, None where one does not apply."""
     rows = [
         {
             "method": row.method.name,
@@ -187,7 +187,7 @@ def as_dict(measured: MeasuredGroup) -> dict[str, Any]:
             "default": row.method.default,
             "settings": row.method.settings,
             "exponent": row.growth.exponent if row.growth else None,
-            "growth": list(zip(row.growth.sizes, row.growth.cost_us, strict=True)) if row.growth else [],
+            "growth": list(zip(row.growth.sizes, row.growth.cost_us, strict=True)) if row.growth else None,
         }
         for row in measured.rows
     ]

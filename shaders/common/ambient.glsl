@@ -7,7 +7,7 @@ layout(std140, binding = 6) uniform OpennessBlock {
     vec4 ssao_texels[2];                        // per eye: first and last column, last row
 };
 
-// Depth-aware bilinear upsampling from half resolution.
+// Depth-aware bilinear upsampling from half resolution (Kopf et al. 2007).
 float screen_visibility() {
     float away = 1.0 / gl_FragCoord.w;          // along the view axis of either eye
     vec4 place = ssao_place[EYE_SEEN], texels = ssao_texels[EYE_SEEN];

@@ -1,4 +1,5 @@
-// Lighting of an opaque surface: sun, point and spot lights, sky.
+// Lighting of an opaque surface: sun, point and spot lights, sky. Placed lights decrease with the inverse square of the
+// distance, and end at their range (window: Karis 2013).
 
 #ifdef PLACED_LIGHTS
 vec3 shine_of_light(int i, vec3 position_eye, Surface s) {

@@ -73,10 +73,10 @@ vec3 material_normal(vec3 normal, vec3 position, vec2 uv) {
     vec3 across_x = cross(normal, along_x), across_y = cross(along_y, normal);
     vec3 tangent = across_y * step_x.x + across_x * step_y.x;
     vec3 bitangent = across_y * step_x.y + across_x * step_y.y;
-    float longest = max(dot(tangent, tangent), dot(bitangent, bitangent));
+    float largest = max(dot(tangent, tangent), dot(bitangent, bitangent));
     vec3 slope = 2.0 * texture(normal_texture, place).xyz - 1.0;
     slope.xy *= map_strength.x;
-    float scale = inversesqrt(max(longest, 1e-30));
+    float scale = inversesqrt(max(largest, 1e-30));
     return normalize(scale * (tangent * slope.x - bitangent * slope.y) + normal * slope.z);
 }
 #endif

@@ -3,9 +3,10 @@
 #if defined(SUN_SHADOW) || defined(SPOT_SHADOWS)
 layout(binding = 1) uniform sampler2D shadow_map;
 
-// Percentage-closer filter of 3 x 3 texels around a position in the atlas [texel], weights (1-f, 1, f) per axis: the
-// mean of four bilinear comparisons one texel apart. All four have the same f, so that their texels are added before
-// weighting. Even and odd texels have equal total weight: the 2 x 2 dither of translucent casters is not visible.
+// Percentage-closer filter (Reeves et al. 1987) of 3 x 3 texels around a position in the atlas [texel], weights
+// (1-f, 1, f) per axis: the mean of four bilinear comparisons one texel apart. All four have the same f, so that their
+// texels are added before weighting. Even and odd texels have equal total weight: the 2 x 2 dither of translucent casters
+// is not visible.
 //
 // Where the two diagonal blocks of 2 x 2 texels are alike, the other two count as such, too: all but two of the nine
 // texels are known, each of which has a quarter of the weight at most. A uniform number of turns prevents unrolling.
@@ -29,23 +30,14 @@ float filtered_shadow(vec2 at, float depth) {
 }
 #endif
 
-#if defined(SUN_MAPS_4)
-#define SUN_MAPS 4
-#elif defined(SUN_MAPS_3)
-#define SUN_MAPS 3
-#elif defined(SUN_MAPS_2)
-#define SUN_MAPS 2
-#else
-#define SUN_MAPS 1
-#endif
-
 float sun_visibility(vec3 position_eye, vec3 normal) {
 #ifdef SUN_SHADOW
-    // The count is a constant: with a variable, software renderers gather every uniform from memory per pixel.
+    // SUN_SHADOW is the number of maps, a constant: with a variable, software renderers gather every uniform from memory
+    // per pixel.
     mat3 sun_from_eye = transpose(mat3(sun_right.xyz, sun_up.xyz, sun_direction.xyz));
     vec3 at = sun_from_eye * position_eye, out_of_surface = sun_from_eye * normal;
     vec4 map = vec4(0.0);       // place in the innermost map that covers the point [texel], its half texel [m], and 1
-    for (int i = SUN_MAPS - 1; i >= 0; --i) {
+    for (int i = SUN_SHADOW - 1; i >= 0; --i) {
         vec2 place = at.xy * sun_map[i].z + sun_map[i].xy, away = abs(place - sun_tile[i].xy);
         map = max(away.x, away.y) < sun_right.w ? vec4(place, sun_map[i].w, 1.0) : map;
     }
@@ -75,7 +67,7 @@ float spot_visibility(int light, vec3 position_eye, vec3 normal) {
     vec4 at = spot_from_eye[i] * vec4(position_eye + normal * (0.75 * away * spot_tile[i].w), 1.0);
     vec3 place = at.xyz / at.w;
     vec2 edge = abs(place.xy - 0.5);
-    bool asked = at.w > 0.0 && max(edge.x, edge.y) < 0.5 - 2.0 / spot_tile[i].z;
-    return asked ? filtered_shadow(spot_tile[i].xy + place.xy * spot_tile[i].z, place.z) : 1.0;
+    bool inside = at.w > 0.0 && max(edge.x, edge.y) < 0.5 - 2.0 / spot_tile[i].z;
+    return inside ? filtered_shadow(spot_tile[i].xy + place.xy * spot_tile[i].z, place.z) : 1.0;
 }
 #endif

@@ -9,11 +9,11 @@ const float TONE_TOE_HALF = 0.08;
 // subtracts the specular reflection of white surroundings, 0.04, but at most half of a dark colour: Khronos' own leaves
 // an eighth of 0.02, so that any shade becomes black with the hue of the sky.
 vec3 tone_map_neutral(vec3 colour) {
-    float least = min(colour.r, min(colour.g, colour.b));
-    colour -= TONE_TOE * least / (least + TONE_TOE_HALF);
+    float smallest = min(colour.r, min(colour.g, colour.b));
+    colour -= TONE_TOE * smallest / (smallest + TONE_TOE_HALF);
     float peak = max(colour.r, max(colour.g, colour.b));
-    float room = 1.0 - TONE_START;
-    float compressed = 1.0 - room * room / (peak + room - TONE_START);
+    float headroom = 1.0 - TONE_START;
+    float compressed = 1.0 - headroom * headroom / (peak + headroom - TONE_START);
     float grey = 1.0 - 1.0 / (TONE_DESATURATION * (peak - compressed) + 1.0);
     vec3 bright = mix(colour * (compressed / max(peak, 1e-6)), vec3(compressed), grey);
     return peak < TONE_START ? colour : bright;
@@ -22,15 +22,15 @@ vec3 tone_map_neutral(vec3 colour) {
 // Inverse of `tone_map_neutral`; values saturate at about thirty times white.
 vec3 undo_tone_map_neutral(vec3 colour) {
     float compressed = min(max(colour.r, max(colour.g, colour.b)), 0.998);
-    float room = 1.0 - TONE_START;
-    float peak = room * room / (1.0 - compressed) - room + TONE_START;
+    float headroom = 1.0 - TONE_START;
+    float peak = headroom * headroom / (1.0 - compressed) - headroom + TONE_START;
     float kept = 1.0 / (TONE_DESATURATION * (peak - compressed) + 1.0);
     vec3 hue = max((colour - compressed * (1.0 - kept)) / kept, 0.0);
     vec3 bright = hue * (peak / compressed);
     vec3 risen = compressed < TONE_START ? colour : bright;
-    float least = min(risen.r, min(risen.g, risen.b));
-    float half_sum = 0.5 * (least - TONE_TOE);     // least = x - TOE x / (x + HALF), solved for x
-    return risen + (half_sum + sqrt(half_sum * half_sum + TONE_TOE_HALF * least) - least);
+    float smallest = min(risen.r, min(risen.g, risen.b));
+    float half_sum = 0.5 * (smallest - TONE_TOE);     // smallest = x - TOE x / (x + HALF), solved for x
+    return risen + (half_sum + sqrt(half_sum * half_sum + TONE_TOE_HALF * smallest) - smallest);
 }
 
 // IEC 61966-2-1. The power of 1 / 2.4 is a polynomial of the fourth root, with an error below 0.009 of 255 levels:

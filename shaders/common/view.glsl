@@ -25,7 +25,7 @@ layout(std140, binding = 0) uniform ViewBlock {
     vec4 sky_horizon;           // w: unused
     vec4 sky_ground;            // w: 1 for the neutral tone map, 0 for none
     vec4 sky_light[3];          // ambient irradiance: coefficients of 1, of the normal's height, of its square
-    vec4 ambient;               // rgb: factor on the sky's light on surfaces; w: number of lights below
+    vec4 ambient;               // factor on the sky's light on surfaces; w: unused
     vec4 shadow;                // tone of modulative shadows or 0; texel of the atlas [uv]; turns of its filter; w: unused
     vec4 fog_colour;            // linear; w: unused
     vec4 fog_figures;           // density [1/m], start [m], kind: 0 squared, 1 exponential, 2 linear

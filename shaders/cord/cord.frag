@@ -5,20 +5,7 @@
 #include "common/shadow.glsl"
 #include "common/brdf.glsl"
 #include "common/lights.glsl"
-
-#define MOST_TAPS 8
-
-layout(std140, binding = 7) uniform CordBlock {
-    vec4 start;
-    vec4 along;
-    vec4 up;
-    vec4 form;
-    vec4 waves;
-    vec4 paint;
-    vec4 ball;
-    vec4 ball_light;
-    vec4 tap[MOST_TAPS];
-};
+#include "cord/cord_block.glsl"
 
 in vec3 position_eye;
 flat in vec4 eye_seen;          // position of the eye, frame "eye"

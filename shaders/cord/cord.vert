@@ -2,20 +2,7 @@
 // In float64: mimics_app/maths/cord.py.
 #include "common/view.glsl"
 #include "common/eyes.glsl"
-
-#define MOST_TAPS 8
-
-layout(std140, binding = 7) uniform CordBlock {
-    vec4 start;                 // eye frame; w: length [m]
-    vec4 along;                 // horizontal axis of its plane; w: parameter a [m]
-    vec4 up;                    // the axis it sags against; w: slope at the start
-    vec4 form;                  // radius [m], rings, sides, taps
-    vec4 waves;                 // speed [m/s], wave number [1/m], 1 / width^2 [1/m^2], damping by distance [1/m]
-    vec4 paint;                 // linear RGB; w: roughness
-    vec4 ball;                  // centre, eye frame; w: radius [m], 0 for none
-    vec4 ball_light;            // unit, towards what casts its shadow; w: softness of the shadow per metre of gap
-    vec4 tap[MOST_TAPS];        // along [m], around [rad], age [s], height with its damping by time [m]
-};
+#include "cord/cord_block.glsl"
 
 out vec3 position_eye;
 out vec3 normal;
@@ -51,7 +38,7 @@ void main() {
     float a = along.w, q = up.w, w = s / a, p = q + w;
     float root_p = sqrt(1.0 + p * p), root_q = sqrt(1.0 + q * q);
     float apart = p * q > 0.0 ? w * (p + q) / (p * root_q + q * root_p) : p * root_q - q * root_p;
-    vec3 middle = start.xyz + a * small_asinh(apart) * along.xyz + s * (p + q) / (root_p + root_q) * up.xyz;
+    vec3 centre = start.xyz + a * small_asinh(apart) * along.xyz + s * (p + q) / (root_p + root_q) * up.xyz;
     vec3 tangent = (along.xyz + p * up.xyz) / root_p;
     vec3 inside = (up.xyz - p * along.xyz) / root_p;
     vec3 binormal = cross(along.xyz, up.xyz);
@@ -63,7 +50,7 @@ void main() {
     float r = form.x + h.x;
     float stretch = 1.0 - r * cos(theta) / (a * root_p * root_p);
     normal = outwards - h.y / stretch * tangent - h.z / r * around;
-    position_eye = middle + r * outwards;
+    position_eye = centre + r * outwards;
     at = vec2(s, theta);
     put_at(position_eye);
 }

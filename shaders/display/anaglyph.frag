@@ -1,4 +1,4 @@
-// Two pictures side by side to an anaglyph, mixed in linear light.
+// Two pictures side by side to an anaglyph, mixed in linear light (Dubois 2001).
 #include "post/region.glsl"
 #include "common/tone.glsl"
 

@@ -1,4 +1,5 @@
-// Lens correction: two pictures side by side to two panels; each pixel samples where its lens shows it, per colour.
+// Lens correction: two pictures side by side to two panels; each pixel samples where its lens shows it,
+// per colour (radial distortion: Brown 1971).
 #include "post/region.glsl"
 
 uniform vec4 panel_0, panel_1;  // tangents of the panels: left, right, bottom, top

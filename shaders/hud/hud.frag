@@ -1,4 +1,5 @@
-// Rounded box, glyph or image. Each is a variant: software renderers pay for the texture that a box does not have.
+// Rounded box, glyph from a signed distance field (Green 2007), or image. Each is a variant: software renderers pay for
+// the texture that a box does not have.
 #if defined(GLYPHS)
 layout(binding = 2) uniform sampler2D glyphs;           // signed distance, 0.5 on the outline
 
@@ -23,7 +24,7 @@ float coverage() {
     return clamp(away + 0.5, 0.0, 1.0);
 }
 #else
-// Distance to the outline of a rounded box [hud px], negative inside.
+// Distance to the outline of a rounded box [hud px], negative inside (Quilez).
 float rounded_box(vec2 p, vec2 size, float radius) {
     vec2 q = abs(p) - size + radius;
     return min(max(q.x, q.y), 0.0) + length(max(q, 0.0)) - radius;

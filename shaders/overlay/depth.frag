@@ -8,11 +8,11 @@ in vec2 uv;
 out vec4 colour;
 
 void main() {
-    ivec2 most = textureSize(depths, 0) - 1, texel = min(ivec2(uv * vec2(most + 1)), most);
+    ivec2 last = textureSize(depths, 0) - 1, texel = min(ivec2(uv * vec2(last + 1)), last);
     float depth = texelFetch(depths, texel, 0).r;
     ivec2 tile = min(ivec2(uv * tiles), ivec2(tiles) - 1);
     vec2 rise = vec2(
-        depth - texelFetch(depths, min(texel + ivec2(1, 0), most), 0).r,
+        depth - texelFetch(depths, min(texel + ivec2(1, 0), last), 0).r,
         depth - texelFetch(depths, max(texel - ivec2(0, 1), ivec2(0)), 0).r);
     float slope = (rise.x + rise.y) * relief[tile.y * int(tiles) + tile.x];
     float shade = 0.55 - 0.38 * slope / sqrt(1.0 + slope * slope) + 0.12 * (0.5 - depth);

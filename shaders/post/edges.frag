@@ -27,8 +27,8 @@ float luma_between(vec2 at) {
 }
 
 float luma_at(ivec2 texel) {
-    ivec2 least = ivec2(region.xy);
-    return luma(texelFetch(picture, clamp(texel, least, least + ivec2(region.zw) - 1), 0).rgb);
+    ivec2 first = ivec2(region.xy);
+    return luma(texelFetch(picture, clamp(texel, first, first + ivec2(region.zw) - 1), 0).rgb);
 }
 
 void main() {

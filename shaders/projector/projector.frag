@@ -1,4 +1,4 @@
-// A texture projected onto a surface that is drawn again with depth test "equal".
+// A texture projected onto a surface that is drawn again with depth test "equal" (Segal et al. 1992).
 #define MATT
 #include "common/view.glsl"
 #include "common/material.glsl"

@@ -1,4 +1,5 @@
 // Depth from a light, from one eye, or from both eyes.
+#include "common/instance.glsl"
 #ifdef EYES_BY_CLIPPING
 #include "common/view.glsl"
 #include "common/eyes.glsl"
@@ -6,20 +7,13 @@
 uniform mat4 clip_from_eye;
 #endif
 
-in vec3 in_position;
-in vec2 in_uv;
-in vec4 eye_row0;
-in vec4 eye_row1;
-in vec4 eye_row2;
 out vec2 uv;
 
 void main() {
-    vec4 position = vec4(in_position, 1.0);
-    vec3 position_eye = vec3(dot(eye_row0, position), dot(eye_row1, position), dot(eye_row2, position));
     uv = in_uv;
 #ifdef EYES_BY_CLIPPING
-    put_at(position_eye);
+    put_at(instance_position());
 #else
-    gl_Position = clip_from_eye * vec4(position_eye, 1.0);
+    gl_Position = clip_from_eye * vec4(instance_position(), 1.0);
 #endif
 }

@@ -1,5 +1,6 @@
-// Skinning by joints and morph targets; transform feedback into the vertex buffer that all passes draw from.
-// SETS: attributes of four joints each. DUAL: blends dual quaternions, else matrices. MORPHS: has morph targets.
+// Skinning by joints and morph targets (glTF 2.0); transform feedback into the vertex buffer that all passes draw from.
+// SETS: number of attributes of four joints each. DUAL: blends dual quaternions (Kavan et al. 2008), else matrices.
+// MORPHS: has morph targets.
 layout(std140, binding = 11) uniform Palette {
     vec4 rows[4096];
 };
@@ -9,15 +10,15 @@ in vec3 in_normal;
 in vec2 in_uv;
 in uvec4 in_joints0;
 in vec4 in_weights0;
-#if defined(SETS_2) || defined(SETS_3) || defined(SETS_4)
+#if SETS > 1
 in uvec4 in_joints1;
 in vec4 in_weights1;
 #endif
-#if defined(SETS_3) || defined(SETS_4)
+#if SETS > 2
 in uvec4 in_joints2;
 in vec4 in_weights2;
 #endif
-#if defined(SETS_4)
+#if SETS > 3
 in uvec4 in_joints3;
 in vec4 in_weights3;
 #endif
@@ -82,13 +83,13 @@ void main() {
     heaviest = rows[2u * in_joints0.x];
 #endif
     mix_four(in_joints0, in_weights0);
-#if defined(SETS_2) || defined(SETS_3) || defined(SETS_4)
+#if SETS > 1
     mix_four(in_joints1, in_weights1);
 #endif
-#if defined(SETS_3) || defined(SETS_4)
+#if SETS > 2
     mix_four(in_joints2, in_weights2);
 #endif
-#if defined(SETS_4)
+#if SETS > 3
     mix_four(in_joints3, in_weights3);
 #endif
 #ifdef DUAL

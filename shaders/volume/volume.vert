@@ -1,4 +1,4 @@
-// A shadow volume for one eye or both; vertices at infinity have w = 0.
+// A shadow volume for one eye or both; vertices at infinity have w = 0 (Everitt and Kilgard 2002).
 #include "common/view.glsl"
 #include "common/both_eyes.glsl"
 

@@ -7,12 +7,14 @@ import re
 import shutil
 from pathlib import Path
 
+import moderngl
 import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError
 from mimics_app.rendering.visual.displays.desktop import desktop_views
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
@@ -78,7 +80,7 @@ def test_plain_light_asks_a_pixel_and_a_corner_for_no_more_than_the_scene_has(to
         renderer.release()
     texts = [compiled((_SHADERS / name).read_text(), defines) for name in ("plain/plain.vert", "plain/plain.frag")]
     called = set(re.findall(r"(\w+)\(", texts[0].split("void main()")[1])) - {"vec2", "vec3", "vec4", "mat3"}
-    least = {"normalize", "max", "dot", "sky_irradiance", "put_at", "abs", "cross", "transpose"}
+    least = {"normalize", "max", "dot", "sky_irradiance", "put_at", "abs", "instance_position", "instance_normal"}
     assert called == least | corner
     assert len(re.findall(r"^out ", texts[0], re.MULTILINE)) == varyings
     assert len(re.findall(r"^in ", texts[1], re.MULTILINE)) == varyings
@@ -135,6 +137,29 @@ def test_a_reload_takes_good_shaders_and_keeps_the_old_one_for_bad(folder):
         assert surface.ctx.error == "GL_NO_ERROR"
     assert tuple(after[0, 80, :3]) == (255, 0, 255)
     assert np.array_equal(after[60:], before[60:]), "only the sky changed"
+
+
+def test_a_reload_replaces_the_vertex_arrays_of_its_program_alone(folder):
+    with create_surface("egl", (16, 16)) as surface:
+        library = ShaderLibrary(surface.ctx, folder)
+        sky, level = (library.program(f"{name}.vert", f"{name}.frag") for name in ("sky/sky", "texture/level"))
+        made: list[tuple[str, int]] = []
+
+        def make(shader, number):
+            made.append((shader.vertex, number))
+            return surface.ctx.vertex_array(shader.program, [])
+
+        arrays = VertexArrays(make)
+        before = [arrays.of(shader, number) for shader in (sky, level) for number in (1, 2)]
+        assert [arrays.of(shader, number) for shader in (sky, level) for number in (1, 2)] == before
+        rewrite(folder / "sky" / "sky.frag", "mix(light, over.rgb, over.a)", "mix(over.rgb, light, over.a)")
+        assert library.reload() == []
+        after = [arrays.of(shader, number) for shader in (sky, level) for number in (1, 2)]
+        assert made == [(each.vertex, k) for each in (sky, level, sky) for k in (1, 2)]
+        assert after[0].program is sky.program and after[2:] == before[2:]
+        assert [isinstance(each.mglo, moderngl.InvalidObject) for each in before] == [True, True, False, False]
+        arrays.release()
+        assert all(isinstance(each.mglo, moderngl.InvalidObject) for each in after)
 
 
 def test_meshes_materials_and_visibility_follow_the_world(assert_same):

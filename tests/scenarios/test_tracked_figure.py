@@ -115,7 +115,9 @@ def test_a_head_that_is_hidden_is_nowhere_and_the_body_stays(figure) -> None:
     assert heights[1] == pytest.approx(1.607, abs=0.02)
 
 
-@pytest.mark.parametrize(("change", "words"), [("gone", 'no entity "avatar"'), ("ball", "no person's")])
+@pytest.mark.parametrize(
+    ("change", "words"), [("gone", 'no entity "avatar"'), ("ball", "it has no joints; see mimics avatar import")]
+)
 def test_a_scene_without_a_person_is_refused(tmp_path: Path, change: str, words: str) -> None:
     document = json.loads((ROOT / "scenes" / "avatar_cord.json").read_text())
     kept = [each for each in document["entities"] if each["id"] != "avatar"]

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.inputs.physio.amplifier_frames import binary_header, binary_samples, text_header, text_sample
+from mimics_app.inputs.physio.serial_amplifier import SerialAmplifier
 
-__all__ = ["AmplifierEmulator"]
+__all__ = ["AmplifierEmulator", "opened"]
 
 
 class AmplifierEmulator:
@@ -65,3 +67,20 @@ class AmplifierEmulator:
 
     def _send(self, data: bytes) -> None:
         os.write(self._main, data)
+
+
+def opened(emulator: AmplifierEmulator) -> SerialAmplifier:
+    """The amplifier at the other end, which says its header until somebody listens."""
+    heard = threading.Event()
+
+    def announce() -> None:
+        while not heard.wait(0.05):
+            emulator.announce()
+
+    talk = threading.Thread(target=announce)
+    talk.start()
+    try:
+        return SerialAmplifier(emulator.port)
+    finally:
+        heard.set()
+        talk.join()

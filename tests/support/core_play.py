@@ -18,10 +18,15 @@ __all__ = ["CorePlay", "KeepingRecorder", "change_component"]
 
 
 def change_component(scene: Scene, component: str, **values: Any) -> None:
-    """Give fields of the first component of a type other values."""
+    """Give fields of the first component of a type other values, as if its file had said so.
+
+    What was derived from the scene is derived anew where its source has changed; call it before a session is prepared.
+    """
     for entity in scene.entities:
         if component in entity.components:
             entity.components[component] = msgspec.structs.replace(entity.components[component], **values)
+            scene.take_over(scene)
+            scene._derived.clear()
             return
     raise KeyError(component)
 

@@ -150,7 +150,7 @@ def test_the_schema_can_be_written_to_a_file_or_not_at_all(tmp_path, capsys):
     assert main(["schema", "--out", str(tmp_path / "s.json")]) == 0
     assert capsys.readouterr().out == ""
     assert json.loads((tmp_path / "s.json").read_text()) == json.loads(json.dumps(scene_schema()))
-    assert main(["schema", "--out", str(tmp_path / "no" / "s.json")]) == 2
+    assert main(["schema", "--out", str(tmp_path / "no" / "s.json")]) == 3
 
 
 def test_the_schema_has_no_dangling_reference():

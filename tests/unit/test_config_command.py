@@ -14,6 +14,7 @@ from tests.support.command import mimics
 def _settings(*words: str) -> dict[tuple[str, str], dict[str, object]]:
     answer = mimics("config", *words, "--headless", "--json")
     assert answer.returncode == 0, answer.stderr
+    assert "null" not in answer.stdout
     return {(row["section"], row["name"]): row for row in json.loads(answer.stdout)["settings"]}
 
 
@@ -39,6 +40,7 @@ def test_every_value_names_what_set_it(tmp_path):
     }
     for key, (value, unit, origin) in expected.items():
         assert (shown[key]["value"], shown[key]["unit"], shown[key]["origin"]) == (value, unit, origin), key
+    assert "value" not in shown["run", "seconds"]
     hidden = {"journey"}
     assert {name for section, name in shown if section == "run"} == {f.name for f in fields(RunSettings)} - hidden
     assert {name for section, name in shown if section == "safety"} >= set(Safety.__struct_fields__)

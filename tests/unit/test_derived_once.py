@@ -19,6 +19,8 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.resources import root
 from mimics_app.rendering.haptic import scene_object, scene_objects, scene_tunnel
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
+from mimics_app.rendering.haptic.scene_tunnel import tunnel_rows
+from tests.support.core_play import change_component
 from tests.support.object_scenes import at, gltf_box, thing, written
 
 SCENES = root() / "scenes"
@@ -48,6 +50,19 @@ def test_a_start_works_out_the_tunnel_the_objects_and_their_meshes_once(made: li
     parts = prepare(RunSettings(SCENES / "wavy_tunnel.json"), live=False)
     parts.plugin.close()
     assert sorted(made) == ["_gather", "build_mesh_table", "tunnel_from_component"]
+
+
+def test_a_component_that_a_test_changes_takes_effect_where_it_was_derived_already(made: list[str]) -> None:
+    scene = load_checked_scene(SCENES / "wavy_tunnel.json")
+    wide = float(tunnel_rows(scene)[0]["radius"][0, 0, 0])
+    change_component(scene, "tunnel", radius=0.5 * wide)
+    parts = prepare_scene(scene, RunSettings(scene.path))
+    parts.plugin.close()
+    assert objects_of_scene(parts.scene).rows.tunnels["radius"][0, 0, 0] == 0.5 * wide
+    made.clear()
+    change_component(scene, "patient", preset="severe")
+    tunnel_rows(scene)
+    assert made == []
 
 
 def test_the_table_of_meshes_is_made_once(made: list[str]) -> None:

@@ -310,7 +310,21 @@ def test_measure_prints_one_object_and_saves_where_it_is_asked_to(monkeypatch, t
     answer = json.loads(capsys.readouterr().out)
     group = answer["groups"]["admittance form"]
     assert {one["method"] for one in group["rows"]} == {"cartesian", "polar", "seed"}
+    assert answer["saved"] == str(tmp_path / "methods.json")
     assert group["reference_us"] > 0.0 and (tmp_path / "methods.json").is_file()
+
+
+def test_measure_leaves_out_what_does_not_apply_to_a_method(monkeypatch, capsys):
+    """Settings of a yardstick, growth of a constant cost, the file of a table not saved."""
+    registry = planted_registry()
+    monkeypatch.setattr("mimics_app.lab.catalogue.load_methods", lambda _: registry)
+    monkeypatch.setattr("mimics_app.app.commands.lab._groups", lambda _: ["sums"])
+    assert main(["lab", "measure", "sums", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    ours, yardstick = (set(row) for row in answer["groups"]["sums"]["rows"])
+    assert ours == {"method", "cost_us", "ratio", "error", "unit", "default", "settings"}
+    assert yardstick == ours - {"settings"}
+    assert "saved" not in answer
 
 
 def test_shipped_charts_and_the_shipped_table_are_of_one_measurement(monkeypatch, tmp_path):

@@ -28,26 +28,6 @@ def result(trial: int, performance: float, radius: float, **more: object) -> Tri
     return TrialResult(trial, 0, "finished", performance, performance, values={"radius": radius, "look": 0.0}, **more)
 
 
-@pytest.mark.parametrize("name", sorted(POLICIES))
-def test_every_policy_stays_inside_and_says_its_propensity(name: str) -> None:
-    policy, rng = build_policy(name), np.random.default_rng(2)
-    policy.begin(np.full(7, 0.5), rng)
-    for _ in range(30):
-        choice = policy.act()
-        assert ((choice.demand >= 0.0) & (choice.demand <= 1.0)).all()
-        assert ((choice.propensity > 0.0) & (choice.propensity <= 1.0 + 1e-12)).all()
-        success = rng.random(7)
-        success[0] = np.nan
-        unknown = np.full(7, np.nan)
-        policy.learn(Outcome(choice.demand, success, unknown, unknown, success))
-
-
-@pytest.mark.parametrize("name", sorted(POLICIES))
-def test_the_same_seed_chooses_the_same(name: str) -> None:
-    one, other = (play_cohort(POLICIES[name], n=20, trials=10).demand for _ in range(2))
-    np.testing.assert_array_equal(one, other)
-
-
 def test_the_tracker_beats_the_staircase_and_chance() -> None:
     regret = {name: play_cohort(POLICIES[name], n=400).mean for name in ("kalman", "staircase", "random")}
     assert regret["kalman"] <= 0.75 * regret["staircase"]

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimics_app.app.terminal.output import finite, write_object
+from mimics_app.app.terminal.output import applicable, finite, write_object
 
 
 def test_numbers_that_json_has_not_become_null() -> None:
@@ -31,6 +31,11 @@ def test_bool_stays_bool_and_path_becomes_text() -> None:
 def test_unknown_type_is_refused_rather_than_guessed() -> None:
     with pytest.raises(TypeError, match="object"):
         finite({"x": object()})
+
+
+def test_figures_that_do_not_apply_are_left_out_and_lists_keep_their_length() -> None:
+    data = {"rows": [{"cost": 0.0, "error": float("nan"), "n": None}, {"cost": np.float64("inf")}], "grid": [None, 1]}
+    assert applicable(data) == {"rows": [{"cost": 0.0}, {}], "grid": [None, 1]}
 
 
 def test_schema_and_command_come_first(capsys: pytest.CaptureFixture[str]) -> None:

@@ -30,7 +30,7 @@ def test_on_a_robot_of_its_own_time_the_mouse_only_stops(real_time: bool):
     """An emulated robot's person follows the scene though the mouse has a cursor; at a pointer the mouse leads."""
     session: Any = SimpleNamespace(
         scene=load_checked_scene(root() / "scenes" / "pick_and_place.json"),
-        scenario=SimpleNamespace(via_points_world=()),
+        scenario=SimpleNamespace(via_points_world=(), hand_frame=lambda: None),
         picture=SimpleNamespace(
             ray=lambda right, up: ((right, up, 2.0), (0.0, 0.0, -1.0)),
             surface=Window(),

@@ -15,7 +15,7 @@ import pyarrow as pa
 import pytest
 
 from mimics_app.contracts import ring
-from mimics_app.contracts.errors import PartialDataError, SceneError, UsageError
+from mimics_app.contracts.errors import OutputError, PartialDataError, SceneError
 from mimics_app.contracts.haptic import EVENT, SAMPLE, SCENE, EventKind
 from mimics_app.contracts.messages import SignalBlock
 from mimics_app.contracts.session_memory import SessionMemory
@@ -469,9 +469,9 @@ def test_run_folder_is_never_an_old_one(tmp_path: Path, monkeypatch: pytest.Monk
 
 def test_run_folder_refuses_a_file_and_a_full_disk(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(UsageError, match="no run folder can be made"):
+    with pytest.raises(OutputError, match="no run folder can be made"):
         create_run_folder(tmp_path / "file")
-    with pytest.raises(UsageError, match="MB free"):
+    with pytest.raises(OutputError, match="MB free"):
         create_run_folder(tmp_path, expected_s=1e12)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import threading
 import time
 from pathlib import Path
 from types import SimpleNamespace
@@ -26,7 +25,7 @@ from mimics_app.inputs.physio.simulated.source import SimulatedBody
 from mimics_app.inputs.physio.sources import look_for_source, open_source
 from mimics_app.inputs.stage import Movement
 from mimics_app.maths.poses import rotation_from_vector
-from tests.support.amplifier import AmplifierEmulator
+from tests.support.amplifier import AmplifierEmulator, opened
 from tests.support.body_signals import body
 
 SECOND = 1_000_000_000
@@ -144,23 +143,6 @@ def until(source: Any, wanted: int, give_up_s: float = 20.0) -> list[Any]:
     return blocks
 
 
-def opened(emulator: AmplifierEmulator) -> SerialAmplifier:
-    """The amplifier at the other end, which says its header until somebody listens."""
-    heard = threading.Event()
-
-    def announce() -> None:
-        while not heard.wait(0.05):
-            emulator.announce()
-
-    talk = threading.Thread(target=announce)
-    talk.start()
-    try:
-        return SerialAmplifier(emulator.port)
-    finally:
-        heard.set()
-        talk.join()
-
-
 @pytest.mark.parametrize("binary", [False, True])
 def test_an_amplifier_at_a_line(binary: bool) -> None:
     wave = np.column_stack([np.arange(400.0), np.full(400, 5.0)])
@@ -268,8 +250,8 @@ def test_a_stream_of_lsl() -> None:
         channels.append_child("channel").append_child_value("label", label)
     outlet = pylsl.StreamOutlet(info)
     source = LslSource(name)
+    source.read(time.monotonic_ns())  # opens the stream
     outlet.wait_for_consumers(10.0)
-    source.read(time.monotonic_ns())
     end = time.monotonic() + 20.0
     blocks: list[Any] = []
     sent = 0

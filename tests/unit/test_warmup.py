@@ -49,7 +49,13 @@ def test_where_nothing_draws_the_loops_are_compiled_all_the_same(
 
     monkeypatch.setattr("mimics_app.app.play.stills.draw_stills", refuse)
     assert cli.main(["warmup", "--json"]) == 0
-    assert played == ["avatar_cord.json", "guided_walk.json", "pick_and_place.json", "wavy_tunnel.json"]
+    assert played == [
+        "avatar_cord.json",
+        "city_walk.json",
+        "guided_walk.json",
+        "pick_and_place.json",
+        "wavy_tunnel.json",
+    ]
 
 
 def test_large_parts_are_compiled_in_processes_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:

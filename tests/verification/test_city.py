@@ -299,19 +299,26 @@ def test_the_shipped_city_is_seed_one(built: Built) -> None:
         assert (root() / "assets" / "models" / "city" / "city.glb").read_bytes() == built.data
 
 
-def test_cameras_of_the_scene_stand_outside_the_houses() -> None:
-    """Six named views and the visitor, each at a place a person or a bird can be at."""
+def test_cameras_and_paths_of_the_scene_stay_outside_the_houses() -> None:
+    """Seven views, each at a place a person or a bird can be at, and every corner of the paths that people walk."""
     scene = load_scene(root() / "scenes" / "city_walk.json")
     model = scene.assets["city"].model
     assert model is not None
-    cameras = [np.array(entity.transform.translation) for entity in scene.entities if "camera" in entity.components]
+    cameras = [
+        np.array(entity.transform.translation)
+        for entity in scene.entities
+        if "camera" in entity.components and not entity.parent
+    ]
     assert len(cameras) == 7
+    paths = [entity.components["walking_path"] for entity in scene.entities if "walking_path" in entity.components]
+    corners = [np.array(point) + (0.0, 1.6, 0.0) for path in paths for point in path.points]
+    assert len(corners) > 20
     for node in model.nodes:
         if "mimics" in node.extras:
             box = {key: np.array(value) for key, value in node.extras["mimics"]["occluder"].items()}
             _, sine, _, cosine = node.rotation  # of half the angle about +y
             cos, sin = cosine * cosine - sine * sine, 2.0 * sine * cosine
-            for camera in cameras:
-                x, y, z = camera - node.translation
+            for place in (*cameras, *corners):
+                x, y, z = place - node.translation
                 local = np.array([x * cos - z * sin, y, x * sin + z * cos]) / node.scale - box["centre"]
                 assert (np.abs(local) > 0.5 * box["size"] + 0.7).any(), node.name

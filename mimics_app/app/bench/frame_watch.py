@@ -23,8 +23,8 @@ _SETTLING_S, _SETTLING_FRAMES = 1.0, 10
 """Frames, then time [s], that do not count at the beginning. The first frames may compile kernels and shaders for
 seconds, where an earlier run left none."""
 
-_FEWEST = 3
-"""Least number of frames of each kind, whole and by stages, for a measurement."""
+_MIN_FRAMES = 3
+"""Minimum number of frames of each kind, whole and by stages, for a measurement."""
 
 _TIMED_SHARE = 0.4
 """Share of the time, at the end, in which stages are timed."""
@@ -81,7 +81,7 @@ class FrameWatch:
     def done(self) -> bool:
         """Whether the time is over, and enough frames of both kinds were seen."""
         timed = max(map(len, self.stages.values()), default=0)
-        return timed >= _FEWEST and self.watched.clock.now_ns() >= self.end_ns
+        return timed >= _MIN_FRAMES and self.watched.clock.now_ns() >= self.end_ns
 
     def look(self, _: object = None) -> None:
         """Measure after a frame."""
@@ -96,7 +96,7 @@ class FrameWatch:
             return
         spent = times.frames[-1].cpu_ms if times.frames else {}
         self.seen.append(((now_ns - self.begun[1]) / _NS, governor.last_ms, *_longest(spent, governor.last_ms)))
-        if now_ns < self.stages_ns or len(self.frames_ms) < _FEWEST:
+        if now_ns < self.stages_ns or len(self.frames_ms) < _MIN_FRAMES:
             self.frames_ms.append(governor.last_ms)
             self._settle(now_ns)
         elif not times.waits:

@@ -20,7 +20,7 @@ __all__ = ["OGRE_WORKLOADS", "measure_ogre", "measure_ogre_particles"]
 OGRE_WORKLOADS = ("city", "nodes", "crowd")
 """Workloads of the harness."""
 
-_LONGEST_S = 300.0
+_TIMEOUT_S = 300.0
 """Time-out of a measurement [s]."""
 
 _PYTHON = "/usr/bin/python3"
@@ -88,7 +88,7 @@ def _row_of(program: list[str], size: tuple[int, int], report: Callable[[str], N
             [*screen, _PYTHON, *program],
             capture_output=True,
             text=True,
-            timeout=_LONGEST_S,
+            timeout=_TIMEOUT_S,
             check=True,
             env=os.environ | {"PYTHONPATH": str(Path(mimics_app.__file__).parents[1])},
         )

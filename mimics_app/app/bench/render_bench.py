@@ -24,7 +24,7 @@ from mimics_app.rendering.visual.surfaces.surface import Size, Surface
 
 __all__ = ["OPTIONS", "RenderBench", "measure_render"]
 
-_LEAST_FRAMES = 5
+_MIN_FRAMES = 5
 _FEW = 3
 _CALM_NS, _SETTLING_NS = 4_000_000_000, 40_000_000_000
 """Time without a change after which the governor has settled, and time-out for it [ns]."""
@@ -134,13 +134,13 @@ def _time_frames(wanted: RenderBench, workload: Workload, renderer: Renderer, su
             processor = process_seconds()
         started = clock.now_ns()
         workload.update(frame)
-        handed = clock.now_ns()
+        updated = clock.now_ns()
         stats = renderer.draw_finished([workload.view(frame, wanted.size)])
         done = clock.now_ns()
         if frame >= wanted.warmup:
-            updates.append((handed - started) * 1e-6)
-            renders.append((done - handed) * 1e-6)
-        if len(renders) >= _LEAST_FRAMES and 1e-3 * (sum(updates) + sum(renders)) > wanted.budget:
+            updates.append((updated - started) * 1e-6)
+            renders.append((done - updated) * 1e-6)
+        if len(renders) >= _MIN_FRAMES and 1e-3 * (sum(updates) + sum(renders)) > wanted.budget:
             break
     processor = process_seconds() - processor
     if wanted.shot is not None:

@@ -17,8 +17,8 @@ from types import FrameType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import I8
 from mimics_app.contracts.clock import SECOND_NS, TICK_NS, MonotonicClock
 from mimics_app.rendering.haptic.scheduler import cores, occupy_core
 
@@ -33,7 +33,7 @@ _WINDOW_NS = 30_000_000
 _STOP_S = 10.0
 """Time-out of the end of a witness [s]."""
 
-Stalls = NDArray[np.int64]
+Stalls = I8
 """Shape [n, 2]: begin and end of each stall on the clock of `MonotonicClock` [ns]."""
 
 

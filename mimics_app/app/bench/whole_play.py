@@ -16,6 +16,7 @@ from mimics_app.app.session.frame import Frames
 from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.session.switched_off import NullRecorder
 from mimics_app.app.settings import RunSettings
+from mimics_app.contracts.arrays import U1
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.object_rows import Rows
 from mimics_app.contracts.session_memory import SessionMemory
@@ -100,7 +101,7 @@ class WholePlay:
             means.append((self._clock.now_ns() - started) * 1e-3 / _TICKS)
         return min(means)
 
-    def draw(self, plan: Plan) -> tuple[float, NDArray[np.uint8]]:
+    def draw(self, plan: Plan) -> tuple[float, U1]:
         """Return the cost of a frame with the methods of a plan [us], and its picture.
 
         The cost includes every stage of the main thread, to the last pixel. Session time does not advance meanwhile, so

@@ -13,15 +13,13 @@ from functools import cache, partial
 from pathlib import Path
 from typing import get_args
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mimics_app.app.bench.whole_play import WholePlay
 from mimics_app.app.picture.methods import PICTURE_GROUPS
 from mimics_app.app.planner.plan import Plan, load_table, plan_scene
 from mimics_app.app.planner.uses import uses
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.settings import Profile
+from mimics_app.contracts.arrays import U1
 from mimics_app.contracts.methods import Group, Method, Registry, Settings
 from mimics_app.contracts.probe import reference_us
 from mimics_app.contracts.resources import root
@@ -154,7 +152,7 @@ def _false_force(scene: str, name: str) -> float:
         return _reference(scene).force_apart(changed)
 
 
-def _drawn(scene: str, name: str) -> tuple[float, NDArray[np.uint8]]:
+def _drawn(scene: str, name: str) -> tuple[float, U1]:
     return _reference(scene).draw(_changed(scene, _known(scene, PICTURE_GROUPS)[name]))
 
 
@@ -163,7 +161,7 @@ def _frame_us(scene: str, name: str) -> float:
 
 
 @cache
-def _reference_picture(scene: str) -> NDArray[np.uint8]:
+def _reference_picture(scene: str) -> U1:
     return _drawn(scene, _REFERENCE)[1]
 
 

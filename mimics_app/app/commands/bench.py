@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from mimics_app.app.terminal.arguments import file_to_write, picture_size, positive_time, real_number, whole_number
-from mimics_app.app.terminal.output import answer, finite
+from mimics_app.app.terminal.output import answer, applicable, finite
 from mimics_app.contracts.errors import DeviceError, UsageError
 
 __all__ = ["add_arguments", "run"]
@@ -258,7 +258,7 @@ def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
     from mimics_app.lab.measure import as_dict, measure
 
     registry = load_methods()
-    return {"groups": {group: as_dict(measure(group, registry)) for group in all_groups()}}
+    return {"groups": applicable({group: as_dict(measure(group, registry)) for group in all_groups()})}
 
 
 def _measure_audio(args: argparse.Namespace) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.app.commands.run import add_arguments as add_arguments_of_run
 from mimics_app.app.settings import RunSettings
-from mimics_app.app.terminal.output import answer
+from mimics_app.app.terminal.output import answer, applicable
 
 if TYPE_CHECKING:
     from mimics_app.app.session.effective_settings import EffectiveSetting
@@ -45,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
         shown = effective_settings(parts, args.meanings)
     finally:
         parts.plugin.close()
-    answer(args, {"settings": [asdict(setting) for setting in shown]}, _lines(shown))
+    answer(args, applicable({"settings": [asdict(setting) for setting in shown]}), _lines(shown))
     return 0
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from mimics_app import __version__
 from mimics_app.app.installation import system_packages
-from mimics_app.app.terminal.output import answer
+from mimics_app.app.terminal.output import answer, applicable
 from mimics_app.contracts.errors import DeviceError
 
 __all__ = ["add_arguments", "examine", "run"]
@@ -40,12 +40,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Examine the machine; 0 when scenes can run here, 4 when something they need is missing."""
     findings = examine(args.runs)
-    answer(args, findings, _lines(findings))
+    answer(args, applicable(findings), _lines(findings))
     return 0 if findings["ready"] else DeviceError.exit_code
 
 
 def examine(runs: Path) -> dict[str, Any]:
-    """Return everything found, as the object of `--json`.
+    """Return everything found, as the object of `--json`; None where something does not apply.
 
     Args:
         runs: Parent of the run folders.
@@ -59,7 +59,7 @@ def examine(runs: Path) -> dict[str, Any]:
     versions = _versions()
     plugins = list_plugins()
     return {
-        "ready": any(answer["ok"] for answer in graphics.values()) and None not in versions.values(),
+        "ready": any(answer["ok"] for answer in graphics.values()) and all(versions.values()),
         "versions": versions,
         "machine": _machine(),
         "system": [_system_row(need, place) for need, place in found],
@@ -94,17 +94,17 @@ def _system_row(need: system_packages.SystemNeed, found: str) -> dict[str, str]:
     return {"package": need.package, "kind": need.kind, "purpose": need.purpose, "found": found}
 
 
-def _versions() -> dict[str, str | None]:
-    """Return the versions of the packages that a run needs, None where one is missing; llvmlite is numba's."""
+def _versions() -> dict[str, str]:
+    """Return the versions of the packages that a run needs, "" where one is missing; llvmlite is numba's."""
     from importlib.metadata import PackageNotFoundError, requires, version
 
     lines = [line for line in requires("mimics_app") or () if "extra ==" not in line]
-    versions: dict[str, str | None] = {"mimics_app": __version__, "python": platform.python_version()}
+    versions = {"mimics_app": __version__, "python": platform.python_version()}
     for package in (*(re.split(r"[^\w.-]", line)[0] for line in lines), "llvmlite"):
         try:
             versions[package] = version(package)
         except PackageNotFoundError:
-            versions[package] = None
+            versions[package] = ""
     return versions
 
 
@@ -173,7 +173,7 @@ def _lines(findings: dict[str, Any]) -> list[str]:
     """Return the findings as lines: "ok" present, "-" missing and optional, "x" missing and required."""
     lines = [f"mimics {__version__} on {findings['machine']['system']}, {findings['machine']['cores']} cores"]
     lines += ["", "Python packages"]
-    lines += [_line(version is not None, name, version or "missing") for name, version in findings["versions"].items()]
+    lines += [_line(bool(version), name, version or "missing") for name, version in findings["versions"].items()]
     lines += ["", "System packages"]
     lines += [_system_line(row) for row in findings["system"]]
     if findings["apt"]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.terminal.arguments import whole_number
-from mimics_app.app.terminal.output import answer
+from mimics_app.app.terminal.output import answer, applicable
 
 if TYPE_CHECKING:
     from mimics_app.lab.figure import Figure
@@ -132,7 +132,7 @@ def _show_table(args: argparse.Namespace, measured: list[MeasuredGroup]) -> int:
     if args.save or args.shipped:
         lines.append(f"saved in {saved}" if saved else "not saved: no folder of this user is writable")
     groups = {one.group.name: as_dict(one) for one in measured}
-    answer(args, {"machine": describe_machine().as_dict(), "groups": groups, "saved": saved}, lines)
+    answer(args, applicable({"machine": describe_machine().as_dict(), "groups": groups, "saved": saved}), lines)
     return 0
 
 
@@ -193,7 +193,7 @@ def _write(args: argparse.Namespace, figures: list[Figure]) -> int:
     page = write_gallery(args.out, _limits())
     rows = [_row(figure, *pair) for figure, pair in zip(figures, files, strict=True)]
     lines = [f"{drawing}: {_summary(figure)}" for figure, (_, drawing) in zip(figures, files, strict=True)]
-    answer(args, {"figures": rows, "gallery": page}, [*lines, f"{page}: all figures"])
+    answer(args, applicable({"figures": rows, "gallery": page}), [*lines, f"{page}: all figures"])
     return 0
 
 

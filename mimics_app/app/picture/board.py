@@ -44,7 +44,7 @@ _TEXT, _LINE = 30.0, 38.0
 """Font size and line spacing of a message [hud px]."""
 
 
-_MOST_SHOWN = 9.99
+_MAX_SHOWN = 9.99
 """Largest margin that is shown as a number [-]."""
 _NARROW = 0.25
 """Margin below which the card warns [-]: the stability rule itself has an error of that size."""
@@ -122,8 +122,8 @@ def _draw_bar(hud: Hud, bar: Bar, place: Place, force_full: float) -> None:
     x, y, width = place
     full = force_full if bar.full is None else bar.full
     if bar.right is not None:
-        least, most = bar.right
-        hud.box(x + width * least / full, y - 1.0, width * (most - least) / full, 21.0, _RIGHT, radius=4.0)
+        lower, upper = bar.right
+        hud.box(x + width * lower / full, y - 1.0, width * (upper - lower) / full, 21.0, _RIGHT, radius=4.0)
     share = bar.value / full
     hud.bar((x, y + 4.0, width, 11.0), share, _bar_colour(bar.tone, share))
 
@@ -168,7 +168,7 @@ def stability_card(snapshot: HapticSnapshot) -> Card:
     Of a wall that is softened to stay stable it shows the remaining share of the stiffness instead.
     """
     margin, energy, share = snapshot.margin, snapshot.energy, snapshot.stiffness_share
-    text = f"{100.0 * min(margin, _MOST_SHOWN):+.0f} %" if margin < _MOST_SHOWN else f"> {100.0 * _MOST_SHOWN:.0f} %"
+    text = f"{100.0 * min(margin, _MAX_SHOWN):+.0f} %" if margin < _MAX_SHOWN else f"> {100.0 * _MAX_SHOWN:.0f} %"
     tone = _tone(margin)
     if share < _SOFTENED:
         text, tone = f"soft {100.0 * share:.0f} %", Tone.WARN

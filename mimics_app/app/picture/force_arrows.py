@@ -24,7 +24,7 @@ _SHORTEST, _LONGEST = 0.004, 0.35
 """Length below which an arrow is left out, and to which a longer one is limited [m]."""
 _SEEN_NS = 700_000_000
 """Time for which a contact is shown, fading [ns]."""
-_MOST = 60
+_MAX_CONTACTS = 60
 """Largest number of contacts shown."""
 
 _ON_HAND: Colour = (1.0, 0.45, 0.20, 1.0)
@@ -63,7 +63,7 @@ class ForceArrows:
             normal = np.asarray(event["normal_world"], np.float64)
             vector = min(float(length), _LONGEST) * normal
             self._contacts.append((now_ns, np.asarray(event["position_world"], np.float64), vector))
-        self._contacts = [each for each in self._contacts if now_ns - each[0] < _SEEN_NS][-_MOST:]
+        self._contacts = [each for each in self._contacts if now_ns - each[0] < _SEEN_NS][-_MAX_CONTACTS:]
         red, green, blue, _ = _CONTACT
         return [
             Arrow(place, vector, (red, green, blue, 1.0 - (now_ns - since) / _SEEN_NS))

@@ -33,7 +33,7 @@ _UP_NS, _UP_AT_EASE_NS = 3_000_000_000, 1_000_000_000
 """Time for which frames must have room before a level is restored, shorter with more room [ns]."""
 _WINDOW_NS = 500_000_000
 """Time whose frames decide by their median, so that a single slow frame has no effect [ns]."""
-_FEWEST = 3
+_MIN_FRAMES = 3
 """Smallest number of frames that decide, even where they are slower than the window."""
 _ROOM = 0.9
 """Largest expected frame time with a level restored, as a share of the budget."""
@@ -152,8 +152,8 @@ class FrameGovernor:
     def held(self) -> Held:
         """The quality that most frames had, at which the next run starts."""
         counts = [self._counts.get(state, 0) for state in (FULL, *self.steps)]
-        most = max(range(len(counts)), key=lambda level: counts[level])
-        kept = self._ladder[:most]
+        level = max(range(len(counts)), key=lambda level: counts[level])
+        kept = self._ladder[:level]
         return Held(self.steps, tuple(move.growth for move in kept), tuple(move.guessed for move in kept))
 
     def start_from(self, held: Held) -> bool:
@@ -208,9 +208,9 @@ class FrameGovernor:
         self._counts[self.state] = self._counts.get(self.state, 0) + 1
         self._times_ms.append(frame_ms)
         self._frames.append((now_ns, frame_ms))
-        while len(self._frames) > _FEWEST and self._frames[0][0] <= now_ns - _WINDOW_NS:
+        while len(self._frames) > _MIN_FRAMES and self._frames[0][0] <= now_ns - _WINDOW_NS:
             del self._frames[0]
-        if len(self._frames) < _FEWEST:
+        if len(self._frames) < _MIN_FRAMES:
             return
         now_ms = median(frame[1] for frame in self._frames)
         self._learn(now_ms, now_ns)

@@ -22,7 +22,7 @@ __all__ = ["Held", "HeldQuality", "measure_frame_ms", "name_of_picture"]
 _FRAMES = 3
 """Number of frames drawn to time one quality; the first one, in which the driver compiles, does not count."""
 
-_MOST_KEPT = 500
+_MAX_KEPT = 500
 """Largest number of pictures in the file; the oldest are removed."""
 
 
@@ -59,7 +59,7 @@ class HeldQuality:
         if self._file is None:
             return
         known = {name: was for name, was in self._read().items() if name != picture}
-        newest = dict(list(known.items())[-_MOST_KEPT + 1 :])
+        newest = dict(list(known.items())[-_MAX_KEPT + 1 :])
         written = self._file.with_suffix(".part")
         with suppress(OSError):
             written.write_bytes(msgspec.json.encode({**newest, picture: held}))

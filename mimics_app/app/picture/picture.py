@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
 from mimics_app.app.picture.board import OPERATORS_CARDS, BoardLayout
 from mimics_app.app.picture.lost_picture import draw_or_recover
 from mimics_app.app.picture.methods import with_methods
@@ -17,6 +15,7 @@ from mimics_app.app.picture.video import Film
 from mimics_app.app.planner.plan import plan_scene
 from mimics_app.app.planner.uses import shadow_distance_of, visual_of
 from mimics_app.app.settings import Profile
+from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.board import Board
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.display_port import Display
@@ -233,13 +232,10 @@ class Picture:
         with self.timer.stage("swap"):
             self.surface.swap()
         done_ns = clock.now_ns() if self._software else waited_ns
-        self._take_to_film(done_ns)
+        if self.film is not None:
+            self.film.take(done_ns)
         self.report_issues()
         return done_ns
-
-    def _take_to_film(self, t_ns: int) -> None:
-        if self.film is not None:
-            self.film.take(t_ns)
 
     def report_issues(self) -> None:
         """Report on stderr each deviation of the picture from the scene, once."""
@@ -291,5 +287,5 @@ class Picture:
             self.surface.close()
 
 
-def _triple(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> tuple[float, float, float]:
+def _triple(values: F8) -> Vec3:
     return float(values[0]), float(values[1]), float(values[2])

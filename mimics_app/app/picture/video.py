@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Film", "draw_film", "film_place"]
 
-_ROOM = 16
+_MAX_WAITING = 16
 """Largest number of pictures that wait for the thread."""
-_LONGEST_GAP = 600
+_MAX_GAP = 600
 """Largest number of frames for which a picture is repeated, after a halt of the run."""
 
 
@@ -100,7 +100,7 @@ class Film:
         self._surface, self._live = surface, live
         self._reader = FrameReader(surface, 2 if live else 0)
         self._begun_ns: int | None = None
-        self._queue: queue.Queue[ReadFrame | None] = queue.Queue(_ROOM)
+        self._queue: queue.Queue[ReadFrame | None] = queue.Queue(_MAX_WAITING)
         self._finished = False
         self.dropped = 0
         self.problem = ""
@@ -235,7 +235,7 @@ class _Ffmpeg:
     def _repeat_until(self, number: int) -> None:
         """Write the newest picture for every frame before `number`."""
         assert self._process.stdin is not None
-        times = min(number - self._written, _LONGEST_GAP)
+        times = min(number - self._written, _MAX_GAP)
         self._written = max(number, self._written)
         for _ in range(times if self._last is not None else 0):
             self._process.stdin.write(self._last or b"")

@@ -21,6 +21,7 @@ from mimics_app.contracts.errors import Issue, all_sought, listed_issues, more_i
 
 __all__ = [
     "answer",
+    "applicable",
     "errors_of",
     "finite",
     "issue_lines",
@@ -180,6 +181,17 @@ def finite(value: object) -> Any:
     if hasattr(value, "tolist"):  # numpy, without importing it
         return finite(value.tolist())
     raise TypeError(f"{type(value).__name__} cannot be written as JSON")
+
+
+def applicable(data: object) -> Any:
+    """Return data without the keys whose value does not apply: None, NaN or infinite. Lists keep their length."""
+    if isinstance(data, Mapping):
+        return {key: applicable(value) for key, value in data.items() if _applies(value)}
+    return [applicable(value) for value in data] if isinstance(data, (list, tuple)) else data
+
+
+def _applies(value: object) -> bool:
+    return math.isfinite(value) if isinstance(value, float) else value is not None
 
 
 def _printable(text: str) -> str:

@@ -54,6 +54,8 @@ _TUBS = ((-1.24, -3.75), (1.24, 1.35), (-1.24, 5.6), (1.24, -5.5), (1.24, 8.9))
 
 _SHRUB = ((0.40, 0.08), (0.46, 0.18), (0.56, 0.25), (0.68, 0.275), (0.80, 0.25), (0.90, 0.18), (0.97, 0.07))
 """Outline of a clipped shrub: heights and radii [m]."""
+_COVERAGE = (0.1, 0.0)
+"""Smallest shares of the picture's area of a house's fine and coarse form."""
 _PAVING = 1.8
 """Metres one repetition of the paving covers."""
 
@@ -101,7 +103,7 @@ def compose(seed: int) -> dict[str, bytes]:
     """
     writer = GltfWriter("mimics_app assets build alley")
     materials = _add_materials(writer, seed)
-    meshes: dict[HouseFront, int] = {}
+    meshes: dict[HouseFront, tuple[int, int]] = {}
 
     def mesh(name: str, sketch: Sketch) -> int:
         parts = [(writer.add_part(part), materials[material]) for material, part in sketch.parts().items()]
@@ -111,9 +113,13 @@ def compose(seed: int) -> dict[str, bytes]:
         writer.add_node(name, mesh=mesh(name, sketch))
     for number, (house, place, turn) in enumerate(_lay_houses()):
         if house not in meshes:
-            meshes[house] = mesh(f"house{len(meshes)}", build_front(house))
+            name = f"house{len(meshes)}"
+            coarse = mesh(f"{name}/coarse", build_front(house, fine=False))
+            meshes[house] = mesh(name, build_front(house)), coarse
         rotation = (0.0, math.sin(0.5 * turn), 0.0, math.cos(0.5 * turn))
-        writer.add_node(f"house_{number}", mesh=meshes[house], translation=place, rotation=rotation)
+        fine, coarse = meshes[house]
+        node = writer.add_node(f"house_{number}", mesh=fine, translation=place, rotation=rotation)
+        writer.add_detail_levels(node, [coarse], _COVERAGE)
     for number, (x, z) in enumerate(_TREES):
         tree = mesh(f"tree{number}", build_tree(TREES[number % len(TREES)], seed + number))
         writer.add_node(f"tree_{number}", mesh=tree, translation=(x, 0.0, z))

@@ -12,7 +12,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.builders.avatars.fields import F8
 from mimics_app.builders.avatars.piece import Piece
@@ -20,6 +19,7 @@ from mimics_app.builders.avatars.postures import SIDES, Pose, X, Y, Z
 from mimics_app.builders.avatars.sheet import I8, near_means
 from mimics_app.builders.avatars.skeleton import Skeleton
 from mimics_app.builders.avatars.weights import strongest
+from mimics_app.contracts.arrays import B1
 from mimics_app.maths.quat import from_matrix
 
 if TYPE_CHECKING:
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 __all__ = ["BENDS", "smooth_folds"]
 
-B1 = NDArray[np.bool_]
 
 _BENT = math.radians(120.0)
 _ROUNDS, _PATIENCE = 60, 10

@@ -164,7 +164,9 @@ def build_tunnel(control_points: ArrayLike, radius: ArrayLike, *, radius_scale: 
     Args:
         control_points: Control points of the cubic B-spline bisector, world [m], shape [N, 3]; it starts at the first
             and ends at the last. Two give a straight line, three a parabola.
-        radius: [m], one for the whole tunnel or several at equal distances along it, joined smoothly.
+        radius: [m], one for the whole tunnel or several at equal distances along it, joined smoothly. The pieces of the
+            bisector carry cubics between the values of the monotone interpolant at their ends; elsewhere the radius
+            differs from it: by 0.19 % at most in the wavy tunnel, by more where values stand close (decision 010).
         radius_scale: Factor on the radius for which the tunnel must be valid.
 
     Raises:

@@ -35,7 +35,7 @@ class DrawBuffer:
     def __init__(
         self, ctx: moderngl.Context, size: Size, samples: int, dtype: str = "f1", *, srgb: bool = False
     ) -> None:
-        self._ctx = ctx
+        self._ctx, self._gl = ctx, RawGL(ctx)
         self.size, self.samples = size, samples
         self.texture = _make_texture(ctx, size, dtype, srgb)
         depth = ctx.depth_renderbuffer(size, samples=samples)
@@ -54,7 +54,7 @@ class DrawBuffer:
         if self._copy and places is None:
             self._ctx.copy_framebuffer(*self._copy)
         elif self._copy and places:
-            RawGL(self._ctx).copy_colours(self._copy[1], self._copy[0], places)
+            self._gl.copy_colours(self._copy[1], self._copy[0], places)
 
     def release(self) -> None:
         """Free textures, renderbuffers and framebuffers."""

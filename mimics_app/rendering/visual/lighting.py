@@ -47,14 +47,12 @@ class ShadowFrustum:
 
     Attributes:
         clip_from_world: Orthographic projection along the sun's rays, float64 [4, 4].
-        texture_from_world: Projection to texture coordinates and depth in [0, 1].
         centre: Centre of the box, world [m], float64 [3].
         texel: Width of a texel in the world [m].
         size: Texels along a side.
     """
 
     clip_from_world: F8
-    texture_from_world: F8
     centre: F8
     texel: float
     size: int
@@ -87,11 +85,6 @@ class Lighting:
     places: list[Light]
     fog: Fog | None
     backdrop: Backdrop | None
-
-    @property
-    def place_count(self) -> int:
-        """Number of point and spot lights."""
-        return len(self.places)
 
     @cached_property
     def figures(self) -> tuple[object, ...]:
@@ -179,9 +172,7 @@ def fit_shadow_frustum(
     clip_from_world = np.eye(4)
     clip_from_world[:3, :3] = np.diag([1.0, 1.0, -1.0]) @ rotation / radius
     clip_from_world[:3, 3] = -(clip_from_world[:3, :3] @ (rotation.T @ snapped))
-    texture_from_clip = np.diag([0.5, 0.5, 0.5, 1.0])
-    texture_from_clip[:3, 3] = 0.5
-    return ShadowFrustum(clip_from_world, texture_from_clip @ clip_from_world, rotation.T @ snapped, texel, size)
+    return ShadowFrustum(clip_from_world, rotation.T @ snapped, texel, size)
 
 
 def sun_axes(sun_direction: F8) -> F8:

@@ -21,7 +21,7 @@ _SCALE = "resolution scale"
 
 @dataclass(frozen=True, slots=True)
 class PictureStep:
-    """A `contracts.governor.QualityStep` of the renderer.
+    """A step of the renderer for the frame governor, which requires `app.picture.governor.QualityStep`.
 
     Attributes:
         name: Name for people.
@@ -142,11 +142,9 @@ def _edges(renderer: Renderer) -> PictureStep:
     settings = renderer.settings
     kept = [(settings.msaa, settings.fxaa), *([(0, True)] if settings.msaa else []), (0, False)]
     names = tuple(f"{samples} samples" if samples else "filtered" if fxaa else "off" for samples, fxaa in kept)
-    return PictureStep("anti-aliasing", 6, names, lambda level: _smooth(renderer, *kept[level]))
-
-
-def _smooth(renderer: Renderer, msaa: int, fxaa: bool) -> None:
-    renderer.set_quality(msaa=msaa, fxaa=fxaa)
+    return PictureStep(
+        "anti-aliasing", 6, names, lambda level: renderer.set_quality(msaa=kept[level][0], fxaa=kept[level][1])
+    )
 
 
 def _scale(renderer: Renderer) -> PictureStep:

@@ -99,11 +99,11 @@ class Renderer:
         self._has = has = read_capabilities(ctx)
         self._materials = MaterialStore(ctx, self._shaders, has)
         self._list = DrawList(self._arena, self._materials)
-        self._frame = FrameBuffers(ctx)
+        self._frame = FrameBuffers(ctx, self._arena)
         self._bending = Bending(ctx, self._shaders, self._arena, self.settings.skinning)
         self._picture = PictureTarget(surface, self._shaders, self.settings)
         self._shadows = ShadowStage(ctx, self.settings.shadow_size)
-        self._world = WorldStage(ctx, self._shaders, self._arena, self._frame, self.settings, has.texture_size)
+        self._world = WorldStage(ctx, self._shaders, self._frame, self.settings, has.texture_size)
         self._effects: EffectStage | None = None
         self._hud_pass = HudPass(ctx, self._shaders)
         self._pictures = PictureStage(ctx, self._shaders)
@@ -119,7 +119,7 @@ class Renderer:
         if self._overlay is None:
             from mimics_app.rendering.visual.overlay.overlay import Overlay
 
-            self._overlay = Overlay(self._surface.ctx, self._shaders, self._arena, self._frame, self._clock)
+            self._overlay = Overlay(self._surface.ctx, self._shaders, self._frame, self._clock)
         return self._overlay
 
     def shows(self, layer: Layer) -> bool:
@@ -237,11 +237,11 @@ class Renderer:
             parts = parts if self._picture.holds else None
             drawn = self._batch_all(scene, views) if parts is None else self._batch_parts(scene, views[0], parts)
             self._bending.bend(self.world, self._list)
-            self._frame.upload(self._arena)
+            self._frame.upload()
             if scene.effects is not None:
                 scene.effects.upload()
         with self._timed("shadows"):
-            draws = self._shadows.draw(self._arena, self._frame)
+            draws = self._shadows.draw(self._frame)
         with self._timed("mirrors"):
             draws += self._pictures.draw(self._world, scene, self._picture.samples)
         with self._timed("submit"):

@@ -126,7 +126,7 @@ class ViewBlock:
         data["sky_horizon"] = (*lighting.horizon, 0.0)
         data["sky_ground"] = (*lighting.ground, 1.0 if settings.tone_map == "neutral" else 0.0)
         data["sky_light"][:, :3] = lighting.sky_light()
-        data["ambient"] = (*lighting.ambient, lighting.place_count)
+        data["ambient"] = (*lighting.ambient, 0.0)
         fog = lighting.fog or Fog(density=settings.fog_density)
         data["fog_colour"] = (*(lighting.horizon if fog.colour is None else fog.colour), 0.0)
         data["fog_figures"] = (fog.density, fog.start, _FOG_KINDS.index(fog.kind), 0.0)

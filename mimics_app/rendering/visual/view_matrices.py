@@ -14,9 +14,14 @@ from numpy.typing import ArrayLike
 
 from mimics_app.contracts.arrays import F8
 
-__all__ = ["Tangents", "compose_clip_from_view", "compose_look_at"]
+__all__ = ["TEXTURE_FROM_CLIP", "Tangents", "compose_clip_from_view", "compose_look_at"]
 
 Tangents = tuple[float, float, float, float]
+
+TEXTURE_FROM_CLIP: F8 = np.array(
+    [[0.5, 0.0, 0.0, 0.5], [0.0, 0.5, 0.0, 0.5], [0.0, 0.0, 0.5, 0.5], [0.0, 0.0, 0.0, 1.0]]
+)
+"""From clip space to texture coordinates and depth, all in [0, 1] after the division by w."""
 
 _ENDLESS = 2.0**54
 """Ratio of far to near distance from which the far plane is at infinity, as 1 +- 2^-54 is 1 in float64."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.display_port import Composing, Eye, Rect, Size, Viewpoint
 from mimics_app.maths.poses import pose_from_parts
 from mimics_app.rendering.visual.displays.headset_file import EyeSpec, HeadsetSpec
@@ -43,7 +44,7 @@ class RawHeadset(PlainDisplay):
 
 def headset_eyes(
     spec: HeadsetSpec,
-    world_from_head: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
+    world_from_head: F8,
     drawn: Size,
     tangents: list[Tangents],
 ) -> list[Eye]:

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.display_port import (
     DisplayFrame,
@@ -34,7 +34,6 @@ from mimics_app.rendering.visual.displays.plain_display import PlainDisplay
 
 __all__ = ["EyeLocation", "HeadsetDisplay", "HeadsetRuntime", "RuntimeLostError", "sample_of"]
 
-F8 = NDArray[np.float64]
 _MAX_TRIES = 3
 """Maximum number of attempts to open a lost runtime again between two visible frames."""
 _RETRY_NS = 1_000_000_000

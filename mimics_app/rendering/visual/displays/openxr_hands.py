@@ -10,8 +10,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.maths.poses import pose_from_parts
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["OpenXrHands"]
 
-F8 = NDArray[np.float64]
 _PROFILE = "/interaction_profiles/khr/simple_controller"
 """Interaction profile that every runtime supports and maps its controllers to."""
 _BUTTONS = {

@@ -18,9 +18,6 @@ from ctypes import POINTER, byref, c_void_p, cast, pointer
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mimics_app import __version__
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.display_port import DisplayFrame, FrameTiming, HeadsetState, Size
@@ -43,7 +40,6 @@ if TYPE_CHECKING:
 
 __all__ = ["OpenXrRuntime", "load_openxr", "no_runtime"]
 
-F8 = NDArray[np.float64]
 _NS = 1_000_000_000
 _SRGB8_ALPHA8 = 0x8C43
 """Swapchain format for display values; compositors take 8-bit values of any other format for linear light."""
@@ -298,12 +294,14 @@ class OpenXrRuntime(HeadsetRuntime):
         """Create one swapchain for both eyes side by side."""
         xr = self._xr
         views = xr.enumerate_view_configuration_views(self._instance, system, xr.ViewConfigurationType.PRIMARY_STEREO)
-        most = xr.get_system_properties(self._instance, system).graphics_properties
+        limits = xr.get_system_properties(self._instance, system).graphics_properties
         wanted = [
             max(view.recommended_image_rect_width for view in views),
             max(view.recommended_image_rect_height for view in views),
         ]
-        share = min(1.0, most.max_swapchain_image_width / (2 * wanted[0]), most.max_swapchain_image_height / wanted[1])
+        share = min(
+            1.0, limits.max_swapchain_image_width / (2 * wanted[0]), limits.max_swapchain_image_height / wanted[1]
+        )
         self._size = int(share * wanted[0]), int(share * wanted[1])
         if _SRGB8_ALPHA8 not in list(xr.enumerate_swapchain_formats(self._session)):
             raise DeviceError("the headset does not support 8-bit sRGB images", "update its runtime")

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.display_port import (
     Composing,
     Display,
@@ -28,7 +29,7 @@ def no_head(now_ns: int) -> None:
     return
 
 
-def eye_offset(x: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def eye_offset(x: float) -> F8:
     """Return head_from_eye of an eye at a lateral offset from the head's centre [m]; float64 [4, 4]."""
     pose = np.eye(4)
     pose[0, 3] = x

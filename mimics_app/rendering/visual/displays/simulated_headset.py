@@ -8,8 +8,8 @@ from __future__ import annotations
 from bisect import bisect_right
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, U1
 from mimics_app.contracts.display_port import DisplayFrame, FrameTiming, HeadsetState, Size
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.tracker_port import TrackerSample
@@ -19,7 +19,6 @@ from mimics_app.rendering.visual.displays.headset_session import EyeLocation, He
 
 __all__ = ["SimulatedRuntime"]
 
-F8 = NDArray[np.float64]
 _NS = 1_000_000_000
 _UP = (HeadsetState.READY, HeadsetState.SYNCHRONIZED, HeadsetState.VISIBLE, HeadsetState.FOCUSED)
 _SEEN = (HeadsetState.VISIBLE, HeadsetState.FOCUSED)
@@ -51,7 +50,7 @@ class SimulatedRuntime(HeadsetRuntime):
         self._display_ns: int | None = None
         self._located: list[EyeLocation] = []
         self.calls: list[str] = []
-        self.composed: NDArray[np.uint8] | None = None
+        self.composed: U1 | None = None
         self.shown: list[tuple[int, int, bool]] = []
 
     def eye_size(self, shown: Size) -> Size:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.display_port import Composing, Eye, Rect, Size, Viewpoint
 from mimics_app.rendering.visual.displays.desktop import compute_tangents
 from mimics_app.rendering.visual.displays.plain_display import PlainDisplay, eye_offset
@@ -82,5 +83,5 @@ def _composing(kind: str) -> Composing | None:
     return None
 
 
-def _flat(matrix: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> tuple[float, ...]:
+def _flat(matrix: F8) -> tuple[float, ...]:
     return tuple(float(value) for value in matrix.T.ravel())

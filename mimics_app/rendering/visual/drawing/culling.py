@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8, I4, U1
+from mimics_app.contracts.arrays import F8, I4, I8, U1
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
 from mimics_app.rendering.visual.kernels.tree import build_tree, count_below, cull_tree, refit_tree
@@ -138,7 +137,7 @@ def _holders(entries: I4, skips: I4, above: I4) -> I4:
     return holders
 
 
-def _morton(places: F8) -> NDArray[np.int64]:
+def _morton(places: F8) -> I8:
     """Return Morton codes of positions, [n]: bits of x, y and z interleaved (Morton 1966)."""
     lower = places.min(axis=0, initial=np.inf)
     extent = np.maximum(places.max(axis=0, initial=-np.inf) - lower, 1e-300)

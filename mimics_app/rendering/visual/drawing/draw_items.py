@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F4, F8, I4
+from mimics_app.contracts.arrays import B1, F4, F8, I4, U1
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.materials.look import Look
 from mimics_app.rendering.visual.materials.materials import MaterialStore
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["DrawItems", "DrawState", "list_items"]
 
-Flags = NDArray[np.bool_]
 T = TypeVar("T")
 A = TypeVar("A", bound=NDArray[Any])
 
@@ -68,11 +67,11 @@ class DrawItems:
     paint: F4
     local: F8
     half: F8
-    drawable: NDArray[np.uint8]
-    transparent: Flags
-    solid: Flags
-    casting: Flags
-    levels: NDArray[np.uint8]
+    drawable: U1
+    transparent: B1
+    solid: B1
+    casting: B1
+    levels: U1
     families: I4
     mesh_names: list[str]
     ranges: I4
@@ -90,7 +89,7 @@ class DrawItems:
         self.local[items, :3], self.local[items, 3] = 0.5 * (lower + upper), math.sqrt(half @ half)
         return items
 
-    def rebound(self, world: World, names: Sequence[str]) -> Flags:
+    def rebound(self, world: World, names: Sequence[str]) -> B1:
         """Update the bounds of meshes whose vertices changed; return which items show one of them, [n]."""
         known = self._numbers
         numbers = np.array([known[name] for name in names if name in known], np.int32)
@@ -98,7 +97,7 @@ class DrawItems:
         line = np.full(len(self.mesh_names), -1, np.int32)
         line[numbers] = np.arange(len(numbers))
         lines = line[self.meshes]
-        touched: Flags = lines >= 0
+        touched: B1 = lines >= 0
         self.local[touched], self.half[touched] = local[lines[touched]], half[lines[touched]]
         return touched
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8, I4
+from mimics_app.contracts.arrays import B1, F8, I4, U1
 from mimics_app.rendering.visual.drawing.culling import make_culler
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems, list_items
 from mimics_app.rendering.visual.drawing.draw_order import DrawOrder
@@ -88,14 +87,14 @@ class DrawList:
         self._revision: tuple[int, int, str, str] | None = None
         self._occlusion: OcclusionPass | None = None
         self.tally = Tally()
-        self.moved: NDArray[np.bool_] | None = None
+        self.moved: B1 | None = None
         self.remade = True
         self._updates = 0
         self._world: F8 = np.zeros((0, 4, 4))
         self._casters: dict[float, Casters] = {}
         self._coarser: dict[float, tuple[Casters, Casters]] = {}
         self._bent: dict[SkinnedBody, int] = {}
-        self.fates: NDArray[np.uint8] | None = None
+        self.fates: U1 | None = None
 
     def update(
         self, world: World, settings: RenderSettings, *, light_features: frozenset[str], fates: bool = False
@@ -141,7 +140,7 @@ class DrawList:
         self.used[:] = False
 
     @property
-    def shown(self) -> NDArray[np.bool_]:
+    def shown(self) -> B1:
         """Items that may be drawn at all, [n]; a copy."""
         return self._shown != 0
 
@@ -223,8 +222,12 @@ class DrawList:
         count = len(casters.items)
         self.used[casters.items] = True
         self._picked[:count] = casters.items
-        self._order.sort(self._picked, count, origin, self.centres, self.radii, self._mirrored, shadow=True)
-        return frame.add(self._picked, count, origin, self.items, self._world, self._mirrored, shadow=True)
+        return self._queue(frame, self._picked, count, origin, shadow=True)
+
+    def _queue(self, frame: FrameBuffers, picked: I4, count: int, origin: F8, *, shadow: bool = False) -> list[DrawRun]:
+        """Sort the first `count` of some items, and queue them."""
+        self._order.sort(picked, count, origin, self.centres, self.radii, self._mirrored, shadow=shadow)
+        return frame.add(picked, count, origin, self.items, self._world, self._mirrored, shadow=shadow)
 
     def batch_views(
         self,
@@ -249,7 +252,7 @@ class DrawList:
             Opaque runs, the state with the nearest item first, near to far within a state; blended runs of one item
             each, far to near; and the distances of the blended items from the origin [m].
         """
-        items, picked = self.items, self._picked
+        picked = self._picked
         # One level for both eyes: two different levels of a body cannot be fused.
         between = views[0] if len(views) == 1 else replace(views[0], queued_at=origin)
         shown = self._levels.show(key, between, sizes[0], self._shown, self.centres, self.radii, self._detail)
@@ -259,12 +262,10 @@ class DrawList:
         self.used[picked[:count]] = True
         blended = self._split(count)
         solid = count - len(blended)
-        self._order.sort(picked, solid, origin, self.centres, self.radii, self._mirrored)
         self._opaque = solid
-        opaque = frame.add(picked, solid, origin, items, self._world, self._mirrored)
-        return opaque, *self._batch_blended(frame, blended, origin)
+        return self._queue(frame, picked, solid, origin), *self._batch_blended(frame, blended, origin)
 
-    def _pick(self, view: View, shown: NDArray[np.uint8], size: Size, samples: int) -> int:
+    def _pick(self, view: View, shown: U1, size: Size, samples: int) -> int:
         """Pick the items that are visible in a view; return how many."""
         items, picked = self.items, self._picked
         before = self._culler.tests
@@ -277,9 +278,7 @@ class DrawList:
         self.tally.count(int(np.count_nonzero(shown)), seen, count, self._culler.tests - before)
         return count
 
-    def _pick_also(
-        self, views: Sequence[View], count: int, shown: NDArray[np.uint8], sizes: Sequence[Size], samples: int
-    ) -> int:
+    def _pick_also(self, views: Sequence[View], count: int, shown: U1, sizes: Sequence[Size], samples: int) -> int:
         """Add the items visible in other views to those picked already; return how many there are."""
         either = np.zeros(len(self.items.rows), np.bool_)
         either[self._picked[:count]] = True
@@ -304,8 +303,7 @@ class DrawList:
             tested &= np.isin(self.items.entities, onto)
         items, met = self.items, np.zeros(self._opaque, np.int32)
         count = cull_flat(planes, tested, items.rows, self._world, self.centres, self.radii, items.half, met)
-        self._order.sort(met, count, view.eye_world, self.centres, self.radii, self._mirrored)
-        return frame.add(met, count, view.eye_world, items, self._world, self._mirrored)
+        return self._queue(frame, met, count, view.eye_world)
 
     def drawn_meshes(self) -> list[str]:
         """Return the keys of the meshes drawn in this frame, in any view or shadow map."""

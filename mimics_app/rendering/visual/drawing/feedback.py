@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,7 @@ from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.drawing.skinning import BendSource, bend_mesh, make_source
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
 from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.motion.skinned_body import SkinnedBody
 from mimics_app.world.world import World
@@ -43,11 +45,10 @@ class _Held:
         self.count, self.sets = len(mesh.positions), -(-mesh.weights.influences // 4)
         self.buffer = ctx.buffer(_pack(mesh, self.sets).tobytes())
         self.deltas = _upload_deltas(ctx, source) if mesh.morphs else None
-        self.arrays: dict[tuple[ShaderProgram, int], moderngl.VertexArray] = {}
+        self.arrays = VertexArrays(partial(_vertex_array, ctx, self.buffer, self.sets))
 
     def release(self) -> None:
-        for array in self.arrays.values():
-            array.release()
+        self.arrays.release()
         self.buffer.release()
         if self.deltas is not None:
             self.deltas.release()
@@ -117,7 +118,7 @@ class FeedbackSkinning:
 
     def _feed_back(self, name: str, mesh: MeshData, body: SkinnedBody) -> None:
         held = self._hold(mesh)
-        defines = [f"SETS_{held.sets}"]
+        defines = [f"SETS={held.sets}"]
         defines += ["DUAL"] if body.method == "dual" else []
         morphed = held.deltas is not None and body.morphed
         defines += ["MORPHS"] if morphed else []
@@ -125,7 +126,7 @@ class FeedbackSkinning:
         if morphed:
             self._set_morphs(shader, held, body.weights)
         first = self._arena.ranges[name].base_vertex
-        array = self._array(held, shader)
+        array = held.arrays.of(shader)
         array.transform(self._arena.vertices, vertices=held.count, buffer_offset=first * _VERTEX_BYTES)
 
     def _set_morphs(self, shader: ShaderProgram, held: _Held, weights: F4) -> None:
@@ -143,16 +144,6 @@ class FeedbackSkinning:
         if known is None:
             known = self._held[id(mesh)] = _Held(self._ctx, make_source(mesh))
         return known
-
-    def _array(self, held: _Held, shader: ShaderProgram) -> moderngl.VertexArray:
-        key = (shader, shader.revision)
-        if key not in held.arrays:
-            parts = [("3f", "in_position"), ("3f", "in_normal"), ("2f", "in_uv")]
-            for number in range(held.sets):
-                parts += [("4u2", f"in_joints{number}"), ("4f", f"in_weights{number}")]
-            content = (held.buffer, " ".join(kind for kind, _ in parts), *(name for _, name in parts))
-            held.arrays[key] = self._ctx.vertex_array(shader.program, [content], mode=self._ctx.POINTS)
-        return held.arrays[key]
 
     def _forget(self, wanted: set[int]) -> None:
         for key in [key for key in self._held if key not in wanted]:
@@ -177,6 +168,17 @@ def _pack(mesh: MeshData, sets: int) -> NDArray[np.void]:
         packed[f"joints{k // 4}"][:, k % 4] = mesh.weights.joints[:, k]
         packed[f"weights{k // 4}"][:, k % 4] = mesh.weights.weights[:, k]
     return packed
+
+
+def _vertex_array(
+    ctx: moderngl.Context, buffer: moderngl.Buffer, sets: int, shader: ShaderProgram
+) -> moderngl.VertexArray:
+    """Return the vertex array of packed vertices."""
+    parts = [("3f", "in_position"), ("3f", "in_normal"), ("2f", "in_uv")]
+    for number in range(sets):
+        parts += [("4u2", f"in_joints{number}"), ("4f", f"in_weights{number}")]
+    content = (buffer, " ".join(kind for kind, _ in parts), *(name for _, name in parts))
+    return ctx.vertex_array(shader.program, [content], mode=ctx.POINTS)
 
 
 def _upload_deltas(ctx: moderngl.Context, source: BendSource) -> moderngl.Texture:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.rendering.visual.drawing.mesh_arena import COMMAND_WORDS, MeshArena
 from mimics_app.rendering.visual.kernels.commands import MAX_TRIANGLES, write_commands, write_instances
 from mimics_app.rendering.visual.materials.look import Look
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["DrawRun", "FrameBuffers"]
 
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
-U1 = NDArray[np.uint8]
 
 _INSTANCES = 1
 """Index of the instance count among the words of a command."""
@@ -59,15 +56,16 @@ class DrawRun:
 
 
 class FrameBuffers:
-    """Instance and command buffers, reused from frame to frame.
+    """Instance and command buffers, reused from frame to frame, for the meshes of an arena.
 
     Attributes:
         instance_count: Instances written since `begin`.
         command_count: Commands written since `begin`.
     """
 
-    def __init__(self, ctx: moderngl.Context) -> None:
+    def __init__(self, ctx: moderngl.Context, arena: MeshArena) -> None:
         self._ctx = ctx
+        self._arena = arena
         self._instances = np.zeros((256, 4, 4), np.float32)
         self._commands = np.zeros((256, COMMAND_WORDS), np.uint32)
         self._runs = np.zeros((256, 4), np.int64)
@@ -135,11 +133,11 @@ class FrameBuffers:
         for run in runs:
             run.eyes = 2
 
-    def upload(self, arena: MeshArena) -> None:
+    def upload(self) -> None:
         """Send the frame to the GPU."""
         if not self.command_count:
             return
-        arena.write_instances(self._instances[: self.instance_count])
+        self._arena.write_instances(self._instances[: self.instance_count])
         size = self.command_count * _COMMAND_BYTES
         if self._buffer is None or self._buffer.size < size:
             self.release()
@@ -147,13 +145,13 @@ class FrameBuffers:
         self._buffer.orphan()
         self._buffer.write(self._commands[: self.command_count])
 
-    def draw(self, arena: MeshArena, run: DrawRun, shader: ShaderProgram) -> None:
+    def draw(self, run: DrawRun, shader: ShaderProgram) -> None:
         """Draw one run with a shader of its look, which is bound already."""
         import moderngl
 
         assert self._buffer is not None, "runs are drawn after upload"
         self._ctx.front_face = "cw" if run.mirrored else "ccw"
-        array = arena.vertex_array(shader, wide=run.wide, eyes=run.eyes)
+        array = self._arena.arrays.of(shader, run.wide, run.eyes)
         waiting = self._waiting + run.eyes * run.triangles
         if self._raw is None or waiting < MAX_TRIANGLES:
             self._waiting = waiting

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.visual.drawing.occluder_boxes import Solid, find_solid
+from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
 from mimics_app.rendering.visual.surfaces.raw_gl import RawGL
 from mimics_app.world.meshes.mesh import MeshData
 from mimics_app.world.meshes.mesh_buffer import MeshChange
@@ -71,6 +73,8 @@ class MeshArena:
         rewritten: Meshes whose vertices or indices were rewritten in place in the last update.
         uploaded: Bytes of vertices and indices uploaded in the last update.
         rebuilt: Number of times the buffers were rebuilt; skinned vertices are lost each time.
+        arrays: Vertex arrays by program, by whether indices have 32 bits instead of 16, and by the number of successive
+            instances, one per eye, that share the same instance attributes.
     """
 
     def __init__(self, ctx: moderngl.Context) -> None:
@@ -88,7 +92,7 @@ class MeshArena:
         self._indices = {wide: ctx.buffer(reserve=4) for wide in (False, True)}
         self._instances = ctx.buffer(reserve=_INSTANCE.itemsize)
         self._raw: RawGL | None = None
-        self._arrays: dict[tuple[ShaderProgram, bool, int], tuple[int, moderngl.VertexArray]] = {}
+        self.arrays = VertexArrays(self._vertex_array)
 
     def update(self, world: World, *, solid: bool = False) -> bool:
         """Upload the world's meshes where they changed.
@@ -129,17 +133,17 @@ class MeshArena:
             return False
         return all(map(is_, meshes, world.meshes.values())) and names == list(world.meshes)
 
-    def write_instances(self, rows: NDArray[np.float32]) -> None:
+    def write_instances(self, rows: F4) -> None:
         """Upload the instances of a frame, float32 [n, 4, 4], contiguous."""
         if rows.nbytes > self._instances.size:
-            self._drop_arrays()
+            self.arrays.release()
             self._instances.release()
             self._instances = self._ctx.buffer(reserve=2 * rows.nbytes)
         if rows.nbytes:
             self._instances.orphan()
             self._instances.write(rows)
 
-    def write_bent(self, name: str, packed: NDArray[np.float32]) -> None:
+    def write_bent(self, name: str, packed: F4) -> None:
         """Overwrite the vertices of a mesh with its skinned ones, float32 [n, 8]."""
         self._vertices.write(packed, offset=self.ranges[name].base_vertex * _VERTEX.itemsize)
         self.uploaded += packed.nbytes
@@ -149,19 +153,7 @@ class MeshArena:
         """The vertex buffer; another one after a rebuild."""
         return self._vertices
 
-    def vertex_array(self, shader: ShaderProgram, *, wide: bool = False, eyes: int = 1) -> moderngl.VertexArray:
-        """Return the vertex array of a program; made again when the program was reloaded.
-
-        Args:
-            shader: The program.
-            wide: True for indices of 32 bits, else 16.
-            eyes: Number of successive instances that share the same instance attributes.
-        """
-        known = self._arrays.get((shader, wide, eyes))
-        if known and known[0] == shader.revision:
-            return known[1]
-        if known:
-            known[1].release()
+    def _vertex_array(self, shader: ShaderProgram, wide: bool, eyes: int) -> moderngl.VertexArray:
         program = shader.program
         content = [
             _describe(self._vertices, _VERTEX, program, ""),
@@ -173,7 +165,6 @@ class MeshArena:
         array = self._ctx.vertex_array(program, content, self._indices[wide], index_element_size=size)
         if eyes > 1:
             self._share_instances(array, program, eyes)
-        self._arrays[shader, wide, eyes] = (shader.revision, array)
         return array
 
     def _share_instances(self, array: moderngl.VertexArray, program: moderngl.Program, eyes: int) -> None:
@@ -184,7 +175,7 @@ class MeshArena:
 
     def release(self) -> None:
         """Free all buffers."""
-        self._drop_arrays()
+        self.arrays.release()
         for buffer in (self._vertices, self._colours, *self._indices.values(), self._instances):
             buffer.release()
 
@@ -231,14 +222,14 @@ class MeshArena:
             coloured = mesh.colours is not None
             self.ranges[name] = MeshRange(first[wide], count, base_vertex, len(mesh.positions), wide, coloured)
             first[wide], base_vertex = first[wide] + count, base_vertex + len(mesh.positions)
-        self._drop_arrays()
+        self.arrays.release()
         self._vertices = self._upload(self._vertices, [_pack(mesh) for mesh in meshes.values()], _VERTEX.itemsize)
         self._colours = self._upload(self._colours, self._all_colours(meshes), _COLOUR.itemsize)
         for wide in (False, True):
             parts = [_indices(mesh) for name, mesh in meshes.items() if self.ranges[name].wide == wide]
             self._indices[wide] = self._upload(self._indices[wide], parts, 4)
 
-    def _all_colours(self, meshes: dict[str, MeshData]) -> Iterable[NDArray[np.float32]]:
+    def _all_colours(self, meshes: dict[str, MeshData]) -> Iterable[F4]:
         """Return a colour for every vertex of the arena; empty where no mesh has colours."""
         if not any(known.coloured for known in self.ranges.values()):
             return []
@@ -254,11 +245,6 @@ class MeshArena:
         data = b"".join(part.tobytes() for part in parts)
         self.uploaded += len(data)
         return self._ctx.buffer(data or bytes(min_bytes))
-
-    def _drop_arrays(self) -> None:
-        for _, array in self._arrays.values():
-            array.release()
-        self._arrays.clear()
 
 
 def _find_solids(world: World) -> dict[str, Solid]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8, I4
+from mimics_app.contracts.arrays import F4, F8, I4, I8
 from mimics_app.rendering.visual.kernels.solid import points_on_edges
 from mimics_app.world.meshes.mesh import MeshData
 
@@ -63,7 +63,7 @@ def remove_t_junctions(mesh: MeshData) -> Sealed | None:
     if len(open_edges) * len(candidates) > _MAX_TESTS:
         return None
     found = np.empty((4 * len(open_edges) + 16, 3))
-    count = points_on_edges(points, open_edges, candidates, size * _ON_EDGE, found, len(found))
+    count = points_on_edges(points, open_edges, candidates, size * _ON_EDGE, found)
     if count > len(found):
         return None
     positions = mesh.positions[first][point_of]
@@ -94,9 +94,7 @@ def unmatched_edges(triangles: NDArray[np.integer]) -> I4:
 class _Splitter:
     """Splits triangles at points on their edges."""
 
-    def __init__(
-        self, mesh: MeshData, positions: NDArray[np.float32], points: NDArray[np.int64], found: F8, edges: I4
-    ) -> None:
+    def __init__(self, mesh: MeshData, positions: F4, points: I8, found: F8, edges: I4) -> None:
         self._source = mesh
         self._parts = [[array] for array in (positions, mesh.normals, mesh.uvs, mesh.colours) if array is not None]
         self._place = {int(point): number for number, point in reversed(list(enumerate(points)))}
@@ -111,7 +109,7 @@ class _Splitter:
         for inserted in self._on.values():
             inserted.sort()
 
-    def split(self, triangles: NDArray[np.int64]) -> NDArray[np.int64]:
+    def split(self, triangles: I8) -> I8:
         """Return the split triangles [m, 3] of some triangles [n, 3], by numbers of old and new vertices."""
         touched = np.zeros(len(triangles), np.bool_)
         for i, (a, b, c) in enumerate(self.points[triangles].tolist()):
@@ -122,7 +120,7 @@ class _Splitter:
         self.points = np.concatenate([self.points, np.array(self._more, np.int64)])
         return np.concatenate([triangles[~touched], np.array(made, np.int64).reshape(-1, 3)])
 
-    def mesh(self, triangles: NDArray[np.int64]) -> MeshData:
+    def mesh(self, triangles: I8) -> MeshData:
         """Return the mesh of split triangles."""
         arrays = iter([np.concatenate(parts) for parts in self._parts])
         positions, normals = next(arrays), next(arrays)
@@ -166,7 +164,7 @@ class _Splitter:
         return self._count - 1
 
 
-def _weld(positions: NDArray[np.float32], cell: float) -> NDArray[np.int64]:
+def _weld(positions: F4, cell: float) -> I8:
     """Return the number of each vertex's point; vertices nearer to each other than a cell share one."""
     exact, number = np.unique(positions, axis=0, return_inverse=True)
     number = number.reshape(-1).astype(np.int64)

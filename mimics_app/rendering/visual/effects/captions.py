@@ -5,9 +5,8 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, U1
 from mimics_app.rendering.visual.figures.glyphs import GlyphAtlas, load_glyph_atlas
 from mimics_app.world.materials.material import TextureData
 
@@ -101,7 +100,7 @@ def _add_glyph(ink: F8, atlas: GlyphAtlas, glyph: tuple[F8, F8], pen: tuple[floa
     np.maximum(ink, np.where(inside, np.clip(away + 0.5, 0.0, 1.0), 0.0), out=ink)
 
 
-def _sample(pixels: NDArray[np.uint8], x: F8, y: F8) -> F8:
+def _sample(pixels: U1, x: F8, y: F8) -> F8:
     """Return bilinear samples, 0 to 1."""
     height, width = pixels.shape
     x, y = np.clip(x, 0.0, width - 1.001), np.clip(y, 0.0, height - 1.001)

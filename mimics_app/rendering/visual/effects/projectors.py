@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
 from mimics_app.rendering.visual.view import compute_frustum_planes
-from mimics_app.rendering.visual.view_matrices import compose_clip_from_view
+from mimics_app.rendering.visual.view_matrices import TEXTURE_FROM_CLIP, compose_clip_from_view
 from mimics_app.world.components.effects import Projector
 from mimics_app.world.materials.material import TextureData
 from mimics_app.world.materials.sprite_pictures import sprite_picture
@@ -21,8 +20,6 @@ from mimics_app.world.world import World
 
 __all__ = ["Beam", "BeamRuns", "ProjectorField", "clip_from_projector"]
 
-
-_TO_TEXTURE = np.array([[0.5, 0.0, 0.0, 0.5], [0.0, 0.5, 0.0, 0.5], [0.0, 0.0, 0.5, 0.5], [0.0, 0.0, 0.0, 1.0]])
 
 _CUBE = np.array([[*corner, 1.0] for corner in product((-1.0, 1.0), repeat=3)]).T
 
@@ -50,7 +47,7 @@ class Beam:
     towards: F8
     planes: F8
     corners: F8
-    onto: NDArray[np.int32] | None
+    onto: I4 | None
 
     def is_seen(self, view_planes: F8) -> bool:
         """Return False when the whole volume is behind one plane of a view's frustum, [k, 4]."""
@@ -98,7 +95,7 @@ class ProjectorField:
         onto = _with_below(world, spec.onto) if spec.onto else None
         cube = np.linalg.inv(clip) @ _CUBE
         corners = (cube[:3] / cube[3]).T
-        return Beam(spec, key, picture, _TO_TEXTURE @ clip, towards, compute_frustum_planes(clip), corners, onto)
+        return Beam(spec, key, picture, TEXTURE_FROM_CLIP @ clip, towards, compute_frustum_planes(clip), corners, onto)
 
     def _picture(self, world: World, spec: Projector) -> tuple[str, TextureData]:
         own = f"#{spec.shape}", sprite_picture(spec.shape)
@@ -124,7 +121,7 @@ def clip_from_projector(spec: Projector) -> F8:
     return compose_clip_from_view((-across, across, -up, up), spec.near, spec.depth)
 
 
-def _with_below(world: World, names: tuple[str, ...]) -> NDArray[np.int32]:
+def _with_below(world: World, names: tuple[str, ...]) -> I4:
     """Return the entity indices of nodes and all their descendants; unknown names are ignored."""
     hierarchy, capacity = world.graph.hierarchy, world.graph.store.capacity
     found = [hierarchy.subtree(world.graph.find(name), capacity) for name in names if name in world]

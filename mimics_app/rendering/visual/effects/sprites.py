@@ -161,8 +161,8 @@ class SpriteField:
     def _write(self, view: View, eye: F8, height: int, count: int) -> None:
         """Write the vertices of the sprites in `_order`, and the first row of each into `_places`."""
         sprites = self._rows.rows
-        least = MIN_OUTLINED * (view.tangents[3] - view.tangents[2]) / height if self.cuts else math.inf
-        end = cut_sprites(sprites, self._order, count, self.count, eye, least, self._outlined, self._places)
+        min_size = MIN_OUTLINED * (view.tangents[3] - view.tangents[2]) / height if self.cuts else math.inf
+        end = cut_sprites(sprites, self._order, count, self.count, eye, min_size, self._outlined, self._places)
         self.vertices = grown(self.vertices, end)
         right = np.ascontiguousarray(view.world_from_eye[:3, 0])
         write_sprites(sprites, self._order, count, self._places, eye, right, self._axes, self._outlines, self.vertices)

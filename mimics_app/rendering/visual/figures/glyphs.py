@@ -10,10 +10,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts import resources
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, U1
 from mimics_app.contracts.errors import Issue, SceneError
 
 __all__ = ["Face", "Glyph", "GlyphAtlas", "Line", "load_glyph_atlas"]
@@ -104,7 +103,7 @@ class GlyphAtlas:
         heavy: The bold face.
     """
 
-    pixels: NDArray[np.uint8]
+    pixels: U1
     spread: float
     regular: Face
     heavy: Face

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F4
+from mimics_app.contracts.arrays import F4, U1
 from mimics_app.rendering.visual.figures.glyphs import GlyphAtlas, load_glyph_atlas
 
 __all__ = ["CANVAS_HEIGHT", "HUD_ROW", "Align", "Colour", "Hud"]
@@ -51,7 +51,7 @@ class Hud:
         self.width = CANVAS_HEIGHT * 16.0 / 9.0
         self.height = CANVAS_HEIGHT
         self.revision = 0
-        self.images: NDArray[np.uint8] | None = None
+        self.images: U1 | None = None
 
     @property
     def atlas(self) -> GlyphAtlas:

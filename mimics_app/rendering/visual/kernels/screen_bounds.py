@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["bound_balls"]
 
-F8 = NDArray[np.float64]
 
 _TIP = math.sqrt(3.0)
 """Distance of the vertices of the octahedron that circumscribes the unit ball."""

@@ -5,15 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 
 __all__ = ["cover_marks", "mark_cells"]
-
-F8 = NDArray[np.float64]
-I4 = NDArray[np.int32]
-U1 = NDArray[np.uint8]
 
 
 @kernel

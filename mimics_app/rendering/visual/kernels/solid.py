@@ -19,7 +19,7 @@ _CORNERS, _SIDES = 8, 6
 
 
 @kernel
-def points_on_edges(points: F8, edges: I4, candidates: I4, tolerance: float, found: F8, most: int) -> int:
+def points_on_edges(points: F8, edges: I4, candidates: I4, tolerance: float, found: F8) -> int:
     """Find the points that lie on edges between their ends, within a tolerance.
 
     Args:
@@ -27,11 +27,10 @@ def points_on_edges(points: F8, edges: I4, candidates: I4, tolerance: float, fou
         edges: Numbers of two points each, [e, 2].
         candidates: Numbers of the points to test, [c].
         tolerance: Maximum distance from the edge, and minimum distance from its ends [m].
-        found: Written: edge, point, parameter along the edge (0 to 1); [most, 3].
-        most: Rows of `found`.
+        found: Written: edge, point, parameter along the edge (0 to 1); [rows, 3].
 
     Returns:
-        Number of points found, `most + 1` when there are more.
+        Number of points found; one more than `found` has rows when there are more.
     """
     count = 0
     for e in range(edges.shape[0]):
@@ -48,8 +47,8 @@ def points_on_edges(points: F8, edges: I4, candidates: I4, tolerance: float, fou
             x, y, z = x - along * dx, y - along * dy, z - along * dz
             if x * x + y * y + z * z > tolerance * tolerance:
                 continue
-            if count == most:
-                return most + 1
+            if count == found.shape[0]:
+                return count + 1
             found[count, 0], found[count, 1], found[count, 2] = e, p, along
             count += 1
     return count

@@ -130,7 +130,7 @@ def _normal_of(place: F8, eye: F8, axes: F8) -> None:
 
 @kernel
 def cut_sprites(
-    sprites: Records, order: I4, count: int, first: int, eye: F8, least: float, outlined: U1, rows: I4
+    sprites: Records, order: I4, count: int, first: int, eye: F8, min_size: float, outlined: U1, rows: I4
 ) -> int:
     """Decide into how many pieces sprites are cut.
 
@@ -140,7 +140,7 @@ def cut_sprites(
         count: Number of sprites.
         first: Row of the first piece.
         eye: Position of the camera, world [m], [3].
-        least: Width and height as seen from which a sprite with an outline is cut, as a tangent.
+        min_size: Width and height as seen from which a sprite with an outline is cut, as a tangent.
         outlined: 1 for a texture with an outline, by state and layer, [states, layers].
         rows: Written: row of each sprite's first piece, and the row after the last one, [>= count + 1].
 
@@ -158,7 +158,7 @@ def cut_sprites(
         x, y, z = place[0] - eye[0], place[1] - eye[1], place[2] - eye[2]
         flat, away = x * x + z * z, math.sqrt(x * x + y * y + z * z)
         upright = math.sqrt(flat) / away if sprites[n]["facing"] == _UPRIGHT and away > 0.0 else 1.0
-        if 2.0 * min(half[0], half[1] * upright) >= least * away:
+        if 2.0 * min(half[0], half[1] * upright) >= min_size * away:
             row += MAX_PIECES - 1
     rows[count] = row
     return row

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+
+from mimics_app.contracts.arrays import U1
 
 __all__ = ["THUMBNAIL", "load_thumbnail"]
 
@@ -13,7 +14,7 @@ THUMBNAIL = (512, 288)
 """Width and height of a thumbnail [px]."""
 
 
-def load_thumbnail(file: Path | None) -> NDArray[np.uint8]:
+def load_thumbnail(file: Path | None) -> U1:
     """Return an image file cropped to 16:9, RGBA uint8 [288, 512, 4]; a plain colour where it cannot be read."""
     from PIL import Image, ImageOps
 

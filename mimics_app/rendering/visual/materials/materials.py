@@ -26,20 +26,7 @@ from mimics_app.world.world import World
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["LIGHT_FEATURES", "MaterialStore"]
-
-LIGHT_FEATURES = (
-    "PLACED_LIGHTS",
-    "SUN_SHADOW",
-    "SUN_MAPS_2",
-    "SUN_MAPS_3",
-    "SUN_MAPS_4",
-    "SPOT_SHADOWS",
-    "AMBIENT_OCCLUSION",
-    "HAZE",
-    "TONED",
-)
-"""Shader features that depend on the light, each "NAME" or "NAME=VALUE"."""
+__all__ = ["MaterialStore"]
 
 _BINDINGS = {"base": 0, "normal": 5, "surface": 6, "occlusion": 7, "emission": 8}
 """Bindings of the maps' samplers in shaders/common/material.glsl."""
@@ -101,7 +88,7 @@ class MaterialStore:
 
         Args:
             world: The world.
-            light_features: Those of `LIGHT_FEATURES` that the frame has, with their values; shaders leave out the rest.
+            light_features: Features that the frame's light needs, see `light_features`; shaders leave out the rest.
             shading: Techniques of opaque surfaces.
             profile: Purpose of the picture, which techniques may exclude.
 
@@ -205,7 +192,7 @@ class MaterialStore:
             textures = ((_BINDINGS["base"], array),)
             sides = zip(picture.wrap, ("MIRROR_U", "MIRROR_V"), strict=True)
             features += ["TEXTURED", *(feature for wrap, feature in sides if wrap == "mirror")]
-        features += self._light_features
+        features += sorted(self._variant.light_features)
         first = spec.passes[0]
         defines = (*first.defines, *(each for each in features if _name_of(each) in first.features))
         drawn = make_pass(first, self._shaders.program(first.vertex, first.fragment, defines), material)
@@ -228,18 +215,13 @@ class MaterialStore:
     def _chain(self, material: Material) -> list[str]:
         return technique_chain(material.technique, self._techniques) or ["lit", _PLAIN]
 
-    @property
-    def _light_features(self) -> list[str]:
-        """The features of the frame's light, in a fixed order."""
-        return sorted(self._variant.light_features, key=lambda each: LIGHT_FEATURES.index(_name_of(each)))
-
     def _features(self, material: Material, pictures: _Pictures, coloured: bool) -> list[str]:
         """Return the shader features of a material, in a fixed order."""
         has = {
             "COLOURED": coloured,
             **{_feature_of(which): which in pictures for which in MAPS},
             "MASKED": material.alpha_mode == "mask",
-            **dict.fromkeys(self._light_features, True),
+            **dict.fromkeys(sorted(self._variant.light_features), True),
             "MATT": material.roughness >= _MATT and material.metallic == 0.0 and "surface" not in pictures,
             "SOFT": material.softness > 0.0,
             "GRID": material.grid > 0.0,
@@ -266,8 +248,8 @@ class MaterialStore:
                 self._report(f'material "{material.name}": no texture "{key}"; a checker is drawn in its place')
             elif not self._textures.fits(pictures[which]):
                 height, width = pictures[which].pixels.shape[:2]
-                most = self._has.texture_size
-                self._report(f'texture "{key}": {width} x {height} is more than the driver\'s {most}; drawn smaller')
+                size = self._has.texture_size
+                self._report(f'texture "{key}": {width} x {height} is more than the driver\'s {size}; drawn smaller')
 
     def _report(self, what: str) -> None:
         issue = Issue("", "", what)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, U1
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.materials.texture_levels import TextureLevels
 from mimics_app.world.materials.material import TextureData
@@ -23,9 +22,9 @@ _Kind = tuple[tuple[int, ...], tuple[str, str], str, bool]
 class PictureArray:
     """Texture array of images of equal size and sampling, one layer each; uploaded on first use after a change."""
 
-    def __init__(self, ctx: moderngl.Context, longest: int, levels: TextureLevels) -> None:
+    def __init__(self, ctx: moderngl.Context, max_size: int, levels: TextureLevels) -> None:
         self._ctx = ctx
-        self._longest = longest
+        self._max_size = max_size
         self._levels = levels
         self._layers: list[tuple[str, TextureData]] = []
         self._texture: moderngl.TextureArray | None = None
@@ -55,7 +54,7 @@ class PictureArray:
             self._texture = None
 
     def _upload(self) -> moderngl.TextureArray:
-        pixels = np.stack([shrunk(_display_values(picture), self._longest) for _, picture in self._layers])
+        pixels = np.stack([shrunk(_display_values(picture), self._max_size) for _, picture in self._layers])
         layers, height, width = pixels.shape[:3]
         texture = self._ctx.texture_array((width, height, layers), 4, pixels.tobytes())
         set_sampling(texture, self._layers[0][1], self._levels)
@@ -68,19 +67,19 @@ class PictureArrays:
     Args:
         ctx: Context that owns them.
         shaders: Shader library, for the levels.
-        longest: Largest texture size of the driver [texels]; larger images are halved until they fit.
+        max_size: Maximum texture size of the driver [texels]; larger images are halved until they fit.
     """
 
-    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, max_size: int) -> None:
         self._ctx = ctx
-        self._longest = longest
+        self._max_size = max_size
         self._levels = TextureLevels(ctx, shaders)
         self._arrays: dict[_Kind, PictureArray] = {}
 
     def place(self, name: str, picture: TextureData) -> tuple[PictureArray, int]:
         """Return the array and the layer of an image."""
         kind = (picture.pixels.shape, picture.wrap, picture.filter, picture.srgb)
-        array = self._arrays.setdefault(kind, PictureArray(self._ctx, self._longest, self._levels))
+        array = self._arrays.setdefault(kind, PictureArray(self._ctx, self._max_size, self._levels))
         return array, array.place(name, picture)
 
     def release(self) -> None:
@@ -97,7 +96,7 @@ def encode_srgb(linear: F8) -> F8:
     return np.asarray(np.where(clamped < 0.0031308, 12.92 * clamped, 1.055 * clamped ** (1.0 / 2.4) - 0.055))
 
 
-def unfolded(picture: TextureData) -> NDArray[np.uint8]:
+def unfolded(picture: TextureData) -> U1:
     """Return an image as it is uploaded, [height, width, 4].
 
     moderngl has no mirrored repeat: such an image is stored beside its reflection and read at half the rate.
@@ -135,14 +134,14 @@ def set_sampling(
         texture.filter = (moderngl.NEAREST,) * 2 if picture.filter == "nearest" else (moderngl.LINEAR,) * 2
 
 
-def shrunk(pixels: NDArray[np.uint8], longest: int) -> NDArray[np.uint8]:
-    """Halve an image until its longer side is at most `longest`, uint8 [height, width, 4]."""
-    while max(pixels.shape[:2]) > longest:
+def shrunk(pixels: U1, max_size: int) -> U1:
+    """Halve an image until its longer side is at most `max_size`, uint8 [height, width, 4]."""
+    while max(pixels.shape[:2]) > max_size:
         pixels = halved(pixels)
     return pixels
 
 
-def halved(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def halved(pixels: U1) -> U1:
     """Return an image of half the size, uint8 [ceil(h/2), ceil(w/2), 4]: means of 2 x 2 texels."""
     height, width = pixels.shape[:2]
     even = np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
@@ -150,7 +149,7 @@ def halved(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return np.asarray(np.round(blocks.mean(axis=(1, 3), dtype=np.float32)), np.uint8)
 
 
-def _display_values(picture: TextureData) -> NDArray[np.uint8]:
+def _display_values(picture: TextureData) -> U1:
     pixels = unfolded(picture)
     if picture.srgb:
         return pixels

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mimics_app.contracts import resources
+from mimics_app.contracts.arrays import F4, F8
 from mimics_app.contracts.errors import Issue, SceneError
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ class ShaderProgram:
     def _uniform(self, name: str) -> moderngl.Uniform:
         return cast("moderngl.Uniform", self.program[name])
 
-    def set_matrix(self, name: str, matrix: NDArray[np.float64]) -> None:
+    def set_matrix(self, name: str, matrix: F8) -> None:
         """Set a mat4 uniform (for column vectors, float64 [4, 4]); uploaded as float32."""
         self._uniform(name).write(np.ascontiguousarray(matrix.T, np.float32))
 
@@ -62,7 +62,7 @@ class ShaderProgram:
         """Set a scalar uniform."""
         self._uniform(name).value = value
 
-    def set_array(self, name: str, values: NDArray[np.float32]) -> None:
+    def set_array(self, name: str, values: F4) -> None:
         """Set a uniform array, float32."""
         self._uniform(name).write(np.ascontiguousarray(values, np.float32))
 
@@ -93,7 +93,7 @@ class ShaderLibrary:
         """Return the program of two shader files.
 
         Args:
-            vertex: Path below the shaders folder, e.g. "lit/lit.vert".
+            vertex: Path below the shaders folder, e.g. "common/mesh.vert".
             fragment: Path of the fragment shader.
             defines: Names to `#define`, e.g. ("TEXTURED",), as 1 unless "NAME=VALUE".
 

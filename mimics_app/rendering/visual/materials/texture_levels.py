@@ -11,8 +11,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
-from mimics_app.rendering.visual.surfaces.raw_gl import SRGB8_ALPHA8
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.materials.vertex_arrays import bare_arrays
+from mimics_app.rendering.visual.surfaces.raw_gl import SRGB8_ALPHA8, function_address
 
 if TYPE_CHECKING:
     import moderngl
@@ -64,8 +65,8 @@ class TextureLevels:
 
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
         self._ctx, self._shaders = ctx, shaders
+        self._arrays = bare_arrays(ctx)
         self._calls: dict[str, Callable[..., Any]] = {}
-        self._arrays: dict[str, tuple[int, moderngl.VertexArray]] = {}
 
     def make(self, texture: moderngl.Texture | moderngl.TextureArray, *, srgb: bool) -> None:
         """Fill all levels of a texture from its finest one; wrap and filter are set by the caller afterwards.
@@ -97,16 +98,14 @@ class TextureLevels:
 
     def release(self) -> None:
         """Free the vertex arrays."""
-        for _, array in self._arrays.values():
-            array.release()
-        self._arrays.clear()
+        self._arrays.release()
 
     def _draw(self, texture: moderngl.Texture | moderngl.TextureArray, level: int, layers: int) -> None:
         """Draw a level of each layer; the finer one alone is sampled."""
         import moderngl
 
         shader = self._shaders.program("texture/level.vert", "texture/level.frag", ("LAYERS",) if layers else ())
-        array = self._array(shader, "layers" if layers else "")
+        array = self._arrays.of(shader)
         if not layers:
             self._calls["glFramebufferTexture2D"](_FRAMEBUFFER, _COLOUR, _TEXTURE_2D, texture.glo, level)
             array.render(moderngl.TRIANGLES, vertices=3)
@@ -114,14 +113,6 @@ class TextureLevels:
             shader.set_number("layer", layer)
             self._calls["glFramebufferTextureLayer"](_FRAMEBUFFER, _COLOUR, texture.glo, level, layer)
             array.render(moderngl.TRIANGLES, vertices=3)
-
-    def _array(self, shader: ShaderProgram, kind: str) -> moderngl.VertexArray:
-        known = self._arrays.get(kind)
-        if known is None or known[0] != shader.revision:
-            if known is not None:
-                known[1].release()
-            known = self._arrays[kind] = shader.revision, self._ctx.vertex_array(shader.program, [])
-        return known[1]
 
     def _reserve(self, kind: int, level: int, size: tuple[int, int, int], inner: int) -> None:
         """Allocate a level."""
@@ -166,9 +157,8 @@ class TextureLevels:
 
 
 def _load(ctx: moderngl.Context) -> dict[str, Callable[..., Any]]:
-    """Return the functions of OpenGL that moderngl lacks, by the context's own loader."""
-    loader: Any = ctx.mglo._context  # moderngl's own function loader
-    return {name: ctypes.CFUNCTYPE(*kinds)(loader.load_opengl_function(name)) for name, kinds in _FUNCTIONS.items()}
+    """Return the functions of OpenGL that moderngl lacks."""
+    return {name: ctypes.CFUNCTYPE(*kinds)(function_address(ctx, name)) for name, kinds in _FUNCTIONS.items()}
 
 
 def _sizes(width: int, height: int) -> list[tuple[int, int]]:

@@ -22,13 +22,13 @@ class TextureStore:
     Args:
         ctx: Context that owns them.
         shaders: Shader library, for the levels.
-        longest: Largest texture size of the driver [texels]; larger images are halved until they fit.
+        max_size: Maximum texture size of the driver [texels]; larger images are halved until they fit.
     """
 
-    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, max_size: int) -> None:
         self._ctx = ctx
         self._levels = TextureLevels(ctx, shaders)
-        self._longest = longest
+        self._max_size = max_size
         self._known: dict[tuple[str, bool], tuple[TextureData, moderngl.Texture]] = {}
 
     def get(self, name: str, picture: TextureData, *, linear: bool = False) -> moderngl.Texture:
@@ -50,7 +50,7 @@ class TextureStore:
 
     def fits(self, picture: TextureData) -> bool:
         """Whether an image is uploaded without being shrunk."""
-        return max(picture.pixels.shape[:2]) <= self._longest
+        return max(picture.pixels.shape[:2]) <= self._max_size
 
     def release(self) -> None:
         """Free all textures."""
@@ -60,7 +60,7 @@ class TextureStore:
         self._levels.release()
 
     def _make(self, picture: TextureData, *, srgb: bool) -> moderngl.Texture:
-        pixels = shrunk(unfolded(picture), self._longest)
+        pixels = shrunk(unfolded(picture), self._max_size)
         height, width = pixels.shape[:2]
         inner = SRGB8_ALPHA8 if srgb else None
         texture = self._ctx.texture((width, height), 4, pixels.tobytes(), internal_format=inner)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.materials.vertex_arrays import bare_arrays
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowPlan
 from mimics_app.rendering.visual.stages.shadow_stage import ShadowStage
 
@@ -27,8 +28,7 @@ class AtlasPass:
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
         self._ctx = ctx
         self._shader = shaders.program("overlay/depth.vert", "overlay/depth.frag")
-        self._array: moderngl.VertexArray | None = None
-        self._made_for = -1
+        self._arrays = bare_arrays(ctx)
 
     def draw(self, framebuffer: moderngl.Framebuffer, shadows: ShadowStage) -> int:
         """Draw the inset over a framebuffer; return the draw calls, 0 without shadow maps."""
@@ -36,10 +36,6 @@ class AtlasPass:
 
         if not shadows.plan.maps:
             return 0
-        if self._array is None or self._made_for != self._shader.revision:
-            self.release()
-            self._array = self._ctx.vertex_array(self._shader.program, [])
-            self._made_for = self._shader.revision
         width, height = framebuffer.size
         side = 2.0 * _SHARE
         across = side * height / width
@@ -50,14 +46,12 @@ class AtlasPass:
         self._ctx.enable_only(moderngl.BLEND)
         self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
         shadows.bind(_BINDING)
-        self._array.render(moderngl.TRIANGLE_STRIP, vertices=4)
+        self._arrays.of(self._shader).render(moderngl.TRIANGLE_STRIP, vertices=4)
         return 1
 
     def release(self) -> None:
         """Free the vertex array."""
-        if self._array is not None:
-            self._array.release()
-            self._array = None
+        self._arrays.release()
 
 
 def _relief(plan: ShadowPlan) -> list[float]:

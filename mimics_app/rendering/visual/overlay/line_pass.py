@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
 from mimics_app.rendering.visual.overlay.line_set import LINE_ROW, LineSet
 from mimics_app.rendering.visual.view import Rect, View
 
@@ -23,8 +24,7 @@ class LinePass:
         self._ctx = ctx
         self._shader = shaders.program("overlay/lines.vert", "overlay/lines.frag")
         self._buffer: moderngl.Buffer | None = None
-        self._array: moderngl.VertexArray | None = None
-        self._made_for = -1
+        self._arrays = VertexArrays(self._vertex_array)
 
     def draw(self, target: moderngl.Framebuffer, lines: LineSet, view: View, rectangle: Rect) -> int:
         """Draw lines into a view of the framebuffer in use; return the draw calls."""
@@ -33,8 +33,8 @@ class LinePass:
         rows = lines.rows(view.eye_world)
         if not len(rows):
             return 0
-        array = self._upload(rows.tobytes())
-        ctx, shader = self._ctx, self._shader
+        self._upload(rows.tobytes())
+        ctx, shader, array = self._ctx, self._shader, self._arrays.of(self._shader)
         target.viewport = rectangle
         shader.set_matrix("clip_from_eye", view.clip_from_eye)
         shader.set_numbers("size_px", rectangle[2:])
@@ -51,21 +51,18 @@ class LinePass:
 
     def release(self) -> None:
         """Free buffer and vertex array."""
-        for part in (self._array, self._buffer):
-            if part is not None:
-                part.release()
-        self._array = self._buffer = None
+        self._arrays.release()
+        if self._buffer is not None:
+            self._buffer.release()
+            self._buffer = None
 
-    def _upload(self, data: bytes) -> moderngl.VertexArray:
+    def _upload(self, data: bytes) -> None:
         if self._buffer is None or self._buffer.size < len(data):
             self.release()
             self._buffer = self._ctx.buffer(reserve=max(2 * len(data), 256 * LINE_ROW.itemsize))
         self._buffer.orphan()
         self._buffer.write(data)
-        if self._array is None or self._made_for != self._shader.revision:
-            if self._array is not None:
-                self._array.release()
-            content = [(self._buffer, "3f 3f 4f 2f /i", "begin", "end", "tint", "widths")]
-            self._array = self._ctx.vertex_array(self._shader.program, content)
-            self._made_for = self._shader.revision
-        return self._array
+
+    def _vertex_array(self, shader: ShaderProgram) -> moderngl.VertexArray:
+        content = [(self._buffer, "3f 3f 4f 2f /i", "begin", "end", "tint", "widths")]
+        return self._ctx.vertex_array(shader.program, content)

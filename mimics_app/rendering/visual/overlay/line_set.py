@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F4, F8
 from mimics_app.rendering.visual.figures.hud import Colour
 
 __all__ = ["LINE_ROW", "LineSet", "box_lines", "circle_lines"]
@@ -34,7 +34,7 @@ class LineSet:
 
     def __init__(self) -> None:
         self._ends: list[F8] = []
-        self._rest: list[NDArray[np.float32]] = []
+        self._rest: list[F4] = []
 
     def __len__(self) -> int:
         """Return the number of lines."""

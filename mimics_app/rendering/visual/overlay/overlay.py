@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from mimics_app.contracts.clock import Clock
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
-from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.figures.hud import Colour, Hud
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.overlay.atlas_pass import AtlasPass
@@ -52,9 +51,7 @@ class Overlay:
         hud: Canvas of its panels.
     """
 
-    def __init__(
-        self, ctx: moderngl.Context, shaders: ShaderLibrary, arena: MeshArena, frame: FrameBuffers, clock: Clock
-    ) -> None:
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, frame: FrameBuffers, clock: Clock) -> None:
         self.layers: set[Layer] = set()
         self.arrows: list[Arrow] = []
         self.chosen: int | None = None
@@ -63,7 +60,7 @@ class Overlay:
         self.hud = Hud()
         self._lines = LineSet()
         self._line_pass = LinePass(ctx, shaders)
-        self._wires = _WirePass(ctx, shaders, arena, frame)
+        self._wires = _WirePass(ctx, shaders, frame)
         self._atlas = AtlasPass(ctx, shaders)
         self._maps_shown = False
 
@@ -146,8 +143,8 @@ class Overlay:
 class _WirePass:
     """Draws the runs of a frame again as wireframe, with a depth bias towards the camera."""
 
-    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, arena: MeshArena, frame: FrameBuffers) -> None:
-        self._ctx, self._arena, self._frame = ctx, arena, frame
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, frame: FrameBuffers) -> None:
+        self._ctx, self._frame = ctx, frame
         self._shader = shaders.program("common/mesh.vert", "overlay/wire.frag")
 
     def draw(self, target: moderngl.Framebuffer, drawn: ViewDraws) -> int:
@@ -161,7 +158,7 @@ class _WirePass:
         ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
         ctx.depth_func, ctx.wireframe, ctx.polygon_offset = "<=", True, (-1.0, -1.0)
         for run in runs:
-            self._frame.draw(self._arena, run, self._shader)
+            self._frame.draw(run, self._shader)
         ctx.depth_func, ctx.wireframe, ctx.polygon_offset = "<", False, (0.0, 0.0)
         target.depth_mask = True
         return len(runs)

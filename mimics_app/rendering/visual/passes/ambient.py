@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.visual.draw_buffer import texture_of
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
-from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.screen import ScreenPass
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -37,10 +36,10 @@ class AmbientPass:
     cameras' pictures are not occluded.
     """
 
-    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, arena: MeshArena, frame: FrameBuffers) -> None:
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, frame: FrameBuffers) -> None:
         self._ctx = ctx
         self._shaders = shaders
-        self._arena, self._frame = arena, frame
+        self._frame = frame
         self._find = ScreenPass(ctx, shaders, "ambient/ssao.frag")
         self._smooth = ScreenPass(ctx, shaders, "ambient/blur.frag")
         self._size: Size = (0, 0)
@@ -80,7 +79,7 @@ class AmbientPass:
             shader = self._shaders.also_with(run.look.shadow_shader, _BOTH_EYES if both else ())
             if not both:
                 shader.set_matrix("clip_from_eye", views[0].clip_from_eye)
-            self._frame.draw(self._arena, run, shader)
+            self._frame.draw(run, shader)
         if both:
             ctx.disable_direct(CLIP_DISTANCE_0)
         return len(opaque)
@@ -122,7 +121,7 @@ class AmbientPass:
         self._open = self._block = None
         self._free()
 
-    def _write(self, places: NDArray[np.float32]) -> None:
+    def _write(self, places: F4) -> None:
         """Upload the texels of each eye: corner [px], texels per pixel; first and last column, last row."""
         if self._block is None:
             self._block = self._ctx.buffer(reserve=64)

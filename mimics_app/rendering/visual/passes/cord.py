@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, U4
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
 from mimics_app.rendering.visual.passes.eye_passes import EyePass
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.cords import MAX_TAPS, Cord
@@ -57,8 +58,7 @@ class CordPass:
         self._data = np.zeros((), CORD_BLOCK)
         self._block: moderngl.Buffer | None = None
         self._indices: moderngl.Buffer | None = None
-        self._array: moderngl.VertexArray | None = None
-        self._made_for: tuple[ShaderProgram, int] | None = None
+        self._arrays = VertexArrays(self._vertex_array)
 
     def draw(
         self,
@@ -87,11 +87,12 @@ class CordPass:
         shown = [cord for cord in cords.values() if cord.visible]
         if not shown:
             return 0
-        array = self._vertex_array(lights, eyes.defines)
+        shader = self._shaders.program("cord/cord.vert", "cord/cord.frag", (*sorted(lights), *eyes.defines))
+        array = self._arrays.of(shader)
         self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         self._ctx.front_face = "ccw"
         self._ctx.cull_face = "back"
-        assert self._block is not None
+        self._block = self._block or self._ctx.buffer(reserve=CORD_BLOCK.itemsize)
         self._block.bind_to_uniform_block(_BINDING)
         for cord in shown:
             fill_cord_block(self._data, cord, view.eye_world, lighting.sun_direction, time_s)
@@ -102,22 +103,15 @@ class CordPass:
 
     def release(self) -> None:
         """Free everything."""
-        for part in (self._array, self._indices, self._block):
+        self._arrays.release()
+        for part in (self._indices, self._block):
             if part is not None:
                 part.release()
-        self._array = self._indices = self._block = None
+        self._indices = self._block = None
 
-    def _vertex_array(self, lights: frozenset[str], eyes: tuple[str, ...]) -> moderngl.VertexArray:
-        shader = self._shaders.program("cord/cord.vert", "cord/cord.frag", (*sorted(lights), *eyes))
-        if self._block is None or self._indices is None:
-            self._block = self._ctx.buffer(reserve=CORD_BLOCK.itemsize)
-            self._indices = self._ctx.buffer(grid_indices(RINGS, SIDES).tobytes())
-        if self._array is None or self._made_for != (shader, shader.revision):
-            if self._array is not None:
-                self._array.release()
-            self._array = self._ctx.vertex_array(shader.program, [], self._indices, index_element_size=4)
-            self._made_for = (shader, shader.revision)
-        return self._array
+    def _vertex_array(self, shader: ShaderProgram) -> moderngl.VertexArray:
+        self._indices = self._indices or self._ctx.buffer(grid_indices(RINGS, SIDES).tobytes())
+        return self._ctx.vertex_array(shader.program, [], self._indices, index_element_size=4)
 
 
 def fill_cord_block(data: NDArray[np.void], cord: Cord, eye: F8, sun: F8, time_s: float) -> None:
@@ -145,7 +139,7 @@ def fill_cord_block(data: NDArray[np.void], cord: Cord, eye: F8, sun: F8, time_s
         data["tap"][number] = (ripple.s, ripple.theta, ripple.age, height)
 
 
-def grid_indices(rings: int, sides: int) -> NDArray[np.uint32]:
+def grid_indices(rings: int, sides: int) -> U4:
     """Return the triangles of a tube of `rings` by `sides` + 1 vertices, counter-clockwise from outside."""
     i, j = np.meshgrid(np.arange(rings - 1), np.arange(sides), indexing="ij")
     corner = (i * (sides + 1) + j).ravel()

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, U1
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT, HUD_ROW, Hud
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
 from mimics_app.rendering.visual.view import View
 
 if TYPE_CHECKING:
@@ -119,13 +120,13 @@ class HudPass:
         self._shaders = [shaders.program("hud/hud.vert", "hud/hud.frag", defines) for defines in _VARIANTS]
         self._rows: moderngl.Buffer | None = None
         self._commands: moderngl.Buffer | None = None
-        self._arrays: dict[int, tuple[int, moderngl.VertexArray]] = {}
+        self._arrays = VertexArrays(self._vertex_array)
         self._uploaded: tuple[int, int] | None = None
         self._row_kinds = np.zeros(0, np.float32)
         self._kinds: list[int] = []
         self._glyphs: moderngl.Texture | None = None
         self._images: moderngl.TextureArray | None = None
-        self._image_source: NDArray[np.uint8] | None = None
+        self._image_source: U1 | None = None
 
     def draw(self, hud: Hud, view: View, plane: HudPlane) -> int:
         """Draw the display over one view; sets the viewport to the view's rectangle.
@@ -150,22 +151,18 @@ class HudPass:
         ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
         self._bind(hud)
         for number, kind in enumerate(self._kinds):
-            self._vertex_array(kind).render_indirect(self._commands, moderngl.TRIANGLE_STRIP, 1, first=number)
+            array = self._arrays.of(self._shaders[kind])
+            array.render_indirect(self._commands, moderngl.TRIANGLE_STRIP, 1, first=number)
         return len(self._kinds)
 
     def release(self) -> None:
         """Free buffers and textures."""
-        self._release_arrays()
+        self._arrays.release()
         for part in (self._rows, self._commands, self._glyphs, self._images):
             if part is not None:
                 part.release()
         self._rows = self._commands = self._glyphs = self._images = None
         self._row_kinds = self._row_kinds[:0]
-
-    def _release_arrays(self) -> None:
-        for _, array in self._arrays.values():
-            array.release()
-        self._arrays.clear()
 
     def _upload(self, hud: Hud) -> None:
         key = (id(hud), hud.revision)
@@ -174,7 +171,7 @@ class HudPass:
         rows = hud.rows()
         self._uploaded = key
         if self._rows is None or self._rows.size < rows.nbytes:
-            self._release_arrays()
+            self._arrays.release()
             if self._rows is not None:
                 self._rows.release()
             self._rows = self._ctx.buffer(reserve=max(2 * rows.nbytes, 64 * HUD_ROW.itemsize))
@@ -196,15 +193,8 @@ class HudPass:
             self._commands.release()
         self._commands = self._ctx.buffer(commands.tobytes())
 
-    def _vertex_array(self, kind: int) -> moderngl.VertexArray:
-        shader, known = self._shaders[kind], self._arrays.get(kind)
-        if known is not None and known[0] == shader.revision:
-            return known[1]
-        if known is not None:
-            known[1].release()
-        array = self._ctx.vertex_array(shader.program, [(self._rows, *_fields(shader))])
-        self._arrays[kind] = (shader.revision, array)
-        return array
+    def _vertex_array(self, shader: ShaderProgram) -> moderngl.VertexArray:
+        return self._ctx.vertex_array(shader.program, [(self._rows, *_fields(shader))])
 
     def _bind(self, hud: Hud) -> None:
         if self._glyphs is None:
@@ -216,7 +206,7 @@ class HudPass:
         if self._images is not None:
             self._images.use(_IMAGE_BINDING)
 
-    def _upload_images(self, images: NDArray[np.uint8] | None) -> None:
+    def _upload_images(self, images: U1 | None) -> None:
         self._image_source = images
         if self._images is not None:
             self._images.release()

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.materials.vertex_arrays import bare_arrays
 from mimics_app.rendering.visual.passes.hud import HudPlane, clip_from_hud
 from mimics_app.rendering.visual.pictures.live_picture import LivePicture
 from mimics_app.rendering.visual.view import Rect, View
@@ -32,7 +33,7 @@ class InsetPass:
     def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary) -> None:
         self._ctx = ctx
         self._shaders = shaders
-        self._made: tuple[int, moderngl.VertexArray] | None = None
+        self._arrays = bare_arrays(ctx)
 
     def draw(self, inset: InsetView, picture: LivePicture, pixels: Rect, view: View, plane: HudPlane) -> int:
         """Draw an inset over a view; return the draw calls.
@@ -47,9 +48,6 @@ class InsetPass:
         import moderngl
 
         shader = self._shaders.program("inset/inset.vert", "inset/inset.frag")
-        if self._made is None or self._made[0] != shader.revision:
-            self.release()
-            self._made = (shader.revision, self._ctx.vertex_array(shader.program, []))
         line = CANVAS_HEIGHT / view.rectangle[3]
         shader.set_numbers("box", [side * line for side in pixels])
         shader.set_number("border", inset.border)
@@ -58,11 +56,9 @@ class InsetPass:
         self._ctx.viewport = view.rectangle
         self._ctx.enable_only(moderngl.NOTHING)
         picture.use(_BINDING)
-        self._made[1].render(moderngl.TRIANGLE_STRIP, vertices=4)
+        self._arrays.of(shader).render(moderngl.TRIANGLE_STRIP, vertices=4)
         return 1
 
     def release(self) -> None:
         """Free the vertex array."""
-        if self._made is not None:
-            self._made[1].release()
-            self._made = None
+        self._arrays.release()

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
-from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.effects.projectors import Beam, BeamRuns
 from mimics_app.rendering.visual.materials.look import Look
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
@@ -30,15 +29,14 @@ _OF_ALBEDO = ("TEXTURED", "COLOURED", "UV_TRANSFORMS")
 class ProjectorPass:
     """Draws projected textures."""
 
-    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, max_size: int) -> None:
         self._ctx = ctx
         self._shaders = shaders
-        self._textures = TextureStore(ctx, shaders, longest)
+        self._textures = TextureStore(ctx, shaders, max_size)
 
     def draw(
         self,
         target: moderngl.Framebuffer,
-        arena: MeshArena,
         frame: FrameBuffers,
         view: View,
         projected: Sequence[BeamRuns],
@@ -49,7 +47,6 @@ class ProjectorPass:
 
         Args:
             target: Framebuffer with the depth of the opaque surfaces.
-            arena: Mesh arena.
             frame: Buffers of the frame.
             view: The view; its block is bound.
             projected: Projectors with the surfaces they hit.
@@ -73,7 +70,7 @@ class ProjectorPass:
                 self._set_state(run.look, each.beam)
                 shader = self._shaders.also_with(self._shader(run.look, each.beam, lights), eyes)
                 _describe(shader, each.beam, view)
-                frame.draw(arena, run, shader)
+                frame.draw(run, shader)
                 draws += 1
         ctx.depth_func = "<"
         ctx.cull_face = "back"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
+from mimics_app.rendering.visual.materials.vertex_arrays import bare_arrays
 from mimics_app.rendering.visual.view import Rect
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ class ScreenPass:
         self._ctx = ctx
         self._shaders = shaders
         self._fragment, self._defines = fragment, defines
-        self._made: tuple[int, moderngl.VertexArray] | None = None
+        self._arrays = bare_arrays(ctx)
 
     def draw(
         self,
@@ -60,9 +61,6 @@ class ScreenPass:
         import moderngl
 
         shader = self._shaders.program("post/screen.vert", self._fragment, self._defines)
-        if self._made is None or self._made[0] != shader.revision:
-            self.release()
-            self._made = (shader.revision, self._ctx.vertex_array(shader.program, []))
         shader.set_numbers("region", region)
         for name, value in numbers.items():
             shader.set_number(name, value)
@@ -71,11 +69,9 @@ class ScreenPass:
         if blend:
             self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
         source.use(_BINDING)
-        self._made[1].render(moderngl.TRIANGLES, vertices=3)
+        self._arrays.of(shader).render(moderngl.TRIANGLES, vertices=3)
         return 1
 
     def release(self) -> None:
         """Free the vertex array."""
-        if self._made is not None:
-            self._made[1].release()
-            self._made = None
+        self._arrays.release()

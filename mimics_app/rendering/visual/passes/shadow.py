@@ -6,11 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
-from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowPlan
 from mimics_app.rendering.visual.shadows.shadow_target import ShadowTarget
 
@@ -51,7 +48,6 @@ class MapWork:
 
 def draw_shadows(
     ctx: moderngl.Context,
-    arena: MeshArena,
     frame: FrameBuffers,
     target: ShadowTarget,
     plan: ShadowPlan,
@@ -61,7 +57,6 @@ def draw_shadows(
 
     Args:
         ctx: Context of the pass.
-        arena: Mesh arena.
         frame: Buffers of the frame; each map's instances are relative to its own origin.
         target: The atlas.
         plan: Its maps.
@@ -82,18 +77,16 @@ def draw_shadows(
         clip_from_origin = shadow.clip_from_world.copy()
         clip_from_origin[:, 3] += shadow.clip_from_world[:, :3] @ shadow.origin
         target.enter(shadow.tile, plan.grid, kept=each.still is None)
-        _draw(arena, frame, each.still or (), clip_from_origin)
+        _draw(frame, each.still or (), clip_from_origin)
         if each.keep:
             target.keep(shadow.tile, plan.grid)
-        _draw(arena, frame, each.moving, clip_from_origin)
+        _draw(frame, each.moving, clip_from_origin)
     ctx.polygon_offset = (0.0, 0.0)
     return sum(len(each.runs) for _, each in changed)
 
 
-def _draw(
-    arena: MeshArena, frame: FrameBuffers, runs: Sequence[DrawRun], clip_from_origin: NDArray[np.float64]
-) -> None:
+def _draw(frame: FrameBuffers, runs: Sequence[DrawRun], clip_from_origin: F8) -> None:
     for run in runs:
         run.look.bind()
         run.look.shadow_shader.set_matrix("clip_from_eye", clip_from_origin)
-        frame.draw(arena, run, run.look.shadow_shader)
+        frame.draw(run, run.look.shadow_shader)

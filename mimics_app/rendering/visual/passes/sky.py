@@ -9,8 +9,9 @@ import numpy as np
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.materials.picture_arrays import encode_srgb, shrunk
-from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.materials.texture_store import TextureStore
+from mimics_app.rendering.visual.materials.vertex_arrays import bare_arrays
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.raw_gl import SRGB8_ALPHA8
 from mimics_app.world.environment import Backdrop
@@ -42,14 +43,13 @@ class SkyPass:
         issues: Backdrops that could not be drawn, each reported once; the caller removes what it reports.
     """
 
-    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest: int) -> None:
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, max_size: int) -> None:
         self._ctx = ctx
         self._shaders = shaders
-        self._longest = longest
-        self._textures = TextureStore(ctx, shaders, longest)
+        self._max_size = max_size
+        self._textures = TextureStore(ctx, shaders, max_size)
         self._shader = shaders.program("sky/sky.vert", "sky/sky.frag")
-        self._made_for: tuple[ShaderProgram, int] | None = None
-        self._array: moderngl.VertexArray | None = None
+        self._arrays = bare_arrays(ctx)
         self._cube: tuple[list[TextureData], moderngl.TextureCube] | None = None
         self._reported: set[Backdrop] = set()
         self.issues: list[Issue] = []
@@ -73,23 +73,15 @@ class SkyPass:
         """Draw the sky; return the draw calls."""
         import moderngl
 
-        wanted = (self._shader, self._shader.revision)
-        if self._array is None or self._made_for != wanted:
-            if self._array is not None:
-                self._array.release()
-            self._array = self._ctx.vertex_array(self._shader.program, [])
-            self._made_for = wanted
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.depth_func = "<="
-        self._array.render(moderngl.TRIANGLES, vertices=3)
+        self._arrays.of(self._shader).render(moderngl.TRIANGLES, vertices=3)
         self._ctx.depth_func = "<"
         return 1
 
     def release(self) -> None:
-        """Free the vertex array and the textures."""
-        if self._array is not None:
-            self._array.release()
-            self._array = None
+        """Free the vertex arrays and the textures."""
+        self._arrays.release()
         if self._cube is not None:
             self._cube[1].release()
             self._cube = None
@@ -120,7 +112,7 @@ class SkyPass:
             self._cube[1].release()
         # Cube map faces are defined as seen from outside: mirror the sides, flip top and bottom.
         turned = (np.flip(each.pixels, 0 if number in (2, 3) else 1) for number, each in enumerate(pictures))
-        faces = [shrunk(face, self._longest) for face in turned]
+        faces = [shrunk(face, self._max_size) for face in turned]
         data = b"".join(np.ascontiguousarray(face).tobytes() for face in faces)
         size = (faces[0].shape[1], faces[0].shape[0])
         inner = SRGB8_ALPHA8 if pictures[0].srgb else None

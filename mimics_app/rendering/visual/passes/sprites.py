@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mimics_app.rendering.visual.effects.sprites import SpriteRun, SpriteState
 from mimics_app.rendering.visual.kernels.sprites import SPRITE_VERTEX
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays
 from mimics_app.rendering.visual.settings import ParticleLight
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ class SpritePass:
         self._shaders = shaders
         self._vertices: moderngl.Buffer | None = None
         self._indices: moderngl.Buffer | None = None
-        self._arrays: dict[ShaderProgram, tuple[int, moderngl.VertexArray]] = {}
+        self._arrays = VertexArrays(self._vertex_array)
 
     def upload(self, vertices: NDArray[np.void]) -> None:
         """Upload the sprites of all views of a frame: SPRITE_VERTEX [n, 4], contiguous."""
@@ -76,16 +77,14 @@ class SpritePass:
         self._ctx.enable_only(flags)
         target.depth_mask = run.state.masked
         run.state.pictures.use(_BINDING)
-        array = self._array(self._shader(run.state, lights))
+        array = self._arrays.of(self._shader(run.state, lights))
         array.render(moderngl.TRIANGLES, _INDICES * run.count, first=_INDICES * run.first)
         target.depth_mask = True
         return 1
 
     def release(self) -> None:
         """Free all buffers."""
-        for _, array in self._arrays.values():
-            array.release()
-        self._arrays.clear()
+        self._arrays.release()
         for buffer in (self._vertices, self._indices):
             if buffer is not None:
                 buffer.release()
@@ -103,17 +102,10 @@ class SpritePass:
         defines.append("SHADE=smooth" if flat else "SHADE=flat")
         return self._shaders.program("sprite/sprite.vert", "sprite/sprite.frag", tuple(defines))
 
-    def _array(self, shader: ShaderProgram) -> moderngl.VertexArray:
-        known = self._arrays.get(shader)
-        if known is not None and known[0] == shader.revision:
-            return known[1]
-        if known is not None:
-            known[1].release()
+    def _vertex_array(self, shader: ShaderProgram) -> moderngl.VertexArray:
         assert self._vertices is not None and self._indices is not None, "runs are drawn after upload"
         # A program does not list a field that it does not read: its bytes are skipped.
         read = [name for name in _FORMATS if name in shader.program]
         fields = [_FORMATS[name] if name in read else f"{SPRITE_VERTEX[name].itemsize}x" for name in _FORMATS]
         content = (self._vertices, " ".join(fields), *read)
-        array = self._ctx.vertex_array(shader.program, [content], self._indices)
-        self._arrays[shader] = (shader.revision, array)
-        return array
+        return self._ctx.vertex_array(shader.program, [content], self._indices)

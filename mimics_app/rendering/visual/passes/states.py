@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
-from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.materials.look import LookPass
 from mimics_app.rendering.visual.materials.shader_library import ShaderProgram
 
@@ -22,7 +21,6 @@ def _identity(shader: ShaderProgram) -> ShaderProgram:
 
 def draw_runs(
     target: moderngl.Framebuffer,
-    arena: MeshArena,
     frame: FrameBuffers,
     runs: list[DrawRun],
     variant: Callable[[ShaderProgram], ShaderProgram] = _identity,
@@ -31,7 +29,6 @@ def draw_runs(
 
     Args:
         target: The framebuffer in use.
-        arena: Mesh arena.
         frame: Buffers of the frame.
         runs: Runs in order.
         variant: Returns the program to use in place of a pass's own.
@@ -47,7 +44,7 @@ def draw_runs(
             if state != last:
                 _set_state(target, each)
                 last = state
-            frame.draw(arena, run, variant(each.shader))
+            frame.draw(run, variant(each.shader))
             calls += 1
     ctx.cull_face = "back"
     target.depth_mask = True

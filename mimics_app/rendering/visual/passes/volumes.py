@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F4, F8
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary, ShaderProgram
+from mimics_app.rendering.visual.materials.vertex_arrays import VertexArrays, bare_arrays
 from mimics_app.rendering.visual.passes.eye_passes import EyePass
 from mimics_app.rendering.visual.shadows.shadow_volumes import VolumeSource, extrude
 from mimics_app.rendering.visual.surfaces.raw_gl import NOT_EQUAL, RawGL
@@ -46,7 +47,7 @@ class VolumePass:
         self._darken = shaders.program("post/screen.vert", "volume/darken.frag")
         self._sources: dict[str, tuple[MeshData, VolumeSource]] = {}
         self._kept: dict[int, _Volume] = {}
-        self._screen: tuple[int, moderngl.VertexArray] | None = None
+        self._screen = bare_arrays(ctx)
 
     def count(
         self,
@@ -89,7 +90,7 @@ class VolumePass:
             if volume is not None:
                 clip = [view.clip_from_eye @ _eye_from_node(world_from_node, view) for view in views]
                 shader.set_array("clip_from_volume", np.stack([each.T for each in clip]).astype(np.float32))
-                volume.array(shader).render(moderngl.TRIANGLES, instances=eyes.instances)
+                volume.arrays.of(shader).render(moderngl.TRIANGLES, instances=eyes.instances)
                 drawn += 1
         ctx.polygon_offset = (0.0, 0.0)
         target.depth_mask = True
@@ -101,15 +102,11 @@ class VolumePass:
         import moderngl
 
         ctx = self._ctx
-        if self._screen is None or self._screen[0] != self._darken.revision:
-            if self._screen is not None:
-                self._screen[1].release()
-            self._screen = (self._darken.revision, ctx.vertex_array(self._darken.program, []))
         self._darken.set_number("tone", tone)
         ctx.enable_only(moderngl.BLEND)
         ctx.blend_func = moderngl.DST_COLOR, moderngl.ZERO
         self.gl.draw_where(NOT_EQUAL)
-        self._screen[1].render(moderngl.TRIANGLES, vertices=3)
+        self._screen.of(self._darken).render(moderngl.TRIANGLES, vertices=3)
         self.gl.draw_everywhere()
         return 1
 
@@ -118,9 +115,7 @@ class VolumePass:
         for volume in self._kept.values():
             volume.release()
         self._kept.clear()
-        if self._screen is not None:
-            self._screen[1].release()
-            self._screen = None
+        self._screen.release()
         self.gl.release()
 
     def _volume(self, item: int, name: str, world: World, world_from_node: F8, towards: F8) -> _Volume | None:
@@ -145,30 +140,23 @@ class VolumePass:
 class _Volume:
     """A volume on the GPU, with the mesh and light direction it was made for."""
 
-    def __init__(self, ctx: moderngl.Context, mesh: MeshData, light: F8, vertices: NDArray[np.float32]) -> None:
-        self._ctx, self._mesh, self._light = ctx, mesh, light
+    def __init__(self, ctx: moderngl.Context, mesh: MeshData, light: F8, vertices: F4) -> None:
+        self._mesh, self._light = mesh, light
         self._buffer = ctx.buffer(vertices.tobytes() or bytes(16))
-        self._arrays: dict[ShaderProgram, tuple[int, moderngl.VertexArray]] = {}
+        self.arrays = VertexArrays(partial(_vertex_array, ctx, self._buffer))
 
     def fits(self, mesh: MeshData, light: F8) -> bool:
         """Whether the volume can be reused."""
         return self._mesh is mesh and float(np.linalg.norm(light - self._light)) <= _SAME_LIGHT
 
-    def array(self, shader: ShaderProgram) -> moderngl.VertexArray:
-        """Return the vertex array of a program; made again when the program was reloaded."""
-        known = self._arrays.get(shader)
-        if known is None or known[0] != shader.revision:
-            if known is not None:
-                known[1].release()
-            made = self._ctx.vertex_array(shader.program, [(self._buffer, "4f", "in_corner")])
-            known = self._arrays[shader] = (shader.revision, made)
-        return known[1]
-
     def release(self) -> None:
         """Free buffer and vertex arrays."""
-        for _, array in self._arrays.values():
-            array.release()
+        self.arrays.release()
         self._buffer.release()
+
+
+def _vertex_array(ctx: moderngl.Context, buffer: moderngl.Buffer, shader: ShaderProgram) -> moderngl.VertexArray:
+    return ctx.vertex_array(shader.program, [(buffer, "4f", "in_corner")])
 
 
 def _eye_from_node(world_from_node: F8, view: View) -> F8:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F4
 from mimics_app.rendering.visual.draw_buffer import DrawBuffer
 from mimics_app.rendering.visual.pictures.mirror_views import Reflection
 from mimics_app.rendering.visual.surfaces.surface import Size
@@ -149,7 +149,7 @@ class MirrorPicture(LivePicture):
             self._block = None
         super().release()
 
-    def _write(self, block: NDArray[np.float32]) -> moderngl.Buffer:
+    def _write(self, block: F4) -> moderngl.Buffer:
         if self._block is None:
             self._block = self._ctx.buffer(reserve=block.nbytes)
         self._block.orphan()
@@ -157,7 +157,7 @@ class MirrorPicture(LivePicture):
         return self._block
 
 
-def _texels_of_pixels(reflection: Reflection, corner: tuple[int, int]) -> NDArray[np.float32]:
+def _texels_of_pixels(reflection: Reflection, corner: tuple[int, int]) -> F4:
     """Return factors and offsets from pixels of the target to texels of the reflection, and its size; [2, 4]."""
     x, y, width, height = reflection.pixels
     wide, high = reflection.view.rectangle[2:]

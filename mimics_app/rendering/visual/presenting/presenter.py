@@ -7,8 +7,8 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, U1
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.display_port import Composing, Display, DisplayFrame, Eye, FrameTiming, HeadSource, Viewpoint
 from mimics_app.contracts.errors import DeviceError
@@ -24,7 +24,6 @@ from mimics_app.world.camera import Camera
 
 __all__ = ["Presenter"]
 
-F8 = NDArray[np.float64]
 
 _REST_HEIGHT = 1.7
 """Eye height of a person at rest, for trackers with room coordinates and displays without [m]."""
@@ -236,7 +235,7 @@ class Presenter:
     def _wanted(self) -> Size:
         return self.display.drawn_size(self._fixed or self.surface.size)
 
-    def _read(self) -> NDArray[np.uint8]:
+    def _read(self) -> U1:
         return read_pixels(self.drawn)
 
     def _save_eye(self, eye: Eye, file: Path, write: WritePng) -> Path:
@@ -254,7 +253,7 @@ def _outside(rectangle: Rect, at: F8) -> float:
     return float(np.maximum(np.maximum(corner - at, at - corner - size), 0.0).max())
 
 
-def _from_rest(head: HeadSource, now_ns: int) -> NDArray[np.float64] | None:
+def _from_rest(head: HeadSource, now_ns: int) -> F8 | None:
     """Return the head pose in the frame of the head at rest."""
     room_from_head = head(now_ns)
     if room_from_head is None:

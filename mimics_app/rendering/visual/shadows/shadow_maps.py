@@ -12,7 +12,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.drawing.draw_list import Casters
 from mimics_app.rendering.visual.lighting import ShadowFrustum
-from mimics_app.rendering.visual.view_matrices import compose_clip_from_view
+from mimics_app.rendering.visual.view_matrices import TEXTURE_FROM_CLIP, compose_clip_from_view
 from mimics_app.world.light import Light
 
 __all__ = [
@@ -29,7 +29,6 @@ __all__ = [
 MAX_SPOT_MAPS = 4
 
 _NEAR_OF_SPOT, _REACH_OF_SPOT = 0.05, 50.0
-_TO_TEXTURE = np.array([[0.5, 0.0, 0.0, 0.5], [0.0, 0.5, 0.0, 0.5], [0.0, 0.0, 0.5, 0.5], [0.0, 0.0, 0.0, 1.0]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +82,7 @@ class ShadowPlan:
 
 def texture_from_world(shadow: ShadowMap) -> F8:
     """Return the projection to coordinates in the map's own tile and depth, all in [0, 1]."""
-    return np.asarray(_TO_TEXTURE @ shadow.clip_from_world)
+    return np.asarray(TEXTURE_FROM_CLIP @ shadow.clip_from_world)
 
 
 def lay_out(sun: Sequence[ShadowMap], spots: dict[int, ShadowMap]) -> ShadowPlan:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F4, F8
 from mimics_app.rendering.visual.drawing.t_junctions import unmatched_edges
 from mimics_app.world.meshes.mesh import MeshData
 
@@ -37,7 +36,7 @@ class VolumeSource:
         self.closed = len(unmatched_edges(self.triangles)) == 0
 
 
-def extrude(source: VolumeSource, towards_light: F8) -> NDArray[np.float32]:
+def extrude(source: VolumeSource, towards_light: F8) -> F4:
     """Return the shadow volume of a mesh under directional light.
 
     Triangles that face the light are the cap; their silhouette edges are extruded to infinity. Under directional light

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import I4
+from mimics_app.contracts.arrays import B1, F8, I4
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowMap
@@ -39,7 +38,7 @@ class _Layer:
     """Kept layer of a tile: grid size, projection, items, and the frame it was drawn in."""
 
     grid: int
-    clip: NDArray[np.float64]
+    clip: F8
     items: I4
     frame: int
 
@@ -95,7 +94,7 @@ class StillLayers:
             return False
         return bool(self._among(shadow.casters.items)[layer.items].all())
 
-    def _among(self, items: I4) -> NDArray[np.bool_]:
+    def _among(self, items: I4) -> B1:
         """Return True for each of some items, by number."""
         among = np.zeros(len(self._moved_at), np.bool_)
         among[items] = True

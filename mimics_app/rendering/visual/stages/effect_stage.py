@@ -9,7 +9,6 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
-from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.effects.projectors import Beam, BeamRuns, ProjectorField
 from mimics_app.rendering.visual.effects.sprites import SpriteField, SpriteRun
 from mimics_app.rendering.visual.materials.picture_arrays import PictureArrays
@@ -30,12 +29,12 @@ __all__ = ["EffectStage"]
 class EffectStage:
     """Prepares and draws sprites and projected textures."""
 
-    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, longest_texture: int) -> None:
-        self._pictures = PictureArrays(ctx, shaders, longest_texture)
+    def __init__(self, ctx: moderngl.Context, shaders: ShaderLibrary, max_size: int) -> None:
+        self._pictures = PictureArrays(ctx, shaders, max_size)
         self._field = SpriteField(self._pictures)
         self._sprites = SpritePass(ctx, shaders)
         self._projectors = ProjectorField()
-        self._projecting = ProjectorPass(ctx, shaders, longest_texture)
+        self._projecting = ProjectorPass(ctx, shaders, max_size)
         self._lights: frozenset[str] = frozenset()
 
     def prepare(self, world: World, lights: frozenset[str], settings: RenderSettings) -> None:
@@ -82,25 +81,22 @@ class EffectStage:
     def project(
         self,
         target: moderngl.Framebuffer,
-        arena: MeshArena,
         frame: FrameBuffers,
         view: View,
         projected: Sequence[BeamRuns],
         eyes: tuple[str, ...],
     ) -> int:
         """Draw projected textures onto the opaque surfaces; return the draw calls."""
-        return self._projecting.draw(target, arena, frame, view, projected, self._lights, eyes)
+        return self._projecting.draw(target, frame, view, projected, self._lights, eyes)
 
-    def draw_mixed(
-        self, target: moderngl.Framebuffer, arena: MeshArena, frame: FrameBuffers, runs: Sequence[DrawRun | SpriteRun]
-    ) -> int:
+    def draw_mixed(self, target: moderngl.Framebuffer, frame: FrameBuffers, runs: Sequence[DrawRun | SpriteRun]) -> int:
         """Draw sprites and blended surfaces in order; return the draw calls."""
         draws = 0
         for run in runs:
             if isinstance(run, SpriteRun):
                 draws += self._sprites.draw(target, run, self._lights)
             else:
-                draws += draw_runs(target, arena, frame, [run])
+                draws += draw_runs(target, frame, [run])
         return draws
 
     def take_issues(self) -> list[Issue]:

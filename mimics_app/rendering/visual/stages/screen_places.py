@@ -5,15 +5,14 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.kernels.screen_bounds import bound_balls
 from mimics_app.rendering.visual.kernels.screen_cover import cover_marks, mark_cells
 from mimics_app.rendering.visual.view import Rect, View
 
 __all__ = ["box_corners", "cover_of", "screen_bounds"]
 
-F8 = NDArray[np.float64]
 
 _SIGNS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 

@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
-from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.passes.shadow import MapWork, draw_shadows
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -38,12 +37,11 @@ __all__ = ["ShadowStage", "light_features"]
 
 
 def light_features(lighting: Lighting, settings: RenderSettings) -> frozenset[str]:
-    """Return the shader features that a frame's light needs (`materials.LIGHT_FEATURES`)."""
+    """Return the shader features that a frame's light needs, each "NAME" or "NAME=NUMBER"."""
     maps = _sun_maps(lighting, settings)
     wanted = {
-        f"PLACED_LIGHTS={lighting.place_count}": lighting.place_count > 0,
-        "SUN_SHADOW": maps > 0,
-        f"SUN_MAPS_{maps}": maps > 1,
+        f"PLACED_LIGHTS={len(lighting.places)}": bool(lighting.places),
+        f"SUN_SHADOW={maps}": maps > 0,
         "SPOT_SHADOWS": settings.shadow_size > 0 and bool(_spots(lighting)),
         "HAZE": (lighting.fog.density if lighting.fog else settings.fog_density) > 0.0,
         "TONED": settings.tone_map == "neutral",
@@ -121,9 +119,9 @@ class ShadowStage:
         """Triangles drawn into the maps of the frame."""
         return sum(work.triangles for work in self.work if work is not None)
 
-    def draw(self, arena: MeshArena, frame: FrameBuffers) -> int:
+    def draw(self, frame: FrameBuffers) -> int:
         """Draw the changed maps and bind the atlas; return the draw calls."""
-        draws = draw_shadows(self._ctx, arena, frame, self._target, self.plan, self.work)
+        draws = draw_shadows(self._ctx, frame, self._target, self.plan, self.work)
         self._target.bind()
         return draws
 
@@ -160,8 +158,8 @@ class _Drawn:
 
     grid: int
     items: DrawItems
-    clip: NDArray[np.float64]
-    casters: NDArray[np.int32]
+    clip: F8
+    casters: I4
 
     def same(self, other: _Drawn) -> bool:
         """Whether both have the same depths, if no caster has moved."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from operator import is_
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import B1, F8
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.stages.screen_places import box_corners, cover_of, screen_bounds
 from mimics_app.rendering.visual.stages.seen_frame import Overlaid, SeenFrame
@@ -16,7 +16,6 @@ from mimics_app.rendering.visual.view import Rect
 
 __all__ = ["StillPicture"]
 
-F8 = NDArray[np.float64]
 
 _STEADY_FRAMES = 2
 """Successive comparable frames before their picture is kept."""
@@ -50,7 +49,7 @@ class _Boxes:
     centres: F8
     axes: F8
 
-    def corners(self, which: NDArray[np.bool_]) -> F8:
+    def corners(self, which: B1) -> F8:
         """Return the corners of some boxes [m], [m, 8, 3]."""
         return box_corners(self.centres[which], self.axes[which])
 
@@ -60,7 +59,7 @@ class _Before:
     """State of the last frame; without boxes while the camera moves."""
 
     seen: SeenFrame | None = None
-    shown: NDArray[np.bool_] | None = None
+    shown: B1 | None = None
     boxes: _Boxes | None = None
 
 
@@ -141,7 +140,7 @@ class StillPicture:
         return np.asarray(corners - ((corners[..., 1] - self._lowest) / sun[1])[..., None] * sun)
 
 
-def _changed_items(before: _Before, seen: SeenFrame) -> NDArray[np.bool_] | None:
+def _changed_items(before: _Before, seen: SeenFrame) -> B1 | None:
     """Return the items that moved or changed their look; None where more changed, or it is unknown."""
     listed, last = seen.listed, before.seen
     if last is None or listed.moved is None or listed.remade or last.fixed != seen.fixed:
@@ -182,7 +181,7 @@ def _boxes_of(listed: DrawList) -> _Boxes:
     return _Boxes(listed.centres.copy(), turned * listed.items.half[:, None])
 
 
-def _lowest_of(boxes: _Boxes, shown: NDArray[np.bool_]) -> float:
+def _lowest_of(boxes: _Boxes, shown: B1) -> float:
     """Return the lowest height of the boxes of shown items [m]; infinite without any."""
     bottoms = boxes.centres[:, 1] - np.abs(boxes.axes[:, 1]).sum(axis=1)
     return float(bottoms[shown].min(initial=np.inf))

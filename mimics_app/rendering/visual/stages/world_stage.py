@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
-from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.ambient import AmbientPass
@@ -116,22 +115,20 @@ class WorldStage:
         self,
         ctx: moderngl.Context,
         shaders: ShaderLibrary,
-        arena: MeshArena,
         frame: FrameBuffers,
         settings: RenderSettings,
-        longest_texture: int,
+        max_size: int,
     ) -> None:
         self._ctx = ctx
-        self._arena = arena
         self._frame = frame
         self._shaders = shaders
         self._blocks = (ViewBlock(ctx, settings), ViewBlock(ctx, settings))
         self._second = ViewBlock(ctx, settings)
         self._filled: tuple[FrameScene, list[View], bool] | None = None
         self._volumes = VolumePass(ctx, shaders)
-        self._ambient = AmbientPass(ctx, shaders, arena, frame)
+        self._ambient = AmbientPass(ctx, shaders, frame)
         self._cords = CordPass(ctx, shaders)
-        self.sky = SkyPass(ctx, shaders, longest_texture)
+        self.sky = SkyPass(ctx, shaders, max_size)
 
     def draw_parts(
         self, target: moderngl.Framebuffer, samples: int, scene: FrameScene, parts: Sequence[ViewDraws]
@@ -229,27 +226,27 @@ class WorldStage:
     def _draw_opaque(self, target: moderngl.Framebuffer, scene: FrameScene, drawn: ViewDraws, eyes: EyePass) -> int:
         """Draw meshes and cords, and the textures projected onto them, for one eye or both."""
         variant = partial(self._shaders.also_with, defines=eyes.defines)
-        draws = draw_runs(target, self._arena, self._frame, drawn.opaque, variant)
+        draws = draw_runs(target, self._frame, drawn.opaque, variant)
         if scene.world.cords:
             time_s = scene.world.effects.time
             draws += self._cords.draw(scene.world.cords, drawn.view, scene.lighting, scene.lights, time_s, eyes)
         if scene.effects is None:
             return draws
         beams = drawn.projected
-        return draws + scene.effects.project(target, self._arena, self._frame, drawn.view, beams, eyes.defines)
+        return draws + scene.effects.project(target, self._frame, drawn.view, beams, eyes.defines)
 
     def _draw_transparent(self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]) -> int:
         """Draw blended surfaces of both eyes in common passes; with sprites, each eye has its own order."""
         effects = scene.effects
         if effects is not None:
             turns = self._each_eye(target, scene, eyes)
-            return sum(effects.draw_mixed(target, self._arena, self._frame, each.transparent) for each in turns)
+            return sum(effects.draw_mixed(target, self._frame, each.transparent) for each in turns)
         if not eyes[0].blended:
             return 0
         draws = 0
         for each in self._together(target, scene, eyes):
             variant = partial(self._shaders.also_with, defines=each.defines)
-            draws += draw_runs(target, self._arena, self._frame, eyes[0].blended, variant)
+            draws += draw_runs(target, self._frame, eyes[0].blended, variant)
         return draws
 
     def _find_ambient(self, target: moderngl.Framebuffer, scene: FrameScene, eyes: Sequence[ViewDraws]) -> int:

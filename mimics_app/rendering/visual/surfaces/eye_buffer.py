@@ -38,6 +38,7 @@ class EyeBuffer(Surface):
         """Do nothing: its objects are freed with the owner's context."""
 
     def _make_framebuffer(self, size: Size) -> moderngl.Framebuffer:
+        # RGBA, not BGRA as other pictures: a headset's runtime copies it byte by byte.
         texture = self.ctx.texture(size, 4)
         texture.repeat_x = texture.repeat_y = False
         return self.ctx.framebuffer([texture], self.ctx.depth_renderbuffer(size))

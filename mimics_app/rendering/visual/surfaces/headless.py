@@ -6,8 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import U1
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.surface import Size, Surface
@@ -17,7 +17,7 @@ __all__ = ["OFFSCREEN", "WritePng", "open_offscreen", "read_pixels", "save_png",
 OFFSCREEN = ("egl", "osmesa")
 """Offscreen backends in the order in which "auto" tries them."""
 
-WritePng = Callable[[NDArray[np.uint8], Path], None]
+WritePng = Callable[[U1, Path], None]
 """Writes pixels, uint8 [height, width, 4], to a file, at once or later."""
 
 _PNG_LEVEL = 2
@@ -42,7 +42,7 @@ def open_offscreen(backend: str, size: Size) -> Surface:
     raise DeviceError("no offscreen backend works; " + "; ".join(refused))
 
 
-def read_pixels(surface: Surface) -> NDArray[np.uint8]:
+def read_pixels(surface: Surface) -> U1:
     """Return the picture drawn last: RGBA display values, uint8 [height, width, 4], row 0 at the top."""
     width, height = surface.size
     pixels = np.frombuffer(surface.framebuffer.read(components=4), np.uint8).reshape(height, width, 4)
@@ -54,7 +54,7 @@ def save_png(surface: Surface, file: Path) -> None:
     write_png(read_pixels(surface), file)
 
 
-def write_png(pixels: NDArray[np.uint8], file: Path) -> None:
+def write_png(pixels: U1, file: Path) -> None:
     """Save pixels, uint8 [height, width, 4], as an opaque PNG; compression runs without the GIL."""
     from PIL import Image
 

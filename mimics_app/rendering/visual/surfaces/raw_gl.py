@@ -9,7 +9,18 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import moderngl
 
-__all__ = ["ALWAYS", "CLIP_DISTANCE_0", "DECREMENT", "EQUAL", "INCREMENT", "KEEP", "NOT_EQUAL", "SRGB8_ALPHA8", "RawGL"]
+__all__ = [
+    "ALWAYS",
+    "CLIP_DISTANCE_0",
+    "DECREMENT",
+    "EQUAL",
+    "INCREMENT",
+    "KEEP",
+    "NOT_EQUAL",
+    "SRGB8_ALPHA8",
+    "RawGL",
+    "function_address",
+]
 
 ALWAYS, EQUAL, NOT_EQUAL = 0x0207, 0x0202, 0x0205
 KEEP, INCREMENT, DECREMENT = 0x1E00, 0x8507, 0x8508
@@ -54,14 +65,19 @@ _ARGUMENTS: dict[str, tuple[Any, ...]] = {
 }
 
 
+def function_address(ctx: moderngl.Context, name: str) -> int:
+    """Return the address of an OpenGL function; 0 where the driver has none."""
+    loader: Any = ctx.mglo._context  # moderngl's own function loader
+    return int(loader.load_opengl_function(name))
+
+
 class RawGL:
     """Functions by their addresses from the context's own loader, for EGL, OSMesa and windows alike."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        loader: Any = ctx.mglo._context  # moderngl's own function loader
         self._calls = {
-            name: ctypes.CFUNCTYPE(None, *arguments)(loader.load_opengl_function(name))
+            name: ctypes.CFUNCTYPE(None, *arguments)(function_address(ctx, name))
             for name, arguments in _ARGUMENTS.items()
         }
         self._buffers: dict[int, tuple[moderngl.Framebuffer, int]] = {}

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.window_input import GamepadState, InputEvent
 from mimics_app.rendering.visual.surfaces.picture_texture import make_picture_texture
+from mimics_app.rendering.visual.surfaces.raw_gl import function_address
 
 if TYPE_CHECKING:
     import moderngl
@@ -35,8 +36,7 @@ class ResetStatus:
     """Reset status of a context; always "" for a driver that cannot report it."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        loader: Any = ctx.mglo._context  # moderngl's own function loader
-        address = next((found for name in _NAMES if (found := loader.load_opengl_function(name))), 0)
+        address = next((found for name in _NAMES if (found := function_address(ctx, name))), 0)
         self._ask = ctypes.CFUNCTYPE(ctypes.c_uint)(address) if address else None
 
     def __call__(self) -> str:

@@ -1,0 +1,147 @@
+"""Scenarios of every kind, and of another package, by one conformance kit."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from mimics_app.app.scenes.scenario_choice import BUILT_IN
+from mimics_app.contracts.errors import UsageError
+from mimics_app.contracts.resources import root
+from tests.support.plugin_site import write_package
+from tests.support.scenario_kit import check_scenario
+
+SCENES = root() / "scenes"
+YARD = '''
+"""Scenarios of scenes with a robot, right and with a fault each."""
+from dataclasses import replace
+import numpy as np
+from mimics_app.contracts.messages import Aim
+from mimics_app.scenarios.touch_scene import TouchScene
+
+
+class Yard(TouchScene):
+    def __init__(self, scene, world):
+        super().__init__(scene, world)
+        self.flag = world.find("flag") if "flag" in world else world.create_node("flag")
+
+    def apply(self, orders, snapshot):
+        super().apply(orders, snapshot)
+        self.flag.set_position(snapshot.hip_world)
+
+
+class Legless(Yard):
+    @property
+    def task_context(self):
+        return replace(super().task_context, start_joints=(0.0,))
+
+
+class Flat(Yard):
+    @property
+    def via_points_world(self):
+        return super().via_points_world[:, :2]
+
+
+class Wordless(Yard):
+    @property
+    def facts(self):
+        return {"size": np.float32(1.0)}
+
+
+class Shared(Yard):
+    def scene_block(self):
+        if not hasattr(self, "block"):
+            self.block = super().scene_block()
+        return self.block
+
+
+class Dice(Yard):
+    @property
+    def via_points_world(self):
+        return super().via_points_world + np.random.default_rng().normal(0.0, 0.01, 3)
+
+
+class Heavy(Yard):
+    def apply(self, orders, snapshot):
+        super().apply(orders, snapshot)
+        snapshot.hip_world[1] -= 0.01
+
+
+class Bold(Yard):
+    def haptic_orders(self):
+        return {"force_limit": 500.0}
+
+
+class Restless(Yard):
+    full = 20.0
+
+    def haptic_orders(self):
+        self.full += 0.01
+        return {"grasp_force_full": self.full}
+
+
+class Aimless(Yard):
+    def aim(self, snapshot):
+        return Aim((0.0, float("nan"), 0.0), False)
+
+
+class Skewed(Yard):
+    def hand_frame(self):
+        return np.diag([2.0, 1.0, 1.0, 1.0])
+
+
+class Blind(Yard):
+    def see_body(self, where, now_ns):
+        self.flag.set_position(where("head", now_ns)[:3, 3])
+
+
+class Again(Yard):
+    def __init__(self, scene, world):
+        super().__init__(scene, world)
+        world.create_node()
+'''
+FAULTS = {
+    "Legless": "a position of each joint",
+    "Flat": "via points are places",
+    "Wordless": "facts are plain values",
+    "Shared": "owns the record",
+    "Dice": "the same path",
+    "Heavy": "nothing of the haptic state: hip_world",
+    "Bold": "is a limit of the haptic loop",
+    "Restless": "not ordered anew",
+    "Aimless": "a place to go to",
+    "Skewed": "rigid",
+    "Blind": "not subscriptable",
+    "Again": "adds nothing twice",
+}
+GROUP = "[mimics_app.scenarios]\n" + "".join(f"{name.lower()} = lab_of_yards:{name}\n" for name in ("Yard", *FAULTS))
+
+
+@pytest.fixture
+def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(write_package(tmp_path, "lab_of_yards", YARD, GROUP)))
+
+
+def played_by(scenario: str, folder: Path) -> Path:
+    document = json.loads((SCENES / "examples" / "falling_pairs.json").read_text())
+    document["scenario"] = scenario
+    file = folder / "scene.json"
+    file.write_text(json.dumps(document))
+    return file
+
+
+@pytest.mark.parametrize("name", [*BUILT_IN, "examples/falling_pairs"])
+def test_scenario_keeps_the_contract(name: str) -> None:
+    check_scenario(SCENES / f"{name}.json")
+
+
+def test_a_scenario_of_a_package_keeps_the_contract(installed: None, tmp_path: Path) -> None:
+    check_scenario(played_by("yard", tmp_path))
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_faulty_scenario_is_found(name: str, installed: None, tmp_path: Path) -> None:
+    with pytest.raises((AssertionError, UsageError, TypeError), match=FAULTS[name]):
+        check_scenario(played_by(name.lower(), tmp_path))
