@@ -100,7 +100,6 @@ def _rival(name: str, source: str, valid: str, solve: Solve, settings: Settings 
     return Rival(name, source, valid, settings, (solve,))
 
 
-_NO_UNEQUAL = "no unequal bones near the inner limit"
 compare(
     GROUP,
     "an arm that reaches for a point within its reach; error: how far the hand stays away",

@@ -1,0 +1,87 @@
+"""Kinds of task, built in and of a package, by one conformance kit."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+from mimics_app.contracts.resources import root
+from mimics_app.tasks.kinds import carry
+from mimics_app.tasks.kinds.registry import task_kinds
+from tests.support.plugin_site import build_wheel
+from tests.support.task_kind_kit import check_task_kind
+
+SCENES = root() / "scenes"
+TURN = itertools.count(1)
+SCENE_OF = {
+    "tunnel": "wavy_tunnel",
+    "carry": "pick_and_place",
+    "avatar_cord": "avatar_cord",
+    "guided_walk": "guided_walk",
+    "city_walk": "city_walk",
+}
+
+
+@pytest.mark.parametrize("kind", [kind.name for kind in task_kinds()])
+def test_every_kind_keeps_the_contract(kind: str) -> None:
+    check_task_kind(kind, SCENES / f"{SCENE_OF[kind]}.json")
+
+
+def test_a_kind_of_a_package_keeps_it(tmp_path: Path) -> None:
+    """The example's wheel, in a process whose structs are made with it."""
+    example = root() / "examples" / "task_kind_plugin"
+    path = os.pathsep.join((str(build_wheel(example, tmp_path)), str(root())))
+    command = [sys.executable, "-m", "tests.support.task_kind_kit", "reach", str(example / "reach.json")]
+    done = subprocess.run(
+        command, env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, timeout=300, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def _measures(**values: Any) -> property:
+    return property(lambda play: values)
+
+
+@pytest.mark.parametrize(
+    ("owner", "name", "value", "words"),
+    [
+        ("kind", "name", "car ry", "key of the task block"),
+        ("kind", "measures", carry.KIND.measures * 2, "names of its own"),
+        ("kind", "cards", ("time",), "no card of every task"),
+        ("play", "measures", _measures(undeclared=1.0), "what it has declared"),
+        ("play", "measures", _measures(**{carry.KIND.measures[0].column: float("nan")}), "finite, or None"),
+        ("play", "cards", lambda play, seen, finished: {"unknown": None}, "cards that it has declared"),
+        ("play", "orders", property(lambda play: {"virtual_damping": float(next(TURN))}), "does not change by asking"),
+    ],
+)
+def test_a_fault_is_found(monkeypatch: pytest.MonkeyPatch, owner: str, name: str, value: Any, words: str) -> None:
+    target = type(carry.KIND) if owner == "kind" else carry._CarryPlay
+    called = "carry" if name != "name" else value
+    monkeypatch.setattr(target, name, value)
+    with pytest.raises(AssertionError, match=words):
+        check_task_kind(called, SCENES / "pick_and_place.json", 1.0)
+
+
+def test_a_journal_line_without_a_name_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    (kind,) = (each for each in task_kinds() if each.name == "avatar_cord")
+    assert kind.journals
+    monkeypatch.setattr(type(kind), "journals", ())
+    with pytest.raises(AssertionError, match="a replay compares"):
+        check_task_kind("avatar_cord", SCENES / "avatar_cord.json")
+
+
+def test_a_measure_needs_a_sentence_and_two_limits(monkeypatch: pytest.MonkeyPatch) -> None:
+    first = carry.KIND.measures[0]
+    flat = msgspec.structs.replace(first.default, worst=first.default.best)
+    for change, words in (({"what": "force"}, "in a sentence"), ({"default": flat}, "are different values")):
+        fields = {name: getattr(first, name) for name in first.__slots__}
+        monkeypatch.setattr(type(carry.KIND), "measures", (type(first)(**{**fields, **change}),))
+        with pytest.raises(AssertionError, match=words):
+            check_task_kind("carry", SCENES / "pick_and_place.json", 1.0)
