@@ -9,6 +9,7 @@ import pytest
 
 from mimics_app.contracts.errors import UsageError
 from mimics_app.inputs.physio.sources import open_source
+from tests.support.signal_source_kit import FRAME_NS, check_signal_source
 
 pytest.importorskip("brainflow")
 pytest.importorskip("pkg_resources", reason="brainflow finds its library by pkg_resources, which is not here")
@@ -35,3 +36,11 @@ def test_the_synthetic_board_sends_body_signals() -> None:
 def test_a_board_that_is_not_known_is_reported() -> None:
     with pytest.raises(UsageError, match="knows no board"):
         open_source("board:NO_SUCH_BOARD", 1)
+
+
+def test_the_synthetic_board_keeps_the_contract() -> None:
+    def wait(frame: int) -> int:
+        time.sleep(FRAME_NS * 1e-9)
+        return time.monotonic_ns()
+
+    check_signal_source(open_source("board:SYNTHETIC_BOARD", 1), wait)

@@ -157,7 +157,7 @@ def test_an_amplifier_keeps_the_contract(binary: bool) -> None:
     emulator.unplug()
 
 
-def in_real_time(send: Callable[[], None] = lambda: None) -> Callable[[int], int]:
+def in_real_time(send: Callable[[], None]) -> Callable[[int], int]:
     def wait(frame: int) -> int:
         send()
         time.sleep(FRAME_NS * 1e-9)
@@ -187,13 +187,8 @@ def test_a_stream_of_lsl_keeps_the_contract() -> None:
     check_signal_source(source, in_real_time(send))
 
 
-def test_a_board_keeps_the_contract() -> None:
-    pytest.importorskip("brainflow")
-    pytest.importorskip("pkg_resources", reason="brainflow finds its library by pkg_resources, which is not here")
-    check_signal_source(open_source("board:SYNTHETIC_BOARD", 1), in_real_time())
-
-
 def test_every_built_in_kind_is_here() -> None:
+    """The board's is tested beside the board, whose library may be missing."""
     assert set(KINDS) == {"sim", "file", "lsl", "serial", "board"}
 
 
