@@ -1,7 +1,7 @@
 """Non-blocking input and output on open descriptors (serial line, socket) from compiled code, without errno.
 
 As in `contracts.atomics` every function has a Python implementation and a compiled one by the C library's symbol, so
-that callers can be cached on disk. The descriptor must be non-blocking. `poll` tells whether the other end is still
+that callers can be cached on disk. The descriptor must be non-blocking. `poll` reports whether the other end is still
 there: the result of a read alone does not distinguish a quiet line from a dead one on every system.
 """
 

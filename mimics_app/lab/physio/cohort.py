@@ -32,7 +32,7 @@ _HEART_NOISE, _SKIN_NOISE = 2.5, 1.5
 _DRIFT = 0.05
 """Standard deviation of the linear drift of both [1/min per trial]."""
 _AROUSAL_VARIANCE = 0.15
-"""Variance of the arousal of a trial, as told to the policy."""
+"""Variance of the arousal of a trial, as given to the policy."""
 
 
 @dataclass(frozen=True, slots=True)
