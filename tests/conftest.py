@@ -15,15 +15,12 @@ from pathlib import Path
 import pytest
 from hypothesis import is_hypothesis_test, settings
 from hypothesis.database import DirectoryBasedExampleDatabase, ReadOnlyDatabase
-from hypothesis.internal.reflection import function_digest
+
+from tests.support.examples import DAILY, NIGHTLY, RANDOM, same_examples
 
 FOUND = Path(__file__).parent / "properties" / "found"
 COLLECTOR = (50_000, 20, 20)
 """Thresholds of the garbage collector: syntax trees and compilers make millions of objects that are no rubbish."""
-_SEED = "_hypothesis_internal_use_seed"
-"""What `hypothesis.seed` sets. A test of this folder turns red if another version calls it otherwise."""
-
-DAILY, RANDOM, NIGHTLY = "same", "random", "nightly"
 
 _FOUND = DirectoryBasedExampleDatabase(FOUND)
 
@@ -66,14 +63,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         from tests.support.order import longest_first
 
         longest_first(items)
-    if config.getoption("hypothesis_profile", None) in (None, DAILY):
-        _seed_each(items)
-
-
-def _seed_each(items: list[pytest.Item]) -> None:
-    """Every test draws from a seed of its own text, whatever ran before it; with another profile from chance."""
     for item in items:
-        test = getattr(item, "obj", None)
-        if is_hypothesis_test(test) and getattr(test, _SEED, None) is None:
-            seed = int.from_bytes(function_digest(test.hypothesis.inner_test), "big")
-            setattr(getattr(test, "__func__", test), _SEED, seed)
+        if is_hypothesis_test(test := getattr(item, "obj", None)):
+            same_examples(test)

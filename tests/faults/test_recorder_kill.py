@@ -69,11 +69,15 @@ class App:
 
 
 def _runs(pid: int) -> bool:
+    """Whether any thread of a process is left: the first may have ended while others still hold its files."""
     try:
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+        return any(_state(task) != "Z" for task in Path(f"/proc/{pid}/task").iterdir())
     except (FileNotFoundError, ProcessLookupError):
         return False
-    return state != "Z"
+
+
+def _state(task: Path) -> str:
+    return (task / "stat").read_text().rpartition(")")[2].split()[0]
 
 
 def _assert_arrow_opens(folder: Path) -> None:

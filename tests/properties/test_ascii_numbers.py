@@ -8,6 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from mimics_app.rendering.haptic.devices.ascii_numbers import read_number, write_fixed, write_whole
+from tests.support.examples import same_examples
 
 CASES = settings(max_examples=500)
 
@@ -68,6 +69,7 @@ _LIKE_A_NUMBER = st.from_regex(r"[+-]?[0-9]{0,17}\.?[0-9]{0,6}([eE][+-]?[0-9]{0,
 def test_any_text_ends_and_what_is_read_is_what_float_reads():
     seen = []
 
+    @same_examples
     @CASES
     @given(st.one_of(_LIKE_A_NUMBER, st.text("0123456789+-.eE;,[] ", max_size=30)))
     def check(text: str):

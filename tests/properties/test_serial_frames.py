@@ -25,6 +25,7 @@ from mimics_app.contracts.loop_ports import (
 )
 from mimics_app.rendering.haptic.devices import serial_frames as frames
 from mimics_app.rendering.haptic.devices import serial_payloads as payloads
+from tests.support.examples import same_examples
 
 CASES = settings(max_examples=200)
 
@@ -81,6 +82,7 @@ def test_every_whole_frame_behind_garbage_is_found():
     """At most what a false beginning may swallow is lost: one frame of the largest size, here the first two."""
     lines = []
 
+    @same_examples
     @CASES
     @given(_GARBAGE, st.lists(st.binary(max_size=64), min_size=3, max_size=8), st.lists(st.integers(1, 99)))
     def check(garbage: bytes, bodies: list[bytes], pieces: list[int]):

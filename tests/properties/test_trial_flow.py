@@ -16,6 +16,7 @@ from mimics_app.contracts.haptic import EventKind, SafetyState
 from mimics_app.contracts.trial_state import TrialState
 from mimics_app.tasks.state_machine import Conditions, next_state
 from mimics_app.tasks.task import TaskSpec
+from tests.support.examples import same_examples
 from tests.support.task_play import START, Player, make_manager
 
 SPEC = msgspec.convert(
@@ -112,6 +113,7 @@ def check_reached(players, share):
 def test_any_robot_any_clock_no_negative_time_and_rows_in_order():
     players = []
 
+    @same_examples
     @settings(max_examples=60)
     @given(history=histories(60), seed=st.integers(0, 2**31))
     def check(history, seed):
@@ -176,6 +178,7 @@ def test_the_same_frames_give_the_same_session():
             feed(player, step)
         return player.manager.rows, player.states, [orders.haptic for orders in player.orders]
 
+    @same_examples
     @settings(max_examples=20)
     @given(history=histories(40), seed=st.integers(0, 2**31))
     def check(history, seed):

@@ -12,6 +12,7 @@ from mimics_app.lab.haptic.tunnel import closest_by_roots
 from mimics_app.maths import bspline
 from mimics_app.rendering.haptic.kernels.tunnel_state import TUNNEL_STATE, TunnelStatus
 from mimics_app.rendering.haptic.tunnel_geometry import TunnelError, build_tunnel
+from tests.support.examples import same_examples
 from tests.support.tunnels import record_of, walk
 
 QUICK = settings(max_examples=60, suppress_health_check=[HealthCheck.filter_too_much])
@@ -39,6 +40,7 @@ def lawful(points, share):
 def test_wall_force_never_pulls_and_power_of_the_rest_is_known():
     walls = []
 
+    @same_examples
     @QUICK
     @given(control_points, st.floats(0.0, 0.999), point, velocity, st.floats(0.0, 0.05), st.floats(0.0, 3.0))
     @example(SHALLOW, 0.5, (0.0, 0.0, 0.0), (0.1, 0.0, 0.0), 0.001, 1.0)  # inside, which few that are drawn are
@@ -96,6 +98,7 @@ def test_no_number_makes_a_force_that_is_not_finite():
     record = record_of(curve, stiffness=1500.0, damping=20.0, drag=2.0, drag_growth=1e3, centring=50.0, advance=3.0)
     statuses = Counter()
 
+    @same_examples
     @settings(QUICK, max_examples=200)
     @given(anything, anything, anything, anything, anything)
     def check(x, y, vx, vy, ball):
