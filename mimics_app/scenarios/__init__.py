@@ -1,3 +1,3 @@
-"""One module per scenario, paired with the scene of its name in `scenes/`."""
+"""Scenarios: a module each, with `SCENARIO`, named like its scene in `scenes/`; the folders hold their parts."""
 
 __all__: list[str] = []

@@ -18,14 +18,14 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import BodyPose
 from mimics_app.scenarios.touch_scene import TouchScene
-from mimics_app.tasks.kinds.avatar_cord import HALF_FRAME_NS
+from mimics_app.tasks.kinds.avatar_cord.kind import HALF_FRAME_NS
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.objects import ForceField
 from mimics_app.world.cords import Cord
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["AvatarCord", "Tap", "ball_motion"]
+__all__ = ["SCENARIO", "AvatarCord", "Tap", "ball_motion"]
 
 
 _PARTS = ("head", "hand_left", "hand_right")
@@ -73,7 +73,7 @@ class AvatarCord(TouchScene):
     """
 
     def __init__(self, scene: Scene, world: World) -> None:
-        from mimics_app.scenarios.tracked_figure import TrackedFigure
+        from mimics_app.scenarios.figures.tracked_figure import TrackedFigure
 
         super().__init__(scene, world)
         cords = scene.components(CordComponent)
@@ -286,3 +286,6 @@ def _eased(share: float) -> float:
     """Return a smooth step from 0 to 1, with zero slope at both ends."""
     share = min(max(share, 0.0), 1.0)
     return share * share * (3.0 - 2.0 * share)
+
+
+SCENARIO = AvatarCord

@@ -9,17 +9,17 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.trial_state import TrialState
 from mimics_app.maths import quat
-from mimics_app.scenarios.ground_path import GroundPath
-from mimics_app.scenarios.path_figure import PathFigure
+from mimics_app.scenarios.figures.ground_path import GroundPath
+from mimics_app.scenarios.figures.path_figure import PathFigure
 from mimics_app.scenarios.touch_scene import TouchScene
-from mimics_app.tasks.kinds.city_walk import CityWalkSpec
+from mimics_app.tasks.kinds.city_walk.kind import CityWalkSpec
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.world.components.visible import CameraComponent
 from mimics_app.world.components.walking import PathWalker, WalkingPath
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["CityWalk"]
+__all__ = ["SCENARIO", "CityWalk"]
 
 _GLANCE = 8.0
 """Angle of the eyes per displacement of the hand to the side [rad/m]."""
@@ -85,3 +85,6 @@ class CityWalk(TouchScene):
         for node, ahead in self._eyes:
             quat.multiply(quat.about_axis((0.0, 1.0, 0.0), -angle), ahead, turn)
             node.set_orientation(turn)
+
+
+SCENARIO = CityWalk

@@ -5,14 +5,14 @@ from __future__ import annotations
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.trial_state import TrialState
-from mimics_app.scenarios.alley_figure import AlleyFigure
+from mimics_app.scenarios.figures.alley_figure import AlleyFigure
 from mimics_app.scenarios.touch_scene import TouchScene
-from mimics_app.tasks.kinds.guided_walk import GuidedWalkSpec
+from mimics_app.tasks.kinds.guided_walk.kind import GuidedWalkSpec
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["GuidedWalk"]
+__all__ = ["SCENARIO", "GuidedWalk"]
 
 _POINT = "point"
 _GESTURES = {4: "beckon", 5: _POINT}
@@ -69,3 +69,6 @@ class GuidedWalk(TouchScene):
             avatar.go(self._places["walk.avatar"], person, seconds, self._place if gesture == _POINT else None)
             person.show("still")
             avatar.show(gesture)
+
+
+SCENARIO = GuidedWalk

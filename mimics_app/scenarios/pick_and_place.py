@@ -13,18 +13,18 @@ from mimics_app.contracts.haptic_objects import ShapeKind
 from mimics_app.contracts.messages import Aim, HapticSnapshot, TaskOrders
 from mimics_app.contracts.scenario_port import Scenario, TaskContext
 from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_scene
-from mimics_app.scenarios.body_nodes import BodyNodes
-from mimics_app.scenarios.pick_plan import Picker, Sight
-from mimics_app.scenarios.robot_scene import robot_block, robot_facts, start_at, triple
-from mimics_app.tasks.kinds.carry import carry_of
-from mimics_app.tasks.kinds.carry_spec import CarrySpec
+from mimics_app.scenarios.parts.body_nodes import BodyNodes
+from mimics_app.scenarios.parts.pick_plan import Picker, Sight
+from mimics_app.scenarios.parts.robot_scene import robot_block, robot_facts, start_at, triple
+from mimics_app.tasks.kinds.carry.kind import carry_of
+from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.hand import GraspingHand
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.scene_node import SceneNode
 from mimics_app.world.world import World
 
-__all__ = ["PickAndPlace"]
+__all__ = ["SCENARIO", "PickAndPlace"]
 
 _HELP = "help"
 """Id of the effect that guides the hand, where the scene has one."""
@@ -184,3 +184,6 @@ def _dress(node: SceneNode, world: World, look: str, prefix: str) -> None:
     name = f"{look}_{rest}" if f"{look}_{rest}" in world.materials else look
     if node.entity is not None and name in world.materials:
         node.entity.set_material(name)
+
+
+SCENARIO = PickAndPlace

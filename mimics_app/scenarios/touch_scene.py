@@ -14,9 +14,9 @@ from mimics_app.contracts.scenario_port import Scenario, TaskContext
 from mimics_app.rendering.haptic.devices.robot_reach import Reach
 from mimics_app.rendering.haptic.scene_effects import curve_of_path
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
-from mimics_app.scenarios.body_nodes import BodyNodes
-from mimics_app.scenarios.next_station import NextStation
-from mimics_app.scenarios.robot_scene import SPACING, Places, even_points, robot_block, robot_facts, start_at
+from mimics_app.scenarios.parts.body_nodes import BodyNodes
+from mimics_app.scenarios.parts.next_station import NextStation
+from mimics_app.scenarios.parts.robot_scene import SPACING, Places, even_points, robot_block, robot_facts, start_at
 from mimics_app.world.components.objects import HapticObject, HapticPath, InteractionPoints
 from mimics_app.world.components.robot import Ball, Patient, Robot
 from mimics_app.world.meshes.primitives import tube
@@ -24,7 +24,7 @@ from mimics_app.world.scene.placing import pose_of
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["TouchScene"]
+__all__ = ["SCENARIO", "TouchScene"]
 
 _PATH_SIDES = 8
 _RINGS_PER_PIECE = 16
@@ -153,3 +153,6 @@ def _evenly(corners: NDArray[np.float64]) -> NDArray[np.float64]:
         points += [start + (end - start) * (k + 1) / steps for k in range(steps)]
     path: NDArray[np.float64] = np.array(points)
     return path
+
+
+SCENARIO = TouchScene

@@ -13,16 +13,16 @@ from mimics_app.contracts.scenario_port import Scenario, TaskContext
 from mimics_app.maths.quat import from_matrix
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_tunnel import built_tunnel, tunnel_of_scene
-from mimics_app.scenarios.body_nodes import BodyNodes
-from mimics_app.scenarios.robot_scene import Places, even_points, robot_block, robot_facts, start_at
-from mimics_app.scenarios.tunnel_look import TunnelLook
-from mimics_app.tasks.kinds.tunnel import own_tunnel
+from mimics_app.scenarios.parts.body_nodes import BodyNodes
+from mimics_app.scenarios.parts.robot_scene import Places, even_points, robot_block, robot_facts, start_at
+from mimics_app.scenarios.parts.tunnel_look import TunnelLook
+from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
 from mimics_app.world.components.robot import Ball, Tunnel
 from mimics_app.world.components.visible import TunnelView
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
-__all__ = ["WavyTunnel"]
+__all__ = ["SCENARIO", "WavyTunnel"]
 
 
 class WavyTunnel(Scenario):
@@ -117,3 +117,6 @@ class WavyTunnel(Scenario):
         name = "ball_touching" if touching else "ball"
         if name in self._world.materials and self._ball.entity is not None:
             self._ball.entity.set_material(name)
+
+
+SCENARIO = WavyTunnel

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from mimics_app.contracts.board import Bar, Card, Tone
-from mimics_app.tasks.kinds.carry_spec import GripSpec
+from mimics_app.tasks.kinds.carry.spec import GripSpec
 
 __all__ = ["CARDS", "count_card", "force_card", "grasp_card", "progress_card", "state_card", "time_card", "trial_card"]
 

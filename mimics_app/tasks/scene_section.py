@@ -8,7 +8,7 @@ from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.tasks.cards import CARDS
 from mimics_app.tasks.check import check_task, object_of_target
 from mimics_app.tasks.kinds.registry import task_kinds
-from mimics_app.tasks.kinds.tunnel import has_tunnel
+from mimics_app.tasks.kinds.tunnel.kind import has_tunnel
 from mimics_app.tasks.task import DurationGoal, SoundDeed, TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
 from mimics_app.world.components.registry import register_check, register_section

@@ -13,7 +13,6 @@ SHARED = {
     "admittance": "forms of admittance control, and their measurement",
     "assets": "files of models, sounds and pictures",
     "attempts": "attempts at a trial",
-    "avatar_cord": "the experiment with an avatar and a cord",
     "bench": "a part of `mimics bench`",
     "bending": "deformable bodies",
     "board": "the board over the picture",
@@ -21,7 +20,6 @@ SHARED = {
     "build": "the composition of one builder's files",
     "catalogue": "modules of a package by name, imported on request",
     "check": "checks of what a person wrote or connected",
-    "city_walk": "the city walk",
     "contact": "contact of a point with a shape",
     "cord": "a hanging cord",
     "cull": "broad phase of a point against shapes",
@@ -36,12 +34,12 @@ SHARED = {
     "friction": "friction laws, and their measurement",
     "gait": "synthesis of a gait",
     "goals": "goals of a task or of its adaptation",
-    "guided_walk": "the guided walk",
     "hand": "an anatomical hand",
     "hapticmaster": "the HapticMaster",
     "hud": "the heads-up display",
     "integrators": "integrators of a body, and their measurement",
     "json_text": "a strict reader of JSON",
+    "kind": "the protocol of a kind of task, and each built-in one",
     "levels": "levels of detail",
     "lsl": "the lab streaming layer",
     "materials": "materials of surfaces",
@@ -102,6 +100,7 @@ ON_THEIR_OWN = {
     "builders/": "the catalogue finds a builder by its name",
     "rendering/audio/kernels": "compiled; its user knows more than arrays",
     "rendering/haptic/devices/inverse_by_steps": "compiles on import, and is imported on demand",
+    "world/components/": "the reader of scenes finds component types by their modules",
 }
 """Small modules with one user, or none that imports them, and why they stay: a whole path, or a package's with "/"."""
 

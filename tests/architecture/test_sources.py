@@ -19,9 +19,18 @@ CLOCKS = re.compile(
     r"(?:^|\.)(?:time\.(?:time|monotonic|perf_counter|process_time|thread_time)(?:_ns)?"
     r"|time\.(?:sleep|localtime|gmtime|strftime|clock_gettime)|datetime\.(?:now|utcnow|today)|date\.today)$"
 )
-IMPORTERS_BY_NAME = {"app/cli.py", "builders/catalogue.py", "lab/catalogue.py", "lab/stability/catalogue.py"}
-"""Modules that may import by a string: the command line, for its commands; the builders, for their own packages; the
-tables of methods and of experiments, for modules of the laboratory: only what is measured is imported."""
+IMPORTERS_BY_NAME = {
+    "app/cli.py",
+    "app/scenes/scenario_choice.py",
+    "builders/catalogue.py",
+    "lab/catalogue.py",
+    "lab/stability/catalogue.py",
+    "tasks/kinds/registry.py",
+    "world/scene/file.py",
+}
+"""Modules that may import by a string: the command line, for its commands; the choice of a scenario, the kinds of task,
+the builders and the reader of scenes, for the members of one package; the tables of methods and of experiments, for
+modules of the laboratory: only what is measured is imported."""
 
 PLATFORM_HOMES = {
     "the shared memory": (

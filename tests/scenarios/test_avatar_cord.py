@@ -22,7 +22,7 @@ from mimics_app.inputs.trackers.scripted_person import ScriptedPerson, person_at
 from mimics_app.inputs.trackers.tape import TapeWriter
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
-from mimics_app.tasks.kinds.avatar_cord import AvatarCordKind
+from mimics_app.tasks.kinds.avatar_cord.kind import AvatarCordKind
 
 ROOT = Path(__file__).parents[2]
 

@@ -22,7 +22,7 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import TaskOrders
 from mimics_app.contracts.resources import root
 from mimics_app.maths import mat, quat
-from mimics_app.scenarios.ground_path import GroundPath
+from mimics_app.scenarios.figures.ground_path import GroundPath
 from mimics_app.world.components.walking import WalkingPath
 from mimics_app.world.world import World
 from tests.verification.test_sound_onset import read_file

@@ -16,7 +16,7 @@ from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.messages import TaskAction, TrialResult, UserState
 from mimics_app.contracts.resources import root
-from mimics_app.scenarios.alley_figure import AlleyFigure
+from mimics_app.scenarios.figures.alley_figure import AlleyFigure
 from mimics_app.world.scene.file import build_world
 from mimics_app.world.world import World
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -132,9 +134,26 @@ def played_by(scenario: str, folder: Path) -> Path:
     return file
 
 
-@pytest.mark.parametrize("name", [*BUILT_IN, "examples/falling_pairs"])
+@pytest.mark.parametrize("name", BUILT_IN)
 def test_scenario_keeps_the_contract(name: str) -> None:
-    check_scenario(SCENES / f"{name}.json")
+    scene = "examples/falling_pairs" if name == "touch_scene" else name
+    check_scenario(SCENES / f"{scene}.json")
+
+
+def test_a_module_among_the_built_in_scenarios_is_one(tmp_path: Path) -> None:
+    """Nothing else names it, and it plays the scene of its name."""
+    (tmp_path / "yard.py").write_text(YARD + "\n\nSCENARIO = Yard\n")
+    scene = (SCENES / "examples" / "falling_pairs.json").read_text()
+    (tmp_path / "yard.json").write_text(scene)
+    code = (
+        "import sys; from pathlib import Path;"
+        "from mimics_app import scenarios; scenarios.__path__.append(sys.argv[1]);"
+        "from tests.support.scenario_kit import check_scenario; check_scenario(Path(sys.argv[1], 'yard.json'));"
+        "assert 'mimics_app.scenarios.yard' in sys.modules"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path)]
+    done = subprocess.run(command, cwd=root(), capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 def test_a_scenario_of_a_package_keeps_the_contract(installed: None, tmp_path: Path) -> None:

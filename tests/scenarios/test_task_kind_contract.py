@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import os
 import subprocess
 import sys
@@ -13,25 +14,24 @@ import msgspec
 import pytest
 
 from mimics_app.contracts.resources import root
-from mimics_app.tasks.kinds import carry
+from mimics_app.tasks.kinds.carry import kind as carry
 from mimics_app.tasks.kinds.registry import task_kinds
 from tests.support.plugin_site import build_wheel
 from tests.support.task_kind_kit import check_task_kind
 
 SCENES = root() / "scenes"
 TURN = itertools.count(1)
-SCENE_OF = {
-    "tunnel": "wavy_tunnel",
-    "carry": "pick_and_place",
-    "avatar_cord": "avatar_cord",
-    "guided_walk": "guided_walk",
-    "city_walk": "city_walk",
-}
+
+
+def _scene_of(name: str) -> Path:
+    """The shipped scene whose task names the kind; the tunnel needs no name."""
+    named = (file for file in sorted(SCENES.glob("*.json")) if name in json.loads(file.read_text()).get("task", {}))
+    return next(named, SCENES / "wavy_tunnel.json")
 
 
 @pytest.mark.parametrize("kind", [kind.name for kind in task_kinds()])
 def test_every_kind_keeps_the_contract(kind: str) -> None:
-    check_task_kind(kind, SCENES / f"{SCENE_OF[kind]}.json")
+    check_task_kind(kind, _scene_of(kind))
 
 
 def test_a_kind_of_a_package_keeps_it(tmp_path: Path) -> None:
@@ -42,6 +42,22 @@ def test_a_kind_of_a_package_keeps_it(tmp_path: Path) -> None:
     done = subprocess.run(
         command, env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, timeout=300, check=False
     )
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_package_among_the_built_in_kinds_is_one(tmp_path: Path) -> None:
+    """The example's module, put where the built-in kinds are: nothing else names it."""
+    example = root() / "examples" / "task_kind_plugin"
+    package = tmp_path / "reach"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "kind.py").write_text((example / "reach_targets.py").read_text())
+    code = (
+        "import sys; from pathlib import Path; from mimics_app.tasks import kinds; kinds.__path__.append(sys.argv[1]);"
+        "from tests.support.task_kind_kit import check_task_kind; check_task_kind('reach', Path(sys.argv[2]))"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path), str(example / "reach.json")]
+    done = subprocess.run(command, cwd=root(), capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
 
 
@@ -74,7 +90,7 @@ def test_a_journal_line_without_a_name_is_found(monkeypatch: pytest.MonkeyPatch)
     assert kind.journals
     monkeypatch.setattr(type(kind), "journals", ())
     with pytest.raises(AssertionError, match="a replay compares"):
-        check_task_kind("avatar_cord", SCENES / "avatar_cord.json")
+        check_task_kind("avatar_cord", _scene_of("avatar_cord"))
 
 
 def test_a_measure_needs_a_sentence_and_two_limits(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from mimics_app.contracts.errors import SceneError
 from mimics_app.maths.poses import pose_from_parts, rotation_from_vector
-from mimics_app.scenarios.tracked_figure import TrackedFigure
+from mimics_app.scenarios.figures.tracked_figure import TrackedFigure
 from mimics_app.world.raycast import cast_ray
 from mimics_app.world.scene.file import build_world, load_scene
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimics_app.lab.stability import s03_wall_rate
+from mimics_app.lab.stability import s03r_wall_rate
 from mimics_app.lab.stability.s03_stiffest_wall import EXPERIMENT, compare
 from mimics_app.lab.stability.wall_loop import Wall, exact_limit, is_stable, rule_limit, simulated_limit
 
@@ -54,7 +54,7 @@ def test_stiffest_wall_grows_with_the_rate(rate: float, limit: float):
 
 def test_nothing_happens_at_500_hz():
     """Limits per hertz at 400, 500 and 625 Hz are one number: D2.1 4.3.1 states no limit of its own."""
-    outcome = s03_wall_rate.EXPERIMENT.run(2)
+    outcome = s03r_wall_rate.EXPERIMENT.run(2)
     assert outcome.passed
     per_hertz = [exact_limit(Wall(rate=rate)) / rate for rate in (400.0, 500.0, 625.0)]
     assert max(per_hertz) == pytest.approx(min(per_hertz), rel=3e-3)

@@ -23,8 +23,9 @@ from mimics_app.rendering.haptic.cord_field import cord
 from mimics_app.rendering.tactile.vibrators import NoVibrators, SerialVibrators
 from mimics_app.rendering.tactile.wire import FRAME_BYTES, Command, CommandReader, command_bytes
 from mimics_app.scenarios.avatar_cord import ball_motion
-from mimics_app.tasks.kinds.avatar_cord import KIND
-from mimics_app.tasks.kinds.avatar_cord_spec import (
+from mimics_app.tasks.kinds.avatar_cord.kind import KIND
+from mimics_app.tasks.kinds.avatar_cord.questions import Asking, felt_ownership
+from mimics_app.tasks.kinds.avatar_cord.spec import (
     AvatarCordSpec,
     ConditionSpec,
     ItemSpec,
@@ -33,8 +34,7 @@ from mimics_app.tasks.kinds.avatar_cord_spec import (
     SubjectModel,
     TapsSpec,
 )
-from mimics_app.tasks.kinds.questions import Asking, felt_ownership
-from mimics_app.tasks.kinds.tap_schedule import plan_taps
+from mimics_app.tasks.kinds.avatar_cord.tap_schedule import plan_taps
 from mimics_app.tasks.scene_section import task_of
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.tasks.trial_file import resolve_files

@@ -12,7 +12,7 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.rendering.visual.effects.captions import caption_key, caption_picture
 from mimics_app.rendering.visual.kernels.particles import SPRITE
 from mimics_app.rendering.visual.kernels.sprites import MAX_PIECES, SPRITE_VERTEX, write_sprites
-from mimics_app.scenarios.next_station import NextStation
+from mimics_app.scenarios.parts.next_station import NextStation
 from mimics_app.world.scene.file import build_world, load_scene
 
 PLATE = (0.10, 0.02)

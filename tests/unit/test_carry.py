@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from mimics_app.tasks.kinds.carried import Carried, Stage
-from mimics_app.tasks.kinds.carry_spec import BoxSpec, CarrySpec, GripSpec
+from mimics_app.tasks.kinds.carry.carried import Carried, Stage
+from mimics_app.tasks.kinds.carry.spec import BoxSpec, CarrySpec, GripSpec
 from mimics_app.tasks.observation import Observation, observe
 from tests.support.task_play import make_events, make_snapshot
 

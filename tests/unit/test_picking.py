@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mimics_app.scenarios.pick_plan import Picker, Sight
+from mimics_app.scenarios.parts.pick_plan import Picker, Sight
 
 MARK, HALF = (0.14, 0.16, -0.04), 0.03
 APPLE = (-0.08, 0.03, 0.05)

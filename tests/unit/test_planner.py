@@ -26,7 +26,7 @@ from mimics_app.lab.catalogue import GROUPS, load_methods
 from mimics_app.rendering.haptic.scene_objects import objects_of_scene
 from mimics_app.rendering.haptic.scene_tunnel import PROJECTIONS
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.scenarios.robot_scene import robot_block
+from mimics_app.scenarios.parts.robot_scene import robot_block
 from mimics_app.world.components.objects import HapticObject
 from mimics_app.world.components.systems import HapticSettings, Tolerances
 from mimics_app.world.components.tolerance_units import FIELD_OF_UNIT

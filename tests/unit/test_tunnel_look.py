@@ -9,7 +9,7 @@ import pytest
 from trimesh.triangles import closest_point
 
 from mimics_app.rendering.haptic.tunnel_geometry import build_tunnel
-from mimics_app.scenarios.tunnel_look import TunnelLook
+from mimics_app.scenarios.parts.tunnel_look import TunnelLook
 from mimics_app.world.components.visible import TunnelView
 from mimics_app.world.materials.material import Material
 from mimics_app.world.world import World

@@ -6,18 +6,15 @@ A scene with a robot and no other scenario needs no code of its own: `TouchScene
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
+from pkgutil import iter_modules
 from typing import cast
 
+from mimics_app import scenarios
 from mimics_app.app.scenes.shipped import ONLY_LOOKED_AT
 from mimics_app.contracts.errors import SceneError, nearest
 from mimics_app.contracts.plugins import PluginError
 from mimics_app.contracts.scenario_port import PLUGINS, Scenario
-from mimics_app.scenarios.avatar_cord import AvatarCord
-from mimics_app.scenarios.city_walk import CityWalk
-from mimics_app.scenarios.guided_walk import GuidedWalk
-from mimics_app.scenarios.pick_and_place import PickAndPlace
-from mimics_app.scenarios.touch_scene import TouchScene
-from mimics_app.scenarios.wavy_tunnel import WavyTunnel
 from mimics_app.world.components.hand import GraspingHand
 from mimics_app.world.components.robot import Robot, Tunnel
 from mimics_app.world.scene.scene import Scene
@@ -27,17 +24,11 @@ __all__ = ["BUILT_IN", "BY_COMPONENT", "is_part", "is_playable", "open_scenario"
 
 _Builder = Callable[[Scene, World], Scenario]
 
-BUILT_IN: dict[str, _Builder] = {
-    "wavy_tunnel": WavyTunnel,
-    "pick_and_place": PickAndPlace,
-    "avatar_cord": AvatarCord,
-    "guided_walk": GuidedWalk,
-    "city_walk": CityWalk,
-}
-"""Scenarios that come with the product, by name."""
+BUILT_IN = tuple(module.name for module in iter_modules(scenarios.__path__) if not module.ispkg)
+"""Names of the scenarios that come with the product: the modules of `mimics_app.scenarios`."""
 
-BY_COMPONENT: dict[type, _Builder] = {Tunnel: WavyTunnel, GraspingHand: PickAndPlace, Robot: TouchScene}
-"""Scenario of a scene that names none, by the first of these components it has."""
+BY_COMPONENT: dict[type, str] = {Tunnel: "wavy_tunnel", GraspingHand: "pick_and_place", Robot: "touch_scene"}
+"""Built-in scenario of a scene that names none, by the first of these components it has."""
 
 _ROBOT_NEEDED = 'include "mimics:scenes/parts/touch_room.json" and add {"id": "robot", "prefab": "robot"}'
 
@@ -69,7 +60,7 @@ def _find_builder(scene: Scene) -> _Builder:
     if scene.scenario == ONLY_LOOKED_AT:
         raise SceneError(scene.issue("/scenario", "nothing is to be done in this scene", "look at it: mimics view"))
     if scene.scenario in BUILT_IN:
-        return BUILT_IN[scene.scenario]
+        return _load(scene.scenario)
     installed = PLUGINS.names()
     if scene.scenario in installed:
         try:
@@ -80,8 +71,14 @@ def _find_builder(scene: Scene) -> _Builder:
     if scene.scenario != scene.name:
         hint = nearest(scene.scenario, [*BUILT_IN, *installed])
         raise SceneError(scene.issue("/scenario", f'no scenario "{scene.scenario}"', f"leave it out; {hint}"))
-    for component, builder in BY_COMPONENT.items():
+    for component, name in BY_COMPONENT.items():
         if scene.has(component):
-            return builder
+            return _load(name)
     what = "nothing plays this scene: it has no robot, and names no scenario"
     raise SceneError(scene.issue("", what, f"{_ROBOT_NEEDED}; to look at it only: mimics view"))
+
+
+def _load(name: str) -> _Builder:
+    """Return `SCENARIO` of a built-in scenario's module."""
+    builder: _Builder = import_module(f"{scenarios.__name__}.{name}").SCENARIO
+    return builder

@@ -20,8 +20,8 @@ from mimics_app.rendering.haptic.scene_effects import check_field_count, check_h
 from mimics_app.rendering.haptic.scene_objects import check_objects
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.tasks.actions import haptic_field
-from mimics_app.tasks.kinds.carry import carry_of
-from mimics_app.tasks.kinds.tunnel import own_tunnel
+from mimics_app.tasks.kinds.carry.kind import carry_of
+from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.objects import ForceField, HapticPath, InteractionPoints
 from mimics_app.world.components.robot import Robot, Tunnel

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimics_app.learning.stepwise import StepValues, place_of
-from mimics_app.tasks.kinds.guided_walk import NEAREST
-from mimics_app.tasks.kinds.walk_people import STEP_S, Alley, Deed, Guide, Walker
+from mimics_app.tasks.kinds.guided_walk.kind import NEAREST
+from mimics_app.tasks.kinds.guided_walk.walk_people import STEP_S, Alley, Deed, Guide, Walker
 
 __all__ = ["WalkResult", "walk_study", "wilson"]
 

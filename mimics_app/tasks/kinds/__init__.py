@@ -1,3 +1,3 @@
-"""Kinds of task, one module each, behind the protocol of `kind`."""
+"""Kinds of task, one package each, behind the protocol of `kind`."""
 
 __all__: list[str] = []

@@ -173,6 +173,8 @@ class TaskKind(ABC):
         journals: Kinds of the journal lines from `take_events`, which a replay compares.
         label: Caption of the progress card.
         contacts: Caption of the card that counts contacts.
+        implied: Whether it also takes scenes whose task does not name it; another kind of the same task then gives the
+            captions and the report.
         report: Its section in the report of a run, or None.
     """
 
@@ -188,6 +190,7 @@ class TaskKind(ABC):
     journals: ClassVar[tuple[str, ...]] = ()
     label: ClassVar[str] = "Progress"
     contacts: ClassVar[str] = "Contacts"
+    implied: ClassVar[bool] = False
     report: ClassVar[ReportSection | None] = None
 
     def read_files(self, section: Component, folder: Path, root: Path) -> Component:

@@ -1,18 +1,26 @@
-"""Registry of the kinds of task: the built-in ones, and those of installed packages."""
+"""Registry of the kinds of task: the built-in ones, which are the packages here, and those of installed packages."""
 
 from __future__ import annotations
 
 from functools import cache
+from importlib import import_module
+from pkgutil import iter_modules
 from typing import cast
 
 from mimics_app.contracts.plugins import PluginGroup
 from mimics_app.contracts.report_section import ReportSection
-from mimics_app.tasks.kinds import avatar_cord, carry, city_walk, guided_walk, tunnel
+from mimics_app.tasks import kinds
 from mimics_app.tasks.kinds.kind import TaskKind
 
 __all__ = ["PLUGINS", "report_sections", "task_kinds"]
 
-_BUILT_IN: tuple[TaskKind, ...] = (tunnel.KIND, carry.KIND, avatar_cord.KIND, guided_walk.KIND, city_walk.KIND)
+
+@cache
+def _built_in() -> tuple[TaskKind, ...]:
+    """Return `KIND` of the module `kind` of every package here: implied kinds first, each group by name."""
+    packages = [module.name for module in iter_modules(kinds.__path__) if module.ispkg]
+    found: list[TaskKind] = [import_module(f"{kinds.__name__}.{name}.kind").KIND for name in packages]
+    return tuple(sorted(found, key=lambda kind: (not kind.implied, kind.name)))
 
 
 def _fault_of(name: str, loaded: object) -> str:
@@ -20,7 +28,7 @@ def _fault_of(name: str, loaded: object) -> str:
         return f"is not a {TaskKind.__module__}.{TaskKind.__name__}"
     if loaded.name != name:
         return f'calls itself "{loaded.name}"'
-    return "has the name of a built-in kind" if name in {kind.name for kind in _BUILT_IN} else ""
+    return "has the name of a built-in kind" if name in {kind.name for kind in _built_in()} else ""
 
 
 PLUGINS = PluginGroup("mimics_app.task_kinds", _fault_of)
@@ -33,7 +41,7 @@ def task_kinds() -> tuple[TaskKind, ...]:
     A plug-in that cannot be loaded is left out and reported on stderr once; scenes that need it then fail with its
     name.
     """
-    return (*_BUILT_IN, *(cast(TaskKind, kind) for _, kind in PLUGINS.load_sound("kind of task")))
+    return (*_built_in(), *(cast(TaskKind, kind) for _, kind in PLUGINS.load_sound("kind of task")))
 
 
 def report_sections() -> tuple[ReportSection, ...]:

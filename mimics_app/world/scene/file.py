@@ -7,28 +7,14 @@ from __future__ import annotations
 
 import hashlib
 import json
+from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.contracts.errors import MOST_SOUGHT, Issue, SceneError
 from mimics_app.contracts.regular_file import read_regular
-from mimics_app.world.components import (
-    animation,
-    cord,
-    effects,
-    encourager,
-    hand,
-    object_checks,
-    objects,
-    pictures,
-    robot,
-    robot_checks,
-    systems,
-    tactile,
-    trackers,
-    visible,
-    walking,
-)
+from mimics_app.world import components
 from mimics_app.world.components.plugins import register_plugins
 from mimics_app.world.components.struct_reader import is_comment
 from mimics_app.world.scene.checks import check_meaning
@@ -43,24 +29,8 @@ if TYPE_CHECKING:
 
 __all__ = ["build_world", "load_scene"]
 
-REGISTERING = (
-    visible,
-    animation,
-    cord,
-    effects,
-    encourager,
-    robot,
-    hand,
-    objects,
-    pictures,
-    systems,
-    tactile,
-    trackers,
-    walking,
-    robot_checks,
-    object_checks,
-)
-"""Modules that register the built-in component types, systems and checks on import."""
+for _module in iter_modules(components.__path__):
+    import_module(f"{components.__name__}.{_module.name}")  # registers its component types, systems and checks
 
 
 def load_scene(path: Path | str, root: Path | None = None, before: Scene | None = None) -> Scene:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from mimics_app.contracts.errors import Issue, SceneError
-from mimics_app.tasks.kinds.avatar_cord_spec import QuestionnaireSpec
+from mimics_app.tasks.kinds.avatar_cord.spec import QuestionnaireSpec
 from mimics_app.world.components.struct_reader import FAILED, read_struct
 from mimics_app.world.scene.json_text import parse_json
 from mimics_app.world.scene.paths import PathFault, find_file

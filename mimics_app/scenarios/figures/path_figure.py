@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.maths import quat
-from mimics_app.scenarios.ground_path import GroundPath
-from mimics_app.scenarios.walking_figure import add_walk, below, hide_head
+from mimics_app.scenarios.figures.ground_path import GroundPath
+from mimics_app.scenarios.figures.walking_figure import add_walk, below, hide_head
 from mimics_app.world.components.walking import PathWalker
 from mimics_app.world.scene_node import SceneNode
 

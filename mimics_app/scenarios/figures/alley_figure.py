@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.maths import quat
-from mimics_app.scenarios.walking_figure import add_walk, below, hide_head
+from mimics_app.scenarios.figures.walking_figure import add_walk, below, hide_head
 from mimics_app.world.scene_node import SceneNode
 
 if TYPE_CHECKING:

@@ -19,11 +19,11 @@ from mimics_app.contracts.messages import TactileEvent
 from mimics_app.contracts.report_section import ReportedAttempt, ReportSection
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
-from mimics_app.tasks.kinds.avatar_cord_spec import AvatarCordSpec, ExperimentGoal, QuestionnaireSpec
+from mimics_app.tasks.kinds.avatar_cord.questionnaire_file import check_questionnaire, read_questionnaire
+from mimics_app.tasks.kinds.avatar_cord.questions import Asking
+from mimics_app.tasks.kinds.avatar_cord.spec import AvatarCordSpec, ExperimentGoal, QuestionnaireSpec
+from mimics_app.tasks.kinds.avatar_cord.tap_schedule import Tap, plan_taps
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, TaskKind
-from mimics_app.tasks.kinds.questionnaire_file import check_questionnaire, read_questionnaire
-from mimics_app.tasks.kinds.questions import Asking
-from mimics_app.tasks.kinds.tap_schedule import Tap, plan_taps
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.cord import CordComponent
 from mimics_app.world.components.registry import Component

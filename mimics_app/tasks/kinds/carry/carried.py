@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from mimics_app.tasks.bounds import Vec3
-from mimics_app.tasks.kinds.carry_spec import BoxSpec, CarrySpec
+from mimics_app.tasks.kinds.carry.spec import BoxSpec, CarrySpec
 from mimics_app.tasks.observation import Observation
 
 __all__ = ["Carried", "CarriedFrame", "Stage"]

@@ -13,9 +13,9 @@ from mimics_app.contracts.board import Card
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card, grasp_card
-from mimics_app.tasks.kinds.carried import Carried, CarriedFrame, Stage
-from mimics_app.tasks.kinds.carry_report import CarrySection
-from mimics_app.tasks.kinds.carry_spec import CarrySpec
+from mimics_app.tasks.kinds.carry.carried import Carried, CarriedFrame, Stage
+from mimics_app.tasks.kinds.carry.report import CarrySection
+from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.bounds import Seconds

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mimics_app.lab.experiment import Outcome
-from mimics_app.lab.stability.s06_virtual_damping import EXPERIMENT
+from mimics_app.lab.stability.s06b_virtual_damping import EXPERIMENT
 
 
 @pytest.fixture(scope="module")

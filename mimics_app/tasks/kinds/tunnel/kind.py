@@ -12,7 +12,7 @@ from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.bounds import Share
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
-from mimics_app.tasks.kinds.tunnel_report import TunnelSection
+from mimics_app.tasks.kinds.tunnel.report import TunnelSection
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.bounds import Seconds
 from mimics_app.world.components.registry import Component
@@ -64,6 +64,7 @@ class TunnelTask(TaskKind):
     goals: ClassVar[tuple[type[Component], ...]] = (ProgressGoal,)
     label = "Tunnel"
     contacts = "Wall contacts"
+    implied = True
     report = TunnelSection()
 
     def takes(self, spec: TaskSpec, offers: frozenset[str]) -> bool:

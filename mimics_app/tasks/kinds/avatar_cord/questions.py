@@ -6,7 +6,7 @@ import math
 import random
 from dataclasses import dataclass, field
 
-from mimics_app.tasks.kinds.avatar_cord_spec import (
+from mimics_app.tasks.kinds.avatar_cord.spec import (
     AvatarCordSpec,
     ConditionSpec,
     ItemSpec,

@@ -6,7 +6,7 @@ import random
 from dataclasses import dataclass
 
 from mimics_app.contracts.clock import SECOND_NS
-from mimics_app.tasks.kinds.avatar_cord_spec import ConditionSpec, TapsSpec
+from mimics_app.tasks.kinds.avatar_cord.spec import ConditionSpec, TapsSpec
 
 __all__ = ["Tap", "plan_taps"]
 

@@ -13,8 +13,8 @@ from mimics_app.contracts.board import Card
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
+from mimics_app.tasks.kinds.guided_walk.walk_people import STEP_S, Alley, Deed, Guide, Walker
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, StepResult, TaskKind, Values
-from mimics_app.tasks.kinds.walk_people import STEP_S, Alley, Deed, Guide, Walker
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.registry import Component
 

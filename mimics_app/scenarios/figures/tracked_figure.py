@@ -9,7 +9,7 @@ import numpy as np
 from mimics_app.contracts.arrays import F8
 from mimics_app.contracts.errors import SceneError
 from mimics_app.maths.poses import quaternion_of, turn_vector, turned_back
-from mimics_app.scenarios.planted_feet import PlantedFeet
+from mimics_app.scenarios.figures.planted_feet import PlantedFeet
 from mimics_app.world.motion.animator import Animator, Rig
 from mimics_app.world.motion.humanoid import HumanoidMap, find_humanoid
 from mimics_app.world.motion.reach import Chain

@@ -1,0 +1,3 @@
+"""Parts that scenarios are made of."""
+
+__all__: list[str] = []

@@ -1,0 +1,3 @@
+"""The experiment with the avatar and the cord, as a kind of task."""
+
+__all__: list[str] = []

@@ -1,0 +1,3 @@
+"""Carrying, as a kind of task."""
+
+__all__: list[str] = []

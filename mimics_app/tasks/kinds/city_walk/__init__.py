@@ -1,0 +1,3 @@
+"""City walk, as a kind of task."""
+
+__all__: list[str] = []

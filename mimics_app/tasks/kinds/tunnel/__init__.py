@@ -1,0 +1,3 @@
+"""Travelling a tunnel, as a kind of task."""
+
+__all__: list[str] = []
