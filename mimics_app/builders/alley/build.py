@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 from mimics_app.builders.alley.front import HouseFront, build_front
-from mimics_app.builders.city import fittings, textures
+from mimics_app.builders.city.painted_materials import Painted, add_materials
 from mimics_app.builders.city.street_tree import TREES, build_tree
 from mimics_app.builders.kit.sketch import Point, Sketch
 from mimics_app.builders.kit.solids import Skin, add_column
@@ -59,39 +58,28 @@ _COVERAGE = (0.1, 0.0)
 _PAVING = 1.8
 """Metres one repetition of the paving covers."""
 
-_PICTURES: Mapping[str, tuple[Callable[[int], bytes], bool]] = {
-    "brick": (textures.paint_brick, True),
-    "plaster": (textures.paint_plaster, True),
-    "stone": (textures.paint_stone, True),
-    "tiles": (textures.paint_tiles, True),
-    "paving": (textures.paint_paving, True),
-    "bark": (textures.paint_bark, True),
-    "leaves": (fittings.paint_leaves, False),
-}
-"""Picture: who paints it from the seed, and whether it repeats."""
-
-_MATERIALS: Mapping[str, dict[str, Any]] = {
-    "brick0": {"texture": "brick", "colour": (0.78, 0.52, 0.42, 1.0)},
-    "brick1": {"texture": "brick", "colour": (0.72, 0.42, 0.34, 1.0)},
-    "plaster0": {"texture": "plaster", "colour": (0.86, 0.74, 0.52, 1.0)},
-    "plaster1": {"texture": "plaster", "colour": (0.80, 0.58, 0.44, 1.0)},
-    "plaster2": {"texture": "plaster", "colour": (0.78, 0.78, 0.72, 1.0)},
-    "stone": {"texture": "stone", "colour": (0.76, 0.72, 0.65, 1.0)},
-    "tiles": {"texture": "tiles", "colour": (0.80, 0.62, 0.54, 1.0)},
-    "paving": {"texture": "paving", "colour": (0.72, 0.69, 0.65, 1.0)},
-    "bark": {"texture": "bark"},
-    "leaves": {"texture": "leaves", "mask": 0.4},
-    "glass": {"colour": (0.075, 0.095, 0.115, 1.0), "roughness": 0.12},
-    "frame": {"colour": (0.74, 0.73, 0.69, 1.0), "roughness": 0.6},
-    "zinc": {"colour": (0.36, 0.38, 0.40, 1.0), "roughness": 0.5},
-    "beam": {"colour": (0.30, 0.20, 0.13, 1.0), "roughness": 0.8},
-    "teal": {"colour": (0.055, 0.20, 0.19, 1.0), "roughness": 0.55},
-    "navy": {"colour": (0.08, 0.15, 0.28, 1.0), "roughness": 0.55},
-    "wine": {"colour": (0.30, 0.075, 0.075, 1.0), "roughness": 0.55},
-    "oak": {"colour": (0.33, 0.19, 0.10, 1.0), "roughness": 0.6},
-    "clay": {"colour": (0.50, 0.22, 0.13, 1.0), "roughness": 0.9},
-    "earth": {"colour": (0.12, 0.085, 0.06, 1.0)},
-    "shrub": {"colour": (0.12, 0.27, 0.08, 1.0)},
+_MATERIALS = {
+    "brick0": Painted("brick", (0.78, 0.52, 0.42, 1.0)),
+    "brick1": Painted("brick", (0.72, 0.42, 0.34, 1.0)),
+    "plaster0": Painted("plaster", (0.86, 0.74, 0.52, 1.0)),
+    "plaster1": Painted("plaster", (0.80, 0.58, 0.44, 1.0)),
+    "plaster2": Painted("plaster", (0.78, 0.78, 0.72, 1.0)),
+    "stone": Painted("stone", (0.76, 0.72, 0.65, 1.0)),
+    "tiles": Painted("tiles", (0.80, 0.62, 0.54, 1.0)),
+    "paving": Painted("paving", (0.72, 0.69, 0.65, 1.0)),
+    "bark": Painted("bark"),
+    "leaves": Painted("leaves", mask=0.4),
+    "glass": Painted(colour=(0.075, 0.095, 0.115, 1.0), roughness=0.12),
+    "frame": Painted(colour=(0.74, 0.73, 0.69, 1.0), roughness=0.6),
+    "zinc": Painted(colour=(0.36, 0.38, 0.40, 1.0), roughness=0.5),
+    "beam": Painted(colour=(0.30, 0.20, 0.13, 1.0), roughness=0.8),
+    "teal": Painted(colour=(0.055, 0.20, 0.19, 1.0), roughness=0.55),
+    "navy": Painted(colour=(0.08, 0.15, 0.28, 1.0), roughness=0.55),
+    "wine": Painted(colour=(0.30, 0.075, 0.075, 1.0), roughness=0.55),
+    "oak": Painted(colour=(0.33, 0.19, 0.10, 1.0), roughness=0.6),
+    "clay": Painted(colour=(0.50, 0.22, 0.13, 1.0), roughness=0.9),
+    "earth": Painted(colour=(0.12, 0.085, 0.06, 1.0)),
+    "shrub": Painted(colour=(0.12, 0.27, 0.08, 1.0)),
 }
 
 
@@ -102,7 +90,7 @@ def compose(seed: int) -> dict[str, bytes]:
         seed: Of textures and trees.
     """
     writer = GltfWriter("mimics_app assets build alley")
-    materials = _add_materials(writer, seed)
+    materials = add_materials(writer, seed, _MATERIALS, "alley_")
     meshes: dict[HouseFront, tuple[int, int]] = {}
 
     def mesh(name: str, sketch: Sketch) -> int:
@@ -138,15 +126,6 @@ def _lay_houses() -> Iterator[tuple[HouseFront, Point, float]]:
         for house in _CLOSING:
             yield house, (round(-side * (x + 0.5 * house.width), 3), 0.0, side * _SQUARE), 0.5 * math.pi * (1.0 + side)
             x += house.width
-
-
-def _add_materials(writer: GltfWriter, seed: int) -> dict[str, int]:
-    textures = {name: writer.add_picture(name, paint(seed), repeat=wraps) for name, (paint, wraps) in _PICTURES.items()}
-    made = {}
-    for name, given in _MATERIALS.items():
-        texture = textures[given["texture"]] if "texture" in given else None
-        made[name] = writer.add_material(f"alley_{name}", **{**given, "texture": texture})
-    return made
 
 
 def _ground() -> Sketch:

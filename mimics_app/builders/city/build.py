@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
-from mimics_app.builders.city import fittings, furniture, landmark, layout, street_tree, streets, textures
+from mimics_app.builders.city import furniture, landmark, layout, street_tree, streets
 from mimics_app.builders.city.house import House, build_house
 from mimics_app.builders.city.house_kinds import draw_kinds
 from mimics_app.builders.city.layout import Placed
+from mimics_app.builders.city.painted_materials import Colour, Painted, add_materials
 from mimics_app.builders.kit.chance import Chance
 from mimics_app.builders.kit.sketch import Sketch
 from mimics_app.world.gltf.writer import GltfWriter, WrittenPart
@@ -18,8 +18,6 @@ __all__ = ["TRIANGLES", "compose", "compose_city"]
 
 TRIANGLES = 363_173
 """Number of triangles of the city of D2.1, 3.3.1; parked cars fill up the rest."""
-
-Colour = tuple[float, float, float, float]
 
 _WALLS: dict[str, tuple[Colour, ...]] = {
     "brick": (
@@ -86,7 +84,7 @@ class _City:
         self.writer = GltfWriter("mimics_app assets build city")
         self._seed = seed
         self._triangles = 0
-        self._materials = _add_materials(self.writer, seed)
+        self._materials = add_materials(self.writer, seed, _all_materials())
         self._meshes: dict[str, tuple[int, int]] = {}
         self._parts: dict[tuple[str, str], WrittenPart] = {}
 
@@ -217,65 +215,34 @@ class _City:
             self._place(group, f"car{number}", placed)
 
 
-_PAINTED: dict[str, tuple[Callable[[int], bytes], bool]] = {
-    "brick": (textures.paint_brick, True),
-    "plaster": (textures.paint_plaster, True),
-    "stone": (textures.paint_stone, True),
-    "tiles": (textures.paint_tiles, True),
-    "slate": (textures.paint_slate, True),
-    "brick_bay": (partial(textures.paint_bay, kind="brick"), True),
-    "plaster_bay": (partial(textures.paint_bay, kind="plaster"), True),
-    "road": (textures.paint_road, True),
-    "zebra": (textures.paint_zebra, False),
-    "asphalt": (textures.paint_asphalt, True),
-    "paving": (textures.paint_paving, True),
-    "grass": (textures.paint_grass, True),
-    "gardens": (textures.paint_gardens, True),
-    "bark": (textures.paint_bark, True),
-    "leaves": (fittings.paint_leaves, False),
-    "railing": (fittings.paint_railing, True),
-    "window": (fittings.paint_windows, False),
-    "detail": (fittings.paint_details, False),
+_MATERIALS = {
+    "slate": Painted("slate"),
+    "road": Painted("road"),
+    "zebra": Painted("zebra"),
+    "asphalt": Painted("asphalt"),
+    "bark": Painted("bark"),
+    "stone": Painted("stone", (0.84, 0.81, 0.75, 1.0)),
+    "paving": Painted("paving", (0.74, 0.72, 0.70, 1.0)),
+    "grass": Painted("grass", (0.86, 0.82, 0.80, 1.0)),
+    "gardens": Painted("gardens", (0.86, 0.82, 0.80, 1.0)),
+    "yard": Painted("brick_bay", (0.72, 0.52, 0.44, 1.0)),
+    "detail": Painted("detail", roughness=0.7),
+    "window": Painted("window", roughness=0.12),
+    "leaves": Painted("leaves", mask=0.4),
+    "railing": Painted("railing", roughness=0.6, mask=0.5),
+    "hills": Painted("grass", (0.62, 0.80, 0.66, 1.0)),
+    "skyline": Painted("plaster_bay", (0.58, 0.57, 0.56, 1.0)),
 }
-"""Picture: who paints it from the seed, and whether it repeats."""
-
-_MATERIALS: dict[str, tuple[str, dict[str, Any]]] = {
-    "slate": ("slate", {}),
-    "road": ("road", {}),
-    "zebra": ("zebra", {}),
-    "asphalt": ("asphalt", {}),
-    "bark": ("bark", {}),
-    "stone": ("stone", {"colour": (0.84, 0.81, 0.75, 1.0)}),
-    "paving": ("paving", {"colour": (0.74, 0.72, 0.70, 1.0)}),
-    "grass": ("grass", {"colour": (0.86, 0.82, 0.80, 1.0)}),
-    "gardens": ("gardens", {"colour": (0.86, 0.82, 0.80, 1.0)}),
-    "yard": ("brick_bay", {"colour": (0.72, 0.52, 0.44, 1.0)}),
-    "detail": ("detail", {"roughness": 0.7}),
-    "window": ("window", {"roughness": 0.12}),
-    "leaves": ("leaves", {"mask": 0.4}),
-    "railing": ("railing", {"roughness": 0.6, "mask": 0.5}),
-    "hills": ("grass", {"colour": (0.62, 0.80, 0.66, 1.0)}),
-    "skyline": ("plaster_bay", {"colour": (0.58, 0.57, 0.56, 1.0)}),
-}
-"""Material: its picture, and what else it is given; walls, roofs and cars follow, by their colours."""
+"""Materials by the names that sketches call them; those of walls, roofs and cars follow, by their colours."""
 
 
-def _add_materials(writer: GltfWriter, seed: int) -> dict[str, int]:
+def _all_materials() -> dict[str, Painted]:
     """Every material by the name sketches call it."""
-    textures = {name: writer.add_picture(name, paint(seed), repeat=wraps) for name, (paint, wraps) in _PAINTED.items()}
-    made: dict[str, int] = {}
-
-    def add(name: str, picture: str, **more: Any) -> None:
-        made[name] = writer.add_material(name, texture=textures[picture], **more)
-
-    for name, (picture, more) in _MATERIALS.items():
-        add(name, picture, **more)
+    made = dict(_MATERIALS)
     for wall, colours in _WALLS.items():
+        bay = "brick_bay" if wall == "brick" else "plaster_bay"
         for number, colour in enumerate(colours):
-            add(f"{wall}{number}", wall, colour=colour)
-            add(f"{wall}_bay{number}", "brick_bay" if wall == "brick" else "plaster_bay", colour=colour)
-    for number, colour in enumerate(_ROOFS):
-        add(f"tiles{number}", "tiles", colour=colour)
-    for name, colour in _PAINTS.items():
-        made[f"paint_{name}"] = writer.add_material(f"paint_{name}", colour=colour, roughness=0.28)
-    return made
+            made[f"{wall}{number}"] = Painted(wall, colour)
+            made[f"{wall}_bay{number}"] = Painted(bay, colour)
+    made |= {f"tiles{number}": Painted("tiles", colour) for number, colour in enumerate(_ROOFS)}
+    return made | {f"paint_{name}": Painted(colour=colour, roughness=0.28) for name, colour in _PAINTS.items()}
