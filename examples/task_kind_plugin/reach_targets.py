@@ -11,7 +11,6 @@ import numpy as np
 from msgspec import Meta
 
 from mimics_app.contracts.board import Card
-from mimics_app.contracts.errors import nearest
 from mimics_app.contracts.report_section import Marks, ReportSection, frontal
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, ScorePartSpec, TaskKind
@@ -105,13 +104,12 @@ class ReachKind(TaskKind):
     report = ReachSection()
 
     def check_scene(self, spec, scene):
-        section, known = spec.section("reach"), {entity.id for entity in scene.entities}
-        missing = [(i, name) for i, name in enumerate(section.targets if section else ()) if name not in known]
-        what = 'no entity is called "{}"'
-        return [scene.issue(f"/task/reach/targets/{i}", what.format(name), nearest(name, known)) for i, name in missing]
+        section = spec.find(ReachSpec)
+        named = enumerate(section.targets if section else ())
+        return [issue for i, name in named for issue in scene.check_entity(f"/task/reach/targets/{i}", name)]
 
     def open(self, spec, context, seed):
-        return ReachPlay(spec.section("reach"), context.places)
+        return ReachPlay(spec.find(ReachSpec), context.places)
 
 
 KIND = ReachKind()

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.trial_state import TrialState
 from mimics_app.maths import quat
 from mimics_app.scenarios.figures.ground_path import GroundPath
 from mimics_app.scenarios.figures.path_figure import PathFigure
+from mimics_app.scenarios.figures.walking_figure import follow_numbers
 from mimics_app.scenarios.touch_scene import TouchScene
 from mimics_app.tasks.kinds.city_walk.kind import CityWalkSpec
-from mimics_app.tasks.scene_section import task_of
+from mimics_app.tasks.scene_section import section_of
 from mimics_app.world.components.visible import CameraComponent
 from mimics_app.world.components.walking import PathWalker, WalkingPath
 from mimics_app.world.scene.scene import Scene
@@ -42,9 +42,7 @@ class CityWalk(TouchScene):
 
     def __init__(self, scene: Scene, world: World) -> None:
         super().__init__(scene, world)
-        spec = task_of(scene).section("city_walk")
-        if not isinstance(spec, CityWalkSpec):
-            raise SceneError(scene.issue("/task", "it has no city_walk", 'write "city_walk": {"person": ...}'))
+        spec = section_of(scene, CityWalkSpec)
         paths = {name: GroundPath(path) for name, path, _ in scene.components(WalkingPath)}
         walkers = {name: walker for name, walker, _ in scene.components(PathWalker)}
         figures = {
@@ -67,10 +65,7 @@ class CityWalk(TouchScene):
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         super().apply(orders, snapshot)
-        for name in self._walk:
-            value = orders.visual.get(name)
-            if isinstance(value, int | float):
-                self._walk[name] = float(value)
+        follow_numbers(self._walk, orders.visual)
         walks = orders.view.state is TrialState.TRAVEL and not orders.view.paused
         for figure in self._led:
             figure.go(self._walk["walk.along"], self._walk["walk.speed"] if walks else 0.0)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.messages import HapticSnapshot, TaskOrders
 from mimics_app.contracts.trial_state import TrialState
 from mimics_app.scenarios.figures.alley_figure import AlleyFigure
+from mimics_app.scenarios.figures.walking_figure import follow_numbers
 from mimics_app.scenarios.touch_scene import TouchScene
 from mimics_app.tasks.kinds.guided_walk.kind import GuidedWalkSpec
-from mimics_app.tasks.scene_section import task_of
+from mimics_app.tasks.scene_section import section_of
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.world import World
 
@@ -36,9 +36,7 @@ class GuidedWalk(TouchScene):
 
     def __init__(self, scene: Scene, world: World) -> None:
         super().__init__(scene, world)
-        spec = task_of(scene).section("guided_walk")
-        if not isinstance(spec, GuidedWalkSpec):
-            raise SceneError(scene.issue("/task", "it has no guided_walk", 'write "guided_walk": {"avatar": ...}'))
+        spec = section_of(scene, GuidedWalkSpec)
         self._person = AlleyFigure(world.find(spec.person), -1.0)
         self._avatar = AlleyFigure(world.find(spec.avatar), 1.0)
         self._place = -float(world.find(spec.place).world_matrix()[2, 3])
@@ -47,10 +45,7 @@ class GuidedWalk(TouchScene):
 
     def apply(self, orders: TaskOrders, snapshot: HapticSnapshot) -> None:
         super().apply(orders, snapshot)
-        for name in self._places:
-            value = orders.visual.get(name)
-            if isinstance(value, int | float):
-                self._places[name] = float(value)
+        follow_numbers(self._places, orders.visual)
         seconds = 0.0 if self._before_ns is None else (snapshot.t_ns - self._before_ns) * 1e-9
         self._before_ns = snapshot.t_ns
         self._move(orders.view.state, min(max(seconds, 0.0), _LONGEST))

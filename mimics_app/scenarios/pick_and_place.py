@@ -16,9 +16,8 @@ from mimics_app.rendering.haptic.scene_objects import SceneObjects, objects_of_s
 from mimics_app.scenarios.parts.body_nodes import BodyNodes
 from mimics_app.scenarios.parts.pick_plan import Picker, Sight
 from mimics_app.scenarios.parts.robot_scene import robot_block, robot_facts, start_at, triple
-from mimics_app.tasks.kinds.carry.kind import carry_of
 from mimics_app.tasks.kinds.carry.spec import CarrySpec
-from mimics_app.tasks.task import TaskSpec
+from mimics_app.tasks.scene_section import section_of
 from mimics_app.world.components.hand import GraspingHand
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.scene_node import SceneNode
@@ -49,7 +48,7 @@ class PickAndPlace(Scenario):
     def __init__(self, scene: Scene, world: World) -> None:
         self._scene = scene
         self._world = world
-        self._carry = _carry_of(scene)
+        self._carry = section_of(scene, CarrySpec)
         self._objects = objects_of_scene(scene)
         self._bodies = BodyNodes(world, self._objects.body_entities)
         name, self._hand, _ = scene.one(GraspingHand)
@@ -160,14 +159,6 @@ class PickAndPlace(Scenario):
             node = self._world.find(f"obstacle_{number}")
             node.visible = number <= count
             number += 1
-
-
-def _carry_of(scene: Scene) -> CarrySpec:
-    task = scene.section(TaskSpec)
-    carry = None if task is None else carry_of(task)
-    if carry is None:
-        raise SceneError(scene.issue("/task", "nothing is carried in this task", 'say what and where under "carry"'))
-    return carry
 
 
 def _half_height(objects: SceneObjects, row: int) -> float:

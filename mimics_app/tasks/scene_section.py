@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.tasks.cards import CARDS
@@ -11,7 +11,7 @@ from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.kinds.tunnel.kind import has_tunnel
 from mimics_app.tasks.task import DurationGoal, SoundDeed, TaskSpec
 from mimics_app.tasks.trial_file import resolve_trials
-from mimics_app.world.components.registry import register_check, register_section
+from mimics_app.world.components.registry import Component, register_check, register_section
 from mimics_app.world.components.robot import Tunnel
 from mimics_app.world.components.visible import Hud, Sound
 from mimics_app.world.scene.json_text import escape
@@ -19,7 +19,9 @@ from mimics_app.world.scene.json_text import escape
 if TYPE_CHECKING:
     from mimics_app.world.scene.scene import Scene
 
-__all__ = ["check_section", "task_of"]
+__all__ = ["check_section", "section_of", "task_of"]
+
+S = TypeVar("S", bound=Component)
 
 _WITHOUT_A_TASK = TaskSpec(goals=[DurationGoal(seconds=60.0)], time_limit_s=120.0)
 """Task of a scene without a task and without a tunnel: one minute of free movement."""
@@ -28,6 +30,19 @@ _WITHOUT_A_TASK = TaskSpec(goals=[DurationGoal(seconds=60.0)], time_limit_s=120.
 def task_of(scene: Scene) -> TaskSpec:
     """Return the task of a scene; by default to travel its tunnel, else one minute of free movement."""
     return scene.section(TaskSpec) or (TaskSpec() if scene.components(Tunnel) else _WITHOUT_A_TASK)
+
+
+def section_of(scene: Scene, section: type[S]) -> S:
+    """Return the section of a kind of task in a scene's task.
+
+    Raises:
+        SceneError: It has none.
+    """
+    found = task_of(scene).find(section)
+    if found is None:
+        name = next(kind.name for kind in task_kinds() if kind.section is section)
+        raise SceneError(scene.issue("/task", f"the scenario needs {name} in the task", f'write "{name}": {{...}}'))
+    return found
 
 
 def check_section(spec: TaskSpec, scene: Scene) -> list[Issue]:

@@ -5,7 +5,7 @@ On import, goals, conditions, score parts and sections of the kinds of task (`ta
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, Union
 
 from msgspec import Meta, defstruct, field
 
@@ -319,6 +319,9 @@ else:
     )
 
 
+S = TypeVar("S", bound=Component)
+
+
 class _TaskBase(Component, frozen=True):
     """The task of the person: goals, trials, adaptation and score."""
 
@@ -361,6 +364,11 @@ class _TaskBase(Component, frozen=True):
         """Return the section of a kind of task by its name, or None where the task has none."""
         section: Component | None = getattr(self, kind, None)
         return section
+
+    def find(self, section: type[S]) -> S | None:
+        """Return the section of a type, or None where the task has none."""
+        parts = (getattr(self, name) for name in self.__struct_fields__)
+        return next((part for part in parts if isinstance(part, section)), None)
 
 
 def _section_fields() -> list[tuple[str, object, None]]:

@@ -185,7 +185,7 @@ def test_a_goal_without_its_section_is_reported(tmp_path: Path) -> None:
     document = json.loads(file.read_text())
     del document["task"]["city_walk"]
     file.write_text(json.dumps(document))
-    with pytest.raises(SceneError, match="a goal needs the section city_walk"):
+    with pytest.raises(SceneError, match="this goal needs city_walk in the task"):
         load_checked_scene(file)
     with pytest.raises(msgspec.ValidationError):
         msgspec.convert({"points": [[0, 0, 0]]}, WalkingPath)

@@ -173,7 +173,7 @@ def test_the_shipped_experiment_orders_its_conditions_anew_for_every_subject() -
     [
         ({"trials": [{"trials": [{"label": "nowhere"}]}]}, "/task/trials/0/trials/0/label"),
         ({"avatar_cord": {"conditions": {"a": {}}, "taps": {"least_s": 3.0, "most_s": 1.0}}}, "/taps/most_s"),
-        ({"avatar_cord": None}, "/task/goals"),
+        ({"avatar_cord": None}, "/task/goals/0"),
         ({"avatar_cord": {"conditions": {"a": {"cord": False}}}}, "/conditions/a"),
         ({"avatar_cord": {"conditions": {"a": {}}, "questionnaire": {**ASKED, "most": -3}}}, "/questionnaire/most"),
         ({"avatar_cord": {"conditions": {"a": {}}, "questionnaire": TWICE}}, "/questionnaire/items/1/id"),

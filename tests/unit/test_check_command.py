@@ -235,4 +235,4 @@ def test_hand_without_robot_and_task_is_a_part(tmp_path, capsys):
     assert main(["check", str(write(tmp_path, scene(*fingers)))]) == 0
     assert "a part, without robot and task: include it in a scene" in capsys.readouterr().out
     assert main(["check", str(write(tmp_path, scene(*fingers, thing("r", robot={}))))]) == 3
-    assert "nothing is carried in this task" in capsys.readouterr().err
+    assert "the scenario needs carry in the task" in capsys.readouterr().err

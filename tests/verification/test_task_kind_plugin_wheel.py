@@ -69,7 +69,7 @@ def test_what_is_wrong_with_its_scene_is_said_with_the_place(answers: dict[str, 
     done = answers["within"]
     assert done.returncode == 3 and "#/task/reach/within: " in done.stderr
     done = answers["targets"]
-    assert '#/task/reach/targets/0: no entity is called "yellow_lmp"; did you mean "yellow_lamp"' in done.stderr
+    assert '#/task/reach/targets/0: no entity "yellow_lmp"; did you mean "yellow_lamp"' in done.stderr
 
 
 def test_without_the_wheel_its_words_are_unknown() -> None:

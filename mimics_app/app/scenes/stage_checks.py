@@ -20,7 +20,7 @@ from mimics_app.rendering.haptic.scene_effects import check_field_count, check_h
 from mimics_app.rendering.haptic.scene_objects import check_objects
 from mimics_app.rendering.haptic.scene_tunnel import tunnel_of_scene
 from mimics_app.tasks.actions import haptic_field
-from mimics_app.tasks.kinds.carry.kind import carry_of
+from mimics_app.tasks.kinds.carry.spec import CarrySpec
 from mimics_app.tasks.kinds.tunnel.kind import own_tunnel
 from mimics_app.tasks.task import TaskSpec
 from mimics_app.world.components.objects import ForceField, HapticPath, InteractionPoints
@@ -145,7 +145,7 @@ def _check_reach(scene: Scene) -> list[Issue]:
 def _check_carry_reach(scene: Scene) -> list[Issue]:
     """Check that the robot reaches the mark, and the surface below the box that the object falls from."""
     task = scene.section(TaskSpec)
-    carry = None if task is None else carry_of(task)
+    carry = None if task is None else task.find(CarrySpec)
     if carry is None or not scene.components(Robot):
         return []
     robot = scene.one(Robot)[1]

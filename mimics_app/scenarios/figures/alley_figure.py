@@ -5,10 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from mimics_app.maths import quat
-from mimics_app.scenarios.figures.walking_figure import add_walk, below, hide_head
+from mimics_app.scenarios.figures.walking_figure import add_walk, below, hide_head, pace_at, stand
 from mimics_app.world.scene_node import SceneNode
 
 if TYPE_CHECKING:
@@ -32,8 +29,6 @@ _NEAR, _BESIDE = 1.5, 0.7
 """Distance along the alley at which passing begins, and at which it ends [m]."""
 _STARTS, _STOPS = 0.12, 0.05
 """Speeds at which a figure counts as walking, and as arrived [m/s]."""
-_CRAWL = 0.02
-"""Speed below which the legs stand [m/s]."""
 _FADE = 0.25
 """Crossfade between two motions [s]."""
 
@@ -112,14 +107,9 @@ class AlleyFigure:
 
     def _pace(self) -> Pace:
         """Return speed and step of the legs: speed over ground, negative for walking backwards."""
-        from mimics_app.world.motion.gait import Pace, natural_step
-
         yaw = self._yaw or 0.0
-        speed = math.hypot(self._speed, self._side_speed)
-        if speed < _CRAWL:
-            return Pace(0.0, 0.0)
         ahead = self._side_speed * math.sin(yaw) - self._speed * math.cos(yaw)
-        return Pace(math.copysign(speed, ahead), natural_step(speed))
+        return pace_at(math.copysign(math.hypot(self._speed, self._side_speed), ahead))
 
     def _towards(self, other: AlleyFigure) -> float:
         return self._direction(other.aside, other.along)
@@ -133,9 +123,7 @@ class AlleyFigure:
             self._yaw = wanted
         left = math.remainder(wanted - self._yaw, 2.0 * math.pi)
         self._yaw += seconds * min(max(_TURN * left, -_FASTEST_TURN), _FASTEST_TURN)
-        node, turn = self._node, self._yaw + (0.0 if self._ahead > 0.0 else math.pi)
-        node.set_position(np.array([self.aside, self._height, -self.along]))
-        node.set_orientation(quat.about_axis((0.0, 1.0, 0.0), turn))
+        stand(self._node, (self.aside, self._height, -self.along), self._yaw, self._ahead)
 
 
 def _eased(speed: float, left: float, seconds: float) -> float:

@@ -3,23 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
-import numpy as np
-
-from mimics_app.maths import quat
 from mimics_app.scenarios.figures.ground_path import GroundPath
-from mimics_app.scenarios.figures.walking_figure import add_walk, below, hide_head
+from mimics_app.scenarios.figures.walking_figure import add_walk, below, hide_head, pace_at, stand
 from mimics_app.world.components.walking import PathWalker
 from mimics_app.world.scene_node import SceneNode
 
-if TYPE_CHECKING:
-    from mimics_app.world.motion.gait import Pace
-
 __all__ = ["PathFigure"]
-
-_CRAWL = 0.02
-"""Speed below which the legs stand [m/s]."""
 
 
 class PathFigure:
@@ -38,7 +28,9 @@ class PathFigure:
         self._x = self._z = self._yaw = self._speed = 0.0
         self._s = walker.start
         animator = below(node, node.world.motion.animators)
-        add_walk(animator, self._pace, lambda: (self._x, self._z, self._yaw), lambda: path.ground(self._s))
+        add_walk(
+            animator, lambda: pace_at(self._speed), lambda: (self._x, self._z, self._yaw), lambda: path.ground(self._s)
+        )
         if ahead < 0.0:
             hide_head(animator)
         self.go(0.0, 0.0)
@@ -50,13 +42,4 @@ class PathFigure:
         x, y, z = self._path.at(self._s)
         aside = self._walker.aside
         self._x, self._z = x - aside * math.cos(self._yaw), z + aside * math.sin(self._yaw)
-        self._node.set_position(np.array([self._x, y, self._z]))
-        turn = self._yaw + (0.0 if self._ahead > 0.0 else math.pi)
-        self._node.set_orientation(quat.about_axis((0.0, 1.0, 0.0), turn))
-
-    def _pace(self) -> Pace:
-        from mimics_app.world.motion.gait import Pace, natural_step
-
-        if self._speed < _CRAWL:
-            return Pace(0.0, 0.0)
-        return Pace(self._speed, natural_step(self._speed))
+        stand(self._node, (self._x, y, self._z), self._yaw, self._ahead)

@@ -1,11 +1,15 @@
-"""Functions shared by figures that walk: the legs of a model, and a head hidden from its own eyes."""
+"""Functions shared by figures that walk: place, pace and legs of a model, and a head hidden from its own eyes."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
+import numpy as np
+
+from mimics_app.maths import quat
 from mimics_app.world.scene_node import SceneNode
 
 if TYPE_CHECKING:
@@ -13,13 +17,40 @@ if TYPE_CHECKING:
     from mimics_app.world.motion.gait import Pace
     from mimics_app.world.motion.pose import Pose
 
-__all__ = ["add_walk", "below", "hide_head"]
+__all__ = ["add_walk", "below", "follow_numbers", "hide_head", "pace_at", "stand"]
 
 Part = TypeVar("Part")
 """An animator or a state machine."""
 
+_CRAWL = 0.02
+"""Speed below which the legs stand [m/s]."""
 _UNSEEN = 1e-3
 """Scale of a hidden head: a fifth of a millimetre."""
+
+
+def follow_numbers(values: dict[str, float], orders: Mapping[str, object]) -> None:
+    """Replace each value by the number that the task orders under its name, if any."""
+    values.update({name: float(given) for name in values if isinstance(given := orders.get(name), int | float)})
+
+
+def stand(node: SceneNode, place: tuple[float, float, float], yaw: float, ahead: float) -> None:
+    """Place a figure that looks along +z (`ahead` 1) or -z (-1) of its node.
+
+    Args:
+        node: The figure's node.
+        place: Its position [m].
+        yaw: Where the figure looks: angle about +y from +z [rad].
+        ahead: See there.
+    """
+    node.set_position(np.array(place))
+    node.set_orientation(quat.about_axis((0.0, 1.0, 0.0), yaw + (0.0 if ahead > 0.0 else math.pi)))
+
+
+def pace_at(speed: float) -> Pace:
+    """Return the pace of the legs at a speed [m/s], negative for walking backwards; they stand when it is tiny."""
+    from mimics_app.world.motion.gait import Pace, natural_step
+
+    return Pace(0.0, 0.0) if abs(speed) < _CRAWL else Pace(speed, natural_step(abs(speed)))
 
 
 def below(node: SceneNode, parts: Mapping[int, Part]) -> Part | None:

@@ -216,8 +216,18 @@ class TaskKind(ABC):
         return spec.section(self.name) is not None or any(isinstance(goal, self.goals) for goal in spec.goals)
 
     def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
-        """Yield the faults of a task of this kind beyond its types; `pointer` is the task's. Called for every task."""
-        return iter(())
+        """Yield the faults of a task of this kind beyond its types; `pointer` is the task's. Called for every task.
+
+        By default: a goal of this kind in a task without its section.
+        """
+        if self.section is not None and spec.section(self.name) is None:
+            for i, goal in enumerate(spec.goals):
+                if isinstance(goal, self.goals):
+                    yield (
+                        f"{pointer}/goals/{i}",
+                        f"this goal needs {self.name} in the task",
+                        f'write "{self.name}": {{...}}',
+                    )
 
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
         """Return the faults of a task in its scene. Called for every task."""

@@ -258,12 +258,10 @@ class AvatarCordKind(TaskKind):
     )
 
     def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
-        section = spec.section(self.name)
+        yield from super().check(spec, pointer)
+        section = spec.find(AvatarCordSpec)
         if section is None:
-            if any(isinstance(goal, ExperimentGoal) for goal in spec.goals):
-                yield f"{pointer}/goals", "an experiment's goal without the experiment", 'add "avatar_cord" to the task'
             return
-        assert isinstance(section, AvatarCordSpec)
         yield from self._check_labels(spec, section, pointer)
         if section.taps.most_s < section.taps.least_s:
             yield f"{pointer}/{self.name}/taps/most_s", "is shorter than least_s", "give the longer time there"
@@ -285,8 +283,8 @@ class AvatarCordKind(TaskKind):
 
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
         """Check the questionnaire file, and that a scene with a condition that shows the cord has one."""
-        section = spec.section(self.name)
-        if not isinstance(section, AvatarCordSpec):
+        section = spec.find(AvatarCordSpec)
+        if section is None:
             return []
         issues = self._check_file(section, scene)
         if any(c.cord for c in section.conditions.values()) and not scene.components(CordComponent):
@@ -312,8 +310,8 @@ class AvatarCordKind(TaskKind):
         return structs.replace(section, questionnaire=read_questionnaire(section.questionnaire, folder, root))
 
     def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
-        section = spec.section(self.name)
-        assert isinstance(section, AvatarCordSpec), "a task of this kind has its section"
+        section = spec.find(AvatarCordSpec)
+        assert section is not None
         blocks = spec.trials if not isinstance(spec.trials, str) else []
         labels = [trial.label for block in blocks for trial in block.trials] or list(section.conditions)
         return AvatarCordPlay(section, labels, seed, simulated=context.simulated)

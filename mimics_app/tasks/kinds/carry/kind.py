@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 from msgspec import Meta
 
 from mimics_app.contracts.board import Card
-from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card, grasp_card
 from mimics_app.tasks.kinds.carry.carried import Carried, CarriedFrame, Stage
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mimics_app.tasks.task import TaskSpec
     from mimics_app.world.scene.scene import Scene
 
-__all__ = ["KIND", "PROMPTS", "CarryCondition", "CarryTask", "PlacedGoal", "carry_of"]
+__all__ = ["KIND", "PROMPTS", "CarryCondition", "CarryTask", "PlacedGoal"]
 
 PROMPTS: Mapping[Stage, str] = {
     Stage.REACH: "Go to the {body}",
@@ -55,12 +55,6 @@ class CarryCondition(Component, frozen=True, tag="carry", tag_field="kind"):
         Literal["gripped", "dropped", "bruised"],
         Meta(description="It came into the hand, was lost on the way, or was pressed too hard."),
     ]
-
-
-def carry_of(spec: TaskSpec) -> CarrySpec | None:
-    """Return the task's `carry` section, or None."""
-    section = spec.section("carry")
-    return section if isinstance(section, CarrySpec) else None
 
 
 class _CarryPlay(KindPlay):
@@ -164,11 +158,9 @@ class CarryTask(TaskKind):
     report = CarrySection()
 
     def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
-        carry = carry_of(spec)
+        yield from super().check(spec, pointer)
+        carry = spec.find(CarrySpec)
         if carry is None:
-            for i, goal in enumerate(spec.goals):
-                if isinstance(goal, PlacedGoal):
-                    yield f"{pointer}/goals/{i}", "nothing is carried in this task", 'say what and where under "carry"'
             return
         for name in ("falls_from", "lost_outside"):
             box = getattr(carry, name)
@@ -180,21 +172,15 @@ class CarryTask(TaskKind):
 
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
         """Check that the entities named in the section exist."""
-        carry = carry_of(spec)
+        carry = spec.find(CarrySpec)
         if carry is None:
             return []
-        known = {entity.id for entity in scene.entities}
         named = {"/task/carry/body": carry.body, "/task/carry/to": carry.to}
-        return [
-            scene.issue(place, f'no entity is called "{who}"', nearest(who, known))
-            for place, who in named.items()
-            if who not in known
-        ]
+        return [issue for place, name in named.items() for issue in scene.check_entity(place, name)]
 
     def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> KindPlay:
-        carry = carry_of(spec)
-        if carry is None:
-            raise TypeError("the task has no carry section")
+        carry = spec.find(CarrySpec)
+        assert carry is not None
         carried = Carried(carry, context.places[carry.to], seed)
         return _CarryPlay(carry, carried, by_pointer=context.by_pointer)
 

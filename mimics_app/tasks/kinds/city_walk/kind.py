@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,7 +11,8 @@ from msgspec import Meta
 from mimics_app.contracts.board import Bar, Card
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.scenario_port import TaskContext
-from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, TaskKind, Values
+from mimics_app.tasks.deflection import DEAD_ZONE, deflection
+from mimics_app.tasks.kinds.kind import KindPlay, Measure, ScorePartSpec, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.registry import Component
 from mimics_app.world.components.walking import PathWalker
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["KIND", "CityWalkPlay", "CityWalkSpec"]
 
-_DEAD = 0.015
-"""Dead zone of the deflection [m]."""
 _PUSH = 1.0
 """Largest acceleration of a walker [m/s^2]: from rest to a stroll in about a second."""
 
@@ -35,7 +34,7 @@ class CityWalkSpec(Component, frozen=True):
     fastest: Annotated[
         float, Meta(gt=0.0, le=2.5, description="Walking speed at full deflection of the hand [m/s].")
     ] = 1.4
-    deflection: Annotated[float, Meta(gt=_DEAD, le=0.5, description="Full deflection of the hand [m].")] = 0.1
+    deflection: Annotated[float, Meta(gt=DEAD_ZONE, le=0.5, description="Full deflection of the hand [m].")] = 0.1
 
 
 class Walked(Component, frozen=True, tag="walked", tag_field="kind"):
@@ -69,8 +68,8 @@ class CityWalkPlay(KindPlay):
 
     def travel(self, seen: Observation, seconds: float) -> None:
         """Walk for a frame."""
-        raised = (seen.ball_world[1] - self._hand_from - _DEAD) / (self._spec.deflection - _DEAD)
-        change = self._spec.fastest * min(max(raised, 0.0), 1.0) - self._speed
+        raised = deflection(seen.ball_world[1] - self._hand_from, self._spec.deflection)
+        change = self._spec.fastest * max(raised, 0.0) - self._speed
         self._speed += min(max(change, -_PUSH * seconds), _PUSH * seconds)
         self._along += self._speed * seconds
         self._seconds += seconds
@@ -121,19 +120,13 @@ class CityWalkKind(TaskKind):
     cards = ("speed", "walked")
     label = "Path"
 
-    def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
-        if any(isinstance(goal, Walked) for goal in spec.goals) and spec.section(self.name) is None:
-            yield (f"{pointer}/goals", "a goal needs the section city_walk", 'write "city_walk": {"person": ...}')
-
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
-        section = spec.section(self.name)
-        if not isinstance(section, CityWalkSpec):
-            return []
-        return scene.check_entity_with(PathWalker, f"/task/{self.name}/person", section.person)
+        walk = spec.find(CityWalkSpec)
+        return [] if walk is None else scene.check_entity_with(PathWalker, "/task/city_walk/person", walk.person)
 
     def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> CityWalkPlay:
-        section = spec.section(self.name)
-        assert isinstance(section, CityWalkSpec)
+        section = spec.find(CityWalkSpec)
+        assert section is not None
         metres = [goal.metres for goal in spec.goals if isinstance(goal, Walked)]
         return CityWalkPlay(section, max(metres, default=100.0))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -10,11 +10,12 @@ import numpy as np
 from msgspec import Meta
 
 from mimics_app.contracts.board import Card
-from mimics_app.contracts.errors import Issue, nearest
+from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.scenario_port import TaskContext
 from mimics_app.tasks.cards import count_card
+from mimics_app.tasks.deflection import deflection
 from mimics_app.tasks.kinds.guided_walk.walk_people import STEP_S, Alley, Deed, Guide, Walker
-from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, StepResult, TaskKind, Values
+from mimics_app.tasks.kinds.kind import KindPlay, Measure, ScorePartSpec, StepResult, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.registry import Component
 
@@ -34,8 +35,6 @@ _WALKING = 0.8
 """Walking speed at full deflection of the hand [m/s]."""
 _DEFLECTION = 0.1
 """Full deflection of the hand from where the trial began [m]."""
-_DEAD = 0.015
-"""Dead zone of the deflection [m]."""
 
 
 class GuidedWalkSpec(Component, frozen=True):
@@ -129,9 +128,8 @@ class GuidedWalkPlay(KindPlay):
         return {"gap": Card("Distance", f"{gap:.2f} m"), "steps": count_card("Steps", self._steps)}
 
     def _walk_by_hand(self, seen: Observation, seconds: float) -> None:
-        away = seen.ball_world[0] - (self._hand_from or 0.0)
-        share = float(np.clip((abs(away) - _DEAD) / (_DEFLECTION - _DEAD), 0.0, 1.0) * np.sign(away))
-        place = self._walker.x + share * _WALKING * seconds
+        moved = seen.ball_world[0] - (self._hand_from or 0.0)
+        place = self._walker.x + deflection(moved, _DEFLECTION) * _WALKING * seconds
         self._walker.x = float(np.clip(place, self._alley.low, self._alley.high))
 
     def _glide(self, seconds: float) -> None:
@@ -179,23 +177,18 @@ class GuidedWalkKind(TaskKind):
     cards = ("gap", "steps")
     label = "Path"
 
-    def check(self, spec: TaskSpec, pointer: str) -> Iterator[Fault]:
-        if any(isinstance(goal, AtThePlace) for goal in spec.goals) and spec.section(self.name) is None:
-            yield (f"{pointer}/goals", "a goal needs the section guided_walk", 'write "guided_walk": {...}')
-
     def check_scene(self, spec: TaskSpec, scene: Scene) -> list[Issue]:
-        section, known = spec.section(self.name), {entity.id for entity in scene.entities}
-        fields = ("avatar", "person", "place") if section else ()
-        missing = [(field, getattr(section, field)) for field in fields if getattr(section, field) not in known]
-        what = 'no entity is called "{}"'
+        walk = spec.find(GuidedWalkSpec)
+        if walk is None:
+            return []
+        named = {"avatar": walk.avatar, "person": walk.person, "place": walk.place}
         return [
-            scene.issue(f"/task/{self.name}/{field}", what.format(name), nearest(name, known))
-            for field, name in missing
+            issue for field, name in named.items() for issue in scene.check_entity(f"/task/guided_walk/{field}", name)
         ]
 
     def open(self, spec: TaskSpec, context: TaskContext, seed: int) -> GuidedWalkPlay:
-        section = spec.section(self.name)
-        assert isinstance(section, GuidedWalkSpec)
+        section = spec.find(GuidedWalkSpec)
+        assert section is not None
         return GuidedWalkPlay(section, seed)
 
 
