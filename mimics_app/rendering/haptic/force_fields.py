@@ -6,7 +6,7 @@ A field is a function compiled with the signature `contracts.loop_ports.FIELD`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
@@ -22,9 +22,9 @@ __all__ = ["PLUGINS", "Field", "add_field", "check_field", "field_names", "find_
 Field = Callable[[Vec, Vec, Vec, float, Vec], None]
 
 
-def _fault_of(_: str, field: Any) -> str:
+def _fault_of(_: str, field: object) -> str:
     """Check the field's signature, and call it once at an ordinary point."""
-    if FIELD not in getattr(field, "nopython_signatures", []):
+    if not callable(field) or FIELD not in getattr(field, "nopython_signatures", []):
         return "is not compiled for the loop; decorate it with typed_kernel(FIELD)"
     try:
         field(np.zeros(FIELD_PARAMETERS), np.full(3, 0.01), np.full(3, 0.1), 0.0, np.zeros(3))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from mimics_app.contracts.arrays import Words
 from mimics_app.contracts.haptic import EventKind
@@ -63,7 +63,7 @@ def publish_state(channels: Channels, work: Work, counts: ObjectCountsRecord, t_
 class _Outlets(NamedTuple):
     """Current event and the rings of its three consumers; kept small because tuples are passed by value."""
 
-    event: Any
+    event: Records
     main_words: Words
     main: Records
     audio_words: Words

@@ -114,7 +114,7 @@ def _canonical(document: dict[str, Any]) -> str:
     return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False)
 
 
-def _without_comments(value: Any) -> Any:
+def _without_comments(value: object) -> Any:
     if isinstance(value, dict):
         return {key: _without_comments(item) for key, item in value.items() if not is_comment(key)}
     if isinstance(value, list):

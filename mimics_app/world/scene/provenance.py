@@ -62,7 +62,7 @@ class Origins:
         return best.child(tail, None) if tail else best
 
 
-def merged(low: Any, high: Any) -> Any:
+def merged(low: object, high: object) -> Any:
     """Merge `high` over `low`: objects key by key, all else replaced; null removes a key."""
     if not (isinstance(low, dict) and isinstance(high, dict)):
         return high
