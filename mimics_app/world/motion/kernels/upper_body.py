@@ -8,6 +8,7 @@ arms in closed form, and the roll of each wrist spread along its forearm.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -73,6 +74,44 @@ _ARM = 4
 """Bones of an arm: shoulder, upper arm, lower arm, hand."""
 
 
+class _Model(NamedTuple):
+    """Arrays of one model by slot; a record inside compiled code only, where it costs nothing to pass.
+
+    Attributes:
+        parents: Slot each slot hangs on.
+        rest_t: Places at rest in the model's frame [m].
+        rest_r: Rotations at rest there.
+        local_t: Local translations of the pose [m].
+        local_r: Its local rotations.
+        local_s: Its local scales.
+        t: Places in the model's frame [m].
+        r: Rotations there.
+        s: Scales there.
+    """
+
+    parents: I4
+    rest_t: F8
+    rest_r: F8
+    local_t: F8
+    local_r: F8
+    local_s: F8
+    t: F8
+    r: F8
+    s: F8
+
+
+@kernel
+def _follow(model: _Model, slot: int) -> None:
+    """Compute the pose of a slot in the model's frame from that of its parent."""
+    follow_one(slot, model.parents, model.local_t, model.local_r, model.local_s, model.t, model.r, model.s)
+
+
+@kernel
+def _set(model: _Model, slot: int, wanted: F8) -> None:
+    """Set the rotation of a slot in the model's frame."""
+    localise(slot, wanted, model.parents, model.r, model.local_r)
+
+
 @kernel
 def _azimuth(x: float, z: float) -> float:
     """Return the yaw of a direction, 0: along +z."""
@@ -115,18 +154,16 @@ def _chest_yaw(head: F8, hands: F8, tracked: I4, middle: F8, seconds: float, sta
 
 
 @kernel
-def _turn_in_model(slot: int, turn: F8, rest_r: F8, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8) -> None:
+def _turn_in_model(model: _Model, slot: int, turn: F8) -> None:
     """Rotate a slot from rest by a rotation in the model's frame, and update its pose."""
     wanted = np.empty(QUATERNION)
-    multiply(turn, rest_r[slot], wanted)
-    follow_one(slot, parents, lt, lr, ls, t, r, s)
-    localise(slot, wanted, parents, r, lr)
+    multiply(turn, model.rest_r[slot], wanted)
+    _follow(model, slot)
+    _set(model, slot, wanted)
 
 
 @kernel
-def _bend_spine(
-    bones: I4, yaw: float, bend: F8, rest_r: F8, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8
-) -> None:
+def _bend_spine(model: _Model, bones: I4, yaw: float, bend: F8) -> None:
     """Distribute the yaw over hips and spine, and the bend evenly over spine, chest and upper chest."""
     turn, leaned, part, still = np.empty(QUATERNION), np.empty(QUATERNION), np.empty(QUATERNION), np.zeros(QUATERNION)
     still[3] = 1.0
@@ -134,7 +171,7 @@ def _bend_spine(
     for k in range(_SPINE, _NECK):
         levels += bones[k] >= 0
     _about_y(_HIPS_SHARE * yaw, turn)
-    _turn_in_model(bones[_HIPS], turn, rest_r, parents, t, r, s, lt, lr, ls)
+    _turn_in_model(model, bones[_HIPS], turn)
     level = 0
     for k in range(_SPINE, _NECK):
         if bones[k] < 0:
@@ -144,26 +181,24 @@ def _bend_spine(
         _about_y((_HIPS_SHARE + (1.0 - _HIPS_SHARE) * share) * yaw, turn)
         slerp(still, bend, share, part)
         multiply(part, turn, leaned)
-        _turn_in_model(bones[k], leaned, rest_r, parents, t, r, s, lt, lr, ls)
+        _turn_in_model(model, bones[k], leaned)
 
 
 @kernel
-def _chain_to_head(bones: I4, last: int, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8) -> None:
-    for k in range(_HIPS, last + 1):
+def _chain_to_neck(model: _Model, bones: I4) -> None:
+    for k in range(_HIPS, _HEAD):
         if bones[k] >= 0:
-            follow_one(bones[k], parents, lt, lr, ls, t, r, s)
+            _follow(model, bones[k])
 
 
 @kernel
-def _give_shoulder(
-    slot: int, arm: int, target: F8, length: float, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8
-) -> None:
+def _give_shoulder(model: _Model, slot: int, arm: int, target: F8, length: float) -> None:
     """Rotate a collar bone towards a target that is nearly out of reach."""
     now, wanted, turn, turned = np.empty(3), np.empty(3), np.empty(QUATERNION), np.empty(QUATERNION)
     away = 0.0
     for i in range(3):
-        away += (target[i] - t[arm, i]) ** 2
-        now[i], wanted[i] = t[arm, i] - t[slot, i], target[i] - t[slot, i]
+        away += (target[i] - model.t[arm, i]) ** 2
+        now[i], wanted[i] = model.t[arm, i] - model.t[slot, i], target[i] - model.t[slot, i]
     share = min(max((math.sqrt(away) / length - _GIVES_FROM) / _GIVES_OVER, 0.0), 1.0)
     if share <= 0.0:
         return
@@ -175,9 +210,9 @@ def _give_shoulder(
     still[3] = 1.0
     # Smooth where it begins: the square of the share.
     slerp(still, turn, min(share * share, _MOST_COLLAR / angle), turn)
-    multiply(turn, r[slot], turned)
-    localise(slot, turned, parents, r, lr)
-    follow_one(arm, parents, lt, lr, ls, t, r, s)
+    multiply(turn, model.r[slot], turned)
+    _set(model, slot, turned)
+    _follow(model, arm)
 
 
 @kernel
@@ -188,21 +223,29 @@ def _twist_of(q: F8, axis: F8) -> float:
 
 
 @kernel
-def _reach_arm(
-    bones: I4, first: int, side: float, hand: F8, yaw: float, seconds: float, rate: float, state: F8,
-    rest_r: F8, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8,
-) -> int:  # fmt: skip
-    """Pose one arm: collar bone, elbow, hand; half the wrist's roll goes into the forearm."""
-    collar, upper, lower, end = bones[first], bones[first + 1], bones[first + 2], bones[first + 3]
-    for k in range(_ARM):
-        if bones[first + k] >= 0:
-            follow_one(bones[first + k], parents, lt, lr, ls, t, r, s)
+def _reach_arm(model: _Model, arm: I4, side: float, hand: F8, yaw: float, most: float, state: F8) -> None:
+    """Pose one arm: collar bone, elbow, hand; half the wrist's roll goes into the forearm.
+
+    Args:
+        model: Arrays of the model.
+        arm: Slots of shoulder, upper arm, lower arm and hand.
+        side: 1: left, -1: right.
+        hand: Place and rotation of the wrist.
+        yaw: That of the chest [rad].
+        most: Largest swing of the elbow in this step [rad].
+        state: Kept from step to step, see `reach_two_bones`.
+    """
+    t, r = model.t, model.r
+    collar, upper, lower, end = arm[0], arm[1], arm[2], arm[3]
+    for slot in arm:
+        if slot >= 0:
+            _follow(model, slot)
     a = b = 0.0
     for i in range(3):
         a, b = a + (t[lower, i] - t[upper, i]) ** 2, b + (t[end, i] - t[lower, i]) ** 2
     a, b = math.sqrt(a), math.sqrt(b)
     if collar >= 0:
-        _give_shoulder(collar, upper, hand[:3], a + b, parents, t, r, s, lt, lr, ls)
+        _give_shoulder(model, collar, upper, hand[:3], a + b)
     pole, turn = np.empty(3), np.empty(QUATERNION)
     pole[0], pole[1], pole[2] = _ELBOW_OUT * side, _ELBOW_UP, _ELBOW_AHEAD
     _about_y(yaw, turn)
@@ -210,40 +253,33 @@ def _reach_arm(
     asked, limb, out, case = np.empty((1, _ASKED)), np.empty((1, _LIMB)), np.zeros((1, _FOUND)), np.zeros(1, np.int32)
     for i in range(3):
         asked[0, i], asked[0, 3 + i], asked[0, 6 + i] = t[upper, i], hand[i], t[upper, i] + pole[i]
-    limb[0, 0], limb[0, 1], limb[0, 2], limb[0, 3] = a, b, _ARM_SOFT, rate * seconds if seconds > 0.0 else math.inf
+    limb[0, 0], limb[0, 1], limb[0, 2], limb[0, 3] = a, b, _ARM_SOFT, most
     reach_two_bones(asked, limb, state.reshape(1, _KEPT), out, case)
     now, wanted, turned = np.empty(3), np.empty(3), np.empty(QUATERNION)
     for i in range(3):
         now[i], wanted[i] = t[lower, i] - t[upper, i], out[0, i] - t[upper, i]
     arc(now, wanted, turn)
     multiply(turn, r[upper], turned)
-    localise(upper, turned, parents, r, lr)
-    follow_one(lower, parents, lt, lr, ls, t, r, s)
-    follow_one(end, parents, lt, lr, ls, t, r, s)
+    _set(model, upper, turned)
+    _follow(model, lower)
+    _follow(model, end)
     for i in range(3):
         now[i], wanted[i] = t[end, i] - t[lower, i], out[0, 3 + i] - t[lower, i]
     arc(now, wanted, turn)
     multiply(turn, r[lower], turned)
-    localise(lower, turned, parents, r, lr)
-    _roll(lower, end, hand[3:], wanted, rest_r, parents, t, r, s, lt, lr, ls)
-    return case[0]
+    _set(model, lower, turned)
+    _roll(model, lower, end, hand[3:], wanted)
 
 
 @kernel
-def _roll(
-    lower: int, end: int, hand: F8, axis: F8, rest_r: F8, parents: I4, t: F8, r: F8, s: F8, lt: F8, lr: F8, ls: F8
-) -> None:
+def _roll(model: _Model, lower: int, end: int, hand: F8, axis: F8) -> None:
     """Apply the forearm's share of the wrist's roll, then set the hand's tracked rotation exactly."""
     length = math.sqrt(axis[0] ** 2 + axis[1] ** 2 + axis[2] ** 2)
-    wanted, relative, back, turn, turned = (
-        np.empty(QUATERNION),
-        np.empty(QUATERNION),
-        np.empty(QUATERNION),
-        np.empty(QUATERNION),
-        np.empty(QUATERNION),
-    )
-    multiply(hand, rest_r[end], wanted)
-    follow_one(end, parents, lt, lr, ls, t, r, s)
+    r = model.r
+    wanted, relative, back = np.empty(QUATERNION), np.empty(QUATERNION), np.empty(QUATERNION)
+    turn, turned = np.empty(QUATERNION), np.empty(QUATERNION)
+    multiply(hand, model.rest_r[end], wanted)
+    _follow(model, end)
     back[0], back[1], back[2], back[3] = -r[end, 0], -r[end, 1], -r[end, 2], r[end, 3]
     multiply(wanted, back, relative)
     if length > 0.0:
@@ -253,9 +289,9 @@ def _roll(
         turn[0], turn[1], turn[2] = math.sin(half) * axis[0], math.sin(half) * axis[1], math.sin(half) * axis[2]
         turn[3] = math.cos(half)
         multiply(turn, r[lower], turned)
-        localise(lower, turned, parents, r, lr)
-    follow_one(end, parents, lt, lr, ls, t, r, s)
-    localise(end, wanted, parents, r, lr)
+        _set(model, lower, turned)
+    _follow(model, end)
+    _set(model, end, wanted)
 
 
 @kernel
@@ -282,16 +318,16 @@ def _find_bend(bones: I4, place: F8, chest_turn: F8, rest_t: F8, bend: F8) -> No
 
 
 @kernel
-def _sink_hips(bones: I4, place: F8, parents: I4, t: F8, r: F8, s: F8, local_t: F8) -> None:
+def _sink_hips(model: _Model, bones: I4, place: F8) -> None:
     """Translate the hips by what the bend leaves: they sink when the person crouches."""
     neck, hips = bones[_NECK], bones[_HIPS]
-    above = parents[hips]
+    above = model.parents[hips]
     for i in range(3):
-        place[i] -= t[neck, i]
+        place[i] -= model.t[neck, i]
     if above >= 0:
-        rotate_back(r[above], place, place)
+        rotate_back(model.r[above], place, place)
     for i in range(3):
-        local_t[hips, i] += place[i] / (s[above, i] if above >= 0 else 1.0)
+        model.local_t[hips, i] += place[i] / (model.s[above, i] if above >= 0 else 1.0)
 
 
 @kernel
@@ -335,25 +371,23 @@ def solve_upper_body(
         s: Working space, [slots, 3].
         state: Kept from step to step, [STATE].
     """
-    neck, top = bones[_NECK], bones[_HEAD]
+    model = _Model(parents, rest_t, rest_r, local_t, local_r, local_s, t, r, s)
     yaw = _chest_yaw(head, hands, tracked, head[:3], seconds, state)
     chest_turn, neck_turn, bend = np.empty(QUATERNION), np.empty(QUATERNION), np.empty(QUATERNION)
     place = np.empty(3)
     _about_y(yaw, chest_turn)
     _find_neck(bones, head, chest_turn, rest_t, neck_turn, place)
     _find_bend(bones, place, chest_turn, rest_t, bend)
-    _bend_spine(bones, yaw, bend, rest_r, parents, t, r, s, local_t, local_r, local_s)
-    _chain_to_head(bones, _NECK, parents, t, r, s, local_t, local_r, local_s)
-    _sink_hips(bones, place, parents, t, r, s, local_t)
-    _chain_to_head(bones, _NECK, parents, t, r, s, local_t, local_r, local_s)
-    _turn_in_model(neck, neck_turn, rest_r, parents, t, r, s, local_t, local_r, local_s)
+    _bend_spine(model, bones, yaw, bend)
+    _chain_to_neck(model, bones)
+    _sink_hips(model, bones, place)
+    _chain_to_neck(model, bones)
+    _turn_in_model(model, bones[_NECK], neck_turn)
     normalise(head[3:], head[3:])
-    _turn_in_model(top, head[3:], rest_r, parents, t, r, s, local_t, local_r, local_s)
+    _turn_in_model(model, bones[_HEAD], head[3:])
+    most = swivel_rate * seconds if seconds > 0.0 else math.inf
     for side in range(2):
         if tracked[side]:
             first, sign = (_LEFT, 1.0) if side == 0 else (_RIGHT, -1.0)
-            kept = state[2 + 7 * side : 9 + 7 * side]
-            _reach_arm(
-                bones, first, sign, hands[side], yaw, seconds, swivel_rate, kept,
-                rest_r, parents, t, r, s, local_t, local_r, local_s,
-            )  # fmt: skip
+            kept = state[2 + _KEPT * side : 2 + _KEPT * (side + 1)]
+            _reach_arm(model, bones[first : first + _ARM], sign, hands[side], yaw, most, kept)
