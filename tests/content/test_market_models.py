@@ -39,21 +39,44 @@ def test_another_seed_grows_another_garden(built, tmp_path):
 
 
 def finest(document: GltfDocument) -> list[GltfMesh]:
-    """The meshes without their coarser forms, which have the same names and come after all of them."""
+    """The meshes without their coarser forms, which have the same names and come after them."""
     return list({mesh.name: mesh for mesh in reversed(document.meshes)}.values())
 
 
-def test_what_is_seen_whole_has_coarser_forms_and_the_meadow_has_tiles(built):
+def triangles(meshes: list[GltfMesh]) -> list[int]:
+    """Number of triangles of each mesh."""
+    return [sum(part.mesh.triangle_count for part in mesh.primitives) for mesh in meshes]
+
+
+def test_every_model_has_coarser_forms_and_the_meadow_has_tiles(built):
     """A tree's crown hides most of its balls' insides; of the meadow a view of 63 degrees sees less than half."""
     for name, file in built.items():
-        meshes = load_gltf(file).meshes
-        counts = [sum(part.mesh.triangle_count for part in mesh.primitives) for mesh in meshes]
-        if name == "meadow.glb":
-            assert len(meshes) == len(finest(load_gltf(file))) > 60 and max(counts) < 0.05 * sum(counts)
-        else:
-            assert len(meshes) > len(finest(load_gltf(file))), name
-    tree = [sum(part.mesh.triangle_count for part in mesh.primitives) for mesh in load_gltf(built["tree.glb"]).meshes]
+        assert len(load_gltf(file).meshes) > len(finest(load_gltf(file))), name
+    tree = triangles(load_gltf(built["tree.glb"]).meshes)
     assert tree[0] < 16_000 and tree[-1] < 0.07 * tree[0]
+    meadow = load_gltf(built["meadow.glb"])
+    fine, both = triangles(finest(meadow)), triangles(meadow.meshes)
+    assert len(fine) > 60 and len(both) == 2 * len(fine)
+    assert max(fine) < 0.05 * sum(fine) and sum(both) < 1.15 * sum(fine)
+
+
+def test_tiles_of_the_meadow_meet_in_common_vertices_in_both_forms(built):
+    """Each vertex on the border of a coarse tile is one of the fine form: tiles of different forms leave no gaps."""
+    tiles: dict[str, list[np.ndarray]] = {}
+    for mesh in load_gltf(built["meadow.glb"]).meshes:
+        tiles.setdefault(mesh.name, []).append(mesh.primitives[0].mesh.positions.astype(float))
+    for name, (fine, coarse) in tiles.items():
+        rings = np.hypot(*fine[at_sides(fine)].T[::2])
+        away = np.hypot(*coarse.T[::2])
+        border = at_sides(coarse) | np.isclose(away, rings.min(), atol=1e-6) | np.isclose(away, rings.max(), atol=1e-6)
+        apart = np.linalg.norm(coarse[border, None] - fine[None], axis=2).min(axis=1)
+        assert len(apart) >= 5 and apart.max() < 1e-5, name
+
+
+def at_sides(at: np.ndarray) -> np.ndarray:
+    """Which vertices of a tile are on its border with the tiles to both sides, of 16 sectors."""
+    turn = np.arctan2(-at[:, 2], at[:, 0]) * 8.0 / np.pi
+    return np.isclose(turn, np.round(turn), rtol=0.0, atol=1e-5)
 
 
 @pytest.mark.parametrize(

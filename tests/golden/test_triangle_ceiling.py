@@ -19,9 +19,9 @@ HIGHER = {"city_walk": 100_000, "avatar_gallery": 100_000}
 """A town; and nine people side by side."""
 
 SMALL_CEILING = 30_000
-SMALL_HIGHER = {"city_walk": 70_000, "pick_and_place": 40_000}
-"""Of a picture of 64 x 36: no body needs more than a triangle or two a pixel. Houses, and tiles of a meadow, have no
-coarser forms; in the town one's own body is before the camera."""
+SMALL_HIGHER = {"city_walk": 70_000}
+"""Of a picture of 64 x 36: no body needs more than a triangle or two a pixel. Houses have no coarser forms; in the town
+one's own body is before the camera."""
 
 SCENES = root() / "scenes"
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from mimics_app.builders.market.clay import PIXELS, PIXELS_OF_EDGES, PIXELS_OF_SKIN, Clay, pack_forms, pack_model
 from mimics_app.builders.market.fruit import apple
-from mimics_app.builders.market.garden import TREE_COVERAGES, build_meadow, build_tree
+from mimics_app.builders.market.garden import MEADOW_COVERAGES, TREE_COVERAGES, build_meadow, build_tree
 from mimics_app.builders.market.props import barrel, bed, crate, fence, jug
 from mimics_app.builders.market.sleeved_hand import fingers, palm, thumb
 from mimics_app.builders.market.stall import awning, goods, stall_wood
@@ -20,10 +20,9 @@ def compose(seed: int) -> dict[str, bytes]:
     Args:
         seed: Of everything that grows.
     """
-    models: Mapping[str, Mapping[str, tuple[Clay | Sequence[Clay], float]]] = {
+    models: Mapping[str, Mapping[str, tuple[Clay, float]]] = {
         "apple": {"apple": (apple(), 0.30)},
         "stall": {"wood": (stall_wood(), 0.8), "cloth": (awning(), 1.0), "goods": (goods(), 0.4)},
-        "meadow": {"meadow": (build_meadow(seed), 1.0)},
         "hand": {"palm": (palm(), 0.6), "fingers": (fingers(), 0.6), "thumb": (thumb(), 0.6)},
         "crate": {"crate": (crate(0.075, 0.09, 0.085), 0.85)},
         "barrel": {"barrel": (barrel(), 0.8)},
@@ -34,6 +33,8 @@ def compose(seed: int) -> dict[str, bytes]:
     pixels = dict.fromkeys(("apple", "bed", "crate", "fence"), PIXELS_OF_EDGES) | {"hand": PIXELS_OF_SKIN}
     files = {f"{name}.glb": pack_model(name, parts, pixels.get(name, PIXELS)) for name, parts in models.items()}
     trees = {"tree": build_tree(2 * seed - 2), "tree_round": build_tree(2 * seed - 1)}
-    return files | {
-        f"{name}.glb": pack_forms(name, "tree", forms, TREE_COVERAGES, 1.0) for name, forms in trees.items()
+    files |= {
+        f"{name}.glb": pack_forms(name, "tree", {"tree": forms}, TREE_COVERAGES, 1.0) for name, forms in trees.items()
     }
+    tiles = {f"meadow_{number}": forms for number, forms in enumerate(build_meadow(seed))}
+    return files | {"meadow.glb": pack_forms("meadow", "meadow", tiles, MEADOW_COVERAGES, 1.0)}

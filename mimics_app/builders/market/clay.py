@@ -81,11 +81,6 @@ class Clay:
         self._pieces.append((positions, normals, colours, indices))
         return self
 
-    @property
-    def empty(self) -> bool:
-        """Return whether nothing was added."""
-        return not self._pieces
-
     def part(self) -> MeshPart:
         """Return all meshes as one part."""
         starts = np.cumsum([0] + [len(piece[0]) for piece in self._pieces])
@@ -102,31 +97,31 @@ class Clay:
         )
 
 
-def pack_model(model: str, parts: Mapping[str, tuple[Clay | Sequence[Clay], float]], pixels: float = PIXELS) -> bytes:
+def pack_model(model: str, parts: Mapping[str, tuple[Clay, float]], pixels: float = PIXELS) -> bytes:
     """A GLB of one node per name, each painted clay of a roughness; materials are named after the model too.
 
-    What is seen whole has levels of detail, wrong by so many `pixels` at most; several clays of one name are tiles of
-    one thing, of which those out of view are left out instead.
+    All have levels of detail, wrong by so many `pixels` at most.
     """
     writer = GltfWriter("mimics market builder")
     for name, (clay, roughness) in parts.items():
         material = writer.add_material(f"{model}_{name}", roughness=roughness)
-        tiles = {name: clay} if isinstance(clay, Clay) else {f"{name}_{k}": tile for k, tile in enumerate(clay)}
-        for node, tile in tiles.items():
-            mesh = writer.add_mesh(node, [(writer.add_part(tile.part()), material)])
-            writer.add_node(node, mesh=mesh)
-    data = writer.to_bytes()
-    if not all(isinstance(clay, Clay) for clay, _ in parts.values()):
-        return data
-    return add_levels(parse_gltf(data, Path(model), Path(), model), LEVELS, pixels)[0]
+        mesh = writer.add_mesh(name, [(writer.add_part(clay.part()), material)])
+        writer.add_node(name, mesh=mesh)
+    return add_levels(parse_gltf(writer.to_bytes(), Path(model), Path(), model), LEVELS, pixels)[0]
 
 
-def pack_forms(model: str, name: str, forms: Sequence[Clay], coverages: Sequence[float], roughness: float) -> bytes:
-    """Return a GLB file of one node with levels of detail, each down to a share of the picture."""
+def pack_forms(
+    model: str, name: str, tiles: Mapping[str, Sequence[Clay]], coverages: Sequence[float], roughness: float
+) -> bytes:
+    """Return a GLB file of one material whose nodes have levels of detail, each down to a share of the picture.
+
+    Several nodes are tiles of one thing, of which those out of view are left out.
+    """
     writer = GltfWriter("mimics market builder")
     material = writer.add_material(f"{model}_{name}", roughness=roughness)
-    finest, *coarser = [writer.add_mesh(name, [(writer.add_part(form.part()), material)]) for form in forms]
-    writer.add_detail_levels(writer.add_node(name, mesh=finest), coarser, coverages)
+    for node, forms in tiles.items():
+        finest, *coarser = [writer.add_mesh(node, [(writer.add_part(form.part()), material)]) for form in forms]
+        writer.add_detail_levels(writer.add_node(node, mesh=finest), coarser, coverages)
     return writer.to_bytes()
 
 

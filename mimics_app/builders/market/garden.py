@@ -25,16 +25,19 @@ from mimics_app.builders.market.clay import (
 from mimics_app.world.meshes.mesh import MeshData, compute_normals
 from mimics_app.world.meshes.primitives import icosphere
 
-__all__ = ["TREE_COVERAGES", "build_meadow", "build_tree"]
+__all__ = ["MEADOW_COVERAGES", "TREE_COVERAGES", "build_meadow", "build_tree"]
 
 GRASS_DARK: Colour = (0.060, 0.150, 0.030)
 GRASS: Colour = (0.125, 0.245, 0.048)
 GRASS_LIGHT: Colour = (0.26, 0.35, 0.085)
 EARTH: Colour = (0.40, 0.275, 0.15)
 
-_SECTORS, _RINGS = 16, (0.35, 0.7, 1.5, 3.5)
+_SECTORS, _RINGS = 16, (0.36, 0.7, 1.5, 3.5)
 """Tiles of the meadow: so many about the middle, and where each ring of them ends [m]; the last at the edge."""
 
+MEADOW_COVERAGES = (0.018, 0.0)
+"""Least share of a picture that each form of a tile of the meadow covers: the coarse one is shown in pictures of fewer
+than 480 x 270 pixels, or from far away. Tiles of both forms meet in common vertices."""
 
 TREE_COVERAGES = (0.6, 0.16, 0.02, 0.0)
 """Least share of a picture that each form of a tree covers: an apple's outline is off by half a pixel of 1920 x 1080 at
@@ -63,6 +66,29 @@ class _Form:
 
 
 _FORMS = (_Form(12, 2, 2, 6, 1, 2), _Form(8, 1, 1, 3, 1, 2), _Form(6, 1, 0, 0, 1, 1), _Form(4, 0, 0, 0, 4, 1))
+
+
+@dataclass(frozen=True)
+class _Ground:
+    """Resolution of the meadow.
+
+    Attributes:
+        circles: Numbers of the vertices used of those from the middle to the edge; tiles end at 19, 37, 49 and 63.
+        turn: One in this number of vertices around is used.
+        blades: Blades of a tuft.
+        flowers: Whether there are flowers.
+    """
+
+    circles: tuple[int, ...]
+    turn: int
+    blades: int
+    flowers: bool
+
+
+_GROUNDS = (
+    _Ground(tuple(range(79)), 1, 7, flowers=True),
+    _Ground((0, 6, 12, 19, 25, 31, 37, 40, 43, 46, 49, 52, 56, 59, 63, 66, 70, 74, 78), 2, 1, flowers=False),
+)
 
 
 def build_tree(seed: int) -> list[Clay]:
@@ -253,8 +279,8 @@ class _Tiles:
 
     @property
     def clays(self) -> list[Clay]:
-        """Return the tiles that are not empty."""
-        return [clay for clay in self._clays if not clay.empty]
+        """Return all tiles."""
+        return self._clays
 
     def at(self, x: float, z: float) -> Clay:
         """Return the tile that holds a point [m]."""
@@ -275,8 +301,12 @@ def _tile(x: F8, z: F8) -> NDArray[np.int64]:
     return np.asarray(ring * _SECTORS + sector)
 
 
-def build_meadow(seed: int) -> list[Clay]:
-    """Ground out to 9 m, finest where it is near, in tiles."""
+def build_meadow(seed: int) -> list[list[Clay]]:
+    """Ground out to 9 m, finest where it is near: of each tile the fine form, then the coarse one."""
+    return [list(forms) for forms in zip(*(_lay_ground(seed, ground).clays for ground in _GROUNDS), strict=True)]
+
+
+def _lay_ground(seed: int, ground: _Ground) -> _Tiles:
     tiles = _Tiles()
     reach = np.concatenate([np.linspace(0.0, 0.7, 38), 0.7 * (9.0 / 0.7) ** np.linspace(0.0, 1.0, 42)[1:]])
 
@@ -287,7 +317,7 @@ def build_meadow(seed: int) -> list[Clay]:
     def paint(at: F8, normals: F8) -> F8:
         x, z = at[:, 0], at[:, 2]
         flat = np.stack([x, 0 * x, z], 1)
-        step = 0.06 * np.hypot(x, z)  # of the ground's corners: finer noise than they carry makes streaks
+        step = 0.06 * ground.turn * np.hypot(x, z)  # of the ground's corners: finer noise than they carry makes streaks
         patch = 0.5 + 0.6 * _carried(flat, 0.16, 1, step) + 0.4 * _carried(flat, 0.035, 2, step)
         patch += 0.35 * _carried(flat, 1.1, 13, step)
         colour = mix(mix(GRASS_DARK, GRASS, 1.6 * patch), GRASS_LIGHT, 1.8 * (patch - 0.5))
@@ -303,12 +333,13 @@ def build_meadow(seed: int) -> list[Clay]:
         colour = mix(mix(colour, sand, path_share(x, z)), lawn, bed)
         return colour * (1.0 + 0.16 * _carried(flat, 0.009, 3, step))[:, None]
 
-    tiles.add(surface(point, reach, np.linspace(0.0, 2.0 * math.pi, 129)), paint)
-    _grow(tiles, seed)
-    return tiles.clays
+    turns = np.linspace(0.0, 2.0 * math.pi, 129)
+    tiles.add(surface(point, reach[list(ground.circles)], turns[:: ground.turn]), paint)
+    _grow(tiles, seed, ground)
+    return tiles
 
 
-def _grow(tiles: _Tiles, seed: int) -> None:
+def _grow(tiles: _Tiles, seed: int, ground: _Ground) -> None:
     """Tufts and flowers about the bed and the path, none inside."""
     r = chance(6000, 76 + seed)
     count = 0
@@ -321,8 +352,8 @@ def _grow(tiles: _Tiles, seed: int) -> None:
         size = 0.014 + 0.020 * r[3 * i + 2]
         y = float(ground_height(np.array([x]), np.array([z]))[0])
         clay = tiles.at(x, z)
-        clay.add(_tuft(size, i), _blades, at=(x, y, z))
-        if count % 5 == 0:
+        clay.add(_tuft(size, i, ground.blades), _blades, at=(x, y, z))
+        if ground.flowers and count % 5 == 0:
             colour = ((0.90, 0.86, 0.78), (0.85, 0.60, 0.06), (0.62, 0.16, 0.30))[count // 5 % 3]
             clay.add(
                 icosphere(0.0052, 0),
@@ -332,15 +363,15 @@ def _grow(tiles: _Tiles, seed: int) -> None:
             )
 
 
-def _tuft(size: float, seed: int) -> MeshData:
-    """A few blades of grass, each a bent triangle seen from both sides."""
+def _tuft(size: float, seed: int, blades: int) -> MeshData:
+    """Blades of grass, each a bent triangle seen from both sides; as wide together as seven."""
     r = chance(40, seed)
     corners: list[F8] = []
     triangles: list[int] = []
-    for i in range(7):
-        turn, lean = 2.0 * math.pi * (i / 7.0 + 0.1 * r[i]), 0.25 + 0.5 * r[10 + i]
+    for i in range(blades):
+        turn, lean = 2.0 * math.pi * (i / blades + 0.1 * r[i]), 0.25 + 0.5 * r[10 + i]
         out = np.array([math.cos(turn), 0.0, math.sin(turn)])
-        across = 0.09 * size * np.array([-out[2], 0.0, out[0]])
+        across = 0.63 / blades * size * np.array([-out[2], 0.0, out[0]])
         foot = 0.25 * size * out
         tip = foot + lean * size * out + np.array([0.0, size * (0.7 + 0.6 * r[20 + i]), 0.0])
         first = len(corners)

@@ -10,6 +10,7 @@ from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.shadows.shadow_maps import ShadowPlan
 from mimics_app.rendering.visual.shadows.shadow_target import ShadowTarget
+from mimics_app.rendering.visual.view import Rect
 
 if TYPE_CHECKING:
     import moderngl
@@ -29,11 +30,13 @@ class MapWork:
         still: Static casters, drawn first; None: their kept depths are restored.
         keep: True to keep the depths of the static casters.
         moving: Moving casters, drawn over them.
+        reach: Rectangles of the map that these can cover [texel].
     """
 
     still: list[DrawRun] | None
     keep: bool
     moving: list[DrawRun]
+    reach: list[Rect]
 
     @property
     def runs(self) -> list[DrawRun]:
@@ -76,7 +79,7 @@ def draw_shadows(
     for shadow, each in changed:
         clip_from_origin = shadow.clip_from_world.copy()
         clip_from_origin[:, 3] += shadow.clip_from_world[:, :3] @ shadow.origin
-        target.enter(shadow.tile, plan.grid, kept=each.still is None)
+        target.enter(shadow.tile, plan.grid, each.reach, kept=each.still is None)
         _draw(frame, each.still or (), clip_from_origin)
         if each.keep:
             target.keep(shadow.tile, plan.grid)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -34,18 +35,28 @@ class ShadowTarget:
         self._texture.repeat_x = self._texture.repeat_y = False
         self._framebuffer = ctx.framebuffer(depth_attachment=self._texture)
         self._framebuffer.clear(depth=1.0)
+        self._over: dict[tuple[int, int], list[Rect]] = {}  # where each tile's kept depths are drawn over [texel]
 
     def begin(self) -> None:
         """Bind the atlas for drawing."""
         self._framebuffer.use()
 
-    def enter(self, tile: tuple[int, int], grid: int, *, kept: bool) -> None:
-        """Select one of grid x grid tiles for drawing, cleared or restored to its kept depths."""
-        rectangle = self._framebuffer.viewport = self._rectangle(tile, grid)
+    def enter(self, tile: tuple[int, int], grid: int, reach: Sequence[Rect], *, kept: bool) -> None:
+        """Select one of grid x grid tiles for drawing, cleared or restored to its kept depths.
+
+        Args:
+            tile: Column and row of the tile.
+            grid: Tiles along a side.
+            reach: Rectangles of the tile in which these are drawn over now, to be restored next time [texel].
+            kept: True to restore the kept depths.
+        """
+        x, y, *_ = rectangle = self._framebuffer.viewport = self._rectangle(tile, grid)
         if kept:
-            self._raw.copy_texels(self._layer, self._texture, rectangle)
+            for place in self._over[tile]:
+                self._raw.copy_texels(self._layer, self._texture, place)
         else:
             self._framebuffer.clear(depth=1.0, viewport=rectangle)
+        self._over[tile] = [(x + left, y + bottom, width, height) for left, bottom, width, height in reach]
 
     def keep(self, tile: tuple[int, int], grid: int) -> None:
         """Keep a copy of a tile's present depths."""

@@ -13,6 +13,7 @@ from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
+from mimics_app.rendering.visual.kernels.shadow_bounds import bound_in_map
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.passes.shadow import MapWork, draw_shadows
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -28,7 +29,8 @@ from mimics_app.rendering.visual.shadows.shadow_maps import (
 from mimics_app.rendering.visual.shadows.shadow_target import ShadowTarget
 from mimics_app.rendering.visual.shadows.steady_box import SteadyBox
 from mimics_app.rendering.visual.shadows.still_layers import StillLayers
-from mimics_app.rendering.visual.view import View
+from mimics_app.rendering.visual.stages.screen_places import cover_of
+from mimics_app.rendering.visual.view import Rect, View
 
 if TYPE_CHECKING:
     import moderngl
@@ -140,7 +142,16 @@ class ShadowStage:
             None if items is None else listed.batch_casters(frame, replace(casters, items=items), shadow.origin)
             for items in (split.still, split.moving)
         )
-        return MapWork(still, split.keep, moving or [])
+        return MapWork(still, split.keep, moving or [], self._reach(shadow, listed, split.moving))
+
+    def _reach(self, shadow: ShadowMap, listed: DrawList, items: I4) -> list[Rect]:
+        """Return the rectangles of a map that some items can cover [texel]; all of a spot light's map."""
+        width = self._target.size // self.plan.grid
+        if shadow.clip_from_world[3, :3].any():
+            return [(0, 0, width, width)]
+        bounds = np.empty((len(items), 4))
+        bound_in_map(shadow.clip_from_world, items, listed.centres, listed.radii, bounds)
+        return cover_of(bounds, (width, width))
 
     def _is_stale(self, shadow: ShadowMap, listed: DrawList) -> bool:
         """Whether a map has to be redrawn; records its present content."""
