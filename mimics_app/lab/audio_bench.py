@@ -24,12 +24,14 @@ from mimics_app.lab.peer_harness import run_harness
 from mimics_app.rendering.audio.live_latency import measure_live_latency, pulse_missing
 from mimics_app.rendering.audio.spectral.sofa import read_sofa
 
-__all__ = ["find_measured_head", "measure_audio"]
+__all__ = ["KEMAR", "find_measured_head", "measure_audio"]
 
 _VOICES = (1, 16, 64, 192, 256)
 _MOST_OPENAL = 200
 _BLOCKS = 80
-_KEMAR = Path("/usr/share/libmysofa/MIT_KEMAR_normal_pinna.sofa")  # of Debian's libmysofa1: 710 directions, 512 taps
+KEMAR = Path("/usr/share/libmysofa/MIT_KEMAR_normal_pinna.sofa")
+"""A measured head of 710 directions and 512 taps, in the libmysofa1 of Debian and Ubuntu."""
+
 _RATE = 48_000
 
 Report = Callable[[str], None]
@@ -38,7 +40,7 @@ Report = Callable[[str], None]
 def find_measured_head() -> Path | None:
     """Return the file of a measured head in SOFA; None without one on this machine."""
     named = os.environ.get("MIMICS_SOFA")
-    path = Path(named) if named else _KEMAR
+    path = Path(named) if named else KEMAR
     return path if path.is_file() else None
 
 

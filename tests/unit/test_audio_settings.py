@@ -6,12 +6,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from mimics_app.contracts.errors import SceneError
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.scene_sounds import settings_from_components
 from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
+from mimics_app.rendering.audio.synth_scene import synthesise_crowd
 from mimics_app.world.components.visible import Sound, SoundEmitter
 from mimics_app.world.scene.assets import SceneAsset
 
@@ -53,14 +55,28 @@ def test_every_fault_of_a_scenes_sounds_is_reported_at_once():
                 ("a", Sound(synth="contakt"), "/entities/0/components/sound"),
                 ("b", Sound(synth="goal", parameters={"pich": 2.0}), "/entities/1/components/sound"),
                 ("c", Sound(synth="goal", parameters={"pitch": float("nan")}), "/entities/2/components/sound"),
+                ("d", Sound(synth="wind", parameters={"arousal": 0.5}), "/entities/3/components/sound"),
+                ("e", Sound(synth="crowd", parameters={"arousal": 1.5}), "/entities/4/components/sound"),
             ]
         )
     assert [issue.pointer for issue in caught.value.issues] == [
         "/entities/0/components/sound/synth",
         "/entities/1/components/sound/parameters/pich",
         "/entities/2/components/sound/parameters/pitch",
+        "/entities/3/components/sound/parameters/arousal",
+        "/entities/4/components/sound/parameters/arousal",
     ]
     assert 'did you mean "contact"' in str(caught.value)
+
+
+def test_a_scene_rouses_its_crowd():
+    """To the samples, as the roused one is another recording (its sound: test_synth_scene)."""
+    parameters = {"parameters": {"arousal": 1.0}}
+    settings = from_scene([("calm", Sound(synth="crowd"), ""), ("roused", Sound(synth="crowd", **parameters), "")])
+    bank = SoundBank(settings.sounds, 8_000)
+    assert np.array_equal(bank["calm"].samples, synthesise_crowd(8_000))
+    assert np.array_equal(bank["roused"].samples, synthesise_crowd(8_000, 1.0))
+    assert bank["roused"].spec.loop
 
 
 def test_a_bank_names_every_file_it_cannot_read(tmp_path):

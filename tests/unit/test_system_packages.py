@@ -37,7 +37,7 @@ def test_program_is_looked_for_on_the_path(tmp_path: Path, monkeypatch: pytest.M
 def test_driver_without_a_loadable_name_is_looked_for_as_a_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(system_packages, "_DRIVER_FOLDERS", (f"{tmp_path}/*/dri",))
+    monkeypatch.setattr(system_packages, "_FOLDERS", (f"{tmp_path}/*/dri",))
     need = SystemNeed("libgl1-mesa-dri", "drawing", files=("swrast_dri.so", "libgallium-*.so"))
     assert need.found() == ""
     driver = tmp_path / "x86_64-linux-gnu" / "dri" / "libgallium-25.0.so"
@@ -74,6 +74,14 @@ def test_every_program_that_a_test_looks_for_is_installed_for_the_tests() -> Non
     by_hand = {"make", "chromium", "google-chrome"}  # how tests are started; what a long one alone prints with
     assert {*looked_for, *listening} - by_hand <= brought
     assert len(looked_for) >= 3, "they are found"
+
+
+def test_the_measured_head_is_installed_for_the_tests() -> None:
+    """What the mixer is judged by: without it, its test is skipped."""
+    from mimics_app.lab import audio_bench
+
+    brought = [name for need in NEEDS if need.kind.startswith("test") for name in need.files]
+    assert audio_bench.KEMAR.name in brought and str(audio_bench.KEMAR.parent).startswith("/usr/share/")
 
 
 def test_every_package_that_a_test_imports_is_pinned() -> None:

@@ -18,7 +18,7 @@ from glob import glob
 
 __all__ = ["NEEDS", "SystemNeed", "apt_line", "missing"]
 
-_DRIVER_FOLDERS = ("/usr/lib/*/dri", "/usr/lib/dri", "/usr/lib64/dri", "/usr/lib/*", "/usr/lib64")
+_FOLDERS = ("/usr/lib/*/dri", "/usr/lib/dri", "/usr/lib64/dri", "/usr/lib/*", "/usr/lib64", "/usr/share/*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class SystemNeed:
         kind: "run" (needed to run), "optional" (used where the distribution has it), "test" (needed by `make test`) or
             "test-optional" (tests are skipped without it; no package of a desktop is removed for it).
         libraries: Names for the loader; one of them is enough.
-        files: File patterns in the driver folders, for parts without a loadable name; one of them is enough.
+        files: File patterns in `_FOLDERS`, for parts without a loadable name; one of them is enough.
         program: Name of a program on PATH.
     """
 
@@ -56,7 +56,7 @@ class SystemNeed:
         return ""
 
     def _file(self) -> str:
-        patterns = [f"{folder}/{name}" for name in self.files for folder in _DRIVER_FOLDERS]
+        patterns = [f"{folder}/{name}" for name in self.files for folder in _FOLDERS]
         return next((found for pattern in patterns for found in sorted(glob(pattern))), "")
 
 
@@ -82,6 +82,12 @@ NEEDS: tuple[SystemNeed, ...] = (
     SystemNeed("xdotool", "tests that move the pointer", kind="test", program="xdotool"),
     SystemNeed("pulseaudio", "tests that listen to a live sound server", kind="test-optional", program="pulseaudio"),
     SystemNeed("pulseaudio-utils", "tests that listen to a live sound server", kind="test-optional", program="parec"),
+    SystemNeed(
+        "libmysofa1",
+        "tests against a measured head (MIT KEMAR, in SOFA)",
+        kind="test-optional",
+        files=("MIT_KEMAR_normal_pinna.sofa",),
+    ),
     SystemNeed("gcc", "tests with an OpenXR runtime of their own", kind="test-optional", program="cc"),
     SystemNeed("libc6-dev", "tests with an OpenXR runtime of their own", kind="test-optional", files=("crt1.o",)),
 )

@@ -167,8 +167,10 @@ class SoundBank:
         elif spec.file is not None:
             self._put_file(name, spec.file, spec)
         elif spec.recipe in RECIPES:
-            looping = spec.loop or spec.recipe in LOOPS
-            self._put(name, RECIPES[spec.recipe](rate), replace(spec, loop=looping))
+            synthesise = RECIPES[spec.recipe]
+            if spec.recipe == "crowd":
+                synthesise = partial(synth_scene.synthesise_crowd, arousal=spec.arousal)
+            self._put(name, synthesise(rate), replace(spec, loop=spec.loop or spec.recipe in LOOPS))
         else:
             known = nearest(spec.recipe, [*RECIPES, *FAMILIES, *TAKES])
             raise SceneError(Issue("", f"/sounds/{name}/recipe", f'no recipe "{spec.recipe}"', known))

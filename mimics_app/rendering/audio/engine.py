@@ -28,6 +28,12 @@ from mimics_app.rendering.audio.wav_file import WavWriter
 
 __all__ = ["Engine", "fall_back", "open_device", "open_engine", "open_engine_in_step", "open_mixer"]
 
+_TAIL_S = 1.5
+"""Time from the end of a session to that of its file [s], in which the last sounds decay."""
+
+_FADE_S = 0.04
+"""Time at the end of a file in which sounds that do not end by themselves are faded [s]."""
+
 _SILENT = AudioStatus(device="none", sink="null", hrtf=False, rate=0, latency_ms=0.0)
 
 
@@ -72,6 +78,19 @@ class Engine:
                     raise DeviceError(f"{self.writer.path}: {error.strerror}") from error
             blocks += 1
         return blocks
+
+    def ring_out(self, block: int) -> int:
+        """Render the decay of the last sounds, in blocks, and fade what still sounds; return the number of blocks.
+
+        Raises:
+            DeviceError: The file cannot be written any further.
+        """
+        if self.mixer is None or self.live:
+            return 0
+        end = self.mixer.position + round(_TAIL_S * self.mixer.rate)
+        blocks = self.render_to(end - round(_FADE_S * self.mixer.rate), block)
+        self.mixer.master(0.0)
+        return blocks + self.render_to(end, block)
 
     def close(self) -> None:
         """Close the device and the file."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,6 @@ __all__ = ["OfflineAudio", "render_offline"]
 Pose = tuple[Vec3, Vec3, Vec3]
 
 _BLOCK = 1024
-_TAIL_S = 1.5
 
 
 class OfflineAudio:
@@ -84,7 +84,7 @@ class OfflineAudio:
             return
         self._director.take_contacts()
         self._director.listen()
-        self._render(self._engine, frame_at(now_ns, 0, self._mixer.rate))
+        self._write(self._engine, partial(self._engine.render_to, frame_at(now_ns, 0, self._mixer.rate), _BLOCK))
 
     def stop(self) -> AudioReport:
         """Let the last sounds decay, close the file and return the report."""
@@ -96,12 +96,12 @@ class OfflineAudio:
     def _mixer(self) -> Mixer | None:
         return None if self._engine is None else self._engine.mixer
 
-    def _render(self, engine: Engine, frame: int) -> None:
-        """Mix up to a frame; a file that cannot be written any further ends the sound, not the session."""
+    def _write(self, engine: Engine, render: Callable[[], int]) -> None:
+        """Render blocks, and count them; a file that cannot be written any further ends the sound, not the session."""
         if self._lost:
             return
         try:
-            self._blocks += engine.render_to(frame, _BLOCK)
+            self._blocks += render()
         except DeviceError as error:
             self._lost = True
             notice = f"{error.what}: the rest of the sound is dropped; picture and touch run on"
@@ -114,7 +114,7 @@ class OfflineAudio:
             return AudioReport(self._status or silent)
         director.take_contacts()
         director.ring_out()
-        self._render(engine, mixer.position + round(_TAIL_S * mixer.rate))
+        self._write(engine, partial(engine.ring_out, _BLOCK))
         engine.close()
         return AudioReport(
             engine.status,

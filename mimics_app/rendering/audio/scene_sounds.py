@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from mimics_app.contracts.errors import Issue, SceneError, nearest
-from mimics_app.rendering.audio.settings import AudioSettings, SoundSpec
+from mimics_app.rendering.audio.settings import AROUSAL, AudioSettings, SoundSpec
 from mimics_app.rendering.audio.wav_file import frames_of_wav
 from mimics_app.world.components.visible import Sound, SoundEmitter
 from mimics_app.world.scene.assets import SceneAsset
@@ -21,7 +21,8 @@ _STEPS = ("step_asphalt", "step_earth", "step_grass", "step_wood")
 _RECIPES = (*_SINGLE, *_STRUCK, *_STEPS, "ui_hint", "ui_no", "ui_yes")
 """All recipes, so that checking a scene does not import the synthesiser; a test compares them with the bank's."""
 
-_PARAMETERS = {"pitch": (0.25, 4.0)}
+_PARAMETERS = {"pitch": (0.25, 4.0), "arousal": (0.0, 1.0)}
+"""Limits of each parameter; only "crowd" has an arousal."""
 
 
 def settings_from_components(
@@ -86,13 +87,15 @@ def check_sound(sound: Sound, pointer: str, scene: Scene) -> list[Issue]:
 
 
 def _faults(sound: Sound, pointer: str, issue: Callable[..., Issue]) -> list[Issue]:
-    issues = []
+    issues: list[Issue] = []
     if sound.synth is not None and sound.synth not in _RECIPES:
         issues.append(issue(f"{pointer}/synth", f'no recipe "{sound.synth}"', nearest(sound.synth, _RECIPES)))
     for name, value in sound.parameters.items():
         place = f"{pointer}/parameters/{name}"
         if name not in _PARAMETERS:
             issues.append(issue(place, f'no parameter "{name}"', nearest(name, _PARAMETERS)))
+        elif name == "arousal" and sound.synth != "crowd":
+            issues.append(issue(place, f'"{sound.synth or sound.asset}" has no arousal', 'only "crowd" has one'))
         elif not _PARAMETERS[name][0] <= value <= _PARAMETERS[name][1]:
             low, high = _PARAMETERS[name]
             issues.append(issue(place, f"{value} is not between {low} and {high}"))
@@ -107,6 +110,7 @@ def _spec(sound: Sound, assets: Mapping[str, SceneAsset]) -> SoundSpec:
         inside=None if asset is None else asset.inside,
         gain=sound.gain,
         pitch=sound.parameters.get("pitch", 1.0),
+        arousal=sound.parameters.get("arousal", AROUSAL),
         full_force=sound.full_level,
         priority=sound.priority,
         reverb=sound.reverb,

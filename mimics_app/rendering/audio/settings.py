@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-__all__ = ["LAYOUTS", "AudioSettings", "BusSpec", "MixerName", "Sink", "SoundSpec", "Speakers"]
+__all__ = ["AROUSAL", "LAYOUTS", "AudioSettings", "BusSpec", "MixerName", "Sink", "SoundSpec", "Speakers"]
 
 Sink = Literal["device", "file", "null"]
 MixerName = Literal["openal", "spectral"]
@@ -15,6 +15,9 @@ Speakers = Literal["stereo", "5.1", "7.1", "ambisonic"]
 
 LAYOUTS: Mapping[Speakers, int] = {"stereo": 2, "5.1": 6, "7.1": 8, "ambisonic": 16}
 """Number of channels per loudspeaker layout; ambisonic: third order, ACN, SN3D."""
+
+AROUSAL = 0.6
+"""Arousal of a crowd for which nothing else is named."""
 
 _MOST_VOICES = 4096
 
@@ -39,12 +42,12 @@ class SoundSpec:
     """One sound of a scene: synthesised from a recipe, or read from a file.
 
     Attributes:
-        recipe: Name of a recipe ("contact", "goal", "start", "trial_end", "tick", "scrape", "knock", "grip",
-            "slip"); "" when a file is given.
-        file: Sound file (any rate, mixed to one channel), or the model that holds it; None when a recipe is given.
+        recipe: Name of a recipe of the bank; "" when a file is given.
+        file: Sound file of any rate, or the model that holds it; None when a recipe is given.
         inside: Number of the sound in that model, None for a file of its own.
         gain: Authored linear gain.
         pitch: Pitch ratio of a recipe.
+        arousal: How much a crowd shouts and claps, 0 to 1.
         loop: True to repeat until stopped.
         full_force: Contact force at which a contact has about the authored gain [N]; softer ones are quieter.
         reference_distance: Distance at which the sound has its authored gain [m].
@@ -66,6 +69,7 @@ class SoundSpec:
     inside: int | None = None
     gain: float = 1.0
     pitch: float = 1.0
+    arousal: float = AROUSAL
     loop: bool = False
     full_force: float = 10.0
     reference_distance: float = 1.0

@@ -147,7 +147,7 @@ class _LiveSession:
             self._fade_out(mixer)
         elif mixer is not None:
             with suppress(DeviceError):  # a file that cannot be written any further keeps what it has
-                self.engine.render_to(mixer.position + self._settings.rate * 3 // 2, self._settings.block)
+                self.engine.ring_out(self._settings.block)
         return self.report()
 
     def _fade_out(self, mixer: Mixer) -> None:

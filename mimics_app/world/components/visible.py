@@ -139,9 +139,9 @@ class Sound(Component, frozen=True):
 
     asset: Annotated[str | None, Meta(description="Sound file of the scene's `assets`: .wav, .ogg or .flac")] = None
     synth: Annotated[str | None, Meta(description="Recipe of the built-in synthesiser")] = None
-    parameters: Annotated[Figures, Meta(description="Numbers of the recipe, SI units")] = msgspec.field(
-        default_factory=dict
-    )
+    parameters: Annotated[
+        Figures, Meta(description="Numbers of the recipe: pitch (ratio, 1), arousal (of a crowd, 0 to 1, 0.6)")
+    ] = msgspec.field(default_factory=dict)
     trigger: Annotated[
         Annotated[str, Meta(pattern="^[a-z][a-z0-9_]{0,39}$")] | None,
         Meta(
