@@ -38,6 +38,7 @@ class EarlierRun:
         score: Mean score of 100; None where the task has none.
         time_s: Mean time of a trial [s]; None where none ended.
         scene, participant: Scene and code of the participant.
+        simulated: A simulated person played.
         utc: Wall time of its start as recorded in the header; "" where missing.
     """
 
@@ -48,6 +49,7 @@ class EarlierRun:
     time_s: float | None
     scene: str = ""
     participant: str = ""
+    simulated: bool = False
     utc: str = ""
 
 
@@ -62,22 +64,15 @@ class _Begun:
     monotonic_s: float
 
 
-def earlier_runs(
-    parent: Path, scene: str, participant: str, *, besides: Path | None = None, before: Path | None = None
-) -> list[EarlierRun]:
-    """Return the runs of a scene with trials that ended, oldest first.
+def earlier_runs(folder: Path) -> list[EarlierRun]:
+    """Return the runs begun before one whose results compare with its own, with trials that ended, oldest first.
 
-    Args:
-        parent: The folder of runs; a missing one holds none.
-        scene: The scene's name.
-        participant: Code of the participant; "" for runs without one.
-        besides: A run that is left out.
-        before: A run; only those begun before it are returned. None: all.
+    They are those beside it, of the same scene and participant (also of none); simulated people and others are not
+    compared.
     """
-    begun = [each for each in _in_order(parent, _MOST_FOLDERS, before) if each.folder != besides]
-    earlier = takewhile(lambda each: each.folder != before, begun)
-    mine = (each for each in earlier if _named(each.header) == (scene, participant))
-    return [run for each in mine if (run := _closed(each)) is not None]
+    mine = _played(read_session(folder)[0])
+    earlier = takewhile(lambda each: each.folder != folder, _in_order(folder.parent, _MOST_FOLDERS, folder))
+    return [run for each in earlier if _played(each.header) == mine and (run := _closed(each)) is not None]
 
 
 def recent_runs(parent: Path, most: int) -> list[EarlierRun]:
@@ -146,7 +141,7 @@ def _closed(begun: _Begun) -> EarlierRun | None:
         _count(task, "trials"),
         number(task.get("score")),
         number(task.get("time_s")),
-        *_named(begun.header),
+        *_played(begun.header),
         str(mapping(begun.header.get("clock")).get("utc", "")),
     )
 
@@ -161,10 +156,10 @@ def _totals(folder: Path, manifest: Manifest | None) -> Mapping[str, Any]:
     return {}
 
 
-def _named(header: dict[str, Any]) -> tuple[str, str]:
-    """Return scene and participant of a run; older recordings have no participant."""
-    scene, settings = mapping(header.get("scene")), mapping(header.get("settings"))
-    return str(scene.get("name", "")), str(settings.get("participant", ""))
+def _played(header: dict[str, Any]) -> tuple[str, str, bool]:
+    """Return scene, participant, and whether a simulated person played; older recordings have no participant."""
+    scene, settings, moved_by = (mapping(header.get(key)) for key in ("scene", "settings", "moved_by"))
+    return str(scene.get("name", "")), str(settings.get("participant", "")), moved_by.get("person") == "simulated"
 
 
 def _count(task: Mapping[str, Any], key: str) -> int:

@@ -52,7 +52,7 @@ def front_of(run: Run) -> Front:
     task = session_totals(run.summary, run.trials)
     name = str(mapping(run.session.get("scene")).get("name", ""))
     participant = str(mapping(run.session.get("settings")).get("participant", ""))
-    earlier = earlier_runs(run.folder.parent, name, participant, before=run.folder)
+    earlier = earlier_runs(run.folder)
     head, lines = trial_lines(run.trials)
     return Front(
         sentence=result_sentence(task, earlier) if run.summary or task else "",

@@ -97,4 +97,6 @@ def _against_last(task: Mapping[str, Any], earlier: Sequence[EarlierRun]) -> lis
     change = (before - now) / before
     if abs(change) < _NOTABLE:
         return ["as fast as last time"]
+    if change <= -1.0:
+        return [f"{now / before:.1f} times as long as last time"]
     return [f"{100.0 * abs(change):.0f} % {'faster' if change > 0.0 else 'slower'} than last time"]

@@ -42,7 +42,12 @@ def run_before(time_s: float | None, score: float | None = None) -> EarlierRun:
 
 @pytest.mark.parametrize(
     ("before", "words"),
-    [(5.0, "20 % faster than last time"), (3.2, "25 % slower than last time"), (4.01, "as fast as last time")],
+    [
+        (5.0, "20 % faster than last time"),
+        (3.2, "25 % slower than last time"),
+        (4.01, "as fast as last time"),
+        (1.25, "3.2 times as long as last time"),
+    ],
 )
 def test_the_sentence_compares_with_the_last_run_that_has_a_time(before: float, words: str) -> None:
     content = result_content("Tunnel", ended(), ROWS, [run_before(99.0), run_before(before), run_before(None)])
@@ -76,10 +81,10 @@ def test_without_a_report_there_is_no_button_for_it() -> None:
     assert "report" not in [button.name for button in result_content("T", without, [], []).buttons]
 
 
-def write_run(parent: Path, name: str, scene: str, participant: str, task: dict[str, Any]) -> Path:
+def write_run(parent: Path, name: str, scene: str, participant: str, task: dict[str, Any], **more: Any) -> Path:
     folder = parent / name
     folder.mkdir(parents=True)
-    header = {"scene": {"name": scene}, "settings": {"participant": participant}}
+    header = {"scene": {"name": scene}, "settings": {"participant": participant}, **more}
     (folder / "session.json").write_text(json.dumps(header))
     manifest = {"status": "clean", "state_hash": "", "rows": 0, "events": 0, "trials": 0, "parameters": 0}
     (folder / "manifest.json").write_text(json.dumps({**manifest, "summary": {"task": task}}))
@@ -95,11 +100,23 @@ def test_history_is_of_the_same_scene_and_participant_oldest_first(tmp_path: Pat
     write_run(tmp_path, "20260103T000000Z_e", "tunnel", "P2", task)
     write_run(tmp_path, "20260104T000000Z_f", "tunnel", "P1", {"completed": 0, "trials": 0})
     (tmp_path / "20260105T000000Z_g").mkdir()
-    found = earlier_runs(tmp_path, "tunnel", "P1", besides=present)
+    found = earlier_runs(present)
     assert [run.folder for run in found] == [first, second]
     assert (found[0].completed, found[0].trials, found[0].score, found[0].time_s) == (1, 2, 50.0, 3.0)
     assert found[1].time_s is None
-    assert earlier_runs(tmp_path / "nowhere", "tunnel", "P1") == []
+    assert earlier_runs(tmp_path / "nowhere" / "20260301T000000Z_c") == []
+
+
+def test_a_person_is_not_compared_with_a_simulated_one(tmp_path: Path) -> None:
+    task = {"completed": 1, "trials": 1, "score": 50.0, "time_s": 3.0}
+    by = {"simulated": "simulated", "mouse": "at the pointer", "robot": "at the robot", "again": "simulated"}
+    runs = {
+        name: write_run(tmp_path, f"2026010{day}T000000Z_{name}", "tunnel", "", task, moved_by={"person": person})
+        for day, (name, person) in enumerate(by.items(), start=1)
+    }
+    assert [run.folder for run in earlier_runs(runs["robot"])] == [runs["mouse"]]
+    assert [run.folder for run in earlier_runs(runs["again"])] == [runs["simulated"]]
+    assert [run.simulated for run in recent_runs(tmp_path, 9)] == [True, False, False, True]
 
 
 def test_history_is_in_the_order_of_the_sessions_whatever_the_wall_clock_was_set_to(tmp_path: Path) -> None:
@@ -116,12 +133,13 @@ def test_history_is_in_the_order_of_the_sessions_whatever_the_wall_clock_was_set
         folder = write_run(tmp_path, name, "tunnel", "P1", task)
         header = json.loads((folder / "session.json").read_text())
         (folder / "session.json").write_text(json.dumps({**header, **({"clock": clock} if clock else {})}))
-    assert [run.folder.name for run in earlier_runs(tmp_path, "tunnel", "P1")] == list(begun)
+    now = write_run(tmp_path, "20260105T000000Z_now", "tunnel", "P1", {})
+    assert [run.folder.name for run in earlier_runs(now)] == list(begun)
     last = tmp_path / list(begun)[3]
-    assert [run.folder.name for run in earlier_runs(tmp_path, "tunnel", "P1", before=last)] == list(begun)[:3]
+    assert [run.folder.name for run in earlier_runs(last)] == list(begun)[:3]
     assert [run.folder.name for run in recent_runs(tmp_path, 2)] == list(begun)[:2:-1]
     (tmp_path / "renamed").mkdir()
-    assert earlier_runs(tmp_path, "tunnel", "P1", before=tmp_path / "renamed") == [], "without a clock it is the oldest"
+    assert earlier_runs(tmp_path / "renamed") == [], "without a clock it is the oldest"
 
 
 def test_a_session_that_could_not_say_its_end_counts_with_the_trials_it_left(tmp_path: Path) -> None:
@@ -130,7 +148,7 @@ def test_a_session_that_could_not_say_its_end_counts_with_the_trials_it_left(tmp
     (folder / "manifest.json").write_text(json.dumps({**manifest, "status": "recovered", "summary": {}}))
     rows = [*ROWS, {"trial": 3, "practice": False, "outcome": "aborted", "cause": "session ended", "time_s": 1.0}]
     (folder / "trials.csv").write_bytes(table_text(rows))
-    (found,) = earlier_runs(tmp_path, "tunnel", "P1")
+    (found,) = earlier_runs(write_run(tmp_path, "20260102T000000Z_b", "tunnel", "P1", {}))
     assert (found.completed, found.trials, found.score, found.time_s) == (1, 2, 90.0, 4.0)
     front = front_of(Run.open(folder))
     assert front.sentence == "1 of 2 trials finished."

@@ -159,9 +159,9 @@ def settings_of_choice(choice: LauncherChoice) -> RunSettings:
 
 
 def launcher_cards(runs: Path) -> list[ScenarioCard]:
-    """Return one card per shipped scene, and one per recent session with its score."""
+    """Return one card per shipped scene with the last score of a person, and one per recent session with its score."""
     recent = recent_runs(runs, _MOST_RECENT)
-    newest = {run.scene: run for run in reversed(recent)}
+    newest = {run.scene: run for run in reversed(recent) if not run.simulated}
     cards = [_card(scene, newest.get(scene.name)) for scene in shipped_scenes()]
     return cards + [card for run in recent if (card := _played(run)) is not None]
 
@@ -218,10 +218,14 @@ def _played(run: EarlierRun) -> ScenarioCard | None:
         picture=thumbnail_of(scene.name),
         scene=scene.file,
         group="Recent",
-        facts=" · ".join(part for part in (_local_time(run.utc), run.participant) if part),
+        facts=" · ".join(part for part in (_local_time(run.utc), _who(run)) if part),
         badge="" if run.score is None else f"{run.score:.0f} of 100",
         everywhere=False,
     )
+
+
+def _who(run: EarlierRun) -> str:
+    return run.participant or (_PLAYERS[SIMULATED] if run.simulated else "")
 
 
 def _local_time(utc: str) -> str:

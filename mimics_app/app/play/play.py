@@ -156,11 +156,10 @@ def _show_result(session: Session, answer: dict[str, Any]) -> str:
     from mimics_app.app.play.result_screen import show_result
     from mimics_app.app.play.session_keys import session_keys
 
-    surface, settings = session.window, session.settings
+    surface = session.window
     assert surface is not None
     try:
-        scene, folder = session.scene, session.folder
-        earlier = earlier_runs(folder.parent, scene.name, settings.participant, besides=folder)
+        scene, earlier = session.scene, earlier_runs(session.folder)
         keys = session_keys(session.haptics.plugin)
         content = result_content(scene.title or scene.name, answer, session.tasks.rows, earlier, keys)
         return show_result(surface, content, Path(answer["report"]), MonotonicClock())

@@ -59,4 +59,6 @@ def _kind(parts: Preparation) -> dict[str, str]:
 def _person(parts: Preparation) -> dict[str, str]:
     if parts.robot.device == POINTER:
         return {"person": "at the pointer"}
+    if not parts.plugin.simulated:
+        return {"person": "at the robot"}
     return {"person": "simulated", "preset": parts.patient.preset}

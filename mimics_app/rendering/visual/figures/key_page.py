@@ -12,7 +12,8 @@ __all__ = ["Keys", "draw_keys"]
 Keys = Sequence[tuple[str, str]]
 """Keys with their functions, in the order listed."""
 
-_PANEL: Colour = (0.05, 0.06, 0.08, 0.88)
+_PANEL: Colour = (0.05, 0.06, 0.08, 0.97)
+"""Hardly any text of the page behind it shows through."""
 _LINE, _SIZE = 30.0, 17.0
 _ROOM = 0.97
 """Maximum share of the canvas that the page covers."""
