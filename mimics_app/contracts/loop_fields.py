@@ -152,9 +152,9 @@ def _of_joints(name: str, replay: Replay, source: str = "state", reader: str = "
     return LoopField(name, "joint", replay, source, size=MAX_JOINTS, reader=reader, per=per)
 
 
-def _of_others(name: str, unit: str, replay: Replay, each: int = 1, source: str = "state") -> LoopField:
+def _of_others(name: str, unit: str, replay: Replay, each: int = 1) -> LoopField:
     """Return a field with `each` components for every point of contact after the first."""
-    return LoopField(name, unit, replay, source, size=each * _OTHERS, per=Per.CONTACT)
+    return LoopField(name, unit, replay, "state", size=each * _OTHERS, per=Per.CONTACT)
 
 
 LOOP_FIELDS: tuple[LoopField, ...] = (
@@ -278,17 +278,17 @@ class HapticSnapshot:
     poses: Vec
 
 
-def check_snapshot(table: Sequence[LoopField], message: type[Any] = HapticSnapshot) -> None:
-    """Compare the typed message with the table.
+def check_snapshot(table: Sequence[LoopField]) -> None:
+    """Compare HapticSnapshot with the table.
 
     Raises:
         TypeError: A row with a reader has no field of its type in the message, or a field has no row.
     """
     wanted = {field.name: "Vec" if field.shape else _TYPES[field.kind] for field in table if field.reader}
-    found = {field.name: field.type for field in fields(message) if field.name != "poses"}
+    found = {field.name: field.type for field in fields(HapticSnapshot) if field.name != "poses"}
     differing = sorted(name for name in wanted | found if wanted.get(name) != found.get(name))
     if differing:
-        raise TypeError(f"{message.__name__} and its table differ in {', '.join(differing)}: give each row with a "
+        raise TypeError(f"HapticSnapshot and its table differ in {', '.join(differing)}: give each row with a "
                         "reader one line, int, float or Vec")  # fmt: skip
 
 

@@ -14,7 +14,6 @@ from mimics_app.contracts.loop_fields import HapticSnapshot
 from mimics_app.contracts.trial_state import TaskView
 
 __all__ = [
-    "LOADS",
     "Aim",
     "Estimate",
     "Experience",
@@ -108,10 +107,6 @@ class Estimate:
     variance: float
 
 
-LOADS = ("under", "challenged", "over")
-"""Classes of the load a task puts on a person, in the order of `UserState.load`."""
-
-
 @dataclass(frozen=True, slots=True)
 class UserState:
     """Estimated state of the person; None for unknown quantities.
@@ -121,7 +116,7 @@ class UserState:
         arousal: Arousal in [-1, 1], 0 at rest in the calibration.
         valence: Valence in [-1, 1].
         effort: Physical effort in [-1, 1], 0 at rest.
-        load: Probability of each of LOADS, summing to 1.
+        load: Probabilities that the task underchallenges, challenges and overchallenges the person, summing to 1.
         quality: Quality of the signals, 0 to 1.
     """
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["Vec", "cross", "distance", "dot", "norm", "normalise", "perpendicular", "unit"]
+__all__ = ["Vec", "cross", "distance", "dot", "norm", "normalise", "unit"]
 
 Vec = NDArray[np.float64]
 """float64, shape [3] unless said otherwise."""
@@ -59,17 +59,6 @@ def normalise(a: Vec, out: Vec) -> float:
     out[0], out[1], out[2] = x / length, y / length, z / length
     whole: float = largest * length
     return whole
-
-
-@kernel
-def perpendicular(a: Vec, out: Vec) -> None:
-    """Set out to a unit vector perpendicular to the unit vector a, continuous except at one (Duff et al. 2017)."""
-    sign = math.copysign(1.0, a[2])
-    f = -1.0 / (sign + a[2])
-    x = 1.0 + sign * a[0] * a[0] * f
-    y = sign * a[0] * a[1] * f
-    z = -sign * a[0]
-    out[0], out[1], out[2] = x, y, z
 
 
 def unit(values: object) -> Vec:

@@ -346,6 +346,9 @@ def governor_tables(run: Run) -> dict[str, Table]:
         shares = [(name, scaled(share, 100.0)) for name, share in mapping(summary.get("shares")).items()]
         tables["Qualities"] = Table(["quality", "share of frames [%]"], shares)
     if moves:
-        listed = [[line.get(name) for name in ("step", "level", "way", "frame_ms")] for line in moves[:_MOST_MOVES]]
-        tables["Changes of quality"] = Table(["step", "to", "way", "frame before [ms]"], listed)
+        listed = [
+            [line.get("step"), line.get("level"), line.get("direction", line.get("way")), line.get("frame_ms")]
+            for line in moves[:_MOST_MOVES]
+        ]  # older recordings say "way"
+        tables["Changes of quality"] = Table(["step", "to", "direction", "frame before [ms]"], listed)
     return tables

@@ -31,11 +31,6 @@ class Adaptation:
         self._waiting: dict[int, dict[str, float]] = {}
         self.clipped: tuple[str, ...] = ()
 
-    @property
-    def aims(self) -> Mapping[str, float]:
-        """Target values of the parameters."""
-        return self._aims
-
     def take(self, action: TaskAction) -> None:
         """Set the targets to an action's values, or keep these for its trial."""
         allowed, self.clipped = self._space.clip(action)

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 from mimics_app.contracts.board import Bar, Card, Tone
-from mimics_app.tasks.kinds.carry.spec import GripSpec
 
-__all__ = ["CARDS", "count_card", "force_card", "grasp_card", "progress_card", "state_card", "time_card", "trial_card"]
+__all__ = ["CARDS", "count_card", "force_card", "progress_card", "state_card", "time_card", "trial_card"]
 
 CARDS = ("progress", "time", "contacts", "force", "score", "state", "trial", "margin")
 """Cards of every task; "margin" belongs to the stability monitor."""
@@ -15,9 +14,6 @@ CARDS = ("progress", "time", "contacts", "force", "score", "state", "trial", "ma
 _WITH_BAR = 290.0
 _THREE_DIGITS_S = 100.0
 """Time limit from which the card has room for three digits [s]."""
-
-_GRASP_ROOM = 1.4
-"""Full scale of the grip's bar over the largest right force."""
 
 
 def progress_card(share: float, label: str = "Tunnel") -> Card:
@@ -49,11 +45,3 @@ def state_card(state: str) -> Card:
 def force_card(newtons: float, limb: str) -> Card:
     """Return the card of the force on the person's limb [N]; the scene sets the full scale of its bar."""
     return Card(f"Force on the {limb}", f"{newtons:.1f} N", bar=Bar(newtons, None, Tone.LOAD), width=_WITH_BAR)
-
-
-def grasp_card(newtons: float, grip: GripSpec) -> Card:
-    """Return the card of the grasp force [N], with the range of right forces on its bar."""
-    full = _GRASP_ROOM * grip.most if grip.most > 0.0 else 1.0
-    right = grip.least <= newtons <= grip.most
-    tone = Tone.CALM if right else Tone.ACCENT if newtons < grip.least else Tone.WARN
-    return Card("Grip", f"{newtons:.1f} N", bar=Bar(newtons, full, tone, (grip.least, grip.most)), width=250.0)

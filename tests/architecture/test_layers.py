@@ -70,6 +70,11 @@ PLANTED = {
         "import mimics_app.lab.chart\n",
         "Packages of the laboratory",
     ),
+    "a part of scenarios knows a scenario": (
+        "scenarios/parts/planted_part.py",
+        "import mimics_app.scenarios.touch_scene\n",
+        "Scenarios above their parts",
+    ),
     "a new module of touch nobody planned": ("rendering/haptic/planted_new.py", "", "Packages of touch"),
     "a new room nobody planned": ("attic/__init__.py", "", "Imports only go down"),
 }

@@ -25,12 +25,14 @@ IMPORTERS_BY_NAME = {
     "builders/catalogue.py",
     "lab/catalogue.py",
     "lab/stability/catalogue.py",
+    "rendering/haptic/devices/described.py",
+    "rendering/haptic/devices/registry.py",
     "tasks/kinds/registry.py",
     "world/scene/file.py",
 }
 """Modules that may import by a string: the command line, for its commands; the choice of a scenario, the kinds of task,
-the builders and the reader of scenes, for the members of one package; the tables of methods and of experiments, for
-modules of the laboratory: only what is measured is imported."""
+the builders, the devices and the reader of scenes, for the members of one package; the tables of methods and of
+experiments, for modules of the laboratory: only what is measured is imported."""
 
 PLATFORM_HOMES = {
     "the shared memory": (

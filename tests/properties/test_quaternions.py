@@ -183,15 +183,6 @@ def test_a_vector_without_direction_is_refused_outside_and_zeroed_inside_the_loo
 
 
 @SETTINGS
-@given(vectors.filter(lambda v: np.linalg.norm(v) > 1e-3))
-def test_perpendicular_is_unit_and_at_right_angles(v):
-    a, out = vec.unit(v), np.empty(3)
-    vec.perpendicular(a, out)
-    assert abs(vec.dot(a, out)) <= CHAIN
-    assert vec.norm(out) == pytest.approx(1.0, abs=CHAIN)
-
-
-@SETTINGS
 @given(quaternions, st.tuples(*[st.floats(0.01, 100)] * 3), st.sampled_from([1.0, -1.0]))
 def test_decomposing_undoes_composing_also_mirrored(q, scale, mirror):
     s = np.array(scale) * [mirror, 1.0, 1.0]

@@ -137,7 +137,7 @@ def test_the_walk_reports_steps_and_the_person_is_moved() -> None:
         after = person(core)
     assert len(seen) > 15
     assert {result.outcome for result in seen} == {"step"}
-    assert {"gap", "way"} <= set(seen[0].observed)
+    assert {"gap", "left"} <= set(seen[0].observed)
     assert before[2] - after[2] != 0.0
 
 

@@ -38,7 +38,7 @@ def test_without_peers_the_reference_is_a_loop_of_this_run(monkeypatch):
     reported: list[str] = []
     answer = frame_bench.measure_frames([Path("wavy_tunnel")], (64, 36), "egl", 1.0, reported.append)
     assert answer["reference"]["name"] == "reference loop" and answer["reference"]["ms"] > 0.0
-    assert [row["asked"] for row in answer["scenes"]] == ["auto", "full"]
+    assert [row["requested"] for row in answer["scenes"]] == ["auto", "full"]
     assert len(answer["floor"]) == 4 and all(ms > 0.0 for ms in answer["floor"].values())
     assert any("OGRE is not measured" in line for line in reported)
 
@@ -62,7 +62,7 @@ def test_a_row_may_be_held_at_a_scale_with_its_shadows(monkeypatch):
     monkeypatch.setattr(frame_bench, "_measure_apart", lambda scene, *_: {"scene": scene.stem})
     monkeypatch.setattr(frame_bench, "_reference", lambda _: {})
     answer = frame_bench.measure_frames([Path("decals")], (64, 36), "egl", 1.0, lambda _: None, 0.75)
-    assert [each["asked"] for each in answer["scenes"]] == ["auto", "full", "0.75"]
+    assert [each["requested"] for each in answer["scenes"]] == ["auto", "full", "0.75"]
 
 
 def test_a_run_that_ends_before_it_is_measured_is_refused(monkeypatch):

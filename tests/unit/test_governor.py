@@ -64,7 +64,7 @@ def test_a_fast_frame_loses_nothing():
 def test_steps_go_in_the_order_of_their_cost_to_the_eye():
     play, _, lines = _play()
     play.run(20.0, lambda: 40.0 * 0.9 ** len(play.governor.lowered))
-    assert [(line["step"], line["level"], line["way"]) for line in lines] == [
+    assert [(line["step"], line["level"], line["direction"]) for line in lines] == [
         ("shadow size", "256", "down"),
         ("resolution scale", "0.75", "down"),
         ("resolution scale", "0.5", "down"),
@@ -137,7 +137,7 @@ def test_a_lighter_scene_lets_it_return():
     play.run(10.0, frame_ms)
     load = 12.0
     play.run(10.0, frame_ms)
-    assert [line["way"] for line in lines] == ["down", "up"] and play.governor.state == FULL
+    assert [line["direction"] for line in lines] == ["down", "up"] and play.governor.state == FULL
 
 
 def test_a_cost_learnt_while_the_load_fell_is_doubted_in_time():
@@ -155,7 +155,7 @@ def test_doubts_come_ever_more_rarely():
     """9 ms below, 18 ms above: each doubt is a second too slow; ten minutes hold five of them at most."""
     play, steps, lines = _play(fixed=("shadow size", "shadows"))
     play.run(600.0, lambda: 9.0 if steps["resolution scale"].raised[-1:] == [1] else 18.0)
-    ups = [line for line in lines if line["way"] == "up"]
+    ups = [line for line in lines if line["direction"] == "up"]
     assert 1 <= len(ups) <= 5 and play.governor.state == "resolution scale 0.75"
 
 
@@ -192,7 +192,7 @@ def test_a_run_starts_from_a_quality_it_can_hold():
     play, steps, lines = _play()
     play.governor.settle(lambda: _costs(steps, 40.0, 0.75))
     assert play.governor.lowered == list(play.governor.steps)
-    assert [line["way"] for line in lines] == ["start"] * 4
+    assert [line["direction"] for line in lines] == ["start"] * 4
     play.run(60.0, lambda: _costs(steps, 40.0, 0.75))
     assert len(lines) == 4, "neither up, which would be over the budget, nor down"
 
@@ -207,14 +207,14 @@ def test_what_was_held_is_where_the_next_run_starts(tmp_path):
     """Also through the file; the first run steps down frame by frame, the second not once."""
     first, steps, lines = _play()
     first.run(30.0, lambda: _costs(steps, 30.0, 0.7))
-    assert [line["way"] for line in lines] == ["down", "down"]
+    assert [line["direction"] for line in lines] == ["down", "down"]
     kept = HeldQuality(tmp_path / "quality.json")
     kept.keep("tunnel", first.governor.held)
     second, steps, lines = _play()
     held = HeldQuality(tmp_path / "quality.json").find("tunnel")
     assert held is not None and second.governor.start_from(held)
     second.run(60.0, lambda: _costs(steps, 30.0, 0.7))
-    assert [line["way"] for line in lines] == ["start", "start"]
+    assert [line["direction"] for line in lines] == ["start", "start"]
     assert second.governor.lowered == first.governor.lowered
 
 
@@ -267,10 +267,10 @@ def test_what_a_level_cost_whole_frames_is_tried_once_where_those_of_the_run_lea
     play.governor.settle(lambda: next(whole, 14.0))
     assert play.governor.state == "resolution scale 0.5"
     play.run(30.0, lambda: 9.0 if steps["resolution scale"].raised[-1] > 1 else 12.0 if fits else 20.0)
-    moves = [(line["level"], line["way"]) for line in lines if line["way"] != "start"]
+    moves = [(line["level"], line["direction"]) for line in lines if line["direction"] != "start"]
     assert moves[:1] == [("0.75", "up")]
     assert moves[1:] == ([("1", "up")] if fits else [("0.5", "down")])
     again, _, lines = _play(fixed=("shadow size",))
     assert again.governor.start_from(play.governor.held)
     again.run(20.0, 9.0 if not fits else 12.0)
-    assert all(line["way"] == "start" for line in lines)
+    assert all(line["direction"] == "start" for line in lines)

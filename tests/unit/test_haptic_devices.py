@@ -13,8 +13,9 @@ from mimics_app.contracts.haptic import SAMPLE
 from mimics_app.contracts.loop_ports import DevicePlugin
 from mimics_app.rendering.haptic import scheduler
 from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
-from mimics_app.rendering.haptic.devices.device_names import device_names
-from mimics_app.rendering.haptic.devices.registry import BUILT_IN, build_device, find_builder
+from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, device_names
+from mimics_app.rendering.haptic.devices.pointer import build_pointer
+from mimics_app.rendering.haptic.devices.registry import build_device, find_builder
 from mimics_app.rendering.haptic.scene_block import (
     robot_from_world,
     scene_from_components,
@@ -45,7 +46,7 @@ def test_a_plug_in_is_found_and_runs_in_the_loop(monkeypatch: pytest.MonkeyPatch
     points = [_entry("lab_robot", lambda: build), _entry("pointer", lambda: pytest.fail("built-in must win"))]
     monkeypatch.setattr(importlib.metadata, "entry_points", lambda group: points)
     assert device_names()[-1] == "lab_robot"
-    assert find_builder("pointer") is BUILT_IN["pointer"]
+    assert find_builder("pointer") is build_pointer
     bench = bench_of(build_device(Robot(device="lab_robot")))
     assert bench.advance(10)["hip_world"][-1].tolist() == pytest.approx([0.0, 0.0, 0.05])
 

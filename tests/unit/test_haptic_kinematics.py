@@ -84,30 +84,22 @@ def test_jacobian_is_the_central_difference_of_the_position():
         assert np.linalg.det(J) == pytest.approx(q[0] + D1, abs=1e-14)
 
 
-def test_inverse_jacobian_inverts():
-    for q in _poses():
-        product = _matrix(kin.jacobian, q, D1) @ _matrix(kin.inverse_jacobian, q, D1)
-        assert np.abs(product - np.eye(3)).max() < 1e-15 * 10
-
-
-def test_jacobian_rate_is_the_central_difference_along_the_motion():
-    h = 1e-5
-    rng = np.random.default_rng(5)
-    for q in _poses(100):
-        dq = rng.uniform(-1, 1, 3)
-        difference = (_matrix(kin.jacobian, q + h * dq, D1) - _matrix(kin.jacobian, q - h * dq, D1)) / (2 * h)
-        assert np.allclose(_matrix(kin.jacobian_rate, q, dq, D1), difference, atol=1e-9)
-
-
 def test_vector_forms_equal_the_matrices():
     rng = np.random.default_rng(6)
     for q in _poses(200):
         dq, v = rng.uniform(-1, 1, 3), rng.uniform(-1, 1, 3)
         assert np.allclose(_vector(kin.apply_jacobian, q, D1, dq), _matrix(kin.jacobian, q, D1) @ dq, atol=1e-15)
-        inverse = _matrix(kin.inverse_jacobian, q, D1) @ v
+        inverse = np.linalg.solve(_matrix(kin.jacobian, q, D1), v)
         assert np.allclose(_vector(kin.apply_inverse_jacobian, q, D1, v), inverse, atol=1e-14)
-        rate = _matrix(kin.jacobian_rate, q, dq, D1) @ dq
-        assert np.allclose(_vector(kin.apply_jacobian_rate, q, dq, D1), rate, atol=1e-15)
+
+
+def test_rate_of_the_jacobian_is_its_central_difference_along_the_motion():
+    h = 1e-5
+    rng = np.random.default_rng(5)
+    for q in _poses(100):
+        dq = rng.uniform(-1, 1, 3)
+        rate = (_matrix(kin.jacobian, q + h * dq, D1) - _matrix(kin.jacobian, q - h * dq, D1)) / (2 * h)
+        assert np.allclose(_vector(kin.apply_jacobian_rate, q, dq, D1), rate @ dq, atol=1e-9)
 
 
 def test_power_is_the_same_in_both_frames():

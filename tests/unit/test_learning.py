@@ -229,7 +229,7 @@ def test_the_guide_learns_what_pays() -> None:
     deeds: list[float] = []
     for _ in range(300):
         worth = 0.3 if deeds and deeds[-1] == 4.0 else 0.0
-        step = TrialResult(0, 0, "step", 0.0, worth, observed={"gap": 1.0, "way": 2.0})
+        step = TrialResult(0, 0, "step", 0.0, worth, observed={"gap": 1.0, "left": 2.0})
         action = agent.choose(NOBODY, step, worth, 0)
         assert isinstance(action, TaskAction)
         deeds.append(action.values["deed"])

@@ -23,7 +23,7 @@ from mimics_app.recording.attempts import find_attempts, tunnel_shape
 from mimics_app.recording.columns import column_names
 from mimics_app.recording.report import page_of, punctuality, write_report
 from mimics_app.recording.report_stability import stability_lines
-from mimics_app.recording.report_tables import contact_rows, plan_tables, trials_of
+from mimics_app.recording.report_tables import contact_rows, governor_tables, plan_tables, trials_of
 from mimics_app.recording.report_values import Seconds, shown, thousands
 from mimics_app.recording.result_words import trial_lines
 from mimics_app.recording.run import Run
@@ -260,6 +260,16 @@ def test_no_text_of_a_recording_is_markup(tmp_path: Path) -> None:
     page = write_report(tmp_path, report_sections()).read_text()
     assert "<script" not in page
     assert page.count("&lt;script&gt;") > 20, "it is shown as text"
+
+
+def test_changes_of_quality_have_a_direction_under_either_name(tmp_path: Path) -> None:
+    """Older recordings call it "way"."""
+    write_synthetic_run(tmp_path, 2.0)
+    with (tmp_path / "events.jsonl").open("a") as file:
+        for name in ("way", "direction"):
+            line = {"source": "app", "kind": "governor", "step": "bloom", "level": "off", name: "down"}
+            file.write(json.dumps(line) + "\n")
+    assert governor_tables(Run.open(tmp_path))["Changes of quality"].rows == [["bloom", "off", "down", None]] * 2
 
 
 def test_the_figure_that_was_markup(tmp_path: Path) -> None:

@@ -47,7 +47,7 @@ def measure_frames(
     for scene in [path if path in STAND_INS else find_scene(path) for path in scenes] or every:
         for quality in qualities:
             report(f"frame: {scene.stem}, quality {quality}")
-            rows.append({**_measure_apart(scene, size, surface, seconds, quality), "asked": quality})
+            rows.append({**_measure_apart(scene, size, surface, seconds, quality), "requested": quality})
     report("frame: the pixels alone")
     return {"reference": _reference(report), "floor": measure_floor(size), "scenes": rows}
 

@@ -56,7 +56,6 @@ def measure_ogre_particles(
     frames: int,
     warmup: int,
     report: Callable[[str], None],
-    shot: Path | None = None,
 ) -> dict[str, float] | None:
     """Return median frame, processor time of a frame [ms] and particles of OGRE's particle system; None without OGRE.
 
@@ -66,7 +65,6 @@ def measure_ogre_particles(
         frames: Number of timed frames.
         warmup: Number of frames drawn before.
         report: Called with the reason where it is not measured.
-        shot: PNG file for the last frame, or None.
     """
     if not shutil.which("xvfb-run"):
         report("peer: OGRE is not measured: xvfb-run is needed")
@@ -75,7 +73,7 @@ def measure_ogre_particles(
     with tempfile.TemporaryDirectory(prefix="mimics-ogre-") as folder:
         (Path(folder) / "particles.json").write_text(json.dumps(numbers), encoding="utf-8")
         Image.fromarray(sprite_picture("dot").pixels, "RGBA").save(Path(folder) / "dot.png")
-        words = [folder, f"{width}x{height}", str(frames), str(warmup), *([] if shot is None else [str(shot)])]
+        words = [folder, f"{width}x{height}", str(frames), str(warmup)]
         return _row_of(["-m", "mimics_app.app.bench.ogre_particles", *words], size, report)
 
 

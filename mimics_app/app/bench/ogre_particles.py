@@ -1,6 +1,6 @@
 """OGRE's particle system with the parameters of `particles_workload`, run by the interpreter that has OGRE's binding.
 
-/usr/bin/python3 -m mimics_app.app.bench.ogre_particles FOLDER WIDTHxHEIGHT FRAMES WARMUP [SHOT.png]
+/usr/bin/python3 -m mimics_app.app.bench.ogre_particles FOLDER WIDTHxHEIGHT FRAMES WARMUP
 
 FOLDER has particles.json and dot.png. It prints one line `RESULT {...}`, as the peers' harness does, and imports only
 the standard library and OGRE, since that interpreter has no other packages.
@@ -43,7 +43,7 @@ _MATERIAL = """material Dot
 _SCHEME = "ShaderGeneratorDefaultScheme"
 
 
-def main(folder: str, size: str, frames: int, warmup: int, shot: str) -> None:
+def main(folder: str, size: str, frames: int, warmup: int) -> None:
     """Draw and time."""
     width, height = map(int, size.split("x"))
     with open(os.path.join(folder, "particles.json"), encoding="utf-8") as file:
@@ -61,8 +61,6 @@ def main(folder: str, size: str, frames: int, warmup: int, shot: str) -> None:
         if frame >= warmup:
             times.append(1e-6 * (clock.now_ns() - began))
     processor = 1e3 * (process_seconds() - processor) / frames
-    if shot:
-        window.writeContentsToFile(shot)
     row = {"ms_median": statistics.median(times), "ms_cpu": processor, "particles": system.getNumParticles()}
     print("RESULT " + json.dumps(row), flush=True)
     os._exit(0)  # the binding crashes in an orderly exit
@@ -142,4 +140,4 @@ def _fill(numbers, manager):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4]), sys.argv[5] if len(sys.argv) > 5 else "")
+    main(sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))

@@ -97,8 +97,8 @@ def measure_render(wanted: RenderBench) -> dict[str, Any]:
         changes |= OPTIONS[word]
     with open_offscreen("osmesa" if "osmesa" in wanted.options else "egl", wanted.size) as surface:
         renderer = Renderer(surface, workload.world, replace(workload.quality(surface), **changes))
-        given_up = _settle(wanted.fps, wanted, workload, renderer) if wanted.fps else {}
-        answer = {**_time_frames(wanted, workload, renderer, surface), **given_up, **_quality(renderer)}
+        lowered = _settle(wanted.fps, wanted, workload, renderer) if wanted.fps else {}
+        answer = {**_time_frames(wanted, workload, renderer, surface), **lowered, **_quality(renderer)}
         if isinstance(workload, Nodes):
             answer.update(_time_poses(workload, wanted.frames))
         if isinstance(workload, Crowd):
@@ -121,7 +121,7 @@ def _settle(fps: float, wanted: RenderBench, workload: Workload, renderer: Rende
         if governor.state != state:
             state, calm = governor.state, clock.now_ns()
         frame += 1
-    return {"fps_wanted": fps, "given_up": state, "settled": now - begun < _SETTLING_NS}
+    return {"fps_wanted": fps, "lowered": state, "settled": now - begun < _SETTLING_NS}
 
 
 def _time_frames(wanted: RenderBench, workload: Workload, renderer: Renderer, surface: Surface) -> dict[str, Any]:

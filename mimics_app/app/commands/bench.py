@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from mimics_app.app.terminal.arguments import file_to_write, picture_size, positive_time, real_number, whole_number
+from mimics_app.app.terminal.arguments import add_size_argument, file_to_write, positive_time, real_number, whole_number
 from mimics_app.app.terminal.output import answer, applicable, finite
 from mimics_app.contracts.errors import DeviceError, UsageError
 
@@ -111,13 +111,7 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         help="with render: folder of city.glb and cube.glb for city and nodes (default: $RENDER_DATA); with physio: "
         "folder of annotated .npz records (default: $PHYSIO_DATA)",
     )
-    parser.add_argument(
-        "--size",
-        type=picture_size,
-        default="1280x720",
-        metavar="WxH",
-        help="with render, frame and displays: size of the picture [px]",
-    )
+    add_size_argument(parser, "with render, frame and displays: size of the picture [px]")
     parser.add_argument(
         "--msaa",
         type=int,

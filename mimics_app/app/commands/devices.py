@@ -167,11 +167,10 @@ def _display_kinds(headset: dict[str, Any]) -> list[dict[str, str]]:
 
 
 def _built_in() -> Iterator[dict[str, Any]]:
-    from mimics_app.rendering.haptic.devices.registry import BUILT_IN
+    from mimics_app.rendering.haptic.devices.device_names import BUILT_IN
 
-    for name, builder in BUILT_IN.items():
-        about = inspect.getdoc(builder) or ""
-        yield {"name": name, "about": about.splitlines()[0] if about else "", "package": "mimics_app", "error": ""}
+    for name, device in BUILT_IN.items():
+        yield {"name": name, "about": device.about, "package": "mimics_app", "error": ""}
 
 
 def _plugged_in() -> Iterator[dict[str, Any]]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.settings import PROFILES
-from mimics_app.app.terminal.arguments import picture_size
+from mimics_app.app.terminal.arguments import add_size_argument
 from mimics_app.app.terminal.output import answer
 
 if TYPE_CHECKING:
@@ -21,13 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `mimics explain`."""
     parser.add_argument("scene", type=Path, help="scene file")
     parser.add_argument("--profile", choices=PROFILES, default="training", help="profile whose tolerances apply")
-    parser.add_argument(
-        "--size",
-        type=picture_size,
-        default="1280x720",
-        metavar="WxH",
-        help="size of the live picture, for its cost without a graphics card [px]",
-    )
+    add_size_argument(parser, "size of the live picture, for its cost without a graphics card [px]")
     parser.add_argument(
         "--still", action="store_true", help="plan still pictures, without a frame time to hold, as mimics render does"
     )

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from mimics_app.app.settings import PROFILES, RunSettings
 from mimics_app.app.terminal.arguments import (
     add_display_argument,
+    add_size_argument,
     file_to_write,
     frame_count,
-    picture_size,
     random_seed,
     real_number,
 )
@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=2.0,
         help="time for which the simulated patient plays, from the first trial on [s]",
     )
-    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help="size of the picture [px]")
+    add_size_argument(parser)
     add_display_argument(parser)
     parser.add_argument("--seed", type=random_seed, default=1, help="seed of the simulated patient")
     parser.add_argument(

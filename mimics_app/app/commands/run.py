@@ -9,8 +9,8 @@ from pathlib import Path
 from mimics_app.app.settings import DIFFICULTIES, PATIENTS, PROFILES, QUALITIES, RECIPES, SOUNDS, RunSettings
 from mimics_app.app.terminal.arguments import (
     add_display_argument,
+    add_window_size_argument,
     participant_code,
-    picture_size,
     positive_time,
     random_seed,
     whole_number,
@@ -85,12 +85,7 @@ def _add_outputs(parser: argparse.ArgumentParser) -> None:
         help="device: sound output of this computer; file: sound.wav in the run folder; off: none; auto: device in a "
         "window, with --headless mixed for the report only",
     )
-    parser.add_argument(
-        "--size",
-        type=picture_size,
-        metavar="WxH",
-        help="size of the picture [px] (default: 1280x720; a window: its last size, else one for the monitor)",
-    )
+    add_window_size_argument(parser)
     add_display_argument(parser)
     parser.add_argument(
         "--pictures",

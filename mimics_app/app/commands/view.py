@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.settings import PICTURE_SIZE, PROFILES
-from mimics_app.app.terminal.arguments import file_to_write, frame_count, picture_size
+from mimics_app.app.terminal.arguments import add_window_size_argument, file_to_write, frame_count
 from mimics_app.app.terminal.output import answer, errors_of, issue_lines
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 
@@ -46,12 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="with --headless: write a video of the turn, e.g. out.mp4 (needs ffmpeg)",
     )
     parser.add_argument("--caption", action="store_true", help="with --headless: write name and notes into the picture")
-    parser.add_argument(
-        "--size",
-        type=picture_size,
-        metavar="WxH",
-        help="size of the picture [px] (default: 1280x720; a window: its last size, else one for the monitor)",
-    )
+    add_window_size_argument(parser)
     parser.add_argument("--clip", default="", metavar="NAME", help="animation clip that the model plays")
     parser.add_argument(
         "--motion",

@@ -298,7 +298,7 @@ class FrameGovernor:
 
     def _log_change(self, move: _Move, level: int, direction: str, frame_ms: float | None, t_ns: int) -> None:
         """Write a change to the journal; those before the first frame have no frame time."""
-        line = {"step": move.step.name, "level": move.step.levels[level], "way": direction}
+        line = {"step": move.step.name, "level": move.step.levels[level], "direction": direction}
         self._log("governor", {**line, "frame_ms": frame_ms, "t_ns": t_ns})
 
 

@@ -13,7 +13,7 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal.user_files import read_config, write_config
 from mimics_app.contracts.display_choice import DISPLAY_KINDS, display_names
 from mimics_app.recording.history import EarlierRun, cut_off_runs, recent_runs
-from mimics_app.rendering.haptic.devices.device_names import ADDRESSES, POINTER, REPLAY, SIMULATED, device_names
+from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, POINTER, REPLAY, SIMULATED, device_names
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice, ScenarioCard
 from mimics_app.rendering.visual.launcher.setting import Choice, Setting
 
@@ -48,8 +48,8 @@ _DISPLAYS = {
     "openxr": "headset",
     "sim-hmd": "simulated headset",
 }
-_ADDRESSED = tuple(name for name, wanted in ADDRESSES.items() if wanted)
-_SIMULATED = tuple(name for name in ADDRESSES if name.startswith("simulated"))
+_ADDRESSED = tuple(name for name, device in BUILT_IN.items() if device.address)
+_SIMULATED = tuple(name for name in BUILT_IN if name.startswith("simulated"))
 
 
 def launcher_settings() -> list[Setting]:

@@ -13,6 +13,8 @@ from mimics_app.contracts.errors import UsageError
 
 __all__ = [
     "add_display_argument",
+    "add_size_argument",
+    "add_window_size_argument",
     "display_forms",
     "file_to_write",
     "frame_count",
@@ -99,6 +101,17 @@ def picture_size(text: str) -> tuple[int, int]:
     if not (width.isdigit() and height.isdigit() and 1 <= int(width) <= 8192 and 1 <= int(height) <= 8192):
         raise ArgumentTypeError(f"{text} is no picture size; write it like 1280x720")
     return int(width), int(height)
+
+
+def add_size_argument(parser: ArgumentParser, what: str = "size of the picture [px]") -> None:
+    """Add the option --size with its usual value and a description."""
+    parser.add_argument("--size", type=picture_size, default="1280x720", metavar="WxH", help=what)
+
+
+def add_window_size_argument(parser: ArgumentParser) -> None:
+    """Add the option --size of a picture that may be in a window."""
+    what = "size of the picture [px] (default: 1280x720; a window: its last size, else one for the monitor)"
+    parser.add_argument("--size", type=picture_size, metavar="WxH", help=what)
 
 
 def add_display_argument(parser: ArgumentParser) -> None:

@@ -127,7 +127,7 @@ def near_means(places: F8, faces: Sequence[Sequence[int]] | I8) -> sparse.csr_ar
     return sparse.csr_array((shares, (one, two)), shape=(len(places), len(places)))
 
 
-def settle(places: F8, faces: Sequence[tuple[int, ...]], free: F8, field: Field, rounds: int, lift: float = 0.0) -> F8:
+def settle(places: F8, faces: Sequence[tuple[int, ...]], free: F8, field: Field, rounds: int) -> F8:
     """Smooth vertices and project them onto the surface of a field, several times.
 
     Args:
@@ -136,7 +136,6 @@ def settle(places: F8, faces: Sequence[tuple[int, ...]], free: F8, field: Field,
         free: Share of the mean of its neighbours that each takes over, 0 to 1, [n]; at 0 it does not move.
         field: Distance field of the surface.
         rounds: Number of repetitions.
-        lift: Distance from the surface, outwards [m].
     """
     places = places.copy()
     moving = free > 0.0
@@ -146,6 +145,6 @@ def settle(places: F8, faces: Sequence[tuple[int, ...]], free: F8, field: Field,
         at = places[moving]
         slope = gradient(field, at)
         steep = np.maximum((slope * slope).sum(axis=1), 0.15)
-        away = np.clip((field.at(at) - lift) / steep, -0.03, 0.03)
+        away = np.clip(field.at(at) / steep, -0.03, 0.03)
         places[moving] = at - away[:, None] * slope
     return places

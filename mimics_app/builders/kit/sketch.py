@@ -70,13 +70,12 @@ class Sketch:
         uvs: Sequence[Uv],
         triangles: Iterable[tuple[int, int, int]],
         shade: Shade = 1.0,
-        normals: Sequence[Point] | None = None,
     ) -> None:
-        """Add faces that share vertices; one normal for all when none are given."""
+        """Add faces that share vertices, and the normal of the first."""
         faces = self._faces.setdefault(material, _Faces())
         first, rows = len(faces.positions), list(triangles)
         faces.positions += corners
-        faces.normals += normals or [unit_normal(*(corners[i] for i in rows[0]))] * len(corners)
+        faces.normals += [unit_normal(*(corners[i] for i in rows[0]))] * len(corners)
         faces.uvs += uvs
         faces.shades += [shade] * len(corners) if isinstance(shade, (int, float)) else shade
         for a, b, c in rows:

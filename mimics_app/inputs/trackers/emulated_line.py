@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-import random
 import select
 import threading
 from collections.abc import Callable
 
-from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.inputs.trackers.ascension import flock_record
 from mimics_app.inputs.trackers.calibration import UNITS
 from mimics_app.inputs.trackers.polhemus import fastrak_record
@@ -16,9 +15,11 @@ from mimics_app.inputs.trackers.scripted_person import PERSON_SENSORS, person_at
 
 __all__ = ["EmulatedLine", "emulated_fastrak", "emulated_flock"]
 
-_BITS = 10
-"""Bits on the line per byte: start, eight, stop."""
 _NS = 1_000_000_000
+_BYTE_NS = 10 * _NS // 115_200
+"""Time of a byte on the line [ns]: start, eight bits, stop."""
+_PERIOD_NS = _NS // 120
+"""Time between two reports [ns]."""
 
 Records = Callable[[float], bytes]
 """Time [s] -> record reported at that time."""
@@ -32,34 +33,15 @@ class EmulatedLine:
         start: Byte that starts continuous reports.
         stop: Byte that ends them.
         once: Byte that requests one report.
-        baud: Line speed [bit/s]; a record takes as long as the line would.
-        rate: Reports per second.
-        lose: Share of bytes that are lost.
-        seed: Seed of the losses.
 
     Attributes:
         port: Name of the terminal's other end.
         sent: Records reported so far, with the time they were sent [ns].
     """
 
-    def __init__(
-        self,
-        records: Records,
-        start: bytes,
-        stop: bytes,
-        once: bytes,
-        *,
-        baud: int = 115200,
-        rate: float = 120.0,
-        lose: float = 0.0,
-        seed: int = 1,
-        clock: Clock | None = None,
-    ) -> None:
+    def __init__(self, records: Records, start: bytes, stop: bytes, once: bytes) -> None:
         self._records, self._start, self._stop, self._once = records, start, stop, once
-        self._byte_ns = _BITS * _NS // baud
-        self._period_ns = round(_NS / rate)
-        self._lose, self._chance = lose, random.Random(seed)
-        self._clock = clock or MonotonicClock()
+        self._clock = MonotonicClock()
         import termios
         import tty
 
@@ -89,7 +71,7 @@ class EmulatedLine:
             now = self._clock.now_ns()
             if self._running and now >= due:
                 free_ns = self._report()
-                due = max(due + self._period_ns, free_ns)
+                due = max(due + _PERIOD_NS, free_ns)
 
     def _obey(self, said: bytes, due: int) -> int:
         for byte in said:
@@ -106,17 +88,14 @@ class EmulatedLine:
         """Write a report when the line has transmitted it; return the time at which the line is free again [ns]."""
         begun = self._clock.now_ns()
         data = self._records(begun / _NS)
-        self._clock.sleep_until_ns(begun + len(data) * self._byte_ns)
+        self._clock.sleep_until_ns(begun + len(data) * _BYTE_NS)
         now = self._clock.now_ns()
         self.sent.append((now, data))
-        left = bytes(byte for byte in data if self._chance.random() >= self._lose) if self._lose else data
-        os.write(self._own, left)
+        os.write(self._own, data)
         return now
 
 
-def emulated_fastrak(
-    *, stations: int = 1, baud: int = 115200, rate: float = 120.0, lose: float = 0.0, seed: int = 1
-) -> EmulatedLine:
+def emulated_fastrak(*, stations: int = 1, seed: int = 1) -> EmulatedLine:
     """Emulate a Fastrak on a scripted person: station 1 the head, then chest and hands; centimetres."""
 
     def records(t_s: float) -> bytes:
@@ -126,14 +105,14 @@ def emulated_fastrak(
             report += fastrak_record(station, position, angles, UNITS["cm"])
         return report
 
-    return EmulatedLine(records, b"C", b"c", b"P", baud=baud, rate=rate, lose=lose, seed=seed)
+    return EmulatedLine(records, b"C", b"c", b"P")
 
 
-def emulated_flock(*, baud: int = 115200, rate: float = 120.0, lose: float = 0.0, seed: int = 1) -> EmulatedLine:
+def emulated_flock(*, seed: int = 1) -> EmulatedLine:
     """Emulate a bird on a scripted person's right hand, within 0.9 m of the centre of its range."""
 
     def records(t_s: float) -> bytes:
         (x, y, z), angles = person_at("hand_right", t_s, seed)
         return flock_record((x, y - 1.0, z), angles)
 
-    return EmulatedLine(records, b"@", b"B", b"?", baud=baud, rate=rate, lose=lose, seed=seed)
+    return EmulatedLine(records, b"@", b"B", b"?")

@@ -48,7 +48,7 @@ def _walk(condition: str, seed: list[int]) -> float:
     alley = Alley()
     walker, guide = Walker(rng, alley), Guide(alley, NEAREST[condition])
     table = StepValues(_DEEDS, other, learns=condition != "random")
-    state = place_of({"gap": guide.x - walker.x, "way": alley.place - walker.x})
+    state = place_of({"gap": guide.x - walker.x, "left": alley.place - walker.x})
     for step in range(1, round(_LIMIT_S / STEP_S) + 1):
         deed, _ = table.choose(state)
         before = abs(alley.place - walker.x)
@@ -57,7 +57,7 @@ def _walk(condition: str, seed: list[int]) -> float:
         after = abs(alley.place - walker.x)
         if after <= alley.within:
             return step * STEP_S
-        following = place_of({"gap": guide.x - walker.x, "way": alley.place - walker.x})
+        following = place_of({"gap": guide.x - walker.x, "left": alley.place - walker.x})
         table.learn(state, deed, before - after, following)
         state = following
     return float("inf")

@@ -128,19 +128,18 @@ class GltfDocument:
             waiting += reversed(self.nodes[node].children)
 
 
-def load_gltf(path: Path, root: Path | None = None, file: str = "", *, without_pictures: bool = False) -> GltfDocument:
+def load_gltf(path: Path, root: Path | None = None, *, without_pictures: bool = False) -> GltfDocument:
     """Read a .glb or .gltf file.
 
     Args:
         path: The file.
         root: Folder that all files it names must be inside; default: its own folder. No URL is opened.
-        file: Name in messages; default: the path.
         without_pictures: True notes a missing or broken image file instead of refusing the model.
 
     Raises:
         GltfError: every fault found, each with file, JSON pointer and reason.
     """
-    source = open_gltf(path, path.parent if root is None else root, file or str(path))
+    source = open_gltf(path, path.parent if root is None else root, str(path))
     source.without_pictures = without_pictures
     try:
         return _read(source)

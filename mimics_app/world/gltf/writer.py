@@ -91,31 +91,25 @@ class GltfWriter:
         colour: Sequence[float] = (1.0, 1.0, 1.0, 1.0),
         texture: int | None = None,
         roughness: float = 1.0,
-        metallic: float = 0.0,
-        emission: Sequence[float] = (),
         mask: float | None = None,
         unlit: bool = False,
     ) -> int:
-        """Add a single-sided metal-rough material.
+        """Add a single-sided, non-metallic material.
 
         Args:
             name: Unique name.
             colour: Linear RGBA.
             texture: Index returned by `add_picture`.
             roughness: 0 (mirror) to 1 (matt).
-            metallic: 0 or 1.
-            emission: Emitted radiance, linear RGB.
             mask: Opacity below which nothing is drawn; None: opaque.
             unlit: True: not affected by light.
         """
-        shading: dict[str, Any] = {"metallicFactor": metallic, "roughnessFactor": roughness}
+        shading: dict[str, Any] = {"metallicFactor": 0.0, "roughnessFactor": roughness}
         if any(part != 1.0 for part in colour):
             shading["baseColorFactor"] = list(colour)
         if texture is not None:
             shading["baseColorTexture"] = {"index": texture}
         material: dict[str, Any] = {"name": name, "pbrMetallicRoughness": shading}
-        if emission:
-            material["emissiveFactor"] = list(emission)
         if mask is not None:
             material |= {"alphaMode": "MASK", "alphaCutoff": mask}
         if unlit:

@@ -2,31 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from importlib import import_module
 
 from mimics_app.contracts.device_descriptor import DeviceDescriptor
 from mimics_app.contracts.errors import DeviceError
+from mimics_app.rendering.haptic import descriptors
 from mimics_app.rendering.haptic.descriptors.hapticmaster import HAPTICMASTER
 from mimics_app.rendering.haptic.devices.address import split_device
-from mimics_app.rendering.haptic.devices.device_names import ADDRESSES, find_plugin
+from mimics_app.rendering.haptic.devices.device_names import BUILT_IN, find_plugin
 
 __all__ = ["descriptor_of"]
-
-
-def _leg() -> DeviceDescriptor:
-    from mimics_app.rendering.haptic.descriptors.leg import LEG
-
-    return LEG
-
-
-def _legs() -> DeviceDescriptor:
-    from mimics_app.rendering.haptic.descriptors.leg import LEGS
-
-    return LEGS
-
-
-_OTHERS: dict[str, Callable[[], DeviceDescriptor]] = {"simulated_leg": _leg, "simulated_legs": _legs}
-"""Built-in devices other than the HapticMaster; their descriptors are imported on request."""
 
 
 def descriptor_of(device: str) -> DeviceDescriptor:
@@ -39,10 +24,10 @@ def descriptor_of(device: str) -> DeviceDescriptor:
         DeviceError: No such device, or its plug-in's descriptor has the wrong type.
     """
     name = split_device(device).name
-    if name in _OTHERS:
-        return _OTHERS[name]()
-    if name in ADDRESSES:
-        return HAPTICMASTER
+    if name in BUILT_IN:
+        module, _, constant = BUILT_IN[name].descriptor.partition(":")
+        descriptor: DeviceDescriptor = getattr(import_module(f"{descriptors.__name__}.{module}"), constant)
+        return descriptor
     found = getattr(find_plugin(name), "descriptor", HAPTICMASTER)
     if not isinstance(found, DeviceDescriptor):
         raise DeviceError(

@@ -1,11 +1,11 @@
-"""Names of devices and the form of their addresses, without importing any device.
+"""Names of devices, and the table of the built-in ones, without importing any device.
 
 Commands check a name here before they import compiled code, so that an unknown one is refused at once.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 from mimics_app.contracts.errors import DeviceError, nearest
 from mimics_app.contracts.plugins import PluginError, PluginGroup
@@ -15,11 +15,12 @@ if TYPE_CHECKING:
     from mimics_app.rendering.haptic.devices.request import DeviceBuilder
 
 __all__ = [
-    "ADDRESSES",
+    "BUILT_IN",
     "PLUGINS",
     "POINTER",
     "REPLAY",
     "SIMULATED",
+    "BuiltIn",
     "check_device_name",
     "device_names",
     "find_plugin",
@@ -41,23 +42,61 @@ POINTER = "pointer"
 REPLAY = "replay"
 """Device that replays the sensor data of a recording."""
 
-ADDRESSES = {
-    SIMULATED: "",
-    "simulated_impedance": "",
-    POINTER: "",
-    REPLAY: "",
-    "simulated_leg": "",
-    "simulated_legs": "",
-    "serial": "PORT[@BAUD]",
-    "hapticmaster": "HOST[:PORT]",
+
+class BuiltIn(NamedTuple):
+    """A built-in device.
+
+    Attributes:
+        builder: "module:function" in this package.
+        about: What it is, in a sentence.
+        address: Form of its address; "" for none.
+        descriptor: "module:name" in `descriptors`.
+    """
+
+    builder: str
+    about: str
+    address: str = ""
+    descriptor: str = "hapticmaster:HAPTICMASTER"
+
+
+BUILT_IN = {
+    SIMULATED: BuiltIn(
+        "simulated_hapticmaster:build_simulated_hapticmaster", "The simulated HapticMaster, with a simulated person."
+    ),
+    "simulated_impedance": BuiltIn(
+        "simulated_impedance:build_simulated_impedance",
+        "A simulated light robot that takes forces, with a simulated person.",
+    ),
+    POINTER: BuiltIn("pointer:build_pointer", "The simulated robot moved by mouse, gamepad or keyboard."),
+    REPLAY: BuiltIn("replay:build_replay", "The sensor data of a recording, as a device."),
+    "simulated_leg": BuiltIn(
+        "simulated_leg:build_simulated_leg",
+        "One simulated leg on a gait orthosis with drives at hip and knee; a simulated person moves the foot.",
+        descriptor="leg:LEG",
+    ),
+    "simulated_legs": BuiltIn(
+        "simulated_leg:build_simulated_leg",
+        "Two simulated legs on a gait orthosis with four drives; a simulated person moves the first foot.",
+        descriptor="leg:LEGS",
+    ),
+    "serial": BuiltIn(
+        "serial_port:build_serial",
+        "A robot on a serial line, by the protocol of docs/devices/serial_protocol.md.",
+        "PORT[@BAUD]",
+    ),
+    "hapticmaster": BuiltIn(
+        "hapticmaster_port:build_hapticmaster",
+        "A HapticMaster on the network, by its command interface.",
+        "HOST[:PORT]",
+    ),
 }
-"""Form of the address of each built-in device; "": no address. A plug-in cannot use one of these names, and checks its
+"""Built-in devices by name; each is imported on request. A plug-in cannot use one of these names, and checks its
 addresses itself."""
 
 
 def device_names() -> list[str]:
     """Return the names of all devices: built-in first, then installed plug-ins."""
-    return [*ADDRESSES, *sorted(set(PLUGINS.names()) - set(ADDRESSES))]
+    return [*BUILT_IN, *sorted(set(PLUGINS.names()) - set(BUILT_IN))]
 
 
 def find_plugin(name: str) -> DeviceBuilder:
@@ -68,7 +107,7 @@ def find_plugin(name: str) -> DeviceBuilder:
     """
     installed = PLUGINS.names()
     if name not in installed:
-        raise DeviceError(f'there is no device "{name}"', nearest(name, [*ADDRESSES, *installed]))
+        raise DeviceError(f'there is no device "{name}"', nearest(name, [*BUILT_IN, *installed]))
     try:
         return cast("DeviceBuilder", PLUGINS.load(name))
     except PluginError as error:
@@ -82,10 +121,10 @@ def check_device_name(text: str) -> None:
         DeviceError: No such device, its plug-in cannot be loaded, or an address is missing or not allowed.
     """
     device = split_device(text)
-    if device.name not in ADDRESSES:
+    if device.name not in BUILT_IN:
         find_plugin(device.name)
         return
-    wanted = ADDRESSES[device.name]
+    wanted = BUILT_IN[device.name].address
     if wanted == "" and device.address:
         raise DeviceError(f'"{device.name}" is built in and has no address', f'write "{device.name}"')
     if wanted and not device.address:

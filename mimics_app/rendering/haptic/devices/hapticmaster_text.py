@@ -17,7 +17,6 @@ from mimics_app.rendering.haptic.devices.ascii_numbers import read_number, write
 __all__ = [
     "ERROR",
     "HEADER",
-    "LARGEST_TEXT",
     "NUMBER",
     "VECTOR",
     "WORD",
@@ -30,8 +29,6 @@ __all__ = [
 
 
 HEADER = 8
-LARGEST_TEXT = 255
-"""Length of the longest text sent: it fits byte 3."""
 
 _LONGEST_ANSWER = 1900
 """Length of the longest valid text received."""

@@ -20,9 +20,7 @@ __all__ = [
     "apply_jacobian_transposed",
     "forward",
     "inverse",
-    "inverse_jacobian",
     "jacobian",
-    "jacobian_rate",
     "robot_to_tool",
     "tool_to_robot",
 ]
@@ -72,36 +70,6 @@ def jacobian(q: Vec, d1: float, J: Mat) -> None:
     J[1, 1] = r * c
     J[2, 2] = 1.0
     J[0, 2] = J[1, 2] = J[2, 0] = J[2, 1] = 0.0
-
-
-@kernel
-def inverse_jacobian(q: Vec, d1: float, J_inverse: Mat) -> None:
-    """Set J_inverse = J^-1, shape [3, 3], in closed form; r > 0 by the joint limits."""
-    c = math.cos(q[1])
-    s = math.sin(q[1])
-    r = q[0] + d1
-    J_inverse[0, 0] = c
-    J_inverse[0, 1] = s
-    J_inverse[1, 0] = -s / r
-    J_inverse[1, 1] = c / r
-    J_inverse[2, 2] = 1.0
-    J_inverse[0, 2] = J_inverse[1, 2] = J_inverse[2, 0] = J_inverse[2, 1] = 0.0
-
-
-@kernel
-def jacobian_rate(q: Vec, dq: Vec, d1: float, J_rate: Mat) -> None:
-    """Set J_rate = dJ/dt, shape [3, 3], for joint velocities dq."""
-    c = math.cos(q[1])
-    s = math.sin(q[1])
-    r = q[0] + d1
-    w = dq[1]
-    for i in range(3):
-        for j in range(3):
-            J_rate[i, j] = 0.0
-    J_rate[0, 0] = -s * w
-    J_rate[0, 1] = -dq[0] * s - r * c * w
-    J_rate[1, 0] = c * w
-    J_rate[1, 1] = dq[0] * c - r * s * w
 
 
 @kernel

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from msgspec import Meta
 
-from mimics_app.contracts.board import Card
+from mimics_app.contracts.board import Bar, Card, Tone
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.scenario_port import TaskContext
-from mimics_app.tasks.cards import count_card, grasp_card
+from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.kinds.carry.carried import Carried, CarriedFrame, Stage
 from mimics_app.tasks.kinds.carry.report import CarrySection
-from mimics_app.tasks.kinds.carry.spec import CarrySpec
+from mimics_app.tasks.kinds.carry.spec import CarrySpec, GripSpec
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, ScorePartSpec, TaskKind, Values
 from mimics_app.tasks.observation import Observation
 from mimics_app.world.components.bounds import Seconds
@@ -40,6 +40,10 @@ _AT_POINTER: Mapping[Stage, str] = {
     Stage.OPEN: "Open your hand: turn the wheel down",
 }
 """Lines that differ for the mouse."""
+
+
+_GRASP_ROOM = 1.4
+"""Full scale of the grip's bar over the largest right force."""
 
 
 class PlacedGoal(Component, frozen=True, tag="placed", tag_field="kind"):
@@ -114,10 +118,18 @@ class _CarryPlay(KindPlay):
 
     def cards(self, seen: Observation, finished: int) -> Mapping[str, Card]:
         return {
-            "grasp": grasp_card(seen.grasp, self._spec.grip),
+            "grasp": _grasp_card(seen.grasp, self._spec.grip),
             "placed": count_card("Placed", finished, width=130.0),
             "drops": count_card("Drops", self._now.drops, width=120.0),
         }
+
+
+def _grasp_card(newtons: float, grip: GripSpec) -> Card:
+    """Return the card of the grasp force [N], with the range of right forces on its bar."""
+    full = _GRASP_ROOM * grip.most if grip.most > 0.0 else 1.0
+    right = grip.least <= newtons <= grip.most
+    tone = Tone.CALM if right else Tone.ACCENT if newtons < grip.least else Tone.WARN
+    return Card("Grip", f"{newtons:.1f} N", bar=Bar(newtons, full, tone, (grip.least, grip.most)), width=250.0)
 
 
 class CarryTask(TaskKind):

@@ -146,7 +146,7 @@ class GuidedWalkPlay(KindPlay):
             self._walker.answer(self._guide.x, deed)
         remaining = self._alley.place - self._walker.x
         gained = abs(self._alley.place - self._from) - abs(remaining)
-        self._step = StepResult(gained, {"gap": self._guide.x - self._walker.x, "way": remaining, "deed": float(deed)})
+        self._step = StepResult(gained, {"gap": self._guide.x - self._walker.x, "left": remaining, "deed": float(deed)})
         self._from = self._walker.x
         self._steps += 1
 

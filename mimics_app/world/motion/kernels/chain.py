@@ -8,6 +8,7 @@ from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import (
     QUATERNION,
+    conjugate,
     multiply,
     normalise,
     rotate,
@@ -67,7 +68,7 @@ def localise(slot: int, wanted: F8, parents: I4, r: F8, local_r: F8) -> None:
         local_r[slot] = wanted
         return
     back = np.empty(QUATERNION)
-    back[0], back[1], back[2], back[3] = -r[above, 0], -r[above, 1], -r[above, 2], r[above, 3]
+    conjugate(r[above], back)
     multiply(back, wanted, local_r[slot])
     normalise(local_r[slot], local_r[slot])
 

@@ -8,6 +8,7 @@ from mimics_app.contracts.arrays import F4, F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import (
     QUATERNION,
+    conjugate,
     multiply,
     normalise,
     slerp,
@@ -126,7 +127,7 @@ def _add_turn(rotation: F8, reference: F8, sampled: F8, share: float) -> None:
     """Apply a share of the rotation from a reference to a sample, in the joint's own frame."""
     delta, back, still = np.empty(QUATERNION), np.empty(QUATERNION), np.zeros(QUATERNION)
     still[3] = 1.0
-    back[0], back[1], back[2], back[3] = -reference[0], -reference[1], -reference[2], reference[3]
+    conjugate(reference, back)
     multiply(back, sampled, delta)
     slerp(still, delta, share, delta)
     multiply(rotation, delta, rotation)

@@ -16,6 +16,7 @@ from mimics_app.contracts.arrays import F8, I4
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.quat import (
     QUATERNION,
+    conjugate,
     multiply,
     normalise,
     rotate,
@@ -280,7 +281,7 @@ def _roll(model: _Model, lower: int, end: int, hand: F8, axis: F8) -> None:
     turn, turned = np.empty(QUATERNION), np.empty(QUATERNION)
     multiply(hand, model.rest_r[end], wanted)
     _follow(model, end)
-    back[0], back[1], back[2], back[3] = -r[end, 0], -r[end, 1], -r[end, 2], r[end, 3]
+    conjugate(r[end], back)
     multiply(wanted, back, relative)
     if length > 0.0:
         for i in range(3):
