@@ -8,16 +8,12 @@ edit recompiles the importers alone, and the folder is accessible to this user o
 
 from __future__ import annotations
 
-import atexit
 import hashlib
 import os
 import pickle
-import shutil
-import stat
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Sequence
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
@@ -30,6 +26,7 @@ from numba.core.runtime.nrt import rtsys
 
 from mimics_app.contracts.kernel_sources import ROOT, changed_since_start, source_key
 from mimics_app.contracts.kernel_sweep import mark_used, sweep
+from mimics_app.contracts.private_folder import private_folder
 
 __all__ = [
     "KernelCache",
@@ -37,11 +34,9 @@ __all__ = [
     "cache_folder",
     "compile_listeners",
     "enable_cache",
-    "private_folder",
     "rebuilt",
 ]
 
-_OPEN_TO_OTHERS = 0o077
 # --- numba's start ------------------------------------------------------------------------------------------------
 
 
@@ -83,50 +78,6 @@ _load_without_cffi()
 
 
 # --- which folder ---------------------------------------------------------------------------------------------------
-
-
-def _candidates() -> Iterator[Path]:
-    """Yield candidates for the folder, best first."""
-    for variable in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
-        if named := os.environ.get(variable):
-            yield Path(named) / "mimics"
-    with suppress(RuntimeError):  # a container's user may have no home at all
-        yield Path.home() / ".cache" / "mimics"
-    user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME", "user")
-    yield Path(tempfile.gettempdir()) / f"mimics-{user}"
-
-
-def _make_private(folder: Path) -> bool:
-    """Whether `folder` is a private directory (no link) of this user; it is created or its mode set if need be."""
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        with suppress(FileExistsError):
-            folder.mkdir(mode=0o700)
-        found = folder.lstat()
-        if not stat.S_ISDIR(found.st_mode):
-            return False
-        if hasattr(os, "geteuid"):
-            if found.st_uid != os.geteuid():
-                return False
-            if found.st_mode & _OPEN_TO_OTHERS:
-                folder.chmod(0o700)
-        return os.access(folder, os.W_OK)
-    except OSError:
-        return False
-
-
-def private_folder() -> Path | None:
-    """Return the first private candidate, else a new folder for this process and its children, else None."""
-    for folder in _candidates():
-        if _make_private(folder):
-            return folder
-    try:
-        fresh = Path(tempfile.mkdtemp(prefix="mimics-"))  # mode 0700
-    except OSError:
-        return None
-    os.environ["NUMBA_CACHE_DIR"] = str(fresh)  # shared by children; removed with this process
-    atexit.register(shutil.rmtree, fresh, ignore_errors=True)
-    return fresh
 
 
 _FORM = 2

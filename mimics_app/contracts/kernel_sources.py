@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 import sys
 from functools import cache
@@ -52,11 +53,8 @@ def _source_of(name: str) -> Path | None:
     root = _package_root(name.partition(".")[0])
     if root is None:
         return None
-    place = root.joinpath(*name.split("."))
-    for file in (place.with_suffix(".py"), place / "__init__.py"):
-        if file.is_file():
-            return file
-    return None
+    place = os.path.join(root, *name.split("."))
+    return next((Path(file) for file in (f"{place}.py", f"{place}/__init__.py") if os.path.isfile(file)), None)
 
 
 def _names(imported: bytes) -> list[str]:
@@ -102,6 +100,7 @@ def _imports(source: Path) -> tuple[Path, ...]:
     return tuple(sorted(found))
 
 
+@cache
 def _is_fixed(source: Path, own: Path) -> bool:
     """Whether `source` belongs to an installed library, which changes with the environment, not with an edit."""
     if "site-packages" not in source.parts or source.is_relative_to(ROOT / "mimics_app"):

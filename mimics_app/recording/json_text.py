@@ -30,10 +30,10 @@ def parse_object(text: bytes) -> dict[str, Any]:
 
 
 def _check_depth(content: dict[str, Any]) -> None:
-    waiting: list[tuple[dict[str, Any] | list[Any], int]] = [(content, 1)]
-    while waiting:
-        item, depth = waiting.pop()
-        if depth > DEEPEST:
-            raise ValueError(f"more than {DEEPEST} levels of objects and lists")
-        parts = item.values() if isinstance(item, dict) else item
-        waiting += [(part, depth + 1) for part in parts if isinstance(part, (dict, list))]
+    level: list[dict[str, Any] | list[Any]] = [content]
+    for _ in range(DEEPEST):
+        inner = [part for item in level for part in (item.values() if isinstance(item, dict) else item)]
+        level = [part for part in inner if isinstance(part, (dict, list))]
+        if not level:
+            return
+    raise ValueError(f"more than {DEEPEST} levels of objects and lists")

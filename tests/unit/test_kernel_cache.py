@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from mimics_app.contracts import kernel_cache
 from mimics_app.contracts.resources import root
 
 ROOT = Path(__file__).parents[2]
@@ -58,7 +57,7 @@ def key():
         known.cache_clear()
     return cache.source_key(root)
 
-KEEPERS = ("kernel_cache.py", "kernel_sources.py", "kernel_sweep.py", "clock.py")
+KEEPERS = ("kernel_cache.py", "kernel_sources.py", "kernel_sweep.py", "private_folder.py", "clock.py")
 root = Path(loop.__file__).resolve()
 base = Path(cache.__file__).resolve().parents[2]
 loaded = {Path(m.__file__).resolve() for m in list(sys.modules.values()) if getattr(m, "__file__", None)}
@@ -179,62 +178,6 @@ def test_a_damaged_or_foreign_file_is_compiled_again(tmp_path: Path) -> None:
         for kept in (tmp_path / "cache").rglob(pattern):
             kept.write_bytes(kept.read_bytes()[:60])
         assert _run(here, tmp_path, **places) == "5"
-
-
-# --- the folder -----------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """One candidate, in an empty folder; temporary folders lie beside it."""
-    monkeypatch.setattr(kernel_cache, "_candidates", lambda: iter([tmp_path / "mimics"]))
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    monkeypatch.setenv("NUMBA_CACHE_DIR", "")
-    return tmp_path / "mimics"
-
-
-def test_a_new_folder_is_open_to_its_user_alone(only: Path) -> None:
-    assert kernel_cache.private_folder() == only
-    assert only.stat().st_mode & 0o777 == 0o700
-
-
-def test_a_folder_of_this_user_that_stood_open_is_closed(only: Path) -> None:
-    only.mkdir(mode=0o777)
-    only.chmod(0o777)
-    assert kernel_cache.private_folder() == only
-    assert only.stat().st_mode & 0o777 == 0o700
-
-
-@pytest.mark.skipif(os.geteuid() != 0, reason="only root can make a folder of another user")
-def test_a_folder_that_another_user_made_first_is_not_taken(only: Path) -> None:
-    only.mkdir()
-    os.chown(only, 12346, 12346)
-    fresh = kernel_cache.private_folder()
-    assert fresh is not None and fresh != only and fresh.stat().st_uid == os.geteuid()
-    assert fresh.stat().st_mode & 0o777 == 0o700
-    assert os.environ["NUMBA_CACHE_DIR"] == str(fresh)
-
-
-def test_a_link_is_not_followed(only: Path, tmp_path: Path) -> None:
-    elsewhere = tmp_path / "elsewhere"
-    elsewhere.mkdir()
-    only.symlink_to(elsewhere)
-    assert kernel_cache.private_folder() not in (only, elsewhere)
-
-
-def test_a_file_in_the_way_is_passed_over(only: Path) -> None:
-    only.write_text("in the way")
-    fresh = kernel_cache.private_folder()
-    assert fresh is not None and fresh.is_dir()
-
-
-def test_without_any_writable_place_there_is_no_cache(only: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: object, **__: object) -> str:
-        raise OSError("read-only file system")
-
-    only.write_text("in the way")
-    monkeypatch.setattr("tempfile.mkdtemp", refuse)
-    assert kernel_cache.private_folder() is None
 
 
 # --- kernels that only kernels call ----------------------------------------------------------------------------------

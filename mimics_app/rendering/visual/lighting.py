@@ -21,6 +21,7 @@ __all__ = [
     "ShadowFrustum",
     "fit_shadow_frustum",
     "gather_lighting",
+    "shadow_texel",
     "sun_axes",
 ]
 
@@ -163,9 +164,8 @@ def fit_shadow_frustum(
     lower, upper = (centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0)
     centre = 0.5 * (lower + upper)
     reach = room * float((np.linalg.norm(centres - centre, axis=1) + radii).max())
-    # Two texels of margin for the filter, then up to the next step.
-    radius = 2.0 ** (math.ceil(math.log2(max(reach, 1e-3) * size / (size - 4)) * _RADIUS_STEPS) / _RADIUS_STEPS)
-    texel = 2.0 * radius / size
+    texel = shadow_texel(reach, size)
+    radius = 0.5 * size * texel
     rotation = sun_axes(sun_direction)
     snapped = rotation @ centre
     snapped[:2] = np.round(snapped[:2] / texel) * texel
@@ -173,6 +173,13 @@ def fit_shadow_frustum(
     clip_from_world[:3, :3] = np.diag([1.0, 1.0, -1.0]) @ rotation / radius
     clip_from_world[:3, 3] = -(clip_from_world[:3, :3] @ (rotation.T @ snapped))
     return ShadowFrustum(clip_from_world, rotation.T @ snapped, texel, size)
+
+
+def shadow_texel(reach: float, size: int) -> float:
+    """Return the width of a texel [m] of a map, `size` texels wide, of casters within a radius [m]."""
+    # Two texels of margin for the filter, then up to the next step.
+    radius = 2.0 ** (math.ceil(math.log2(max(reach, 1e-3) * size / (size - 4)) * _RADIUS_STEPS) / _RADIUS_STEPS)
+    return 2.0 * radius / size
 
 
 def sun_axes(sun_direction: F8) -> F8:

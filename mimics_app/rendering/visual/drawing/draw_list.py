@@ -18,6 +18,7 @@ from mimics_app.rendering.visual.drawing.mesh_arena import MeshArena
 from mimics_app.rendering.visual.drawing.occlusion import MIN_ITEMS, OcclusionPass, gather_occluders
 from mimics_app.rendering.visual.kernels.bounds import update_bounds
 from mimics_app.rendering.visual.kernels.frustum import cull_flat
+from mimics_app.rendering.visual.kernels.levels import pick_levels
 from mimics_app.rendering.visual.materials.materials import MaterialStore
 from mimics_app.rendering.visual.settings import RenderSettings
 from mimics_app.rendering.visual.view import View
@@ -198,7 +199,7 @@ class DrawList:
         Returns:
             The same object as before for the same casters.
         """
-        if not self._levels.any:
+        if not self._levels.bodies:
             return casters
         known = self._coarser.get(texel)
         if known is None or known[0] is not casters:
@@ -207,15 +208,10 @@ class DrawList:
 
     def _coarsen(self, casters: Casters, texel: float) -> Casters:
         shown = self._levels.show_for_texels(self._shown, self.radii, texel)
-        drawn = np.zeros(len(self.items.rows), np.bool_)
-        drawn[casters.items] = True
-        families = self.items.families
-        casting = np.zeros(int(families.max(initial=-1)) + 2, np.bool_)
-        casting[families[casters.items]] = True
-        casting[-1] = False  # -1 are bodies without levels
-        drawn |= casting[families]
-        items = np.flatnonzero(drawn & (shown > 0) & (self.items.casting > 0)).astype(np.int32)
-        return Casters(items, casters.centres, casters.radii)
+        items, found = self.items, np.empty(len(shown), np.int32)
+        bodies = np.empty(self._levels.bodies, np.uint8)
+        count = pick_levels(casters.items, shown, items.casting, items.families, bodies, found)
+        return Casters(found[:count], casters.centres, casters.radii)
 
     def batch_casters(self, frame: FrameBuffers, casters: Casters, origin: F8) -> list[DrawRun]:
         """Queue the shadow pass: instances relative to `origin` [m], grouped by state and mesh."""

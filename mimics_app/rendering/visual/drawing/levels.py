@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Hashable
 
 import numpy as np
 
 from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
-from mimics_app.rendering.visual.kernels.levels import choose_levels, show_levels
+from mimics_app.rendering.visual.kernels.levels import choose_for_texels, choose_levels, show_levels
 from mimics_app.rendering.visual.view import View
 from mimics_app.world.levels import COVERED_PICTURE
 from mimics_app.world.world import World
@@ -56,9 +55,9 @@ class Levels:
         self._shown = np.zeros(len(items.rows), np.uint8)
 
     @property
-    def any(self) -> bool:
-        """Whether any body has levels."""
-        return len(self._counts) > 0
+    def bodies(self) -> int:
+        """Number of bodies with levels."""
+        return len(self._counts)
 
     def show(
         self, key: Hashable, view: View, size: tuple[int, int], shown: U1, centres: F8, radii: F8, detail: float
@@ -74,7 +73,7 @@ class Levels:
             radii: Their radii [m], [n].
             detail: Factor on the authored distances at which levels change.
         """
-        if not self.any:
+        if not self.bodies:
             return shown
         chosen = self._chosen.setdefault(key, np.full(len(self._counts), -1, np.int32))
         eye = np.ascontiguousarray(view.eye_world)
@@ -90,12 +89,11 @@ class Levels:
         Valid until the next call. From its coverage on, a level deviates by about a pixel in a picture of
         `COVERED_PICTURE` pixels; here the coverage is that of a picture whose pixels are as wide as the shadow filter.
         """
-        if not self.any:
+        if not self.bodies:
             return shown
-        radius = np.where(self._leads >= 0, radii[self._leads], 0.0)
-        covered = math.pi * (radius / (_FILTER * texel)) ** 2 / (COVERED_PICTURE[0] * COVERED_PICTURE[1])
-        coarser = (covered[:, None] < self._coverages).sum(axis=1)
-        chosen = np.minimum(coarser, self._counts - 1).astype(np.int32)
+        chosen = np.empty(len(self._counts), np.int32)
+        window = (_FILTER * texel) ** 2 * COVERED_PICTURE[0] * COVERED_PICTURE[1]
+        choose_for_texels(self._leads, radii, self._counts, self._coverages, window, chosen)
         show_levels(shown, self._items.levels, self._items.families, chosen, self._shown)
         return self._shown
 
@@ -104,7 +102,7 @@ class Levels:
 
         A skinned body has the finest level that a view showed last: another one would be skinned for its shadow alone.
         """
-        if not self.any:
+        if not self.bodies:
             return shown
         finest = np.zeros(len(self._counts), np.int32)
         if self._chosen and self._bends.any():

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -113,8 +114,9 @@ class GlyphAtlas:
         return self.heavy if bold else self.regular
 
 
+@cache
 def load_glyph_atlas(folder: Path | None = None) -> GlyphAtlas:
-    """Read the glyph atlas of the application, or of another folder.
+    """Read the glyph atlas of the application, or of another folder, once per process.
 
     Raises:
         SceneError: the files are missing, broken or inconsistent.

@@ -1,13 +1,15 @@
-"""Bounding spheres of the draw items in the world."""
+"""Bounding spheres of the draw items in the world, and boxes around many of them."""
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["update_bounds"]
+__all__ = ["enclose", "update_bounds"]
 
 
 @kernel
@@ -66,3 +68,35 @@ def update_bounds(
         radii[i] = local[i, 3] * _stretch(world, row)
         mirrored[i] = _is_mirrored(world, row)
     return moved
+
+
+@kernel
+def enclose(centres: F8, radii: F8, clip_from_world: F8, inside: F8) -> tuple[float, bool]:
+    """Measure spheres, and compare them with the box of an orthographic projection.
+
+    Args:
+        centres: Centres of the spheres, world [m], [n, 3].
+        radii: Their radii [m], [n].
+        clip_from_world: The projection, [4, 4].
+        inside: Largest absolute clip coordinate that a sphere may reach on each axis, [3].
+
+    Returns:
+        Radius that holds all spheres around the centre of their common box [m], and whether all are inside.
+    """
+    middle, reach, held = np.empty(3), 0.0, True
+    for k in range(3):
+        low, high = math.inf, -math.inf
+        for i in range(radii.shape[0]):
+            low, high = min(low, centres[i, k] - radii[i]), max(high, centres[i, k] + radii[i])
+        middle[k] = 0.5 * (low + high)
+    for i in range(radii.shape[0]):
+        away = 0.0
+        for k in range(3):
+            away += (centres[i, k] - middle[k]) ** 2
+        reach = max(reach, math.sqrt(away) + radii[i])
+        for k in range(3):
+            row = clip_from_world[k]
+            at = row[0] * centres[i, 0] + row[1] * centres[i, 1] + row[2] * centres[i, 2] + row[3]
+            stretch = math.sqrt(row[0] ** 2 + row[1] ** 2 + row[2] ** 2)
+            held = held and abs(at) + stretch * radii[i] <= inside[k]
+    return reach, held

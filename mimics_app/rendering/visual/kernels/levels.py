@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from mimics_app.contracts.arrays import F8, I4, U1
+from mimics_app.contracts.arrays import B1, F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 
-__all__ = ["HYSTERESIS", "choose_levels", "show_levels"]
+__all__ = ["HYSTERESIS", "choose_for_texels", "choose_levels", "pick_levels", "show_levels"]
 
 
 HYSTERESIS = 0.1
@@ -53,6 +53,58 @@ def choose_levels(
                 break
             level += 1
         chosen[body] = level
+
+
+@kernel
+def choose_for_texels(leads: I4, radii: F8, counts: I4, coverages: F8, window: float, chosen: I4) -> None:
+    """Choose the coarsest level of each body that suffices for a picture without perspective.
+
+    Args:
+        leads: Item of each body's finest level, whose sphere is used; -1: none; [b].
+        radii: Radii of the items' spheres [m], [n].
+        counts: Number of levels of each body, [b].
+        coverages: Minimum coverage of each level, descending, [b, levels].
+        window: Area of the picture [m^2].
+        chosen: Written: the level, [b].
+    """
+    for body in range(leads.shape[0]):
+        radius = radii[leads[body]] if leads[body] >= 0 else 0.0
+        covered = math.pi * radius**2 / window
+        level = 0
+        while level < counts[body] - 1 and covered < coverages[body, level]:
+            level += 1
+        chosen[body] = level
+
+
+@kernel
+def pick_levels(finest: I4, shown: U1, casting: B1, families: I4, bodies: U1, out: I4) -> int:
+    """Write those items that cast, are shown, and are of the same bodies as some items, or are such an item.
+
+    Args:
+        finest: Numbers of these items, ascending, [k].
+        shown: 1 where an item is of the chosen level and may be drawn, [n].
+        casting: True where an item casts shadows, [n].
+        families: Number of each item's body, -1: a body without levels; [n].
+        bodies: Scratch, [b].
+        out: Written, ascending, [>= n].
+
+    Returns:
+        How many items were written.
+    """
+    bodies[:] = 0
+    for item in finest:
+        if families[item] >= 0:
+            bodies[families[item]] = 1
+    count, place = 0, 0
+    for item in range(shown.shape[0]):
+        while place < finest.shape[0] and finest[place] < item:
+            place += 1
+        listed = place < finest.shape[0] and finest[place] == item
+        wanted = listed or (families[item] >= 0 and bodies[families[item]])
+        if wanted and shown[item] and casting[item]:
+            out[count] = item
+            count += 1
+    return count
 
 
 @kernel

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -86,6 +86,7 @@ class ShaderLibrary:
         self._ctx = ctx
         self.folder = folder or resources.root() / "shaders"
         self._programs: dict[_Key, ShaderProgram] = {}
+        self._files: dict[str, _File] = {}
         self.replaced = 0
         self._variants: dict[tuple[ShaderProgram, tuple[str, ...]], ShaderProgram] = {}
 
@@ -138,6 +139,7 @@ class ShaderLibrary:
             The errors, each with the file and the line as its pointer; [] without errors.
         """
         issues: list[Issue] = []
+        self._files.clear()
         for key, shader in self._programs.items():
             if all(_stamp(path) == stamp for path, stamp in shader.files.items()):
                 continue
@@ -158,14 +160,45 @@ class ShaderLibrary:
     ) -> tuple[moderngl.Program, dict[Path, int]]:
         import moderngl
 
-        sources = [_Source(self.folder, name, defines) for name in (vertex, fragment) if name]
+        sources = [_Source(self._read, name, defines) for name in (vertex, fragment) if name]
         pixels = sources[1].text if fragment else None
         try:
             program = self._ctx.program(vertex_shader=sources[0].text, fragment_shader=pixels, varyings=varyings)
         except moderngl.Error as error:
             raise SceneError(_read_driver_log(str(error), sources)) from error
         _ = self._ctx.error
-        return program, {path: _stamp(path) for source in sources for path in source.files}
+        return program, {file.path: file.stamp for source in sources for file in source.files.values()}
+
+    def _read(self, name: str, included_by: str) -> _File:
+        """Return a file below the shaders folder, read once until the next reload: programs share most of theirs."""
+        if name not in self._files:
+            path = self.folder / name
+            stamp = _stamp(path)
+            try:
+                lines = path.read_text(encoding="utf-8").splitlines()
+            except OSError as error:
+                raise SceneError(Issue(str(path), "", f"cannot be read for {included_by}: {error.strerror}")) from error
+            self._files[name] = _File(path, stamp, [_Line(line, (path, k)) for k, line in enumerate(lines, start=1)])
+        return self._files[name]
+
+
+class _Line:
+    """A line of a shader file: its text, file and number, and the name of the file that it includes, or ""."""
+
+    __slots__ = ("included", "place", "text")
+
+    def __init__(self, text: str, place: tuple[Path, int]) -> None:
+        match = _INCLUDE.match(text)
+        self.text, self.place, self.included = text, place, match[1] if match else ""
+
+
+@dataclass(frozen=True, eq=False)
+class _File:
+    """A shader file: its path, modification time before it was read, and lines."""
+
+    path: Path
+    stamp: int
+    lines: list[_Line]
 
 
 class _Source:
@@ -174,43 +207,31 @@ class _Source:
     `#line` would not do: Mesa reports the line but not the file.
 
     Attributes:
-        files: Every file read, the shader's own first.
+        files: Every file read by name, the shader's own first.
         text: Source for the driver.
     """
 
-    def __init__(self, folder: Path, name: str, defines: tuple[str, ...]) -> None:
-        self._folder = folder
-        self._places: list[tuple[Path, int]] = []
-        self._lines: list[str] = []
-        self.files: list[Path] = []
-        for line in (_VERSION, *map(_define, defines)):
-            self._add(line, folder / name, 1)
+    def __init__(self, read: Callable[[str, str], _File], name: str, defines: tuple[str, ...]) -> None:
+        self._read = read
+        self.files: dict[str, _File] = {}
+        own = read(name, name).path
+        self._lines = [_Line(text, (own, 1)) for text in (_VERSION, *map(_define, defines))]
         self._paste(name, name)
-        self.text = "\n".join(self._lines) + "\n"
+        self.text = "\n".join([line.text for line in self._lines]) + "\n"
 
     def place(self, line: int) -> tuple[Path, int]:
         """Return file and line of a line of the text, counted from 1."""
-        return self._places[min(max(line, 1), len(self._places)) - 1]
+        return self._lines[min(max(line, 1), len(self._lines)) - 1].place
 
     def _paste(self, name: str, included_by: str) -> None:
-        path = self._folder / name
-        if path in self.files:
+        if name in self.files:
             return
-        try:
-            lines = path.read_text(encoding="utf-8").splitlines()
-        except OSError as error:
-            raise SceneError(Issue(str(path), "", f"cannot be read for {included_by}: {error.strerror}")) from error
-        self.files.append(path)
-        for number, line in enumerate(lines, start=1):
-            match = _INCLUDE.match(line)
-            if match:
-                self._paste(match[1], name)
+        file = self.files[name] = self._read(name, included_by)
+        for line in file.lines:
+            if line.included:
+                self._paste(line.included, name)
             else:
-                self._add(line, path, number)
-
-    def _add(self, line: str, path: Path, number: int) -> None:
-        self._lines.append(line)
-        self._places.append((path, number))
+                self._lines.append(line)
 
 
 def _define(feature: str) -> str:
@@ -228,7 +249,7 @@ def _stamp(path: Path) -> int:
 def _read_driver_log(log: str, sources: list[_Source]) -> list[Issue]:
     stage = sources[1] if "fragment_shader" in log else sources[0]
     issues = [issue for line in log.splitlines() if (issue := _read_driver_line(line.strip(), stage))]
-    return issues or [Issue(str(stage.files[0]), "", "does not link: " + " ".join(log.split()))]
+    return issues or [Issue(str(stage.place(1)[0]), "", "does not link: " + " ".join(log.split()))]
 
 
 def _read_driver_line(line: str, source: _Source) -> Issue | None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from mimics_app.contracts.arrays import F8
-from mimics_app.rendering.visual.lighting import SHADOW_STEP, ShadowFrustum, fit_shadow_frustum
+from mimics_app.rendering.visual.kernels.bounds import enclose
+from mimics_app.rendering.visual.lighting import SHADOW_STEP, ShadowFrustum, fit_shadow_frustum, shadow_texel
 
 __all__ = ["SteadyBox"]
 
@@ -29,22 +30,13 @@ class SteadyBox:
 
     def fit(self, sun_direction: F8, centres: F8, radii: F8, size: int) -> ShadowFrustum | None:
         """Return the box of this frame; arguments and result as of `fit_shadow_frustum`."""
-        fitted, had = fit_shadow_frustum(sun_direction, centres, radii, size), self._box
-        alike = had is not None and had.size == size and self._sun == sun_direction.tobytes()
-        if fitted is not None and had is not None and alike:
-            narrow = had.texel <= _WIDEST * fitted.texel
-            if narrow and _holds(had, centres, radii):
-                return had
-            if narrow:
-                fitted = fit_shadow_frustum(sun_direction, centres, radii, size, room=SHADOW_STEP)
-        self._sun, self._box = sun_direction.tobytes(), fitted
-        return fitted
-
-
-def _holds(box: ShadowFrustum, centres: F8, radii: F8) -> bool:
-    """Whether all spheres are inside a box."""
-    clip = box.clip_from_world
-    half = 0.5 * box.size * box.texel
-    reach = np.abs(centres @ clip[:3, :3].T + clip[:3, 3]) + radii[:, None] / half
-    inside = np.array([*[1.0 - 2.0 * _MIN_TEXELS / box.size] * 2, 1.0])
-    return bool((reach <= inside).all())
+        had, sun, room = self._box, sun_direction.tobytes(), 1.0
+        if had is not None and had.size == size and self._sun == sun and len(radii):
+            border = 1.0 - 2.0 * _MIN_TEXELS / size
+            reach, inside = enclose(centres, radii, had.clip_from_world, np.array([border, border, 1.0]))
+            if had.texel <= _WIDEST * shadow_texel(reach, size):
+                if inside:
+                    return had
+                room = SHADOW_STEP
+        self._sun, self._box = sun, fit_shadow_frustum(sun_direction, centres, radii, size, room=room)
+        return self._box

@@ -13,7 +13,7 @@ from mimics_app.contracts.arrays import F8, I4
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import FrameBuffers
-from mimics_app.rendering.visual.kernels.shadow_bounds import bound_in_map
+from mimics_app.rendering.visual.kernels.screen_bounds import bound_in_map
 from mimics_app.rendering.visual.lighting import Lighting
 from mimics_app.rendering.visual.passes.shadow import MapWork, draw_shadows
 from mimics_app.rendering.visual.settings import RenderSettings
@@ -146,6 +146,8 @@ class ShadowStage:
 
     def _reach(self, shadow: ShadowMap, listed: DrawList, items: I4) -> list[Rect]:
         """Return the rectangles of a map that some items can cover [texel]; all of a spot light's map."""
+        if not len(items):
+            return []
         width = self._target.size // self.plan.grid
         if shadow.clip_from_world[3, :3].any():
             return [(0, 0, width, width)]
