@@ -199,7 +199,7 @@ class SoundRow:
 
     Attributes:
         t_ns: Session time of the event.
-        tick: Haptic tick of a contact, -1 for a sound of the task.
+        tick: Haptic tick of a touch, -1 for a sound of the task.
         cause: "contact", "contact_end", "impact" or "order".
         sound: Name of the sound, with its variant.
         gain: Linear gain at its start.
@@ -241,8 +241,8 @@ class AudioReport:
         late_blocks: Blocks or polls that began more than one block late.
         underruns: Underruns of a live device that plays blocks mixed here.
         queue: Queue of such a device: its length `ms` at the end, `longest_ms` and `changes` (s, ms) in the session,
-            `least_left_ms` at a refill (negative: silence), `near_misses`, `empty_ns`, the session times of the
-            underruns, and `latency_ms`, the upper bound from contact to output at the end; {} for other outputs.
+            `least_left_ms` at a refill (negative: silence), `near_misses`, `empty`, session time [ns] and length then
+            [ms] of each underrun, and `latency_ms`, the upper bound from contact to output at the end; {} for others.
         block_us: Duration of a mixed block: p50, p99 and max [us], in steps of 10, and `count`; empty for a live device
             that mixes itself.
         clipped: Samples of a file beyond full scale, which were soft-clipped.
@@ -269,8 +269,8 @@ class AudioReport:
     crashed: bool = False
 
     def latency_ms(self) -> Mapping[str, float]:
-        """Return p50, p95 and max of the latency from contact to sample [ms]; empty without a contact sound."""
-        return percentiles_ms(sorted(row.latency_ms for row in self.rows if row.cause == "contact"))
+        """Return p50, p95 and max of the latency from the tick of a touch to its sample [ms]; empty without one."""
+        return percentiles_ms(sorted(row.latency_ms for row in self.rows if row.tick >= 0))
 
     def table(self) -> list[dict[str, Any]]:
         """Return the rows with their latency as dictionaries, for JSON or a table."""

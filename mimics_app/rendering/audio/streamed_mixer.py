@@ -67,10 +67,9 @@ class StreamedMixer:
     def __init__(self, mixer: OnDemandMixer, stream: SoundStream, clock: Clock) -> None:
         self.rate, self.channels = mixer.rate, mixer.channels
         self._mixer, self._stream, self._clock = mixer, stream, clock
-        self._behind = stream.behind
-        rest = _READING + mixer.timing.pipeline + self._behind
-        longest = round(_BOUND_S * self.rate) - rest
-        self.queue = QueueLength(shortest_queue(stream.period), longest, LIVE_BLOCK, stream.period, self.rate)
+        self.queue = QueueLength(
+            shortest_queue(stream.period), self._longest_queue(), LIVE_BLOCK, stream.period, self.rate
+        )
         self._set_ns = clock.now_ns()
         self._driven_ns = 0
         self._taken, self._taken_ns = 0, self._set_ns
@@ -95,7 +94,7 @@ class StreamedMixer:
     @property
     def latency(self) -> int:
         """Upper bound of the latency from an event to the output of the device [frames]."""
-        return self.timing.latency + self.timing.pipeline + self._behind
+        return self.timing.latency + self.timing.pipeline + self._stream.behind
 
     def report_queue(self) -> Mapping[str, Any]:
         """Return the queue's report, with the latency it gives now [ms]."""
@@ -108,7 +107,7 @@ class StreamedMixer:
     def first_sample(self, start: Start, submitted_ns: int) -> tuple[int, int]:
         """Return the frame of a sound's first sample, and the session time at which the device outputs it [ns]."""
         frame, heard = self._mixer.first_sample(start, submitted_ns)
-        return frame, heard + self._behind * 1_000_000_000 // self.rate
+        return frame, heard + self._stream.behind * 1_000_000_000 // self.rate
 
     def hear(self, heard: Heard) -> None:
         """Take the newest snapshot."""
@@ -136,6 +135,7 @@ class StreamedMixer:
         """Fill the queue with blocks of `frames`; return shape [0, 2]."""
         now, left = self._clock.now_ns(), self._stream.left()
         empty = self._stream.ran_empty
+        self.queue.limit(self._longest_queue())
         if self.position > 0:
             self.queue.read(left, self.position, now, ran_empty=empty, steady=now < self._driven_ns)
         ahead = max(left, 0)
@@ -153,6 +153,10 @@ class StreamedMixer:
         """Close device and mixer."""
         self._stream.close()
         self._mixer.close()
+
+    def _longest_queue(self) -> int:
+        """Return the queue [frames] with which contact to sound takes the longest time allowed."""
+        return round(_BOUND_S * self.rate) - _READING - self.timing.pipeline - self._stream.behind
 
     def _follow_device(self, now: int, ahead: int, *, ran_empty: bool) -> None:
         """Update the time of frame 0 and the latency.
