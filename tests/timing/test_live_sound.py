@@ -177,13 +177,13 @@ def test_a_process_that_was_stopped_counts_the_silence_and_queues_more(mixer):
 
 @needs_pulse
 def test_silence_that_an_idle_device_has_played_ahead_is_no_delay_of_it(monkeypatch):
-    """Two seconds when the sink becomes idle; a third of a second of them is left at the second opening."""
+    """Two seconds when the sink becomes idle; about half a second of them is left at the second opening."""
     clock = MonotonicClock()
     with private_pulse_server() as environment:
         for name, value in environment.items():
             monkeypatch.setenv(name, value)
         PulseStream(48_000, 64, clock).close()
-        clock.sleep_until_ns(clock.now_ns() + 1700 * MS)
+        clock.sleep_until_ns(clock.now_ns() + 1400 * MS)
         stream = PulseStream(48_000, 64, clock)
         begun = clock.now_ns()
         stream.write(np.zeros((960, 2), np.float32))
