@@ -139,6 +139,8 @@ class OpenALMixer:
             if voice is None or voice.state == _State.FADING:
                 continue
             self._set_gain(voice, voice.authored * float(heard.gain[row] * heard.passes[row, 1]))
+            if not self._bank[voice.sound].spec.spatial:
+                continue
             if np.isfinite(heard.position[row]).all() and np.isfinite(heard.velocity[row]).all():
                 self._change(call.alSource3f, voice.source, AL.POSITION, *heard.position[row])
                 self._change(call.alSource3f, voice.source, AL.VELOCITY, *heard.velocity[row])
@@ -205,13 +207,21 @@ class OpenALMixer:
         for name, sound in self._bank.sounds.items():
             buffer = ctypes.c_uint()
             self._call.alGenBuffers(1, ctypes.byref(buffer))
-            samples = np.ascontiguousarray(sound.samples, np.float32)
-            self._call.alBufferData(
-                buffer.value, AL.FORMAT_MONO_FLOAT32, samples.ctypes.data, samples.nbytes, self._bank.rate
-            )
+            form = AL.FORMAT_MONO_FLOAT32 if sound.spec.spatial else AL.FORMAT_STEREO_FLOAT32
+            samples = sound.samples if sound.spec.spatial else self._both_channels(sound)
+            self._call.alBufferData(buffer.value, form, samples.ctypes.data, samples.nbytes, self._bank.rate)
             self._library.check(f'take the sound "{name}"')
             buffers[name] = buffer.value
         return buffers
+
+    def _both_channels(self, sound: Sound) -> NDArray[np.float32]:
+        """Return the samples of a sound that is played as recorded, shape [n, 2]; one channel plays on both sides.
+
+        They bypass the filters, whose delay stands before them; a loop has no beginning that would show it.
+        """
+        second = sound if sound.other is None else self._bank[sound.other]
+        delay = 0 if sound.spec.loop else self.timing.pipeline
+        return np.pad(np.stack((sound.samples, second.samples), axis=1), ((delay, 0), (0, 0)))
 
     def _map_live(self) -> dict[str, NDArray[np.float32]]:
         """Map the buffers of force-driven sounds; return none where the library cannot."""
@@ -236,10 +246,12 @@ class OpenALMixer:
     def _prepare(self, voice: _Voice, name: str, sound: Sound, position_world: Vec3 | None) -> None:
         self.context.activate()
         call, source = self._call, voice.source
+        position = position_world if sound.spec.spatial else None
         call.alSourcei(source, AL.BUFFER, self._buffers[name])
         call.alSourcei(source, AL.LOOPING, int(sound.spec.loop))
-        call.alSourcei(source, AL.SOURCE_RELATIVE, int(position_world is None))
-        call.alSource3f(source, AL.POSITION, *(position_world or _AHEAD))
+        call.alSourcei(source, AL.DIRECT_CHANNELS, int(not sound.spec.spatial))
+        call.alSourcei(source, AL.SOURCE_RELATIVE, int(position is None))
+        call.alSource3f(source, AL.POSITION, *(position or _AHEAD))
         call.alSourcef(source, AL.REFERENCE_DISTANCE, sound.spec.reference_distance)
         call.alSourcef(source, AL.MAX_DISTANCE, max(sound.spec.max_distance, sound.spec.reference_distance))
         call.alSourcef(source, AL.ROLLOFF_FACTOR, sound.spec.rolloff)
