@@ -56,6 +56,7 @@ class _Voice:
     handle: int = 0
     sound: str = ""
     authored: float = 1.0
+    priority: float = 1.0
     gain: float = 0.0
     end: int | None = None
 
@@ -97,12 +98,12 @@ class OpenALMixer:
     def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
         """Start a sound; its handle is 0 when no voice was free. KeyError: no such sound."""
         content = self._bank[sound]
-        voice = self._find_voice(content.spec.gain * gain)
+        voice = self._find_voice(content.spec.gain * gain * content.spec.priority)
         if voice is None:
             self.refused += 1
             return Start(0, -1, late=False)
         self._handles += 1
-        voice.sound = sound
+        voice.sound, voice.priority = sound, content.spec.priority
         voice.handle, voice.authored, voice.gain = self._handles, content.spec.gain, content.spec.gain * gain
         self._by_handle[voice.handle] = voice
         self._prepare(voice, sound, content, position_world)
@@ -281,13 +282,16 @@ class OpenALMixer:
                 self._library.check("play a sound")
                 voice.state = _State.PLAYING
 
-    def _find_voice(self, gain: float) -> _Voice | None:
-        """Return a free source; at the voice limit the quietest sound is stolen if it is quieter than the new one."""
+    def _find_voice(self, level: float) -> _Voice | None:
+        """Return a free source; at the voice limit the quietest sound is stolen if it is quieter than the new one.
+
+        Levels are gain times priority, without the distance.
+        """
         self._collect()
         busy = [voice for voice in self._voices if voice.state in (_State.SCHEDULED, _State.PLAYING)]
         if len(busy) >= self._limit:
-            quietest = min(busy, key=lambda voice: voice.gain)
-            if quietest.gain >= gain:
+            quietest = min(busy, key=lambda voice: voice.gain * voice.priority)
+            if quietest.gain * quietest.priority >= level:
                 return None
             self._fade(quietest)
         return next((voice for voice in self._voices if voice.state == _State.FREE), None)
