@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,14 @@ from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.messages import SoundEvent
 
 __all__ = [
+    "AudioOrder",
     "AudioOutput",
     "AudioReport",
     "AudioStatus",
     "Heard",
     "Mixer",
     "OnDemandMixer",
+    "QueueReport",
     "SoundRow",
     "Start",
     "Timing",
@@ -225,6 +227,32 @@ class SoundRow:
         return (self.heard_ns - self.t_ns) * 1e-6
 
 
+AudioOrder = SoundEvent | float | None
+"""Order to the audio process: a sound to start, the linear master gain, or None: end, and report."""
+
+
+class QueueReport(TypedDict, total=False):
+    """Report of the queue ahead of a live device; {} for other outputs.
+
+    Attributes:
+        ms: Length at the end [ms].
+        longest_ms: Longest length in the session [ms].
+        least_left_ms: Least left at a refill [ms]; negative: silence.
+        near_misses: Refills at which no more than a period was left.
+        changes: Time [s] and new length [ms] of each change.
+        empty: Session time [ns] and length then [ms] of each underrun.
+        latency_ms: Upper bound from contact to output at the end [ms].
+    """
+
+    ms: float
+    longest_ms: float
+    least_left_ms: float
+    near_misses: int
+    changes: list[tuple[float, float]]
+    empty: list[tuple[int, float]]
+    latency_ms: float
+
+
 @dataclass(frozen=True, slots=True)
 class AudioReport:
     """Report of the audio stage of a session.
@@ -240,9 +268,7 @@ class AudioReport:
         blocks: Blocks rendered (file) or polls (device).
         late_blocks: Blocks or polls that began more than one block late.
         underruns: Underruns of a live device that plays blocks mixed here.
-        queue: Queue of such a device: its length `ms` at the end, `longest_ms` and `changes` (s, ms) in the session,
-            `least_left_ms` at a refill (negative: silence), `near_misses`, `empty`, session time [ns] and length then
-            [ms] of each underrun, and `latency_ms`, the upper bound from contact to output at the end; {} for others.
+        queue: Queue of such a device.
         block_us: Duration of a mixed block: p50, p99 and max [us], in steps of 10, and `count`; empty for a live device
             that mixes itself.
         clipped: Samples of a file beyond full scale, which were soft-clipped.
@@ -261,7 +287,7 @@ class AudioReport:
     blocks: int = 0
     late_blocks: int = 0
     underruns: int = 0
-    queue: Mapping[str, Any] = field(default_factory=dict)
+    queue: QueueReport = field(default_factory=QueueReport)
     block_us: Mapping[str, float] = field(default_factory=dict)
     clipped: int = 0
     file: str = ""

@@ -227,7 +227,7 @@ def test_a_gap_that_only_the_server_has_noticed_counts():
     stage.device.left = left  # type: ignore[method-assign]
     stage.streamed.render(LIVE_BLOCK)
     assert (stage.queue.underruns, stage.queue.frames) == (1, 288 + LIVE_BLOCK)
-    assert stage.queue.report()["empty"] == [[stage.clock.now_ns(), 6.0]]
+    assert stage.queue.report()["empty"] == [(stage.clock.now_ns(), 6.0)]
 
 
 def test_a_queue_stays_long_while_the_shorter_one_would_not_do():

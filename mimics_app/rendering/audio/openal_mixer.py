@@ -14,8 +14,8 @@ import heapq
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import partial
 from math import degrees
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,7 +83,7 @@ class OpenALMixer:
         self._limit = settings.voices
         self._clock = clock
         self._handles = 0
-        self._changes: list[tuple[Callable[..., Any], tuple[Any, ...]]] = []
+        self._changes: list[Callable[[], object]] = []
         self._due: list[tuple[int, int, _Voice]] = []
         self._by_handle: dict[int, _Voice] = {}
         try:
@@ -319,15 +319,16 @@ class OpenALMixer:
         heapq.heapify(self._due)
         voice.state = _State.FREE
 
-    def _change(self, function: Callable[..., Any], *arguments: Any) -> None:
-        self._changes.append((function, arguments))
+    def _change(self, function: Callable[..., object], *arguments: object) -> None:
+        """Call a function of the library before the next block, which ramps to the change; at once on a live device."""
+        self._changes.append(partial(function, *arguments))
         if not self.context.loopback:
             self.context.activate()
             self._apply_changes()
 
     def _apply_changes(self) -> None:
-        for function, arguments in self._changes:
-            function(*arguments)
+        for change in self._changes:
+            change()
         self._changes.clear()
 
     def _now_frame(self) -> int:

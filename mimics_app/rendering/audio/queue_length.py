@@ -10,8 +10,8 @@ session is its busiest time, and gives up all spare ones at the end of that.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
+
+from mimics_app.contracts.audio_port import QueueReport
 
 __all__ = ["CALM_S", "SETTLE_S", "QueueLength"]
 
@@ -85,18 +85,15 @@ class QueueLength:
             self._change(-((spare + 1) // 2 if self._settled else spare), position)
             self._settled = True
 
-    def report(self) -> Mapping[str, Any]:
-        """Return the present, longest and least filled length [ms], what happened, and `changes` as (s, ms).
-
-        `empty` are the underruns: session time [ns], and length of the queue then [ms].
-        """
+    def report(self) -> QueueReport:
+        """Return the lengths and what happened, all but `latency_ms`."""
         return {
             "ms": self._ms(self.frames),
             "longest_ms": self._ms(self._longest_used),
             "least_left_ms": self._ms(self._least_ever),
             "near_misses": self.near_misses,
-            "changes": [list(change) for change in self._changes],
-            "empty": [list(underrun) for underrun in self._empty],
+            "changes": list(self._changes),
+            "empty": list(self._empty),
         }
 
     def _missing(self, left: int) -> int:

@@ -8,14 +8,11 @@ samples, and later events have a longer constant latency.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.audio_port import Heard, OnDemandMixer, Start, Timing
+from mimics_app.contracts.audio_port import Heard, OnDemandMixer, QueueReport, Start, Timing
 from mimics_app.contracts.clock import Clock
 from mimics_app.rendering.audio.queue_length import QueueLength
 from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK, SoundStream
@@ -96,7 +93,7 @@ class StreamedMixer:
         """Upper bound of the latency from an event to the output of the device [frames]."""
         return self.timing.latency + self.timing.pipeline + self._stream.behind
 
-    def report_queue(self) -> Mapping[str, Any]:
+    def report_queue(self) -> QueueReport:
         """Return the queue's report, with the latency it gives now [ms]."""
         return {**self.queue.report(), "latency_ms": round(self.latency / self.rate * 1e3, 3)}
 
