@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,14 @@ from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.messages import SoundEvent
 
 __all__ = [
+    "AudioOrder",
     "AudioOutput",
     "AudioReport",
     "AudioStatus",
     "Heard",
     "Mixer",
     "OnDemandMixer",
+    "QueueReport",
     "SoundRow",
     "Start",
     "Timing",
@@ -199,7 +201,7 @@ class SoundRow:
 
     Attributes:
         t_ns: Session time of the event.
-        tick: Haptic tick of a contact, -1 for a sound of the task.
+        tick: Haptic tick of a touch, -1 for a sound of the task.
         cause: "contact", "contact_end", "impact" or "order".
         sound: Name of the sound, with its variant.
         gain: Linear gain at its start.
@@ -225,6 +227,32 @@ class SoundRow:
         return (self.heard_ns - self.t_ns) * 1e-6
 
 
+AudioOrder = SoundEvent | float | None
+"""Order to the audio process: a sound to start, the linear master gain, or None: end, and report."""
+
+
+class QueueReport(TypedDict, total=False):
+    """Report of the queue ahead of a live device; {} for other outputs.
+
+    Attributes:
+        ms: Length at the end [ms].
+        longest_ms: Longest length in the session [ms].
+        least_left_ms: Least left at a refill [ms]; negative: silence.
+        near_misses: Refills at which no more than a period was left.
+        changes: Time [s] and new length [ms] of each change.
+        empty: Session time [ns] and length then [ms] of each underrun.
+        latency_ms: Upper bound from contact to output at the end [ms].
+    """
+
+    ms: float
+    longest_ms: float
+    least_left_ms: float
+    near_misses: int
+    changes: list[tuple[float, float]]
+    empty: list[tuple[int, float]]
+    latency_ms: float
+
+
 @dataclass(frozen=True, slots=True)
 class AudioReport:
     """Report of the audio stage of a session.
@@ -240,9 +268,7 @@ class AudioReport:
         blocks: Blocks rendered (file) or polls (device).
         late_blocks: Blocks or polls that began more than one block late.
         underruns: Underruns of a live device that plays blocks mixed here.
-        queue: Queue of such a device: its length `ms` at the end, `longest_ms` and `changes` (s, ms) in the session,
-            `least_left_ms` at a refill (negative: silence), `near_misses`, `empty_ns`, the session times of the
-            underruns, and `latency_ms`, the upper bound from contact to output at the end; {} for other outputs.
+        queue: Queue of such a device.
         block_us: Duration of a mixed block: p50, p99 and max [us], in steps of 10, and `count`; empty for a live device
             that mixes itself.
         clipped: Samples of a file beyond full scale, which were soft-clipped.
@@ -261,7 +287,7 @@ class AudioReport:
     blocks: int = 0
     late_blocks: int = 0
     underruns: int = 0
-    queue: Mapping[str, Any] = field(default_factory=dict)
+    queue: QueueReport = field(default_factory=QueueReport)
     block_us: Mapping[str, float] = field(default_factory=dict)
     clipped: int = 0
     file: str = ""
@@ -269,8 +295,8 @@ class AudioReport:
     crashed: bool = False
 
     def latency_ms(self) -> Mapping[str, float]:
-        """Return p50, p95 and max of the latency from contact to sample [ms]; empty without a contact sound."""
-        return percentiles_ms(sorted(row.latency_ms for row in self.rows if row.cause == "contact"))
+        """Return p50, p95 and max of the latency from the tick of a touch to its sample [ms]; empty without one."""
+        return percentiles_ms(sorted(row.latency_ms for row in self.rows if row.tick >= 0))
 
     def table(self) -> list[dict[str, Any]]:
         """Return the rows with their latency as dictionaries, for JSON or a table."""

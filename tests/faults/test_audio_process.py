@@ -312,13 +312,18 @@ def test_ring_overflow_is_counted(tmp_path, started):
 
 @pytest.mark.skipif(bool(pulse_missing()), reason=pulse_missing() or "PulseAudio is here")
 def test_device_that_goes_away_is_replaced_by_the_file(tmp_path, started):
-    """The sound server ends in mid-session, as when the last output is unplugged."""
+    """The sound server ends in mid-session, as when the last output is unplugged; what was counted is reported."""
     memory = SessionMemory()
     push(memory, np.zeros_like(contact(0)))
     file = tmp_path / "rest.wav"
     with private_pulse_server() as environment:
         audio = started(memory, file=file, driver="pulse", environment=environment)
         assert audio.wait_ready(PATIENCE_S).sink == "device"
+        time.sleep(2.2)  # until an idle sink has played the silence that it had ahead
+        os.kill(audio.pid, signal.SIGSTOP)
+        time.sleep(0.06)
+        os.kill(audio.pid, signal.SIGCONT)
+        time.sleep(0.1)
         push(memory, contact(time.monotonic_ns()))
         time.sleep(0.1)
     assert wait_until(lambda: audio.ready is not None and audio.ready.sink == "file", 10.0)
@@ -327,6 +332,7 @@ def test_device_that_goes_away_is_replaced_by_the_file(tmp_path, started):
     time.sleep(0.1)
     report = audio.stop()
     assert [row.onset_sample >= 0 for row in report.rows] == [True, True]
+    assert report.underruns >= 1
     assert np.abs(read_mix(file)).max() > 0
 
 

@@ -21,14 +21,21 @@ def test_work_times_are_percentiles_of_what_was_counted():
 
 
 def test_a_gap_is_explained_by_a_stall_shortly_before_it():
-    """One gap at the end of a stall of 5 ms, one long after it, one beside a stall too short to empty a queue."""
-    stalls = np.array([[100_000_000, 105_000_000], [900_000_000, 901_500_000]])
-    held = explain_gaps(stalls, [106_000_000, 500_000_000, 902_000_000], 1.0)
-    assert held["before_gap_ms"] == pytest.approx([5.0, 0.0, 1.5])
-    assert (held["unexplained"], held["count"], held["longest_ms"], held["total_ms"]) == pytest.approx((2, 2, 5.0, 6.5))
+    """Gaps at the end of a stall of 5 ms, of a queue too long for it, long after it, and after a stall too short."""
+    stalls = np.array([[900_000_000, 901_500_000], [100_000_000, 105_000_000]])
+    held = explain_gaps(stalls, [(106e6, 6.0), (107e6, 15.5), (500e6, 6.0), (902e6, 6.0)], 1.0)
+    assert held["before_gap_ms"] == pytest.approx([5.0, 5.0, 0.0, 1.5])
+    assert (held["unexplained"], held["count"], held["longest_ms"], held["total_ms"]) == pytest.approx((3, 2, 5.0, 6.5))
     assert held["chance"] == pytest.approx(0.035)
-    quiet = explain_gaps(np.zeros((0, 2), np.int64), [1], 1.0)
+    quiet = explain_gaps(np.zeros((0, 2), np.int64), [(1e6, 6.0)], 1.0)
     assert (quiet["unexplained"], quiet["chance"], quiet["longest_ms"]) == (1, 0.0, 0.0)
+
+
+def test_stalls_of_two_cores_at_once_count_once():
+    """Three of 4 ms that overlap or follow each other: 9 ms in all."""
+    stalls = np.array([[102_000_000, 106_000_000], [100_000_000, 104_000_000], [110_000_000, 114_000_000]])
+    (stalled,) = explain_gaps(stalls, [(113e6, 13.0)], 1.0)["before_gap_ms"]
+    assert stalled == pytest.approx(9.0)
 
 
 @pytest.mark.slow

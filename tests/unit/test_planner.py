@@ -278,6 +278,29 @@ def test_the_spectral_mixer_is_cheaper_and_taken_only_where_it_is_asked_for(scen
     assert next(c.taken.settings["mixer"] for c in exact.choices if c.group == "spatialiser") == "spectral"
 
 
+@pytest.mark.parametrize(
+    ("audio", "components", "mixer"),
+    [
+        ({}, {}, "openal"),
+        ({}, {"sound_obstacle": {"size": [1, 1, 1]}}, "openal"),
+        ({}, {"sound_room": {"size": [4, 3, 4]}}, "spectral"),
+        ({}, {"sound_bus": {"ducks": ["main"]}}, "spectral"),
+        ({}, {"sound_emitter": {"sound": "hum", "distance_model": "linear"}}, "spectral"),
+        ({}, {"sound_emitter": {"sound": "hum", "doppler": 0.0}}, "spectral"),
+        ({"head_width": 0.16}, {}, "spectral"),
+        ({"hrtf": False, "speakers": "5.1"}, {}, "spectral"),
+    ],
+)
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_scene_is_heard_with_all_it_says_of_its_sound(tmp_path, profile, audio, components, mixer):
+    """OpenAL has no rooms, buses or other heads, and would leave them out without a word."""
+    entities = [{"id": "hum", "components": {"sound": {"synth": "wind"}}}, {"id": "it", "components": components}]
+    document = {"format": "mimics-scene", "version": 1, "name": "heard", "scenario": "none", "entities": entities}
+    (tmp_path / "scene.json").write_text(json.dumps(document | {"systems": {"audio": audio}}))
+    plan = plan_scene(load_checked_scene(tmp_path / "scene.json"), profile, Table.load_shipped())
+    assert [c.taken.settings["mixer"] for c in plan.choices if c.group == "spatialiser"] == [mixer]
+
+
 def test_shipped_table_knows_every_method_a_scene_may_name():
     groups = Table.load_shipped().groups
 

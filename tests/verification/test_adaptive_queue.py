@@ -13,8 +13,14 @@ from mimics_app.rendering.audio.streamed_mixer import StreamedMixer, shortest_qu
 from tests.verification.test_spectral_mixer import AHEAD, RATE, mixer_of
 
 TURN_NS = 500_000
+LONGEST = 744  # frames: 20 ms without 1 ms of reading, 40 frames of the mixer and two periods of the device
 TONE = {"tone": 0.25 * np.sin(2 * np.pi * 250.0 * np.arange(RATE) / RATE), "click": np.ones(8)}
 LOOP = {"tone": SoundSpec(loop=True, spatial=False), "click": SoundSpec(spatial=False)}
+
+
+@pytest.fixture(autouse=True)
+def short_start(monkeypatch):
+    monkeypatch.setattr(queue_length, "SETTLE_S", 0.4)
 
 
 class Device:
@@ -58,15 +64,17 @@ class Device:
 
 
 class Stage:
-    """A tone on such a device, polled every half millisecond but for the stalls."""
+    """A tone on such a device, polled every half millisecond but for the stalls; `settled`: the start is over."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, settled: bool = True) -> None:
         self.clock = VirtualClock()
         self.device = Device(self.clock)
         self.mixer = mixer_of(TONE, specs=LOOP)
         self.mixer.start("tone", 0, None, 1.0)
         self.streamed = StreamedMixer(self.mixer, self.device, self.clock)
         self.queue = self.streamed.queue
+        if settled:
+            self.play(queue_length.SETTLE_S + 0.1)
 
     def play(self, seconds: float, stall_ms: float = 0.0) -> None:
         """Stall once, and play on."""
@@ -100,6 +108,27 @@ def test_the_shortest_queue_holds_a_period_in_reserve():
         assert shortest_queue(period) - (LIVE_BLOCK - 1) - period - RATE // 1000 - 24 > period
 
 
+def test_a_session_starts_with_the_longest_queue():
+    """A stall of 9 ms in the first seconds is not heard, and afterwards the queue has what outlasts another."""
+    stage = Stage(settled=False)
+    stage.play(0.1)
+    stage.play(queue_length.SETTLE_S - 0.15, stall_ms=9.0)
+    assert (stage.queue.frames, stage.queue.underruns) == (LONGEST, 0)
+    stage.play(0.1)
+    stage.play(0.5, stall_ms=9.0)
+    assert 9.0 * RATE / 1000 < stage.queue.frames < LONGEST and stage.queue.underruns == 0
+
+
+def test_a_device_further_behind_than_it_seemed_has_a_shorter_queue():
+    """An idle device does not say how late it plays; contact to sound keeps its bound all the same."""
+    stage = Stage(settled=False)
+    stage.play(0.1)
+    stage.device.behind = 300
+    stage.play(0.1)
+    assert stage.queue.frames == LONGEST - (300 - Device.behind)
+    assert stage.streamed.latency == round(0.020 * RATE)
+
+
 def test_an_underrun_lengthens_by_what_was_missing():
     """The second stall of the same length is not heard."""
     stage = Stage()
@@ -126,7 +155,7 @@ def test_near_misses_lengthen_the_queue_before_a_stall_is_heard():
     assert stage.queue.near_misses == 5
     assert (stage.queue.underruns, stage.device.silent) == (0, 0)
     assert [ms for _, ms in stage.queue.report()["changes"]] == pytest.approx(
-        [(288 + k * LIVE_BLOCK) / 48 for k in (1, 2, 3, 4, 5)], abs=1e-3
+        [(288 + k * LIVE_BLOCK) / 48 for k in (0, 1, 2, 3, 4, 5)], abs=1e-3
     )
 
 
@@ -171,14 +200,16 @@ def test_whatever_the_stalls_contact_to_sound_stays_within_20_ms():
 
 
 def test_a_device_that_begins_late_delays_no_later_sound():
-    """An idle null sink takes nothing for up to two seconds, and then in real time."""
-    stage = Stage()
+    """An idle null sink takes nothing for up to two seconds, and then in real time; the start is that of its time."""
+    stage = Stage(settled=False)
     taken = stage.device._taken
     stage.device._taken = lambda: 0  # type: ignore[method-assign]
     stage.play(1.5)
     pause = stage.clock.now_ns() * RATE // 1_000_000_000 // 64 * 64
     stage.device._taken = lambda: taken() - pause  # type: ignore[method-assign]
-    stage.play(0.1)
+    stage.play(queue_length.SETTLE_S - 0.1)
+    assert stage.queue.frames == LONGEST
+    stage.play(0.2)
     assert np.median(stage.delays()) + pause == pytest.approx(288 + 48, abs=12.0)
     assert stage.queue.underruns == 0
 
@@ -196,13 +227,16 @@ def test_a_gap_that_only_the_server_has_noticed_counts():
     stage.device.left = left  # type: ignore[method-assign]
     stage.streamed.render(LIVE_BLOCK)
     assert (stage.queue.underruns, stage.queue.frames) == (1, 288 + LIVE_BLOCK)
-    assert stage.queue.report()["empty_ns"] == [stage.clock.now_ns()]
+    assert stage.queue.report()["empty"] == [(stage.clock.now_ns(), 6.0)]
 
 
 def test_a_queue_stays_long_while_the_shorter_one_would_not_do():
     queue = queue_length.QueueLength(288, 700, 80, 32, RATE)
-    queue.read(20, 0, 0, ran_empty=False, steady=False)
-    for second in range(600):
+    for second in range(6):
+        queue.read(600, second * RATE, 0, ran_empty=False, steady=False)
+    assert queue.frames == 288
+    queue.read(20, 6 * RATE, 0, ran_empty=False, steady=False)
+    for second in range(6, 600):
         queue.read(113 if second % 100 else 60, second * RATE, 0, ran_empty=False, steady=False)
     assert queue.frames == 368
     for second in range(600, 900):

@@ -107,6 +107,14 @@ def test_more_sounds_than_voices_keeps_the_loudest():
     assert onsets.count(-1) == 1
 
 
+def test_a_sound_of_higher_priority_keeps_its_voice():
+    specs = {"quiet": SoundSpec(recipe="tick", priority=100.0), "loud": SoundSpec(recipe="tick")}
+    quiet = [SoundEvent("quiet", 0, AHEAD, 0.1)] * 64
+    assert render_offline([*quiet, SoundEvent("loud", 0, AHEAD, 1.0)], specs, 0.05)[1][-1] == -1
+    loud = [SoundEvent("loud", 0, AHEAD, 1.0)] * 64
+    assert render_offline([*loud, SoundEvent("quiet", 0, AHEAD, 0.1)], specs, 0.05)[1][-1] >= 0
+
+
 def read_file(path: str) -> np.ndarray:
     """The frames of a 16-bit file in [-1, 1], shape [n, 2]."""
     with wave.open(path) as file:

@@ -88,7 +88,7 @@ def measure_soak(scene: Path, seconds: float, *, load: bool = True) -> dict[str,
         "loop": loop,
     }
     if stalls is not None:
-        row["stalls"] = explain_gaps(stalls, report.queue.get("empty_ns", ()), seconds)
+        row["stalls"] = explain_gaps(stalls, report.queue.get("empty", ()), seconds)
     return row
 
 

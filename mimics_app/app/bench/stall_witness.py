@@ -26,8 +26,11 @@ __all__ = ["StallWitness", "Stalls", "explain_gaps", "stalled_before", "summaris
 
 _SHORTEST_NS = 1_000_000
 """Delays up to this length do not count [ns]."""
+_NOT_HELD_NS = 4_000_000
+"""What a queue of live sound may lack of its length when a stall begins [ns]: a block of 1.7 ms that does not fit yet,
+a period of 1.3 ms taken at once, and what waking up takes."""
 _LONG_NS = 2_000_000
-"""Shortest stall that can empty the shortest queue of live sound [ns]: a period of 1.3 ms and what waking up takes."""
+"""Shortest stall that can empty the shortest queue, 6 ms [ns]."""
 _WINDOW_NS = 30_000_000
 """Time before a gap in which its cause is looked for [ns]: the longest queue, 15.5 ms, and as much silence."""
 _STOP_S = 10.0
@@ -55,9 +58,12 @@ class StallWitness:
 
 
 def stalled_before(stalls: Stalls, t_ns: int) -> float:
-    """Return the longest stall [ms] of any core within the 30 ms before t_ns; 0 where there is none."""
-    near = stalls[(stalls[:, 0] < t_ns) & (stalls[:, 1] > t_ns - _WINDOW_NS)]
-    return float((near[:, 1] - near[:, 0]).max(initial=0)) * 1e-6
+    """Return for how much of the 30 ms before t_ns any core was stalled [ms]."""
+    stalled, since = 0, t_ns - _WINDOW_NS
+    for begin, end in stalls[np.argsort(stalls[:, 0])].tolist():
+        stalled += max(0, min(end, t_ns) - max(begin, since))
+        since = max(since, end)
+    return stalled * 1e-6
 
 
 def summarise(stalls: Stalls) -> dict[str, Any]:
@@ -66,26 +72,26 @@ def summarise(stalls: Stalls) -> dict[str, Any]:
     return {"count": len(stalls), "longest_ms": float(length_ms.max(initial=0)), "total_ms": float(length_ms.sum())}
 
 
-def explain_gaps(stalls: Stalls, gaps_ns: Sequence[int], seconds: float) -> dict[str, Any]:
+def explain_gaps(stalls: Stalls, gaps: Sequence[Sequence[float]], seconds: float) -> dict[str, Any]:
     """Hold the gaps of a live sound against the stalls of the machine.
 
     Args:
         stalls: See `Stalls`.
-        gaps_ns: Times at which the queue was found empty [ns].
+        gaps: Time at which the queue was found empty [ns], and its length then [ms], of each.
         seconds: Length of the measurement [s].
 
     Returns:
-        Those of `summarise`; `before_gap_ms`, the longest stall shortly before each gap; `unexplained`, the gaps
-        without one of 2 ms; `chance`, the share of all moments that have one before them, thus the share of the gaps
-        that coincidence alone would explain.
+        Those of `summarise`; `before_gap_ms`, the stalled time shortly before each gap; `unexplained`, the gaps
+        before which that was shorter than what a queue of this length outlasts; `chance`, the share of all moments
+        that have a stall of 2 ms before them, thus at most the share of the gaps that coincidence would explain.
     """
     length = stalls[:, 1] - stalls[:, 0]
-    before = [stalled_before(stalls, gap) for gap in gaps_ns]
+    before = [stalled_before(stalls, int(t_ns)) for t_ns, _ in gaps]
     covered = int((length[length >= _LONG_NS] + _WINDOW_NS).sum())
     return {
         **summarise(stalls),
         "before_gap_ms": before,
-        "unexplained": sum(stall * 1e6 < _LONG_NS for stall in before),
+        "unexplained": sum(stall < queue - _NOT_HELD_NS * 1e-6 for stall, (_, queue) in zip(before, gaps, strict=True)),
         "chance": min(1.0, covered / (seconds * SECOND_NS)),
     }
 

@@ -19,7 +19,15 @@ from mimics_app.world.components.systems import (
     Tolerances,
     VisualSettings,
 )
-from mimics_app.world.components.visible import CameraComponent, LightComponent, MeshComponent, Sound
+from mimics_app.world.components.visible import (
+    CameraComponent,
+    LightComponent,
+    MeshComponent,
+    Sound,
+    SoundBus,
+    SoundEmitter,
+    SoundRoom,
+)
 from mimics_app.world.scene.method_plugins import Use, method_plugins
 from mimics_app.world.scene.scene import Scene
 from mimics_app.world.scene.spread import ENOUGH, spread_of_casters
@@ -183,13 +191,24 @@ def _may_spatialise(scene: Scene, settings: Settings) -> bool:
     It is cheaper and more accurate, but takes 2.3 s longer to start (decision 200), which no cost here includes.
     """
     audio, itd_us = audio_of(scene), (scene.system(Tolerances) or Tolerances()).itd_us
-    only_spectral = audio.sofa is not None or (audio.hrtf is False and audio.speakers != "stereo")
+    only_spectral = _only_spectral(scene, audio)
     exact = only_spectral or audio.mixer == "spectral" or (itd_us is not None and itd_us < _WHOLE_SAMPLES_US)
     return (
         (audio.hrtf == "auto" or settings.get("hrtf") == audio.hrtf)
         and (audio.mixer == "auto" or settings.get("mixer") == audio.mixer)
         and (settings.get("mixer") == "spectral") <= exact
         and (not only_spectral or settings.get("mixer") == "spectral")
+    )
+
+
+def _only_spectral(scene: Scene, audio: AudioSettings) -> bool:
+    """Return whether the scene has what OpenAL does not play: a head, loudspeakers, rooms, buses, laws of distance."""
+    emitters = [emitter for _, emitter, _ in scene.components(SoundEmitter)]
+    return (
+        (audio.sofa is not None or audio.head_width != AudioSettings().head_width)
+        or (audio.hrtf is False and audio.speakers != "stereo")
+        or bool(scene.components(SoundRoom) or scene.components(SoundBus))
+        or any(emitter.distance_model != "inverse" or emitter.doppler != 1.0 for emitter in emitters)
     )
 
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts import ring, triple_buffer
-from mimics_app.contracts.arrays import Vec3
+from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.audio_port import Heard, Mixer, SoundRow, Start
 from mimics_app.contracts.clock import Clock
 from mimics_app.contracts.contact_force import CONTACT_FORCE
@@ -89,7 +88,7 @@ class SoundDirector:
         """Let all force-driven sounds decay; no more forces are expected."""
         self._driven.ring_out()
 
-    def play_contacts(self, events: NDArray[Any]) -> None:
+    def play_contacts(self, events: NDArray[np.void]) -> None:
         """Start the sounds of EVENT records, shape [n]; only the kinds in `TOUCHES` have one."""
         now = self._clock.now_ns()
         for event in events:
@@ -98,7 +97,7 @@ class SoundDirector:
             if sound:
                 self._play_contact(event, sound, self._gates[kind], TOUCHES[kind], now)
 
-    def _sound_of(self, event: NDArray[Any], cause: str) -> str:
+    def _sound_of(self, event: np.void, cause: str) -> str:
         """Return the sound of an event by the touched material; an event holds a material or a body row + 1."""
         bodies = (int(event["body_b"]) - 1, int(event["body_a"]) - 1)
         return self._settings.sound_of_touch(cause, bodies, (int(event["material_b"]), int(event["material_a"])))
@@ -113,7 +112,7 @@ class SoundDirector:
         sound = self._bank.variant(order.sound, _ORDER_SPEED * order.gain, len(self.rows))
         self._start("order", sound, order.t_ns, -1, order.position_world, order.gain)
 
-    def _play_contact(self, event: NDArray[Any], name: str, gate: ContactGate, cause: str, now: int) -> None:
+    def _play_contact(self, event: np.void, name: str, gate: ContactGate, cause: str, now: int) -> None:
         t_ns, speed = int(event["t_ns"]), abs(float(event["speed"]))
         level = contact_gain(speed, float(event["force"]), self._settings.sounds[name].full_force)
         if now - t_ns > _STALE_NS:
@@ -191,6 +190,7 @@ class SoundDirector:
         self.rows.append(SoundRow(t_ns, tick, cause, sound, gain, submitted, onset, heard, start.late))
 
 
-def _finite_place(position: NDArray[Any]) -> Vec3 | None:
+def _finite_place(position: F8) -> Vec3 | None:
+    """Return a position [m] as numbers, None where it is not finite."""
     x, y, z = (float(value) for value in position)
     return (x, y, z) if math.isfinite(x) and math.isfinite(y) and math.isfinite(z) else None

@@ -1,7 +1,7 @@
 """Opens the requested sound output, or the next one of the fallback chain, and feeds it.
 
-    device  -> a live device, rendered by a thread of the library
-    file    -> a loopback, rendered by the clock in blocks and written to a wave file
+    device  -> a queue in the sound server, filled by the audio process; without a server a device of OpenAL
+    file    -> blocks that are due by the clock, written to a wave file
     null    -> no output: events are read and dropped
 
 Where the requested output is not available, the session continues and one line reports what happens to its sound.
@@ -57,11 +57,11 @@ class Engine:
 
     @property
     def live(self) -> bool:
-        """True where a thread of the library renders the sound."""
+        """True where a device plays the sound."""
         return self.status.sink == "device"
 
     def render_to(self, frame: int, block: int) -> int:
-        """Render a loopback up to a frame, in blocks, into the file; return the number of blocks.
+        """Render up to a frame, in blocks, into the file, if any; return the number of blocks; 0 on a live device.
 
         Raises:
             DeviceError: The file cannot be written any further.
@@ -93,7 +93,7 @@ class Engine:
         return blocks + self.render_to(end, block)
 
     def close(self) -> None:
-        """Close the device and the file."""
+        """Close mixer and file."""
         if self.mixer is not None:
             self.mixer.close()
         if self.writer is not None:

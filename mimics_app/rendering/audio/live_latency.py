@@ -30,6 +30,7 @@ from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import EVENT, EventKind
 from mimics_app.contracts.session_memory import SessionMemory
 from mimics_app.rendering.audio.process import AudioProcess
+from mimics_app.rendering.audio.queue_length import SETTLE_S
 from mimics_app.rendering.audio.settings import AudioSettings, MixerName, SoundSpec
 from mimics_app.rendering.audio.worker import FIFO_PRIORITY, ask_for_fifo
 
@@ -42,6 +43,9 @@ _SINK = "mimics"
 _THRESHOLD = 0.02
 _QUIET_FRAMES = 1500
 _SETTLE_NS = 2_500_000_000  # the monitor's stream drops sound at first; the player's does not
+_OPENING_NS = round((SETTLE_S + 0.7) * 1e9)
+"""Time until the stream has settled, and the queue ahead of it is as short as the machine allows [ns]."""
+
 _PAUSE_NS = (200_000_000, 240_000_000)
 """Shortest and longest time between two contacts [ns]. A contact read later than 100 ms is not played, so the onsets
 of two played contacts are at least 100 ms apart however late the mixer is."""
@@ -84,8 +88,8 @@ def measure_live_latency(
         `events` pushed, `played` by the mixer, `heard` at the monitor, `stale` (read too late to be played);
         `latency_ms` of recordings and `struck_ms` of taps, each with p50, p95 and max from the time of the tick to the
         sample at the monitor, absent where nothing was heard; `struck`, taps whose sound was force-driven;
-        `modelled_ms`, latency of all as the session's report computes it; `buffers_ms`, the share of the device's
-        buffers; and `device, sink, hrtf, rate, period`.
+        `modelled_ms`, latency of all as the session's report computes it; `bound_ms`, its upper bound at the end, from
+        the lengths of all buffers; and `device, sink, hrtf, rate, period`.
 
     Raises:
         DeviceError: PulseAudio is not installed, or its server or our device did not come up.
@@ -109,7 +113,7 @@ def measure_live_latency(
         "heard": len(recorded) + len(struck),
         "stale": report.stale,
         **{name: _rounded(values) for name, values in figures.items() if values["p50"] is not None},
-        "buffers_ms": round(status.latency_ms, 2),
+        "bound_ms": round(report.queue.get("latency_ms", status.latency_ms), 2),
         "mixer": status.mixer,
         "device": status.device,
         "sink": status.sink,
@@ -271,7 +275,7 @@ def _play_contacts(
         status = audio.wait_ready(60.0)
         if status.sink != "device":
             raise DeviceError(f"no live device on the private PulseAudio server: {status.notice}")
-        clock.sleep_until_ns(clock.now_ns() + 700_000_000)  # until the buffers of the stream have settled
+        clock.sleep_until_ns(clock.now_ns() + _OPENING_NS)
         pushed = _push_contacts(memory, clock, seconds, np.random.default_rng(seed))
         clock.sleep_until_ns(clock.now_ns() + 300_000_000)
     finally:

@@ -14,8 +14,8 @@ import heapq
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import partial
 from math import degrees
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +56,7 @@ class _Voice:
     handle: int = 0
     sound: str = ""
     authored: float = 1.0
+    priority: float = 1.0
     gain: float = 0.0
     end: int | None = None
 
@@ -82,7 +83,7 @@ class OpenALMixer:
         self._limit = settings.voices
         self._clock = clock
         self._handles = 0
-        self._changes: list[tuple[Callable[..., Any], tuple[Any, ...]]] = []
+        self._changes: list[Callable[[], object]] = []
         self._due: list[tuple[int, int, _Voice]] = []
         self._by_handle: dict[int, _Voice] = {}
         try:
@@ -97,12 +98,12 @@ class OpenALMixer:
     def start(self, sound: str, t_ns: int, position_world: Vec3 | None, gain: float) -> Start:
         """Start a sound; its handle is 0 when no voice was free. KeyError: no such sound."""
         content = self._bank[sound]
-        voice = self._find_voice(content.spec.gain * gain)
+        voice = self._find_voice(content.spec.gain * gain * content.spec.priority)
         if voice is None:
             self.refused += 1
             return Start(0, -1, late=False)
         self._handles += 1
-        voice.sound = sound
+        voice.sound, voice.priority = sound, content.spec.priority
         voice.handle, voice.authored, voice.gain = self._handles, content.spec.gain, content.spec.gain * gain
         self._by_handle[voice.handle] = voice
         self._prepare(voice, sound, content, position_world)
@@ -139,6 +140,8 @@ class OpenALMixer:
             if voice is None or voice.state == _State.FADING:
                 continue
             self._set_gain(voice, voice.authored * float(heard.gain[row] * heard.passes[row, 1]))
+            if not self._bank[voice.sound].spec.spatial:
+                continue
             if np.isfinite(heard.position[row]).all() and np.isfinite(heard.velocity[row]).all():
                 self._change(call.alSource3f, voice.source, AL.POSITION, *heard.position[row])
                 self._change(call.alSource3f, voice.source, AL.VELOCITY, *heard.velocity[row])
@@ -205,13 +208,21 @@ class OpenALMixer:
         for name, sound in self._bank.sounds.items():
             buffer = ctypes.c_uint()
             self._call.alGenBuffers(1, ctypes.byref(buffer))
-            samples = np.ascontiguousarray(sound.samples, np.float32)
-            self._call.alBufferData(
-                buffer.value, AL.FORMAT_MONO_FLOAT32, samples.ctypes.data, samples.nbytes, self._bank.rate
-            )
+            form = AL.FORMAT_MONO_FLOAT32 if sound.spec.spatial else AL.FORMAT_STEREO_FLOAT32
+            samples = sound.samples if sound.spec.spatial else self._both_channels(sound)
+            self._call.alBufferData(buffer.value, form, samples.ctypes.data, samples.nbytes, self._bank.rate)
             self._library.check(f'take the sound "{name}"')
             buffers[name] = buffer.value
         return buffers
+
+    def _both_channels(self, sound: Sound) -> NDArray[np.float32]:
+        """Return the samples of a sound that is played as recorded, shape [n, 2]; one channel plays on both sides.
+
+        They bypass the filters, whose delay stands before them; a loop has no beginning that would show it.
+        """
+        second = sound if sound.other is None else self._bank[sound.other]
+        delay = 0 if sound.spec.loop else self.timing.pipeline
+        return np.pad(np.stack((sound.samples, second.samples), axis=1), ((delay, 0), (0, 0)))
 
     def _map_live(self) -> dict[str, NDArray[np.float32]]:
         """Map the buffers of force-driven sounds; return none where the library cannot."""
@@ -236,10 +247,12 @@ class OpenALMixer:
     def _prepare(self, voice: _Voice, name: str, sound: Sound, position_world: Vec3 | None) -> None:
         self.context.activate()
         call, source = self._call, voice.source
+        position = position_world if sound.spec.spatial else None
         call.alSourcei(source, AL.BUFFER, self._buffers[name])
         call.alSourcei(source, AL.LOOPING, int(sound.spec.loop))
-        call.alSourcei(source, AL.SOURCE_RELATIVE, int(position_world is None))
-        call.alSource3f(source, AL.POSITION, *(position_world or _AHEAD))
+        call.alSourcei(source, AL.DIRECT_CHANNELS, int(not sound.spec.spatial))
+        call.alSourcei(source, AL.SOURCE_RELATIVE, int(position is None))
+        call.alSource3f(source, AL.POSITION, *(position or _AHEAD))
         call.alSourcef(source, AL.REFERENCE_DISTANCE, sound.spec.reference_distance)
         call.alSourcef(source, AL.MAX_DISTANCE, max(sound.spec.max_distance, sound.spec.reference_distance))
         call.alSourcef(source, AL.ROLLOFF_FACTOR, sound.spec.rolloff)
@@ -269,13 +282,16 @@ class OpenALMixer:
                 self._library.check("play a sound")
                 voice.state = _State.PLAYING
 
-    def _find_voice(self, gain: float) -> _Voice | None:
-        """Return a free source; at the voice limit the quietest sound is stolen if it is quieter than the new one."""
+    def _find_voice(self, level: float) -> _Voice | None:
+        """Return a free source; at the voice limit the quietest sound is stolen if it is quieter than the new one.
+
+        Levels are gain times priority, without the distance.
+        """
         self._collect()
         busy = [voice for voice in self._voices if voice.state in (_State.SCHEDULED, _State.PLAYING)]
         if len(busy) >= self._limit:
-            quietest = min(busy, key=lambda voice: voice.gain)
-            if quietest.gain >= gain:
+            quietest = min(busy, key=lambda voice: voice.gain * voice.priority)
+            if quietest.gain * quietest.priority >= level:
                 return None
             self._fade(quietest)
         return next((voice for voice in self._voices if voice.state == _State.FREE), None)
@@ -303,15 +319,16 @@ class OpenALMixer:
         heapq.heapify(self._due)
         voice.state = _State.FREE
 
-    def _change(self, function: Callable[..., Any], *arguments: Any) -> None:
-        self._changes.append((function, arguments))
+    def _change(self, function: Callable[..., object], *arguments: object) -> None:
+        """Call a function of the library before the next block, which ramps to the change; at once on a live device."""
+        self._changes.append(partial(function, *arguments))
         if not self.context.loopback:
             self.context.activate()
             self._apply_changes()
 
     def _apply_changes(self) -> None:
-        for function, arguments in self._changes:
-            function(*arguments)
+        for change in self._changes:
+            change()
         self._changes.clear()
 
     def _now_frame(self) -> int:

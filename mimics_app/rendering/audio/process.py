@@ -12,9 +12,9 @@ import pickle
 import signal
 from dataclasses import replace
 from multiprocessing.connection import Connection
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from mimics_app.contracts.audio_port import AudioReport, AudioStatus
+from mimics_app.contracts.audio_port import AudioOrder, AudioReport, AudioStatus
 from mimics_app.contracts.child_signals import signals_blocked
 from mimics_app.contracts.errors import MimicsError, nearest
 from mimics_app.contracts.messages import SoundEvent
@@ -122,12 +122,12 @@ class AudioProcess:
         """
         if event.sound not in self._settings.sounds:
             raise MimicsError(f'no sound "{event.sound}"', nearest(event.sound, self._settings.sounds))
-        if not self._send("play", event):
+        if not self._send(event):
             self._orders_dropped += 1
 
     def master(self, gain: float) -> None:
         """Set the linear gain of everything; never waits."""
-        self._send("master", gain)
+        self._send(float(gain))
 
     def advance(self, now_ns: int) -> None:
         """Do nothing: the process has a clock of its own."""
@@ -141,7 +141,7 @@ class AudioProcess:
     def _close(self) -> AudioReport:
         if self._process is None:
             return AudioReport(self._status or _SILENT)
-        self._send("stop", None)
+        self._send(None)
         if self._orders is not None:
             self._orders.close()
             self._orders = None
@@ -191,7 +191,7 @@ class AudioProcess:
             self._process.join()
         self._spawn()
 
-    def _receive(self, timeout_s: float) -> Any:
+    def _receive(self, timeout_s: float) -> object:
         """Return the next message of the child, None at the time-out or when the child has ended."""
         if self._results is None:
             return None
@@ -201,11 +201,12 @@ class AudioProcess:
             self._hung_up = True  # it closed its end of the pipe: it has ended or is ending
             return None
 
-    def _send(self, what: str, content: object) -> bool:
+    def _send(self, order: AudioOrder) -> bool:
+        """Send an order without waiting; return whether the pipe took it."""
         if self._orders is None:
             return False
         try:
-            self._orders.send_bytes(pickle.dumps((what, content)))
+            self._orders.send_bytes(pickle.dumps(order))
         except (BlockingIOError, BrokenPipeError):
             return False
         return True

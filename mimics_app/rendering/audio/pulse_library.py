@@ -50,6 +50,9 @@ class TimingInfo(ctypes.Structure):
         ("microseconds", ctypes.c_long),
         ("synchronised", ctypes.c_int),
         ("sink_us", ctypes.c_uint64),
+        ("source_us", ctypes.c_uint64),
+        ("transport_us", ctypes.c_uint64),
+        ("playing", ctypes.c_int),
     )
 
 

@@ -44,6 +44,8 @@ class PulseStream:
     Attributes:
         rate: Frames per second.
         ran_empty: See SoundStream.
+        behind: Two periods, or the largest credible latency of the device while it played this stream. Before that its
+            figure is the rest of the silence that an idle device has played ahead, up to 2 s.
 
     Raises:
         DeviceError: There is no library, no server, or no output.
@@ -68,6 +70,7 @@ class PulseStream:
         sizes = self._call.pa_stream_get_buffer_attr(self._stream).contents
         self._grant = sizes.target // _FRAME_BYTES
         self._period = max(1, sizes.request // _FRAME_BYTES)
+        self.behind = 2 * self._period
 
     @property
     def name(self) -> str:
@@ -79,13 +82,6 @@ class PulseStream:
         """Frames that the device takes at once."""
         return self._period
 
-    @property
-    def behind(self) -> int:
-        """Two periods, or the latency of the device where that is larger and credible."""
-        info = self._call.pa_stream_get_timing_info(self._stream)
-        us = info.contents.sink_us if info else 0
-        return max(2 * self._period, us * self.rate // 1_000_000 if us < _LATE_DEVICE_US else 0)
-
     def left(self) -> int:
         """Frames that the server has, as it last said."""
         self._exchange()
@@ -93,6 +89,7 @@ class PulseStream:
         silence = self._call.pa_stream_get_underflow_index(self._stream)
         self.ran_empty = left <= 0 or silence != self._silence
         self._silence = silence
+        self._read_latency()
         return left
 
     def write(self, block: F4) -> int:
@@ -161,6 +158,11 @@ class PulseStream:
         """Send and receive what is there, without waiting."""
         while self._call.pa_mainloop_iterate(self._loop, 0, None) > 0:
             pass
+
+    def _read_latency(self) -> None:
+        info = self._call.pa_stream_get_timing_info(self._stream)
+        if info and info.contents.playing and info.contents.sink_us < _LATE_DEVICE_US:
+            self.behind = max(self.behind, info.contents.sink_us * self.rate // 1_000_000)
 
     def _writable(self) -> int:
         """Frames granted and not yet written; none on a stream that has gone."""

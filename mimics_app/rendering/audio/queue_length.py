@@ -3,16 +3,20 @@
 A queue outlasts a stall of the machine that is shorter than itself. How long stalls are differs by a factor of ten
 between machines and between minutes, so the length follows what is left in the queue at each refill: after an underrun
 or a near-miss it grows by as many steps as were missing, and after a time in which less would have sufficed it gives
-up half of the spare ones.
+up half of the spare ones. It begins at the upper limit, as nothing is known of the machine yet and the start of a
+session is its busiest time, and gives up all spare ones at the end of that.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
-__all__ = ["CALM_S", "QueueLength"]
+from mimics_app.contracts.audio_port import QueueReport
+
+__all__ = ["CALM_S", "SETTLE_S", "QueueLength"]
+
+SETTLE_S = 5.0
+"""Time at the longest length, counted in frames that the device took, without a near-miss, at the start [s]."""
 
 CALM_S = 120.0
 """Time without a near-miss, in either length, before the queue is shortened [s]."""
@@ -25,8 +29,8 @@ class QueueLength:
     """Target length of a queue [frames].
 
     Args:
-        shortest: Length at the start [frames].
-        longest: Upper limit, from the latency allowed [frames].
+        shortest: Lower limit [frames].
+        longest: Upper limit, from the latency allowed, and the length at the start [frames].
         step: Frames per change, one block.
         margin: A reading of no more than this is a near-miss [frames].
         rate: Frames per second.
@@ -38,17 +42,20 @@ class QueueLength:
     """
 
     def __init__(self, shortest: int, longest: int, step: int, margin: int, rate: int) -> None:
-        self.frames = shortest
         self.underruns = 0
         self.near_misses = 0
         self._shortest, self._longest = shortest, max(shortest, longest)
         self._step, self._margin, self._rate = step, margin, rate
-        self._longest_used = shortest
-        self._least = shortest
-        self._least_ever = shortest
+        self.frames = self._longest_used = self._least = self._least_ever = self._longest
+        self._settled = False
         self._since = 0
         self._changes: list[tuple[float, float]] = []
-        self._empty_ns: list[int] = []
+        self._empty: list[tuple[int, float]] = []
+
+    def limit(self, longest: int) -> None:
+        """Set the upper limit [frames]; a longer queue is shortened."""
+        self._longest = max(self._shortest, longest)
+        self.frames = min(self.frames, self._longest)
 
     def read(self, left: int, position: int, now_ns: int, *, ran_empty: bool, steady: bool) -> None:
         """Take what is left in the queue before a refill, and change the length where that is due.
@@ -65,7 +72,7 @@ class QueueLength:
         if ran_empty:
             self.underruns += 1
             if self.underruns <= _MOST_KEPT:
-                self._empty_ns.append(now_ns)
+                self._empty.append((now_ns, self._ms(self.frames)))
             self._change(self._missing(left), position)
             return
         self.near_misses += left <= self._margin
@@ -73,22 +80,20 @@ class QueueLength:
             return
         if self._least <= self._margin:
             self._change(self._missing(self._least), position)
-        elif position - self._since >= CALM_S * self._rate:
+        elif position - self._since >= (CALM_S if self._settled else SETTLE_S) * self._rate:
             spare = (self._least - self._margin - 1) // self._step
-            self._change(-((spare + 1) // 2), position)
+            self._change(-((spare + 1) // 2 if self._settled else spare), position)
+            self._settled = True
 
-    def report(self) -> Mapping[str, Any]:
-        """Return the present, longest and least filled length [ms], what happened, and `changes` as (s, ms).
-
-        `empty_ns` are the session times at which the queue was found empty.
-        """
+    def report(self) -> QueueReport:
+        """Return the lengths and what happened, all but `latency_ms`."""
         return {
             "ms": self._ms(self.frames),
             "longest_ms": self._ms(self._longest_used),
             "least_left_ms": self._ms(self._least_ever),
             "near_misses": self.near_misses,
-            "changes": [list(change) for change in self._changes],
-            "empty_ns": list(self._empty_ns),
+            "changes": list(self._changes),
+            "empty": list(self._empty),
         }
 
     def _missing(self, left: int) -> int:

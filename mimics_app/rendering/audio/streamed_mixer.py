@@ -8,14 +8,11 @@ samples, and later events have a longer constant latency.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.contracts.arrays import Vec3
-from mimics_app.contracts.audio_port import Heard, OnDemandMixer, Start, Timing
+from mimics_app.contracts.audio_port import Heard, OnDemandMixer, QueueReport, Start, Timing
 from mimics_app.contracts.clock import Clock
 from mimics_app.rendering.audio.queue_length import QueueLength
 from mimics_app.rendering.audio.sound_stream import LIVE_BLOCK, SoundStream
@@ -67,10 +64,9 @@ class StreamedMixer:
     def __init__(self, mixer: OnDemandMixer, stream: SoundStream, clock: Clock) -> None:
         self.rate, self.channels = mixer.rate, mixer.channels
         self._mixer, self._stream, self._clock = mixer, stream, clock
-        self._behind = stream.behind
-        rest = _READING + mixer.timing.pipeline + self._behind
-        longest = round(_BOUND_S * self.rate) - rest
-        self.queue = QueueLength(shortest_queue(stream.period), longest, LIVE_BLOCK, stream.period, self.rate)
+        self.queue = QueueLength(
+            shortest_queue(stream.period), self._longest_queue(), LIVE_BLOCK, stream.period, self.rate
+        )
         self._set_ns = clock.now_ns()
         self._driven_ns = 0
         self._taken, self._taken_ns = 0, self._set_ns
@@ -95,9 +91,9 @@ class StreamedMixer:
     @property
     def latency(self) -> int:
         """Upper bound of the latency from an event to the output of the device [frames]."""
-        return self.timing.latency + self.timing.pipeline + self._behind
+        return self.timing.latency + self.timing.pipeline + self._stream.behind
 
-    def report_queue(self) -> Mapping[str, Any]:
+    def report_queue(self) -> QueueReport:
         """Return the queue's report, with the latency it gives now [ms]."""
         return {**self.queue.report(), "latency_ms": round(self.latency / self.rate * 1e3, 3)}
 
@@ -108,7 +104,7 @@ class StreamedMixer:
     def first_sample(self, start: Start, submitted_ns: int) -> tuple[int, int]:
         """Return the frame of a sound's first sample, and the session time at which the device outputs it [ns]."""
         frame, heard = self._mixer.first_sample(start, submitted_ns)
-        return frame, heard + self._behind * 1_000_000_000 // self.rate
+        return frame, heard + self._stream.behind * 1_000_000_000 // self.rate
 
     def hear(self, heard: Heard) -> None:
         """Take the newest snapshot."""
@@ -136,6 +132,7 @@ class StreamedMixer:
         """Fill the queue with blocks of `frames`; return shape [0, 2]."""
         now, left = self._clock.now_ns(), self._stream.left()
         empty = self._stream.ran_empty
+        self.queue.limit(self._longest_queue())
         if self.position > 0:
             self.queue.read(left, self.position, now, ran_empty=empty, steady=now < self._driven_ns)
         ahead = max(left, 0)
@@ -153,6 +150,10 @@ class StreamedMixer:
         """Close device and mixer."""
         self._stream.close()
         self._mixer.close()
+
+    def _longest_queue(self) -> int:
+        """Return the queue [frames] with which contact to sound takes the longest time allowed."""
+        return round(_BOUND_S * self.rate) - _READING - self.timing.pipeline - self._stream.behind
 
     def _follow_device(self, now: int, ahead: int, *, ran_empty: bool) -> None:
         """Update the time of frame 0 and the latency.

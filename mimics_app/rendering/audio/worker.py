@@ -14,18 +14,18 @@ from contextlib import suppress
 from dataclasses import replace
 from multiprocessing import connection, parent_process
 from multiprocessing.connection import Connection
-from typing import Any
 
 import numpy as np
 
 from mimics_app.contracts import ring, triple_buffer
 from mimics_app.contracts.atomics import scratch
-from mimics_app.contracts.audio_port import AudioReport, AudioStatus, Mixer, frame_at
+from mimics_app.contracts.audio_port import AudioOrder, AudioReport, AudioStatus, Mixer, frame_at
 from mimics_app.contracts.child_signals import ignore_signals
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.contact_force import CONTACT_FORCE
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.haptic import EVENT
+from mimics_app.contracts.messages import SoundEvent
 from mimics_app.contracts.session_memory import ControlWord, SessionMemory
 from mimics_app.contracts.shared_words import DROPPED
 from mimics_app.rendering.audio.bank import SoundBank
@@ -192,6 +192,8 @@ class _LiveSession:
             merged=before.merged + now.merged,
             stale=before.stale + now.stale,
             refused=before.refused + now.refused,
+            underruns=before.underruns + now.underruns,
+            clipped=before.clipped + now.clipped,
         )
 
     def _listen(self) -> None:
@@ -258,24 +260,22 @@ class _LiveSession:
     def _read_orders(self) -> None:
         while not self.ended and self._orders.poll(0):
             try:
-                what, content = pickle.loads(self._orders.recv_bytes())
+                order: AudioOrder = pickle.loads(self._orders.recv_bytes())
             except (EOFError, OSError):
                 self.ended = True
                 return
-            self._obey(what, content)
+            self._obey(order)
 
-    def _obey(self, what: str, content: Any) -> None:
-        mixer = self.engine.mixer
-        if what == "master":
-            self._gain = content
-        if what == "stop":
+    def _obey(self, order: AudioOrder) -> None:
+        if order is None:
             self.ended = True
-        elif mixer is None or self._director is None:
-            return
-        elif what == "play":
-            self._director.play_order(content)
-        elif what == "master":
-            mixer.master(self._gain)
+        elif isinstance(order, SoundEvent):
+            if self._director is not None:
+                self._director.play_order(order)
+        else:
+            self._gain = order
+            if self.engine.mixer is not None:
+                self.engine.mixer.master(order)
 
     def _check_device(self) -> None:
         """Once a second, replace an unplugged device by the next output of the fallback chain, until it is back."""

@@ -123,7 +123,10 @@ class AudioSettings(Component, frozen=True):
     ] = "auto"
     mixer: Annotated[
         Literal["auto", "openal", "spectral"],
-        Meta(description="Mixer; spectral has the exact ITD; auto: as systems.tolerances.itd_us requires"),
+        Meta(
+            description="Mixer; auto: spectral for an exact ITD (systems.tolerances.itd_us), a sofa or head_width, "
+            "speakers beyond stereo, a sound_room, sound_bus, distance_model or doppler factor, which openal ignores"
+        ),
     ] = "auto"
     speakers: Annotated[
         Literal["stereo", "5.1", "7.1", "ambisonic"],

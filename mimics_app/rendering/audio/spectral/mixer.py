@@ -105,7 +105,7 @@ class SpectralMixer:
         self._store.bus[voice] = self._buses.row_of(content.spec.bus)
         self._store.places.position[voice] = place or (0.0, 0.0, 0.0)
         if content.other is not None:  # the second channel of a recording
-            self._start_other(content.other, frame, gain)
+            self._start_other(voice, content.other, frame, gain)
         return Start(handle, frame, late=frame > wanted)
 
     def first_sample(self, start: Start, submitted_ns: int) -> tuple[int, int]:
@@ -125,7 +125,7 @@ class SpectralMixer:
         known = self._store.rows_of(heard.handles)
         heard_of = known >= 0
         rows = known[heard_of]
-        self._store.gain[rows], places.passes[rows] = heard.gain[heard_of], heard.passes[heard_of]
+        self._store.set_levels(rows, heard.gain[heard_of], heard.passes[heard_of])
         heard_of &= np.isfinite(heard.position).all(axis=1) & np.isfinite(heard.velocity).all(axis=1)
         rows = known[heard_of]
         places.position[rows], places.velocity[rows] = heard.position[heard_of], heard.velocity[heard_of]
@@ -170,13 +170,15 @@ class SpectralMixer:
     def close(self) -> None:
         """Do nothing: nothing is open."""
 
-    def _start_other(self, name: str, frame: int, gain: float) -> None:
+    def _start_other(self, first: int, name: str, frame: int, gain: float) -> None:
+        """Start the second channel of a recording, which shares gain and end with the first."""
         voice = self._store.free_row()
         if voice is None:
             return
         sound = self._sounds[name]
         self._store.take(voice, self._rows[name], sound.spec, sound.cell, frame)
         self._store.gain[voice], self._store.bus[voice] = gain, self._buses.row_of(sound.spec.bus)
+        self._store.pair(first, voice)
 
     def _room_for(self, level: float) -> int | None:
         """Return a free row; at the voice limit the quietest voice is stolen if it is quieter than the new one."""
@@ -193,10 +195,11 @@ class SpectralMixer:
         return self._store.free_row()
 
     def _fade(self, voice: int) -> None:
-        if self._store.state[voice] == State.SCHEDULED:
-            self._store.free(np.array([voice]))
-        elif self._store.state[voice] == State.PLAYING:
-            self._store.state[voice] = State.FADING
+        for row in self._store.channels_of(voice):
+            if self._store.state[row] == State.SCHEDULED:
+                self._store.free(np.array([row]))
+            elif self._store.state[row] == State.PLAYING:
+                self._store.state[row] = State.FADING
 
     def _mix(self, out: F4) -> None:
         """Mix one block of at most BLOCK frames."""

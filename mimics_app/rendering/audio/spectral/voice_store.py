@@ -7,6 +7,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import F8
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.settings import SoundSpec
 from mimics_app.rendering.audio.spectral.fourier import SIZE
@@ -47,6 +48,7 @@ class VoiceStore:
         bus: Row of the bus.
         priority: Factor on the level when voices are stolen.
         reverb: Linear send level to the reverb.
+        partner: Row of the other channel of a recording of two; -1: none.
         history: Last samples, shape [count, SIZE].
         voices: The same data in the layout of the mixing kernels.
         places: The same data in the layout of the steering kernel.
@@ -58,6 +60,7 @@ class VoiceStore:
         self.handle = np.zeros(count, np.int64)
         self.authored, self.gain, self.priority, self.reverb = (np.zeros(count) for _ in range(4))
         self.bus = np.zeros(count, np.int64)
+        self.partner = np.full(count, -1, np.int64)
         self._row_of: dict[int, int] = {}
         self._handles = 0
         self._order, self._over = np.zeros(count, np.int64), np.zeros(count, np.int64)
@@ -97,6 +100,21 @@ class VoiceStore:
         """Return the row of a voice, None if it has ended."""
         return self._row_of.get(handle)
 
+    def channels_of(self, row: int) -> list[int]:
+        """Return the rows of a sound: its own, and that of its second channel, if any."""
+        return [row] if self.partner[row] < 0 else [row, int(self.partner[row])]
+
+    def pair(self, row: int, other: int) -> None:
+        """Join the rows of the two channels of a recording."""
+        self.partner[row], self.partner[other] = other, row
+
+    def set_levels(self, rows: NDArray[np.int64], gain: F8, passes: F8) -> None:
+        """Set linear gains, shape [n], and transmissions, shape [n, 3], of sounds with all their channels."""
+        self.gain[rows], self.places.passes[rows] = gain, passes
+        paired = rows[self.partner[rows] >= 0]
+        other = self.partner[paired]
+        self.gain[other], self.places.passes[other] = self.gain[paired], self.places.passes[paired]
+
     def rows_of(self, handles: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the rows of voices, -1 for one that has ended, shape [n]."""
         find = self._row_of.get
@@ -133,6 +151,9 @@ class VoiceStore:
         for row in rows:
             self._row_of.pop(int(self.handle[row]), None)
         self.state[rows] = State.FREE
+        paired = self.partner[rows]
+        self.partner[paired[paired >= 0]] = -1
+        self.partner[rows] = -1
 
     def begin_block(self, position: int, frames: int) -> NDArray[np.int64]:
         """Return the rows that sound in the block of `frames` from `position` on; starts within it are scheduled."""
