@@ -189,12 +189,12 @@ def _guarded(arguments: list[str], as_json: bool) -> int:
         _say(arguments, error.issues, as_json)
         return error.exit_code
     except KeyboardInterrupt:
-        sys.stderr.write("mimics: interrupted\n")
+        _say(arguments, [Issue("", "", "interrupted")], as_json)
         return 128 + signal.SIGINT
     except SystemExit:
         if _Terminated.came:
             with suppress(OSError):  # the terminal may be what was closed
-                sys.stderr.write(f"mimics: ended by {signal.Signals(_Terminated.came).name}\n")
+                _say(arguments, [Issue("", "", f"ended by {signal.Signals(_Terminated.came).name}")], as_json)
         raise
     except BrokenPipeError:  # the reader (head, less) has seen enough
         _silence_stdout()

@@ -132,6 +132,16 @@ def test_signal_in_a_callback_of_a_compiler_is_one_line(number: int, code: int, 
     assert (done.returncode, done.stdout, done.stderr) == (code, "closed\n", said)
 
 
+@pytest.mark.parametrize(
+    ("number", "code", "what"), [(signal.SIGTERM, 143, "ended by SIGTERM"), (signal.SIGINT, 130, "interrupted")]
+)
+def test_a_command_ended_by_a_signal_leaves_one_object(number: int, code: int, what: str) -> None:
+    body = f"def run(args): os.kill(os.getpid(), {int(number)}); time.sleep(30)"
+    done = shell("$RUN --json", body)
+    assert (done.returncode, done.stderr) == (code, "")
+    assert [error["what"] for error in json.loads(done.stdout)["errors"]] == [what]
+
+
 def test_nohup_is_respected() -> None:
     script = "trap '' HUP; $RUN & sleep 2; kill -HUP $!; sleep 0.2; kill -TERM $!; wait $!"
     done = shell(script, WAIT)
