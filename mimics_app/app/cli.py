@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import atexit
+import errno
 import gc
 import importlib
 import os
@@ -56,6 +57,11 @@ _LAUNCHER = "launch"
 _YOUNG_OBJECTS = 50_000
 """Threshold of the garbage collector's youngest generation [objects]. A start makes 200,000 objects that all stay; at
 Python's own threshold of 700 their collections take a tenth of the start."""
+
+_CURES = dict.fromkeys(
+    (errno.EROFS, errno.EACCES, errno.EPERM, errno.EEXIST, errno.ENOTDIR, errno.EISDIR), "name another file or folder"
+) | {errno.ENOSPC: "free some space, or name a file or folder on another disk"}
+"""What to do about an error of the operating system, by its number."""
 
 _EXIT_INTERNAL = 1
 _EXIT_BROKEN_PIPE = 128 + 13
@@ -183,12 +189,12 @@ def _guarded(arguments: list[str], as_json: bool) -> int:
         _say(arguments, error.issues, as_json)
         return error.exit_code
     except KeyboardInterrupt:
-        sys.stderr.write("mimics: interrupted\n")
+        _say(arguments, [Issue("", "", "interrupted")], as_json)
         return 128 + signal.SIGINT
     except SystemExit:
         if _Terminated.came:
             with suppress(OSError):  # the terminal may be what was closed
-                sys.stderr.write(f"mimics: ended by {signal.Signals(_Terminated.came).name}\n")
+                _say(arguments, [Issue("", "", f"ended by {signal.Signals(_Terminated.came).name}")], as_json)
         raise
     except BrokenPipeError:  # the reader (head, less) has seen enough
         _silence_stdout()
@@ -210,7 +216,7 @@ def _say_file_trouble(arguments: list[str], error: OSError, as_json: bool) -> in
     file = os.fsdecode(error.filename) if isinstance(error.filename, str | bytes) else ""
     if not file:  # perhaps stdout itself
         _silence_stdout()
-    _say(arguments, [Issue(file, "", str(error.strerror))], as_json)
+    _say(arguments, [Issue(file, "", str(error.strerror), _CURES.get(error.errno or 0, ""))], as_json)
     return SceneError.exit_code
 
 

@@ -91,10 +91,10 @@ def punctuality(samples: NDArray[Any]) -> Punctuality | None:
 
 @dataclass(frozen=True, slots=True)
 class Movement:
-    """One attempt: title, path in the frontal plane, traces over time, and whether it is unfolded."""
+    """One attempt: title, path in the frontal plane (None: the hand rested), traces over time, whether unfolded."""
 
     title: str
-    path: Plot
+    path: Plot | None
     traces: list[Plot]
     open: bool
 
@@ -244,7 +244,9 @@ def _head_line(run: Run) -> list[str]:
     known = {**mapping(run.session.get("settings")), **run.session}
     whose = [f"participant {shown(known['participant'])}"] if known.get("participant") else []
     words = [*whose, _local_time(mapping(run.session.get("clock")).get("utc")), f"{seconds:.1f} s"]
-    words += [shown(known[key]) for key in ("patient", "device", "profile") if known.get(key)]
+    moved_by = mapping(run.session.get("moved_by"))
+    words += [f"simulated patient, {shown(moved_by['preset'])}"] if moved_by.get("person") == "simulated" else []
+    words += [shown(known[key]) for key in ("device", "profile") if known.get(key)]
     words.append(f"seed {shown(run.session.get('seed'))}")
     return [word for word in words if word]
 

@@ -21,19 +21,24 @@ __all__ = ["draw_lateness", "draw_path", "draw_states", "draw_traces"]
 
 
 _MM = 1000.0
+_AT_REST = 0.002
+"""Extent of the path of a hand at rest [m]: sensor noise enlarged to the width of the page is no movement."""
 _LEAST_LATENESS_US = 0.1
 _MISS_US = 1000.0
 _AROUND_ROWS = 1000
 
 
-def draw_path(section: ReportSection, attempt: Attempt, facts: Mapping[str, Any], events: NDArray[Any]) -> Plot:
+def draw_path(section: ReportSection, attempt: Attempt, facts: Mapping[str, Any], events: NDArray[Any]) -> Plot | None:
     """Plot the path of the hand in the frontal plane (world x, lateral, and y, vertical; equal axes).
 
-    Without marks of the section, the beginnings of contacts are marked.
+    Without marks of the section, the beginnings of contacts are marked. None where the hand rested and nothing is
+    behind its path.
     """
     behind = section.behind(attempt, facts)
     path = frontal(attempt)
     free = path[attempt.free] if attempt.free.any() else path
+    if not behind and _rests(free):
+        return None
     x = Axis.of("lateral [mm]", *(_MM * points[:, 0] for points in (free, *(curve.points for curve in behind))))
     heights = (_MM * points[:, 1] for points in (free, *(curve.points for curve in behind)))
     y = Axis.of("vertical [mm]", *heights, zero=section.from_floor)
@@ -47,6 +52,11 @@ def draw_path(section: ReportSection, attempt: Attempt, facts: Mapping[str, Any]
         if len(mark.points):
             plot.points(_MM * mark.points[:, 0], _MM * mark.points[:, 1], mark.style, mark.label, list(mark.hovers))
     return plot
+
+
+def _rests(path: F8) -> bool:
+    seen = path[np.isfinite(path).all(axis=1)]
+    return not len(seen) or bool((np.ptp(seen, axis=0) < _AT_REST).all())
 
 
 def _write_beside(plot: Plot, word: Word) -> None:

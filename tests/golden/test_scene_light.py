@@ -75,5 +75,6 @@ def test_no_shipped_scene_is_lost_in_black_or_white(tmp_path):
 
 
 def test_a_folder_without_scenes_is_one_line(tmp_path, capsys):
+    (tmp_path / "folder.json").mkdir()
     assert cli.main(["render", str(tmp_path), "--sheet", str(tmp_path / "sheet.png")]) == 3
     assert "holds no scene" in capsys.readouterr().err

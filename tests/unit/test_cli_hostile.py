@@ -74,7 +74,8 @@ def test_stdout_on_a_full_disk_is_one_line(option: str) -> None:
     body = ANSWER if option else "def run(args):\n    print('x' * 100000); return 0"
     done = shell(f"$RUN {option} >/dev/full", body)
     assert done.returncode == 3
-    assert done.stderr.splitlines() == ["mimics: No space left on device"]
+    cure = "free some space, or name a file or folder on another disk"
+    assert done.stderr.splitlines() == [f"mimics: No space left on device; {cure}"]
 
 
 def test_file_trouble_names_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -131,6 +132,16 @@ def test_signal_in_a_callback_of_a_compiler_is_one_line(number: int, code: int, 
     assert (done.returncode, done.stdout, done.stderr) == (code, "closed\n", said)
 
 
+@pytest.mark.parametrize(
+    ("number", "code", "what"), [(signal.SIGTERM, 143, "ended by SIGTERM"), (signal.SIGINT, 130, "interrupted")]
+)
+def test_a_command_ended_by_a_signal_leaves_one_object(number: int, code: int, what: str) -> None:
+    body = f"def run(args): os.kill(os.getpid(), {int(number)}); time.sleep(30)"
+    done = shell("$RUN --json", body)
+    assert (done.returncode, done.stderr) == (code, "")
+    assert [error["what"] for error in json.loads(done.stdout)["errors"]] == [what]
+
+
 def test_nohup_is_respected() -> None:
     script = "trap '' HUP; $RUN & sleep 2; kill -HUP $!; sleep 0.2; kill -TERM $!; wait $!"
     done = shell(script, WAIT)
@@ -156,6 +167,9 @@ def test_nohup_is_respected() -> None:
         (["run", "wavy_tunnel", "--runs=--"], '"--" is no value of --runs'),
         (["physio", "sim:healthy", "--page", ""], 'argument --page: "" is a folder; name a file to write'),
         (["render", "wavy_tunnel", "--audio", "."], 'argument --audio: "." is a folder; name a file to write'),
+        (["render", "wavy_tunnel", "--audio", "a.mp3"], 'argument --audio: "a.mp3" does not end in .wav'),
+        (["view", "a.glb", "--output", "a.exe"], '--output: "a.exe" does not end in .png or .jpg or .jpeg'),
+        (["render", "scenes", "--sheet", "all"], '--sheet: "all" does not end in .png or .jpg or .jpeg'),
     ],
 )
 def test_value_beyond_reason_is_refused(arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:

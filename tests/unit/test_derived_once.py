@@ -75,10 +75,7 @@ def test_the_table_of_meshes_is_made_once(made: list[str]) -> None:
 def test_a_reload_of_the_same_scene_works_nothing_out_but_the_tables_rows_are_put_together_in(
     made: list[str], tmp_path: Path
 ) -> None:
-    shutil.copytree(SCENES, tmp_path / "scenes", ignore=shutil.ignore_patterns("*.png"))
-    (tmp_path / "assets").symlink_to(root() / "assets")
-    file = tmp_path / "scenes" / "wavy_tunnel.json"
-    scene = load_checked_scene(file)
+    scene = load_checked_scene(file := copy_tunnel(tmp_path))
     with open_core(prepare_scene(scene, RunSettings(file))) as core:
         session: Any = core
         session.settings, session.picture = RunSettings(file), None
@@ -88,6 +85,29 @@ def test_a_reload_of_the_same_scene_works_nothing_out_but_the_tables_rows_are_pu
         look_later(reload, core)
         assert core.scene is not scene, reload.message
     assert made == ["_gather"]
+
+
+def test_every_fault_of_a_reloaded_scene_is_on_the_terminal_and_changes_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The picture has room for one of them."""
+    scene = load_checked_scene(file := copy_tunnel(tmp_path))
+    with open_core(prepare_scene(scene, RunSettings(file))) as core:
+        session: Any = core
+        session.settings, session.picture = RunSettings(file), None
+        reload = SceneReload(session)
+        file.write_text(file.read_text().replace('"up"', '"upp": 1, "down"'))
+        look_later(reload, core)
+        assert core.scene is scene and "/upp" in reload.message
+    said = capsys.readouterr().err
+    assert "/upp" in said and "/down" in said and said.count("\n") == 2
+
+
+def copy_tunnel(folder: Path) -> Path:
+    """A copy of the wavy tunnel, which a test may edit."""
+    shutil.copytree(SCENES, folder / "scenes", ignore=shutil.ignore_patterns("*.png"))
+    (folder / "assets").symlink_to(root() / "assets")
+    return folder / "scenes" / "wavy_tunnel.json"
 
 
 def look_later(reload: SceneReload, core: SessionCore) -> None:

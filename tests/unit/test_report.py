@@ -17,11 +17,13 @@ import pytest
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.haptic import SafetyState, TripCause
+from mimics_app.contracts.report_section import ReportSection
 from mimics_app.plotting.axis import Axis, nice_ticks
 from mimics_app.plotting.plot import Plot, envelope
 from mimics_app.recording.attempts import find_attempts, tunnel_shape
 from mimics_app.recording.columns import column_names
 from mimics_app.recording.report import page_of, punctuality, write_report
+from mimics_app.recording.report_figures import draw_path
 from mimics_app.recording.report_stability import stability_lines
 from mimics_app.recording.report_tables import contact_rows, governor_tables, plan_tables, trials_of
 from mimics_app.recording.report_values import Seconds, shown, thousands
@@ -104,6 +106,7 @@ def _play(parent: Path, name: str, time_s: float, score: float) -> Path:
     session, manifest = (json.loads((folder / file).read_text()) for file in ("session.json", "manifest.json"))
     session["settings"] = {**session.get("settings", {}), "participant": "P1"}
     session["clock"] = {"utc": "2026-01-02T10:15:00+00:00"}
+    session["moved_by"] = {"device": "simulated_hapticmaster", "person": "simulated", "preset": "severe"}
     task = {"completed": 2, "trials": 3, "counted": "trials", "time_s": time_s, "score": score}
     manifest["summary"]["task"] = task
     (folder / "session.json").write_text(json.dumps(session))
@@ -117,6 +120,7 @@ def test_page_one_says_who_when_what_it_came_to_and_how_it_went_over_time(tmp_pa
     page = write_report(second, report_sections()).read_text()
     assert "2 of 3 trials finished, 20 % faster than last time." in page
     assert "participant P1" in page and "2026-01-0" in page, "local date"
+    assert "simulated patient, severe" in page
     assert page.index("<b>72</b><span>score of 100</span>") < page.index("<h2>Trials</h2>")
     assert page.index("Score over the sessions of P1") < page.index("Movement through the tunnel")
     assert page_of(Run.open(second), report_sections()).front.trend is not None
@@ -178,6 +182,16 @@ def test_tunnel_is_drawn_where_it_is() -> None:
     block, rows = scene_block(1, 1, 3)
     assert tunnel_shape(block, rows._replace(tunnels=rows.tunnels[:0])) is None
     assert tunnel_shape(block, None) is None
+
+
+def test_the_noise_of_a_hand_at_rest_is_no_path(folder: Path) -> None:
+    run = Run.open(folder)
+    moved = find_attempts(run)[0]
+    samples = moved.samples.copy()
+    samples["hip_world"] = [0.0, 0.3, 0.0] + np.random.default_rng(1).normal(0.0, 1e-4, (len(samples), 3))
+    plain = ReportSection()
+    assert draw_path(plain, moved, {}, run.events) is not None
+    assert draw_path(plain, replace(moved, samples=samples), {}, run.events) is None
 
 
 def test_attempts_are_reported_apart_by_the_parameter_blocks(folder: Path) -> None:

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mimics_app.app.terminal.arguments import file_to_write, real_number, whole_number
+from mimics_app.app.terminal.arguments import picture_file, real_number, whole_number
 from mimics_app.app.terminal.output import answer
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.plural import counted
@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, default=Path("."), metavar="DIR", help="folder to write into")
     parser.add_argument(
         "--picture",
-        type=file_to_write,
+        type=picture_file,
         metavar="PNG",
         help="with build: draw each model from six directions, or the spectrograms of sounds; with thumbnails: draw "
         "all of them on one sheet",

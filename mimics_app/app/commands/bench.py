@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from mimics_app.app.terminal.arguments import add_size_argument, file_to_write, positive_time, real_number, whole_number
+from mimics_app.app.terminal.arguments import add_size_argument, picture_file, positive_time, real_number, whole_number
 from mimics_app.app.terminal.output import answer, applicable, finite
 from mimics_app.contracts.errors import DeviceError, UsageError
 
@@ -138,7 +138,7 @@ def _add_render_arguments(parser: argparse.ArgumentParser) -> None:
         type=_frame_rate,
         help="with render: lower the quality, as a run does, until this frame rate is held (default: never)",
     )
-    parser.add_argument("--shot", type=file_to_write, help="with render: PNG file for the last frame")
+    parser.add_argument("--shot", type=picture_file, help="with render: PNG file for the last frame")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -11,10 +11,11 @@ from mimics_app.app.settings import PROFILES, RunSettings
 from mimics_app.app.terminal.arguments import (
     add_display_argument,
     add_size_argument,
-    file_to_write,
     frame_count,
+    picture_file,
     random_seed,
     real_number,
+    sound_file,
 )
 from mimics_app.app.terminal.output import answer
 from mimics_app.contracts.plural import counted
@@ -65,13 +66,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--audio",
-        type=file_to_write,
+        type=sound_file,
         metavar="FILE",
         help="write the sound of --seconds instead of pictures, e.g. play.wav",
     )
     parser.add_argument(
         "--sheet",
-        type=file_to_write,
+        type=picture_file,
         metavar="FILE",
         help="draw every scene of a folder on one picture, e.g. scenes.jpg, and print shares of dark and bright pixels",
     )

@@ -44,14 +44,15 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.study.tables import ANSWER_COLUMNS, TAP_COLUMNS, read_study, write_table
 
     scene = find_scene(args.scene)
+    if not args.of:
+        load_checked_scene(scene)
+    args.out.mkdir(parents=True, exist_ok=True)
     if args.of:
         runs = [find_run(number, folder) for number, folder in enumerate(args.of, start=1)]
     else:
-        load_checked_scene(scene)
         extra = ["--pictures", "0", "--sound", "off", *(["--seconds", str(args.seconds)] if args.seconds else [])]
         numbers = range(1, args.subjects + 1)
         runs = [run_subject(scene, each, args.seed + each - 1, args.out / "runs", extra, say) for each in numbers]
-    args.out.mkdir(parents=True, exist_ok=True)
     trials, taps, answers = read_study(runs)
     write_table(args.out / "trials.csv", trials)
     write_table(args.out / "taps.csv", taps, TAP_COLUMNS)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mimics_app.app.settings import PICTURE_SIZE, PROFILES
-from mimics_app.app.terminal.arguments import add_window_size_argument, file_to_write, frame_count
+from mimics_app.app.terminal.arguments import add_window_size_argument, file_to_write, frame_count, picture_file
 from mimics_app.app.terminal.output import answer, errors_of, issue_lines
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
 
@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--sheet", type=Path, metavar="FOLDER", help="draw every model of a folder onto one PNG")
     parser.add_argument("--headless", action="store_true", help="no window: draw PNG files, to view.png or --output")
     parser.add_argument(
-        "--output", type=file_to_write, metavar="PNG", help="file to draw to, without a window (default: view.png)"
+        "--output", type=picture_file, metavar="PNG", help="file to draw to, without a window (default: view.png)"
     )
     parser.add_argument(
         "--frames",

@@ -1,4 +1,4 @@
-"""Live reload: a saved scene file replaces the running scene; a broken one is shown and changes nothing."""
+"""Live reload: a saved scene file replaces the running scene; a broken one is reported and changes nothing."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from mimics_app.app.planner.plan import settle
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.scenario_choice import open_scenario
 from mimics_app.app.session.session import Session
-from mimics_app.app.terminal.output import with_line
+from mimics_app.app.terminal.output import issue_lines, with_line
 from mimics_app.app.touch.haptic_side import HapticSide
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.world.scene.file import build_world
@@ -74,6 +74,7 @@ class SceneReload:
             changes = apply_scene(session.world, session.scene, scene)
         except SceneError as error:
             self._say(now_ns, with_line(error.issues[0]))
+            sys.stderr.writelines(issue_lines(error.issues))
             session.recorder.journal("reload", {"taken": False, "issues": [str(issue) for issue in error.issues]})
             return
         scene.read |= session.scene.read

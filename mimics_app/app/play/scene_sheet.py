@@ -132,7 +132,9 @@ def light_rows(lights: Sequence[SceneLight]) -> list[dict[str, object]]:
 
 
 def _is_scene(file: Path) -> bool:
-    """Whether a JSON file has the format of a scene."""
+    """Whether a path is a JSON file with the format of a scene."""
+    if not file.is_file():
+        return False
     try:
         head = json.loads(file.read_bytes())
     except (ValueError, RecursionError):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import unicodedata
 from argparse import ArgumentParser, ArgumentTypeError
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from mimics_app.contracts.display_choice import DISPLAY_KINDS, display_names, parse_display
@@ -19,10 +19,12 @@ __all__ = [
     "file_to_write",
     "frame_count",
     "participant_code",
+    "picture_file",
     "picture_size",
     "positive_time",
     "random_seed",
     "real_number",
+    "sound_file",
     "whole_number",
 ]
 
@@ -55,6 +57,23 @@ def file_to_write(text: str) -> Path:
     if not text or os.path.isdir(text):
         raise ArgumentTypeError(f'"{text}" is a folder; name a file to write')
     return Path(text)
+
+
+def picture_file(text: str) -> Path:
+    """A picture that a command writes, in the format of its ending."""
+    return _ending_in(text, (".png", ".jpg", ".jpeg"))
+
+
+def sound_file(text: str) -> Path:
+    """A sound that a command writes."""
+    return _ending_in(text, (".wav",))
+
+
+def _ending_in(text: str, endings: Sequence[str]) -> Path:
+    file = file_to_write(text)
+    if file.suffix.lower() not in endings:
+        raise ArgumentTypeError(f'"{text}" does not end in {" or ".join(endings)}')
+    return file
 
 
 def participant_code(text: str) -> str:
