@@ -116,9 +116,5 @@ class StateMachine:
         self._layer = self._animator.change(self._states[name].clip, fade, *self._how(name))
         self._layer.at = share * self._layer.clip.duration
 
-    def pace(self, factor: float) -> None:
-        """Play the present state's clip at a multiple of the state's speed."""
-        self._layer.speed = factor * self._states[self.state].speed
-
     def _how(self, name: str) -> tuple[float, bool]:
         return self._states[name].speed, self._states[name].loop

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import heapq
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,24 @@ _BALL = 4
 
 _VANISHED = 1e-12
 """Square of the share of its area below which a triangle is degenerate."""
+
+
+class _Surface(NamedTuple):
+    """Triangles of a surface, and a list of the slots (3 t + k) about each corner.
+
+    Attributes:
+        wedges: Wedges of the triangles, [t, 3].
+        corners: Corners of the triangles, [t, 3].
+        alive: False for a removed triangle, [t].
+        first: First slot of each corner, -1: none, [c].
+        following: Next slot of the same corner, -1: none, [3 t].
+    """
+
+    wedges: I8
+    corners: I8
+    alive: NDArray[np.bool_]
+    first: I8
+    following: I8
 
 
 @kernel
@@ -58,6 +77,7 @@ def collapse(
     stamps = np.zeros(places.shape[1], np.int64)
     rings, pairs = np.empty((2, _MAX_RING), np.int64), np.empty((2, _MAX_RING), np.int64)
     _link_corners(corners, first, following)
+    surface = _Surface(wedges, corners, alive, first, following)
     heap = [(0.0, 0, 0, 0, 0) for _ in range(0)]
     for t in range(wedges.shape[0]):
         _push(heap, t, -1, corners, quadrics, places, stamps)
@@ -68,14 +88,14 @@ def collapse(
             break
         if stamps[u] != stamp_u or stamps[v] != stamp_v:
             continue
-        gone = _try_collapse(u, v, wedges, corners, places[0], first, following, alive, rings, pairs)
+        gone = _try_collapse(surface, u, v, places[0], rings, pairs)
         if gone == 0:
             continue
         left -= gone
         quadrics[:, v] += quadrics[:, u]
         stamps[u], stamps[v] = -1, stamps[v] + 1
-        for i in range(_ring(v, first, following, alive, rings[0])):
-            _push(heap, rings[0, i], v, corners, quadrics, places, stamps)
+        for t in rings[0, : _ring(surface, v, rings[0])]:
+            _push(heap, t, v, corners, quadrics, places, stamps)
 
 
 @kernel
@@ -89,28 +109,18 @@ def _push(heap: list[Edge], t: int, only: int, corners: I8, quadrics: F8, places
 
 
 @kernel
-def _try_collapse(
-    u: int,
-    v: int,
-    wedges: I8,
-    corners: I8,
-    places: F8,
-    first: I8,
-    following: I8,
-    alive: NDArray[np.bool_],
-    rings: I8,
-    pairs: I8,
-) -> int:
+def _try_collapse(surface: _Surface, u: int, v: int, places: F8, rings: I8, pairs: I8) -> int:
     """Collapse u into v where no triangle folds or tears; return the number of triangles removed, 0 for none."""
-    count_u, count_v = _ring(u, first, following, alive, rings[0]), _ring(v, first, following, alive, rings[1])
+    count_u, count_v = _ring(surface, u, rings[0]), _ring(surface, v, rings[1])
     if count_u <= 0 or count_v <= 0:
         return 0
-    count, gone = _match_wedges(u, v, wedges, corners, rings[0], count_u, pairs[0], pairs[1])
-    if count == 0 or not _keeps_topology(u, v, gone, corners, rings[0], count_u, rings[1], count_v):
+    ring_u, ring_v = rings[0, :count_u], rings[1, :count_v]
+    count, gone = _match_wedges(surface, u, v, ring_u, pairs)
+    if count == 0 or not _keeps_topology(u, v, gone, surface.corners, ring_u, ring_v):
         return 0
-    if not _stay_sound(u, v, wedges, corners, places, rings[0], count_u, pairs[0], count):
+    if not _stay_sound(surface, u, v, places, ring_u, pairs[0, :count]):
         return 0
-    _move(u, v, wedges, corners, first, following, alive, pairs, count)
+    _move(surface, u, v, pairs[:, :count])
     return gone
 
 
@@ -138,25 +148,25 @@ def _loss_of_pose(quadrics: F8, u: int, v: int, place: F8) -> float:
 
 
 @kernel
-def _ring(corner: int, first: I8, following: I8, alive: NDArray[np.bool_], out: I8) -> int:
+def _ring(surface: _Surface, corner: int, out: I8) -> int:
     """Write the triangles about a corner and return their number; -1: too many."""
     count = 0
-    slot = first[corner]
+    slot = surface.first[corner]
     while slot >= 0:
-        if alive[slot // 3]:
+        if surface.alive[slot // 3]:
             if count == out.shape[0]:
                 return -1
             out[count] = slot // 3
             count += 1
-        slot = following[slot]
+        slot = surface.following[slot]
     return count
 
 
 @kernel
-def _shared_corners(u: int, v: int, corners: I8, ring_u: I8, count_u: int, ring_v: I8, count_v: int) -> int:
+def _shared_corners(u: int, v: int, corners: I8, ring_u: I8, ring_v: I8) -> int:
     """Return the number of corners that are neighbours of both u and v."""
     shared = 0
-    for i in range(count_u):
+    for i in range(ring_u.shape[0]):
         for k in range(3):
             w = corners[ring_u[i], k]
             if w in (u, v):
@@ -168,9 +178,9 @@ def _shared_corners(u: int, v: int, corners: I8, ring_u: I8, count_u: int, ring_
             if again:
                 continue
             found = False
-            for j in range(count_v):
+            for t in ring_v:
                 for m in range(3):
-                    found = found or corners[ring_v[j], m] == w
+                    found = found or corners[t, m] == w
             shared += found
     return shared
 
@@ -193,55 +203,52 @@ def _turns_over(u: int, v: int, triangle: int, corners: I8, places: F8) -> bool:
 
 
 @kernel
-def _match_wedges(u: int, v: int, wedges: I8, corners: I8, ring: I8, count: int, olds: I8, news: I8) -> tuple[int, int]:
+def _match_wedges(surface: _Surface, u: int, v: int, ring: I8, pairs: I8) -> tuple[int, int]:
     """Match wedges of u and v in shared triangles; return (pairs written, triangles that u and v share).
 
     No pairs where one wedge of u would have to become two of v.
     """
-    pairs, gone = 0, 0
-    for i in range(count):
-        t = ring[i]
+    count, gone = 0, 0
+    for t in ring:
         old, new = -1, -1
         for k in range(3):
-            if corners[t, k] == u:
-                old = wedges[t, k]
-            if corners[t, k] == v:
-                new = wedges[t, k]
+            if surface.corners[t, k] == u:
+                old = surface.wedges[t, k]
+            if surface.corners[t, k] == v:
+                new = surface.wedges[t, k]
         if new < 0:
             continue
         gone += 1
-        at = _find(olds, pairs, old)
+        at = _find(pairs[0, :count], old)
         if at < 0:
-            olds[pairs], news[pairs] = old, new
-            pairs += 1
-        elif news[at] != new:
+            pairs[0, count], pairs[1, count] = old, new
+            count += 1
+        elif pairs[1, at] != new:
             return 0, gone
-    return pairs, gone
+    return count, gone
 
 
 @kernel
-def _find(values: I8, count: int, wanted: int) -> int:
+def _find(values: I8, wanted: int) -> int:
     """Return the index of a value, -1 where it is missing."""
-    for i in range(count):
+    for i in range(values.shape[0]):
         if values[i] == wanted:
             return i
     return -1
 
 
 @kernel
-def _stay_sound(
-    u: int, v: int, wedges: I8, corners: I8, places: F8, ring: I8, count: int, olds: I8, pairs: int
-) -> bool:
+def _stay_sound(surface: _Surface, u: int, v: int, places: F8, ring: I8, olds: I8) -> bool:
     """True when u's remaining triangles have a target wedge and do not fold.
 
     A wedge without a target ends at a seam: u on a seam moves along the seam only.
     """
-    for i in range(count):
-        t = ring[i]
+    corners = surface.corners
+    for t in ring:
         if v in (corners[t, 0], corners[t, 1], corners[t, 2]):
             continue
         for k in range(3):
-            if corners[t, k] == u and _find(olds, pairs, wedges[t, k]) < 0:
+            if corners[t, k] == u and _find(olds, surface.wedges[t, k]) < 0:
                 return False
         if _turns_over(u, v, t, corners, places):
             return False
@@ -249,53 +256,44 @@ def _stay_sound(
 
 
 @kernel
-def _keeps_topology(u: int, v: int, gone: int, corners: I8, ring_u: I8, count_u: int, ring_v: I8, count_v: int) -> bool:
+def _keeps_topology(u: int, v: int, gone: int, corners: I8, ring_u: I8, ring_v: I8) -> bool:
     """Link condition: u and v share as many neighbours as triangles; u on a border moves along it only."""
     if gone == 0 or gone > 2:
         return False
-    if _shared_corners(u, v, corners, ring_u, count_u, ring_v, count_v) != gone:
+    if _shared_corners(u, v, corners, ring_u, ring_v) != gone:
         return False
-    return gone == 2 or _on_border(u, corners, ring_u, count_u)
+    return gone == 2 or _on_border(u, corners, ring_u)
 
 
 @kernel
-def _on_border(u: int, corners: I8, ring: I8, count: int) -> bool:
+def _on_border(u: int, corners: I8, ring: I8) -> bool:
     """True when u's triangles are one open fan."""
     ends = 0
-    for i in range(count):
+    for t in ring:
         for k in range(3):
-            w = corners[ring[i], k]
+            w = corners[t, k]
             if w == u:
                 continue
             uses = 0
-            for j in range(count):
+            for other in ring:
                 for m in range(3):
-                    uses += corners[ring[j], m] == w
+                    uses += corners[other, m] == w
             ends += uses == 1
     return ends == 2
 
 
 @kernel
-def _move(
-    u: int,
-    v: int,
-    wedges: I8,
-    corners: I8,
-    first: I8,
-    following: I8,
-    alive: NDArray[np.bool_],
-    pairs: I8,
-    count: int,
-) -> None:
+def _move(surface: _Surface, u: int, v: int, pairs: I8) -> None:
     """Move u's triangles to v and remove those of both."""
+    wedges, corners, first, following = surface.wedges, surface.corners, surface.first, surface.following
     last, slot = -1, first[u]
     while slot >= 0:
         t, k = slot // 3, slot % 3
-        if alive[t]:
+        if surface.alive[t]:
             if v in (corners[t, 0], corners[t, 1], corners[t, 2]):
-                alive[t] = False
+                surface.alive[t] = False
             else:
-                wedges[t, k] = pairs[1, _find(pairs[0], count, wedges[t, k])]
+                wedges[t, k] = pairs[1, _find(pairs[0], wedges[t, k])]
                 corners[t, k] = v
         last, slot = slot, following[slot]
     following[last] = first[v]

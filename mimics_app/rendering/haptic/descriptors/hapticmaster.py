@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import (
@@ -14,9 +14,6 @@ from mimics_app.contracts.device_descriptor import (
 )
 from mimics_app.contracts.kernel import typed_kernel
 from mimics_app.rendering.haptic.kernels import kinematics
-
-if TYPE_CHECKING:
-    from mimics_app.world.components.robot import Robot
 
 __all__ = ["HAPTICMASTER", "axis_offset"]
 
@@ -72,9 +69,9 @@ def _to_tool(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     return _DONE
 
 
-def axis_offset(robot: Robot) -> float:
+def axis_offset(robot: Any) -> float:
     """Return d1 of equation (1) [m]: `axis_offset` of a robot component, else stroke / 2 + offset."""
-    return robot.stroke / 2.0 + robot.offset if robot.axis_offset is None else robot.axis_offset
+    return float(robot.stroke / 2.0 + robot.offset if robot.axis_offset is None else robot.axis_offset)
 
 
 HAPTICMASTER = DeviceDescriptor(

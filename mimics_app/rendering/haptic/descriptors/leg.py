@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import Any
 
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.device_descriptor import KINEMATICS, DeviceDescriptor, Joint, Kinematics, KinematicsStatus
@@ -18,9 +18,6 @@ from mimics_app.rendering.haptic.kernels.leg_kinematics import (
     leg_joints,
     place_foot,
 )
-
-if TYPE_CHECKING:
-    from mimics_app.world.components.robot import Robot
 
 __all__ = ["LEG", "LEGS", "LENGTHS"]
 
@@ -81,7 +78,7 @@ def _torque(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     return _DONE
 
 
-def _geometry(robot: Robot, legs: int) -> tuple[float, ...]:
+def _geometry(robot: Any, legs: int) -> tuple[float, ...]:
     """Return the geometry of a scene's robot: number of legs, then their lengths."""
     lengths = (float(robot.settings.get(name, usual)) for name, usual in LENGTHS.items())
     return (float(legs), *lengths)

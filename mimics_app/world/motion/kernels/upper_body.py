@@ -80,8 +80,7 @@ class _Model(NamedTuple):
 
     Attributes:
         parents: Slot each slot hangs on.
-        rest_t: Places at rest in the model's frame [m].
-        rest_r: Rotations at rest there.
+        rest_r: Rotations at rest in the model's frame.
         local_t: Local translations of the pose [m].
         local_r: Its local rotations.
         local_s: Its local scales.
@@ -91,7 +90,6 @@ class _Model(NamedTuple):
     """
 
     parents: I4
-    rest_t: F8
     rest_r: F8
     local_t: F8
     local_r: F8
@@ -372,7 +370,7 @@ def solve_upper_body(
         s: Working space, [slots, 3].
         state: Kept from step to step, [STATE].
     """
-    model = _Model(parents, rest_t, rest_r, local_t, local_r, local_s, t, r, s)
+    model = _Model(parents, rest_r, local_t, local_r, local_s, t, r, s)
     yaw = _chest_yaw(head, hands, tracked, head[:3], seconds, state)
     chest_turn, neck_turn, bend = np.empty(QUATERNION), np.empty(QUATERNION), np.empty(QUATERNION)
     place = np.empty(3)
