@@ -65,6 +65,15 @@ def test_a_row_may_be_held_at_a_scale_with_its_shadows(monkeypatch):
     assert [each["requested"] for each in answer["scenes"]] == ["auto", "full", "0.75"]
 
 
+def test_every_round_measures_every_scene(monkeypatch):
+    monkeypatch.setattr(frame_bench, "_measure_apart", lambda scene, *_: {"scene": scene.stem})
+    monkeypatch.setattr(frame_bench, "_reference", lambda _: {})
+    scenes = [Path("decals"), Path("walk")]
+    answer = frame_bench.measure_frames(scenes, (64, 36), "egl", 1.0, lambda _: None, rounds=2)
+    rows = [(each["round"], each["scene"], each["asked"]) for each in answer["scenes"]]
+    assert rows == [(k, name, how) for k in (1, 2) for name in ("decals", "walk") for how in ("auto", "full")]
+
+
 def test_a_run_that_ends_before_it_is_measured_is_refused(monkeypatch):
     """As where a task is done at once."""
     monkeypatch.setattr(FrameWatch, "done", True)

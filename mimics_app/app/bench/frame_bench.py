@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +31,12 @@ def measure_frames(
     seconds: float,
     report: Report,
     scale: float | None = None,
+    rounds: int = 1,
 ) -> dict[str, Any]:
     """Return a reference, the time of the pixels alone, and a row with and one without a governor for every scene.
+
+    At `seconds` of 2 a round over all scenes takes six minutes on an idle machine: a process starts in three seconds,
+    and a second of its frames does not count.
 
     Args:
         scenes: Scene files and `STAND_INS`; () for all shipped scenes and all of these.
@@ -40,14 +45,16 @@ def measure_frames(
         seconds: Length of each measurement [s].
         report: Called with the name of each measurement before it begins.
         scale: Resolution scale at which a further row is fixed, see `lower_to_scale`; None for no such row.
+        rounds: Number of times that all of this is measured, one after the other.
     """
     rows = []
     qualities = [*QUALITIES, *([] if scale is None else [f"{scale:g}"])]
     every = [*(scene.file for scene in shipped_scenes()), *STAND_INS]
-    for scene in [path if path in STAND_INS else find_scene(path) for path in scenes] or every:
-        for quality in qualities:
-            report(f"frame: {scene.stem}, quality {quality}")
-            rows.append({**_measure_apart(scene, size, surface, seconds, quality), "requested": quality})
+    chosen = [path if path in STAND_INS else find_scene(path) for path in scenes] or every
+    for number, scene, quality in product(range(1, rounds + 1), chosen, qualities):
+        report(f"frame: {scene.stem}, quality {quality}, round {number} of {rounds}")
+        row = _measure_apart(scene, size, surface, seconds, quality)
+        rows.append({**row, "requested": quality, "round": number})
     report("frame: the pixels alone")
     return {"reference": _reference(report), "floor": measure_floor(size), "scenes": rows}
 

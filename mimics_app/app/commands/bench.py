@@ -92,7 +92,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--rounds",
         type=_rounds,
         default=1,
-        help="with realtime: number of measurements of each loop; the median is shown",
+        help="with realtime: number of measurements of each loop; the median is shown; with frame: of all scenes",
     )
 
 
@@ -303,7 +303,7 @@ def _measure_frame(args: argparse.Namespace) -> dict[str, Any]:
 
     seconds = _seconds(args, _FRAME_SECONDS, _ALL_FRAME_SECONDS)
     scenes = [Path(name) for name in args.names]
-    figures = measure_frames(scenes, args.size, args.surface, seconds, _say, args.scale)
+    figures = measure_frames(scenes, args.size, args.surface, seconds, _say, args.scale, args.rounds)
     if args.charts is not None:
         from mimics_app.app.bench.frame_counts import draw_counts
 
