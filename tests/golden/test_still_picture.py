@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -10,7 +11,7 @@ import pytest
 
 from mimics_app.rendering.visual.renderer import Renderer
 from mimics_app.rendering.visual.settings import RenderSettings
-from mimics_app.rendering.visual.stages.screen_places import box_corners, cover_of, screen_bounds
+from mimics_app.rendering.visual.stages.screen_places import cover_of, screen_bounds
 from mimics_app.rendering.visual.stages.world_stage import ViewDraws, WorldStage
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
 from mimics_app.rendering.visual.surfaces.headless import read_pixels
@@ -105,7 +106,7 @@ def drawn_parts(monkeypatch: pytest.MonkeyPatch) -> list[list[Rect | None]]:
     before = WorldStage.draw_parts
 
     def draw_parts(stage, target, samples, scene, parts: list[ViewDraws]) -> int:
-        drawn.append([each.part for each in parts])
+        drawn.append([each.part and each.part.rectangle for each in parts])
         return before(stage, target, samples, scene, parts)
 
     monkeypatch.setattr(WorldStage, "draw_parts", draw_parts)
@@ -202,7 +203,8 @@ def _apart(a: Rect, b: Rect) -> bool:
 def test_bounds_hold_what_is_projected_and_rectangles_hold_the_bounds():
     chance, eye = np.random.default_rng(3), view()
     centres, axes = chance.uniform(-2.0, 2.0, (300, 3)), chance.normal(0.0, 0.15, (300, 3, 3))
-    corners = box_corners(centres, axes)
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    corners = centres[:, None] + signs @ axes.transpose(0, 2, 1)
     bounds = screen_bounds(eye, corners, np.full(300, 0.05))
     inside = np.einsum("nij,nkj->nki", axes, chance.uniform(-1.0, 1.0, (300, 50, 3))) + centres[:, None]
     around = chance.normal(size=(300, 50, 3))
@@ -211,8 +213,12 @@ def test_bounds_hold_what_is_projected_and_rectangles_hold_the_bounds():
     assert (clip[..., 3] > eye.near).all()
     shares = 0.5 + 0.5 * clip[..., :2] / clip[..., 3:]
     assert (shares >= bounds[:, None, ::2] - 1e-9).all() and (shares <= bounds[:, None, 1::2] + 1e-9).all()
-    parts = cover_of(bounds[:20], SIZE)
-    assert 1 <= len(parts) <= 4
+    changed = cover_of(bounds[:20], SIZE)
+    parts = [piece for part in changed for piece in part.pieces]
+    assert 1 <= len(changed) <= 4
+    for part in changed:
+        x, y, wide, high = part.rectangle
+        assert all(x <= a and y <= b and a + c <= x + wide and b + d <= y + high for a, b, c, d in part.pieces)
     pixels = np.clip(bounds[:20], 0.0, 1.0) * [SIZE[0], SIZE[0], SIZE[1], SIZE[1]]
     for left, right, bottom, top in pixels:
         for x, y in chance.uniform((left, bottom), (right, top), (50, 2)) if left < right and bottom < top else ():

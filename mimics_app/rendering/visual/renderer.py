@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Unpack
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
 from mimics_app.contracts.errors import Issue, UsageError
+from mimics_app.rendering.visual.changed_part import ChangedPart
 from mimics_app.rendering.visual.drawing.bending import Bending
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
@@ -262,6 +263,7 @@ class Renderer:
     def _batch_all(self, scene: FrameScene, views: Sequence[View]) -> list[ViewDraws]:
         """Queue what is visible in the views and in the mirrors, screens and insets within them."""
         places = [self._picture.rectangle(view.rectangle) for view in views]
+        self._list.drawn[:] = False
         queued: dict[int, ViewDraws] = {}
         for numbers in group_views(views):
             eyes = [views[number] for number in numbers]
@@ -269,8 +271,8 @@ class Renderer:
         drawn = [queued[number] for number in range(len(views))]
         return self._pictures.queue(self.world, drawn, partial(self._batch_inside, scene), self.settings.mirror_scale)
 
-    def _changed_parts(self, scene: FrameScene, views: Sequence[View]) -> list[Rect] | None:
-        """Return the rectangles in which the picture changed [px]; None: draw all of it."""
+    def _changed_parts(self, scene: FrameScene, views: Sequence[View]) -> list[ChangedPart] | None:
+        """Return the parts in which the picture changed; None: draw all of it."""
         place = self._picture.rectangle(views[0].rectangle if views else (0, 0, 0, 0))
         if (self._overlay and self._overlay.shows) or not (self._has.software and may_keep(scene, views, place)):
             self._still.forget()
@@ -280,17 +282,18 @@ class Renderer:
         self._picture.keep = self._still.keeps
         return parts
 
-    def _batch_parts(self, scene: FrameScene, view: View, parts: Sequence[Rect]) -> list[ViewDraws]:
+    def _batch_parts(self, scene: FrameScene, view: View, parts: Sequence[ChangedPart]) -> list[ViewDraws]:
         """Queue what is visible in parts of a view."""
         x, y, *size = place = self._picture.rectangle(view.rectangle)
         drawn = []
         for part in parts:
-            seen = view.through((part[0] - x, part[1] - y, part[2], part[3]), (size[0], size[1]))
+            left, bottom, width, height = part.rectangle
+            seen = view.through((left - x, bottom - y, width, height), (size[0], size[1]))
             opaque, blended, away = self._list.batch_views(
-                self._frame, [seen], view.eye_world, [part[2:]], self._picture.samples, 0
+                self._frame, [seen], view.eye_world, [(width, height)], self._picture.samples, 0
             )
             projected = [] if scene.effects is None else scene.effects.meet([seen], self._list, self._frame)
-            mixed = blended if scene.effects is None else scene.effects.mix(seen, part[3], blended, away)
+            mixed = blended if scene.effects is None else scene.effects.mix(seen, height, blended, away)
             drawn.append(ViewDraws(view, place, opaque, mixed, projected=projected, part=part))
         return drawn
 
@@ -368,7 +371,7 @@ class Renderer:
             draws += overlay.draw_wires(target, each)
         return draws
 
-    def _draw_over(self, views: Sequence[View], parts: list[Rect] | None) -> int:
+    def _draw_over(self, views: Sequence[View], parts: list[ChangedPart] | None) -> int:
         """Filter and show the world's picture; draw insets and heads-up display over it at full resolution."""
         rectangles = [view.rectangle for view in views]
         if self._picture.filtered:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from mimics_app.rendering.visual.changed_part import ChangedPart
 from mimics_app.rendering.visual.draw_buffer import DrawBuffer, texture_of
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
 from mimics_app.rendering.visual.passes.bloom import BloomPass
@@ -85,19 +86,19 @@ class PictureTarget:
         drawn = self._buffer.framebuffer if self._buffer else self._multisampled
         return drawn or self._surface.framebuffer
 
-    def end(self, rectangles: Sequence[Rect], parts: Sequence[Rect] | None = None) -> int:
+    def end(self, rectangles: Sequence[Rect], parts: Sequence[ChangedPart] | None = None) -> int:
         """Resolve the picture, filter it and copy it to the surface's framebuffer.
 
         Args:
             rectangles: Rectangles of the views on the surface [px].
-            parts: Rectangles that were redrawn [px]; None: all of it.
+            parts: Parts that were redrawn; None: all of it.
 
         Returns:
             Draw calls made.
         """
         draws, surface = 0, self._surface
         if self._buffer is not None and self._shown is not None:
-            self._buffer.finish(parts)
+            self._buffer.finish(None if parts is None else [piece for part in parts for piece in part.pieces])
             if filters := self._filters:
                 own = surface.framebuffer if filters[-1] is self._edges else self._shown
                 target = self._filtered or own
@@ -114,7 +115,7 @@ class PictureTarget:
         picture: moderngl.Texture,
         target: moderngl.Framebuffer,
         rectangles: Sequence[Rect],
-        parts: Sequence[Rect] | None,
+        parts: Sequence[ChangedPart] | None,
     ) -> int:
         """Draw a filtered picture into a target; only in parts where the target holds the last frame's."""
         drawn = [self.rectangle(each) for each in rectangles]
@@ -127,8 +128,8 @@ class PictureTarget:
             elif parts is None:
                 draws += step.draw(picture, into, drawn, where, exact=target is self._filtered)
             else:
-                parts = step.draw_parts(picture, into, drawn[0], where[0], parts)
-                draws += len(parts)
+                calls, parts = step.draw_parts(picture, into, drawn[0], where[0], parts)
+                draws += calls
             picture = texture_of(into)
         return draws
 

@@ -106,6 +106,11 @@ class SkinnedBody:
         """Bounding box in the frame of its node: minimum and maximum [m], [3] each."""
         return self._least, self._greatest
 
+    @property
+    def margin(self) -> F8:
+        """Margin of its morph targets in this frame, with rounding, on each side [m], [3]."""
+        return np.asarray(self._grown * max(1.0, float(np.abs(self.weights).max(initial=0.0))))
+
     def follow(self, transforms: TransformTable) -> None:
         """Update the palette, morph weights and bounds from the present transforms."""
         bent = self.revision == 0 or not np.array_equal(self.weights, self._morphs.astype(np.float32))
@@ -131,7 +136,7 @@ class SkinnedBody:
             self.stretched = worst > _STRETCHED
 
     def _bound(self) -> None:
-        grown = self._grown * max(1.0, float(np.abs(self.weights).max(initial=0.0)))
+        grown = self.margin
         if self.binding is None:
             corners = [mesh.bounds for mesh in self.meshes.values()]
             self._least = np.min([corner[0] for corner in corners], axis=0) - grown

@@ -77,7 +77,9 @@ class DrawList:
         radii: Radii of the spheres [m], float64 [n].
         tally: Counts since the last update.
         moved: Items that moved or changed their shape in the last update, [n]; None where unknown.
+        rewritten: Items whose mesh was rewritten in place since the structure changed, [n].
         remade: True where looks, meshes, settings or the world changed in the last update.
+        drawn: Items drawn in a view since they were last set to False; all where the structure changed, [n].
         used: Items drawn in this frame, in any view or shadow map, [n].
         fates: Fate of each item, 0 (in no view), `HIDDEN` or `DRAWN`, uint8 [n]; None unless requested.
     """
@@ -161,7 +163,9 @@ class DrawList:
         if rewritten or bent:
             changed = changed.copy()
         if rewritten:
-            changed[items.rows[items.rebound(world, rewritten)]] = 1
+            touched = items.rebound(world, rewritten)
+            self.rewritten |= touched
+            changed[items.rows[touched]] = 1
         for body in bent:
             changed[items.rows[items.follow(body)]] = 1
         self.moved = None if skipped else changed[items.rows] > 0
@@ -255,7 +259,7 @@ class DrawList:
         count = self._pick(views[0], shown, sizes[0], samples)
         if len(views) > 1:
             count = self._pick_also(views[1:], count, shown, sizes[1:], samples)
-        self.used[picked[:count]] = True
+        self.used[picked[:count]] = self.drawn[picked[:count]] = True
         blended = self._split(count)
         solid = count - len(blended)
         self._opaque = solid
@@ -338,7 +342,8 @@ class DrawList:
         count = len(items.rows)
         self.centres, self.radii = np.zeros((count, 3)), np.zeros(count)
         self._shown = np.zeros(count, np.uint8)
-        self.used = np.zeros(count, np.bool_)
+        self.used, self.rewritten = np.zeros(count, np.bool_), np.zeros(count, np.bool_)
+        self.drawn = np.ones(count, np.bool_)
         self._mirrored = np.zeros(count, np.uint8)
         self._picked = np.zeros(count, np.int32)
         self._opaque = 0

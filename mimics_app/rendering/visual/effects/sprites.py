@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from mimics_app.contracts.arrays import F8, I4
+from mimics_app.contracts.arrays import B1, F8, I4
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun
 from mimics_app.rendering.visual.effects.captions import caption_key, caption_picture
@@ -134,6 +134,12 @@ class SpriteField:
         reach = 2.0 * np.linalg.norm(rows["half"], axis=1)
         every = [np.asarray(rows[name], np.float64).reshape(len(rows), -1) for name in rows.dtype.names or ()]
         return np.concatenate([rows["place"], reach[:, None], *every], axis=1)
+
+    @property
+    def lit(self) -> B1:
+        """Which of these are lit, [n]."""
+        of_state = np.array([state.lit for state in self._states], np.bool_)
+        return of_state[self._rows.rows["state"][: self._rows.count]]
 
     def batch(self, view: View, height: int, surfaces: Sequence[DrawRun], away: F8) -> list[DrawRun | SpriteRun]:
         """Queue the sprites in a view.

@@ -90,15 +90,16 @@ def _best_cut(low: I4, high: I4, lines: int, across: int, before: I4) -> tuple[i
 
 
 @kernel
-def _find_cut(marked: U1, rect: I4, spare: I4) -> tuple[int, int, bool]:
-    """Return the best cut of a rectangle: its line, the cells saved, and True for a cut between columns."""
+def _find_cut(marked: U1, rect: I4, spare: I4, cut: I4) -> None:
+    """Write the best cut of a rectangle: the cells saved, its line, and 1 for a cut between columns."""
     _spans(marked, rect, spare[0], spare[1], True)
     across, saved_across = _best_cut(spare[0], spare[1], rect[2], rect[3], spare[2])
     _spans(marked, rect, spare[0], spare[1], False)
     along, saved_along = _best_cut(spare[0], spare[1], rect[3], rect[2], spare[2])
     if saved_across >= saved_along:
-        return across, saved_across, True
-    return along, saved_along, False
+        cut[0], cut[1], cut[2] = saved_across, across, 1
+    else:
+        cut[0], cut[1], cut[2] = saved_along, along, 0
 
 
 @kernel
@@ -116,26 +117,23 @@ def cover_marks(marked: U1, worth: float, rects: I4) -> int:
     rows, columns = marked.shape
     if not marked.any():
         return 0
-    spare = np.zeros((3, max(rows, columns)), np.int32)
+    spare, cuts = np.zeros((3, max(rows, columns)), np.int32), np.zeros((rects.shape[0], 3), np.int32)
     rects[0, 0], rects[0, 1], rects[0, 2], rects[0, 3] = 0, 0, columns, rows
     _trim(marked, rects[0])
+    _find_cut(marked, rects[0], spare, cuts[0])
     count = 1
     while count < rects.shape[0]:
-        cut, number, at, upright = 0, -1, 0, True
-        for i in range(count):
-            place, saved, across = _find_cut(marked, rects[i], spare)
-            if saved > cut:
-                cut, number, at, upright = saved, i, place, across
-        if number < 0 or cut < worth:
+        number = np.argmax(cuts[:count, 0])
+        saved, at, upright = cuts[number]
+        if saved < worth:
             return count
-        for i in range(count, number + 1, -1):
-            rects[i] = rects[i - 1]
-        rects[number + 1] = rects[number]
         side = 0 if upright else 1
+        rects[count] = rects[number]
         rects[number, side + 2] = at
-        rects[number + 1, side] += at
-        rects[number + 1, side + 2] -= at
-        _trim(marked, rects[number])
-        _trim(marked, rects[number + 1])
+        rects[count, side] += at
+        rects[count, side + 2] -= at
+        for half in (number, count):
+            _trim(marked, rects[half])
+            _find_cut(marked, rects[half], spare, cuts[half])
         count += 1
     return count

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from mimics_app.rendering.visual.materials.shader_library import ShaderLibrary
@@ -41,6 +42,7 @@ class ScreenPass:
         region: Rect,
         place: Rect,
         *,
+        within: Sequence[Rect | None] = (None,),
         blend: bool = False,
         depth: bool = False,
         **numbers: float,
@@ -51,6 +53,7 @@ class ScreenPass:
             source: The texture.
             region: Region that is shown, and outside of which nothing is sampled [texels].
             place: Rectangle to fill in the framebuffer in use [px].
+            within: Scissor rectangles [px]; None: all of the framebuffer. The last one stays.
             blend: True blends by the shader's alpha.
             depth: True tests and writes depth; the triangle's is 0.5.
             numbers: Values of uniforms.
@@ -69,8 +72,11 @@ class ScreenPass:
         if blend:
             self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
         source.use(_BINDING)
-        self._arrays.of(shader).render(moderngl.TRIANGLES, vertices=3)
-        return 1
+        triangle = self._arrays.of(shader)
+        for each in within:
+            self._ctx.scissor = each
+            triangle.render(moderngl.TRIANGLES, vertices=3)
+        return len(within)
 
     def release(self) -> None:
         """Free the vertex array."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import B1, F8
 from mimics_app.contracts.errors import Issue
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
@@ -55,6 +55,11 @@ class EffectStage:
     def sprites(self) -> F8:
         """All sprites, one row each: bounding sphere [m], then all other fields; float64 [n, m]."""
         return self._field.figures
+
+    @property
+    def lit(self) -> B1:
+        """Which of the sprites are lit, [n]."""
+        return self._field.lit
 
     @property
     def beams(self) -> Mapping[int, Beam]:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, I4, U1
+from mimics_app.rendering.visual.changed_part import ChangedPart
 from mimics_app.rendering.visual.kernels.screen_bounds import bound_balls
 from mimics_app.rendering.visual.kernels.screen_cover import cover_marks, mark_cells
 from mimics_app.rendering.visual.view import Rect, View
 
-__all__ = ["box_corners", "cover_of", "screen_bounds"]
+__all__ = ["cover_of", "screen_bounds"]
 
-
-_SIGNS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 
 _CELL = 16
 """Width of the square cells that rectangles consist of [px]."""
@@ -23,13 +20,11 @@ _MAX_PARTS, _WORTH = 4, 0.04
 """Maximum number of rectangles, and minimum share of the picture that a cut has to save: beyond these, vertex
 processing costs more than the pixels saved."""
 
-_MARGIN_PX = 2.0
-"""Margin for the samples of a pixel and for rounding."""
+_MAX_PIECES, _WORTH_OF_PIECE = 24, 0.002
+"""Likewise for the pieces of all rectangles, beyond which filling them costs more than the pixels saved."""
 
-
-def box_corners(centres: F8, axes: F8) -> F8:
-    """Return the corners of boxes [m], [n, 8, 3], given centres [n, 3] and half edges as columns of [n, 3, 3]."""
-    return np.asarray(centres[:, None] + _SIGNS @ axes.transpose(0, 2, 1))
+_MARGIN_PX = 3.0
+"""Margin for the samples of a pixel, for rounding, and for the edges beside what changed."""
 
 
 def screen_bounds(view: View, points: F8, radii: F8) -> F8:
@@ -47,8 +42,8 @@ def screen_bounds(view: View, points: F8, radii: F8) -> F8:
     return bounds[: bound_balls(np.ascontiguousarray(points), radii, pose, tangents, view.near, bounds)]
 
 
-def cover_of(bounds: F8, size: tuple[int, int]) -> list[Rect]:
-    """Return a few disjoint rectangles of whole cells that cover many rectangles [px].
+def cover_of(bounds: F8, size: tuple[int, int]) -> list[ChangedPart]:
+    """Return a few disjoint rectangles of whole cells that cover many rectangles, with the pieces of each.
 
     Args:
         bounds: Rectangles as shares of the picture: left, right, bottom, top; [n, 4].
@@ -57,11 +52,25 @@ def cover_of(bounds: F8, size: tuple[int, int]) -> list[Rect]:
     width, height = size
     marked = np.zeros((-(-height // _CELL), -(-width // _CELL)), np.uint8)
     mark_cells(bounds, width, height, _MARGIN_PX, _CELL, marked)
-    rects = np.zeros((_MAX_PARTS, 4), np.int32)
-    covered = []
-    for x, y, wide, high in rects[: cover_marks(marked, _WORTH * marked.size, rects)].tolist():
-        left, bottom = x * _CELL, y * _CELL
-        covered.append(
-            (left, bottom, min(width, left + wide * _CELL) - left, min(height, bottom + high * _CELL) - bottom)
-        )
-    return covered
+    parts, pieces = (
+        _pixels_of(_cover(marked, most, worth), size)
+        for most, worth in ((_MAX_PARTS, _WORTH), (_MAX_PIECES, _WORTH_OF_PIECE))
+    )
+    # Pieces are cut out of the parts: the cuts that save most come first.
+    return [ChangedPart(part, [piece for piece in pieces if _holds(part, piece)]) for part in parts]
+
+
+def _cover(marked: U1, most: int, worth: float) -> I4:
+    """Return rectangles that cover all marks [cells], see `cover_marks`, [n, 4]."""
+    rects = np.zeros((most, 4), np.int32)
+    return rects[: cover_marks(marked, worth * marked.size, rects)]
+
+
+def _pixels_of(rects: I4, size: tuple[int, int]) -> list[Rect]:
+    """Convert rectangles of cells to pixels, within the picture."""
+    low, high = rects[:, :2] * _CELL, np.minimum((rects[:, :2] + rects[:, 2:]) * _CELL, size)
+    return [(left, bottom, right - left, top - bottom) for left, bottom, right, top in np.hstack([low, high]).tolist()]
+
+
+def _holds(part: Rect, piece: Rect) -> bool:
+    return all(part[k] <= piece[k] < part[k] + part[k + 2] for k in (0, 1))

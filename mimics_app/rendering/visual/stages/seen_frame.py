@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import B1, F8
 from mimics_app.rendering.visual.drawing.draw_list import DrawList
 from mimics_app.rendering.visual.effects.projectors import Beam
 from mimics_app.rendering.visual.passes.cord import CORD_BLOCK, fill_cord_block
@@ -17,6 +17,7 @@ from mimics_app.rendering.visual.view import Rect, View
 from mimics_app.world.cords import Cord
 from mimics_app.world.materials.material import TextureData
 from mimics_app.world.render_list import RenderList
+from mimics_app.world.world import World
 
 __all__ = ["Overlaid", "SeenFrame", "capture_frame", "may_keep"]
 
@@ -54,11 +55,13 @@ class SeenFrame:
     Attributes:
         fixed: Values that affect the whole picture; equal to those of another frame where none of them changed.
         pictures: All textures.
+        world: The world.
         view: The view.
         rectangle: Rectangle in the target [px].
         listed: Its draw list.
         subentities: The world's render list that the draw list was built from.
         sprites: All fields of its sprites, one row each, float64 [n, m]; bounding spheres in the first four columns.
+        lit: Sprites that are lit, [n].
         overlaid: Projected textures and cords that are shown, by index or name.
         sun: Unit vector towards the sun, [3]; None where it has no shadow map.
         maps: Shadow maps of the sun.
@@ -67,11 +70,13 @@ class SeenFrame:
 
     fixed: object
     pictures: list[TextureData]
+    world: World
     view: View
     rectangle: Rect
     listed: DrawList
     subentities: RenderList
     sprites: F8
+    lit: B1
     overlaid: Mapping[int | str, Overlaid]
     sun: F8 | None
     maps: list[ShadowMap]
@@ -91,6 +96,7 @@ def capture_frame(scene: FrameScene, view: View, rectangle: Rect, listed: DrawLi
 
     Args:
         scene: World, light and settings of the frame.
+        world: The world.
         view: The view.
         rectangle: Rectangle in the target [px].
         listed: Its draw list.
@@ -104,11 +110,13 @@ def capture_frame(scene: FrameScene, view: View, rectangle: Rect, listed: DrawLi
     return SeenFrame(
         fixed=fixed,
         pictures=list(world.textures.values()),
+        world=world,
         view=view,
         rectangle=rectangle,
         listed=listed,
         subentities=world.subentities(),
         sprites=_NO_SPRITES if scene.effects is None else scene.effects.sprites,
+        lit=np.zeros(0, np.bool_) if scene.effects is None else scene.effects.lit,
         overlaid=_overlaid(scene),
         sun=lighting.sun_direction if plan.sun else None,
         maps=plan.sun,

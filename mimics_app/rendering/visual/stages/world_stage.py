@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
+from mimics_app.rendering.visual.changed_part import ChangedPart
 from mimics_app.rendering.visual.drawing.draw_items import DrawItems
 from mimics_app.rendering.visual.drawing.frame_buffers import DrawRun, FrameBuffers
 from mimics_app.rendering.visual.lighting import Lighting
@@ -80,7 +81,7 @@ class ViewDraws:
         transparent: Masked sprites, then blended sprites and surfaces, far to near.
         projected: Projectors with the opaque surfaces they hit.
         passes: Passes of this eye and the other one of its pair.
-        part: Scissor rectangle in the target [px]; None: all of it.
+        part: Part of the target that is drawn; None: all of it.
     """
 
     view: View
@@ -90,12 +91,17 @@ class ViewDraws:
     mirrors: Sequence[tuple[MirrorPicture, int, Reflection | None]] = ()
     projected: Sequence[BeamRuns] = ()
     passes: EyePasses = "alone"
-    part: Rect | None = None
+    part: ChangedPart | None = None
 
     @property
     def blended(self) -> list[DrawRun]:
         """The transparent runs without the sprites."""
         return [run for run in self.transparent if isinstance(run, DrawRun)]
+
+    @property
+    def tests_depth(self) -> bool:
+        """Whether all meshes are drawn with a depth test."""
+        return all(each.depth != "off" for run in (*self.opaque, *self.blended) for each in run.look.passes)
 
     @property
     def materials(self) -> set[str]:
@@ -140,9 +146,8 @@ class WorldStage:
         """
         draws = 0
         for each in parts:
-            target.scissor = each.part  # type: ignore[assignment]  # None disables it
             draws += self.draw(target, samples, scene, [each])
-        target.scissor = None  # type: ignore[assignment]
+        target.scissor = None  # type: ignore[assignment]  # disables it
         target.use()
         return draws
 
@@ -164,7 +169,7 @@ class WorldStage:
         background = flat_sky(scene.lighting, scene.settings)
         if background is None:
             self.sky.prepare(scene.world)
-        target.clear(*(background or (0.0, 0.0, 0.0)), 1.0, depth=1.0)
+        _clear(target, background or (0.0, 0.0, 0.0), views[0])
         draws = 0
         for numbers in group_views([each.view for each in views]):
             eyes = [views[number] for number in numbers]
@@ -318,3 +323,24 @@ class WorldStage:
         """Free the passes and view blocks."""
         for part in (self.sky, self._cords, *self._blocks, self._second, self._volumes, self._ambient):
             part.release()
+
+
+def _clear(target: moderngl.Framebuffer, colour: tuple[float, float, float], drawn: ViewDraws) -> None:
+    """Clear a target, or the pieces of the part that is drawn, which becomes the scissor rectangle.
+
+    The rest of the part becomes nearer than everything: a software driver does not shade what fails the depth test.
+    """
+    part = drawn.part
+    if part is None:
+        target.clear(*colour, 1.0, depth=1.0)
+        return
+    pieces = part.pieces if drawn.tests_depth else [part.rectangle]
+    target.scissor = part.rectangle
+    if pieces != [part.rectangle]:
+        target.color_mask = False, False, False, False
+        target.clear(depth=0.0)
+        target.color_mask = True, True, True, True
+    for target.scissor in pieces:
+        target.clear(*colour, 1.0, depth=1.0)
+    target.scissor = part.rectangle
+    target.use()

@@ -18,7 +18,7 @@ from mimics_app.maths.quat import (
     normalise,
 )
 
-__all__ = ["bound_joints", "write_palette"]
+__all__ = ["bound_blends", "bound_joints", "write_palette"]
 
 
 _FLAT = 1e-300
@@ -112,6 +112,25 @@ def write_palette(joint_rows: I4, mesh_row: int, world: F8, inverse_bind: F8, ro
 
 
 @kernel
+def _extend_by_box(rows: F4, box: F8, grown: F8, least: F8, greatest: F8) -> None:
+    """Extend an AABB by a box that moves with a joint.
+
+    Args:
+        rows: Of the joint's matrix, [3, 4].
+        box: Least and greatest corner as modelled [m], [2, 3].
+        grown: Margin for morph targets and rounding on each side [m], [3].
+        least: Corner of the AABB, changed, [3].
+        greatest: Likewise.
+    """
+    for i in range(3):
+        middle, half = float(rows[i, 3]), 0.0
+        for k in range(3):
+            middle += rows[i, k] * 0.5 * (box[0, k] + box[1, k])
+            half += abs(rows[i, k]) * (0.5 * (box[1, k] - box[0, k]) + grown[k])
+        least[i], greatest[i] = min(least[i], middle - half), max(greatest[i], middle + half)
+
+
+@kernel
 def bound_joints(rows: F4, boxes: F8, grown: F8, least: F8, greatest: F8) -> None:
     """Compute the AABB of boxes that move with joints; it contains every blended vertex.
 
@@ -128,9 +147,22 @@ def bound_joints(rows: F4, boxes: F8, grown: F8, least: F8, greatest: F8) -> Non
     for j in range(rows.shape[0]):
         if boxes[j, 0, 0] > boxes[j, 1, 0]:
             continue
-        for i in range(3):
-            middle, half = float(rows[j, i, 3]), 0.0
-            for k in range(3):
-                middle += rows[j, i, k] * 0.5 * (boxes[j, 0, k] + boxes[j, 1, k])
-                half += abs(rows[j, i, k]) * (0.5 * (boxes[j, 1, k] - boxes[j, 0, k]) + grown[k])
-            least[i], greatest[i] = min(least[i], middle - half), max(greatest[i], middle + half)
+        _extend_by_box(rows[j], boxes[j], grown, least, greatest)
+
+
+@kernel
+def bound_blends(palette: F4, joints: I4, boxes: F8, grown: F8, out: F8) -> None:
+    """Compute the AABB of each set of vertices that linearly follow the same joints.
+
+    Args:
+        palette: Three rows of each joint's matrix, [joints, 3, 4].
+        joints: Joints of each set, -1: fewer, int32 [n, k].
+        boxes: Least and greatest corner of each set as modelled [m], [n, 2, 3].
+        grown: Margin for morph targets and rounding on each side [m], [3].
+        out: Written: least and greatest corner as deformed [m], [n, 2, 3].
+    """
+    for i in range(joints.shape[0]):
+        out[i, 0], out[i, 1] = math.inf, -math.inf
+        for joint in joints[i]:
+            if joint >= 0:
+                _extend_by_box(palette[joint], boxes[i], grown, out[i, 0], out[i, 1])

@@ -1,0 +1,112 @@
+"""Small boxes that together hold what hangs at a node: on the screen they cover much less than one around all of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from mimics_app.contracts.arrays import F8, I4
+from mimics_app.rendering.visual.kernels.voxels import voxelise
+from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.motion.kernels.skinning_palette import bound_blends
+from mimics_app.world.motion.skinned_body import SkinnedBody
+from mimics_app.world.world import World
+
+__all__ = ["ShapeBoxes"]
+
+_DIVISIONS = 8
+"""Boxes along the longest side of a rigid shape."""
+
+
+class ShapeBoxes:
+    """Boxes of the shapes of a world by their meshes, computed when they are first asked for.
+
+    Args:
+        world: The world; its meshes must not change.
+    """
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._rigid: dict[tuple[str, ...], F8] = {}
+        self._sets: dict[SkinnedBody, tuple[I4, F8]] = {}
+        self._bent: dict[SkinnedBody, tuple[int, F8]] = {}
+
+    def revisions(self) -> dict[SkinnedBody, int]:
+        """Return the present revisions of all deformable bodies."""
+        return {body: body.revision for body in self._world.motion.bodies.values()}
+
+    def of(self, meshes: Sequence[str], revisions: Mapping[SkinnedBody, int]) -> F8 | None:
+        """Return boxes in the frame of the node that carries some meshes; None where they are not known.
+
+        Args:
+            meshes: Keys of all meshes at the node.
+            revisions: Revisions of the bodies, as now or as when the boxes were last asked for.
+
+        Returns:
+            Least and greatest corner of each [m], [n, 2, 3].
+        """
+        bodies = {self._world.motion.body_of.get(name) for name in meshes}
+        if bodies == {None}:
+            key = tuple(meshes)
+            if key not in self._rigid:
+                self._rigid[key] = _divide([self._world.meshes[name] for name in meshes])
+            return self._rigid[key]
+        body = bodies.pop()
+        return None if bodies or body is None else self._of_body(body, revisions.get(body))
+
+    def _of_body(self, body: SkinnedBody, revision: int | None) -> F8 | None:
+        """Return boxes of a body's sets of vertices with the same joints; dual quaternions may leave such boxes."""
+        known = self._bent.get(body)
+        if known is not None and known[0] == revision:
+            return known[1]
+        plain = body.method == "linear" and all(mesh.weights is not None for mesh in body.meshes.values())
+        if body.revision != revision or not plain:
+            return None
+        if body not in self._sets:
+            self._sets[body] = _sets_of(list(body.meshes.values()))
+        joints, boxes = self._sets[body]
+        bent = np.empty_like(boxes)
+        bound_blends(body.rows, joints, boxes, body.margin, bent)
+        self._bent[body] = revision, bent
+        return bent
+
+
+def _divide(meshes: Sequence[MeshData]) -> F8:
+    """Return boxes of what meshes have in the cells of a grid, [n, 2, 3]."""
+    filled = [mesh for mesh in meshes if mesh.triangle_count]
+    if not filled:
+        return np.zeros((0, 2, 3))
+    least = np.min([mesh.bounds[0] for mesh in filled], axis=0)
+    extent = np.max([mesh.bounds[1] for mesh in filled], axis=0) - least
+    cell = max(float(extent.max()) / _DIVISIONS, 1e-9)
+    counts = np.minimum(extent // cell, _DIVISIONS - 1).astype(int) + 1
+    cells = np.empty((*counts, 2, 3))
+    cells[..., 0, :], cells[..., 1, :] = np.inf, -np.inf
+    for mesh in filled:
+        voxelise(mesh.positions, mesh.indices, least, cell, cells)
+    boxes = cells.reshape(-1, 2, 3)
+    return np.ascontiguousarray(boxes[boxes[:, 0, 0] <= boxes[:, 1, 0]])
+
+
+def _sets_of(meshes: Sequence[MeshData]) -> tuple[I4, F8]:
+    """Return the sets of joints that move vertices, -1: fewer, [n, k], and boxes of their vertices, [n, 2, 3]."""
+    most = max(mesh.weights.influences for mesh in meshes if mesh.weights is not None)
+    joints, places = [], []
+    for mesh in meshes:
+        if mesh.weights is not None:
+            moving = np.where(mesh.weights.weights > 0.0, mesh.weights.joints.astype(np.int32), -1)
+            moving = np.pad(moving, ((0, 0), (0, most - moving.shape[1])), constant_values=-1)
+            joints.append(np.sort(moving, axis=1))
+            places.append(mesh.positions.astype(np.float64))
+    sets, numbers = np.unique(np.concatenate(joints), axis=0, return_inverse=True)
+    positions = np.concatenate(places)
+    return np.ascontiguousarray(sets), _gather(positions, positions, numbers.reshape(-1).astype(np.int32))
+
+
+def _gather(low: F8, high: F8, numbers: I4) -> F8:
+    """Return the boxes around the boxes of the same number, in the order of the numbers, [n, 2, 3]."""
+    order = np.argsort(numbers, kind="stable")
+    starts = np.flatnonzero(np.diff(numbers[order], prepend=-1))
+    least, greatest = np.minimum.reduceat(low[order], starts), np.maximum.reduceat(high[order], starts)
+    return np.ascontiguousarray(np.stack([least, greatest], axis=1))

@@ -1,0 +1,131 @@
+"""Boxes of shapes hold what is drawn, and prisms of shadows hold where these fall, in a fraction of the space."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mimics_app.rendering.visual.kernels.shadow_prisms import FIGURES, cut_prisms, slice_casters
+from mimics_app.rendering.visual.kernels.voxels import place_boxes
+from mimics_app.rendering.visual.stages.shape_boxes import ShapeBoxes
+from mimics_app.world.gltf.model_world import load_model_world
+from mimics_app.world.meshes.mesh import MeshData
+from mimics_app.world.meshes.primitives import box, icosphere, plane, torus
+from mimics_app.world.motion.posing import posed_positions
+from mimics_app.world.world import World
+from tests.support.gltf_maker import write_gltf
+from tests.support.skin_maker import add_clip, bar, turn
+
+CHANCE = np.random.default_rng(5)
+
+
+def _outside(points: np.ndarray, boxes: np.ndarray) -> int:
+    """Return how many points are in none of some boxes."""
+    within = (points[:, None] >= boxes[None, :, 0] - 1e-7) & (points[:, None] <= boxes[None, :, 1] + 1e-7)
+    return int((~within.all(axis=2).any(axis=1)).sum())
+
+
+def _scattered(mesh: MeshData, count: int) -> np.ndarray:
+    """Return random points of random triangles, [count, 3]."""
+    triangles = mesh.indices.reshape(-1, 3)[CHANCE.integers(0, mesh.triangle_count, count)]
+    shares = CHANCE.dirichlet((1.0, 1.0, 1.0), count)
+    return np.einsum("ij,ijk->ik", shares, mesh.positions[triangles].astype(np.float64))
+
+
+@pytest.mark.parametrize(
+    ("mesh", "share"),
+    [(icosphere(0.4, 3), 0.6), (torus(1.0, 0.1), 0.45), (box(0.3, 1.0, 0.2), 1.0), (plane(3.0, 2.0), 0.0)],
+    ids=["ball", "ring", "box", "sheet"],
+)
+def test_boxes_of_a_mesh_hold_its_triangles_in_less_space_than_one(mesh: MeshData, share: float):
+    world = World()
+    world.meshes["mesh"] = mesh
+    boxes = ShapeBoxes(world).of(["mesh"], {})
+    assert boxes is not None
+    assert _outside(_scattered(mesh, 4000), boxes) == 0
+    volume = np.prod(mesh.bounds[1] - mesh.bounds[0])
+    assert np.prod(boxes[:, 1] - boxes[:, 0], axis=1).sum() <= share * volume + 1e-9
+
+
+def _bent_bar(folder: Path, skinning: str, at: float) -> World:
+    maker = bar(6)
+    turns = [(2, "z", 60), (3, "x", -80), (4, "y", 120), (5, "z", 70)]
+    channels = [
+        (node, "rotation", [0.0, 1.0], [turn(axis, 0), turn(axis, degrees)], "LINEAR") for node, axis, degrees in turns
+    ]
+    add_clip(maker, "bend", channels)
+    world = load_model_world(write_gltf(folder / "bar.gltf", maker.document()))
+    (body,) = world.motion.bodies.values()
+    body.skinning = skinning
+    (animator,) = world.motion.animators.values()
+    animator.play("bend", at=at, speed=0.0)
+    world.update()
+    return world
+
+
+@pytest.mark.parametrize("at", [0.0, 0.4, 1.0])
+def test_boxes_of_a_bent_body_hold_its_vertices(at, tmp_path):
+    world = _bent_bar(tmp_path, "linear", at)
+    (body,) = world.motion.bodies.values()
+    shapes = ShapeBoxes(world)
+    boxes = shapes.of(list(body.meshes), shapes.revisions())
+    assert boxes is not None
+    for mesh in body.meshes.values():
+        assert _outside(posed_positions(mesh, body), boxes) == 0
+    before = boxes.copy()
+    assert shapes.of(list(body.meshes), {body: body.revision - 1}) is None, "an earlier one was not asked for"
+    (animator,) = world.motion.animators.values()
+    animator.play("bend", at=0.5 * at + 0.1, speed=0.0)
+    known = {body: body.revision}
+    world.update()
+    assert np.array_equal(shapes.of(list(body.meshes), known), before), "as the body was"
+    assert not np.array_equal(shapes.of(list(body.meshes), shapes.revisions()), before)
+
+
+def test_dual_quaternions_may_leave_the_boxes_which_are_not_known_then(tmp_path):
+    world = _bent_bar(tmp_path, "dual", 1.0)
+    (body,) = world.motion.bodies.values()
+    shapes = ShapeBoxes(world)
+    assert shapes.of(list(body.meshes), shapes.revisions()) is None
+
+
+def test_where_a_shadow_falls_is_in_one_of_the_prisms():
+    sun = np.array([0.4, 0.8, 0.2]) / np.linalg.norm([0.4, 0.8, 0.2])
+    across = np.cross(sun, [0.0, 0.0, 1.0])
+    across /= np.linalg.norm(across)
+    rays = np.stack([across, np.cross(sun, across), sun])
+    nodes = np.tile(np.eye(4), (12, 1, 1))
+    nodes[:, :3, :3] += CHANCE.normal(0.0, 0.4, (12, 3, 3))
+    nodes[:, :3, 3] = CHANCE.uniform(-1.0, 1.0, (12, 3)) * [1.0, 0.3, 1.0]
+    half = CHANCE.uniform(0.0, 0.3, (12, 3)) * [1.0, 0.2, 1.0]
+    receivers = np.stack([-half, half], axis=1)
+    casting = (
+        CHANCE.uniform(-0.6, 0.6, (6, 1, 3))
+        + [[[0.4, 1.2, 0.2]]]
+        + np.array([[[-1.0]], [[1.0]]]).reshape(1, 2, 1) * CHANCE.uniform(0.02, 0.15, (6, 1, 3))
+    )
+    corners = np.empty((6, 8, 3))
+    place_boxes(casting, np.zeros(6, np.int32), np.eye(4)[None], corners)
+    starts = np.array([0, 2, 6], np.int32)
+    casters = np.empty((2 * 3, FIGURES))
+    slice_casters(corners, starts, rays, 3, casters)
+    prisms, fallen = np.empty((4096, 8, 3)), np.zeros(12, np.uint8)
+    numbers = np.arange(12, dtype=np.int32)
+    count = cut_prisms(casters, rays, 0.0, receivers, numbers, nodes, prisms, fallen)
+    held = np.einsum("ij,nkj->nki", rays, prisms[:count])
+    boxes = np.stack([held.min(axis=1), held.max(axis=1)], axis=1)
+    shaded = 0
+    for number in range(12):
+        points = CHANCE.uniform(-1.0, 1.0, (3000, 3)) * half[number] @ nodes[number, :3, :3].T + nodes[number, :3, 3]
+        along = (casting[:, :, None] - points) / sun
+        enter, leave = along.min(axis=1).max(axis=2), along.max(axis=1).min(axis=2)
+        under = ((enter <= leave) & (leave > 0.0)).any(axis=0)
+        shaded += int(under.sum())
+        assert _outside(points[under] @ rays.T, boxes) == 0
+        assert fallen[number] or not under.any()
+    assert shaded > 500
+    assert not fallen.all()
+    few = np.empty((3, 8, 3))
+    assert cut_prisms(casters, rays, 0.0, receivers, numbers, nodes, few, fallen) == count > 3
