@@ -70,7 +70,7 @@ def test_every_round_measures_every_scene(monkeypatch):
     monkeypatch.setattr(frame_bench, "_reference", lambda _: {})
     scenes = [Path("decals"), Path("walk")]
     answer = frame_bench.measure_frames(scenes, (64, 36), "egl", 1.0, lambda _: None, rounds=2)
-    rows = [(each["round"], each["scene"], each["asked"]) for each in answer["scenes"]]
+    rows = [(each["round"], each["scene"], each["requested"]) for each in answer["scenes"]]
     assert rows == [(k, name, how) for k in (1, 2) for name in ("decals", "walk") for how in ("auto", "full")]
 
 
