@@ -153,7 +153,7 @@ class ShadowStage:
             return [(0, 0, width, width)]
         bounds = np.empty((len(items), 4))
         bound_in_map(shadow.clip_from_world, items, listed.centres, listed.radii, bounds)
-        return cover_of(bounds, (width, width))
+        return [part.rectangle for part in cover_of(bounds, (width, width))]
 
     def _is_stale(self, shadow: ShadowMap, listed: DrawList) -> bool:
         """Whether a map has to be redrawn; records its present content."""
