@@ -6,11 +6,9 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from mimics_app.world.components.bounds import Figure, Point
+from mimics_app.world.components.bounds import Figure
 
-__all__ = ["Share", "Steps", "Table", "Tolerance", "Values", "Vec3"]
-
-Share = Annotated[float, Meta(ge=0.0, le=1.0)]
+__all__ = ["Steps", "Table", "Tolerance", "Values"]
 
 Steps = Annotated[float, Meta(ge=0.0, le=1e12)]
 """A difference of a parameter, in a unit that the file chooses."""
@@ -22,5 +20,3 @@ Values = Annotated[dict[str, Figure], Meta(max_length=1000)]
 """Values of parameters by name."""
 
 Table = Annotated[list[Figure | str], Meta(max_length=10_000)]
-
-Vec3 = Point

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.haptic import EventKind, SafetyState
 from mimics_app.contracts.messages import HapticSnapshot
-from mimics_app.tasks.bounds import Vec3
 
 __all__ = ["Contact", "Observation", "observe"]
 

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, Union
 
 from msgspec import Meta, defstruct, field
 
-from mimics_app.tasks.bounds import Share, Steps, Table, Tolerance, Values
+from mimics_app.tasks.bounds import Steps, Table, Tolerance, Values
 from mimics_app.tasks.kinds.kind import Measure, ScorePartSpec
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.kinds.tunnel.kind import ProgressGoal
-from mimics_app.world.components.bounds import Factor, Figure, Force, Length, Point, PositiveSeconds, Seconds
+from mimics_app.world.components.bounds import Factor, Figure, Force, Length, Point, PositiveSeconds, Seconds, Share
 from mimics_app.world.components.registry import Component
 
 __all__ = [

@@ -7,6 +7,7 @@ from collections.abc import Hashable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.board import Bar, Board, Card, Tone
 from mimics_app.contracts.messages import HapticSnapshot
 from mimics_app.rendering.visual.figures.hud import Colour, Hud
@@ -18,7 +19,6 @@ __all__ = ["OPERATORS_CARDS", "BoardLayout", "stability_card"]
 OPERATORS_CARDS = frozenset({"margin"})
 """Cards for the operator, shown with the forces (F5)."""
 
-Place = tuple[float, float, float]
 """Left edge, lower edge and width of the content of a card, in units of the canvas."""
 
 _PANEL: Colour = (0.06, 0.08, 0.11, 0.62)
@@ -118,7 +118,7 @@ def _draw_card(hud: Hud, card: Card, corner: tuple[float, float], force_full: fl
         hud.text(x + width, y + 4.0, card.remark, size, _COLOURS[card.remark_tone], align="right")
 
 
-def _draw_bar(hud: Hud, bar: Bar, place: Place, force_full: float) -> None:
+def _draw_bar(hud: Hud, bar: Bar, place: Vec3, force_full: float) -> None:
     x, y, width = place
     full = force_full if bar.full is None else bar.full
     if bar.right is not None:

@@ -11,7 +11,7 @@ import msgspec
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue, nearest
-from mimics_app.world.components.bounds import Name, Seconds
+from mimics_app.world.components.bounds import Name, Seconds, Share
 from mimics_app.world.components.registry import Component, component, register_check, register_limit
 from mimics_app.world.components.visible import MeshComponent
 from mimics_app.world.scene.assets import find_in_model
@@ -36,7 +36,6 @@ MotionCause = Literal[
 ]
 """Events that start a transition: states of a trial, and contacts."""
 
-Share = Annotated[float, Meta(ge=0, le=1)]
 Rate = Annotated[float, Meta(ge=-100, le=100)]
 Names = Annotated[tuple[Name, ...], Meta(max_length=1000)]
 

@@ -28,10 +28,12 @@ __all__ = [
     "Mass",
     "Name",
     "Point",
+    "Positive",
     "PositiveForce",
     "PositiveSeconds",
     "Quaternion",
     "Seconds",
+    "Share",
     "SignedFactor",
     "Speed",
     "Stiffness",
@@ -67,6 +69,12 @@ Vector = tuple[SignedFactor, SignedFactor, SignedFactor]
 
 Factor = Annotated[float, Meta(ge=0, le=1e6)]
 """Factor, or number of any unit, from 0 to a million."""
+
+Positive = Annotated[float, Meta(gt=0, le=1e6)]
+"""Number of any unit above 0, to a million."""
+
+Share = Annotated[float, Meta(ge=0, le=1)]
+"""Part of a whole."""
 
 Light = Annotated[float, Meta(ge=0, le=1e6)]
 """Component of a colour, or intensity of a light, linear."""

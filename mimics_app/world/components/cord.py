@@ -7,15 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.world.components.bounds import Point
+from mimics_app.world.components.bounds import Point, Share
 from mimics_app.world.components.registry import Component, component, register_check, register_limit
 
 if TYPE_CHECKING:
     from mimics_app.world.scene.scene import Scene
 
 __all__ = ["CordComponent"]
-
-_Share = Annotated[float, Meta(ge=0.0, le=1.0)]
 
 
 @component("cord")
@@ -29,8 +27,8 @@ class CordComponent(Component, frozen=True):
         float, Meta(gt=0.0, le=50.0, description="Length [m]; taut where it is below the distance of the ends")
     ] = 1.4
     radius: Annotated[float, Meta(gt=0.0, le=1.0, description="Radius [m]")] = 0.025
-    colour: Annotated[tuple[_Share, _Share, _Share], Meta(description="Linear RGB")] = (0.75, 0.25, 0.2)
-    roughness: Annotated[_Share, Meta(description="Roughness of the surface; 0: a mirror")] = 0.45
+    colour: Annotated[tuple[Share, Share, Share], Meta(description="Linear RGB")] = (0.75, 0.25, 0.2)
+    roughness: Annotated[Share, Meta(description="Roughness of the surface; 0: a mirror")] = 0.45
     visible: Annotated[bool, Meta(description="False: it is not drawn")] = True
     wave_speed: Annotated[float, Meta(gt=0.0, le=20.0, description="Speed of ripples [m/s]")] = 0.5
     wavelength: Annotated[float, Meta(gt=1e-3, le=1.0, description="Wavelength of ripples [m]")] = 0.05

@@ -10,7 +10,17 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
-from mimics_app.world.components.bounds import Extent, Factor, FarCoordinate, Frequency, Length, Light, Seconds, Vector
+from mimics_app.world.components.bounds import (
+    Extent,
+    Factor,
+    FarCoordinate,
+    Frequency,
+    Length,
+    Light,
+    Seconds,
+    Share,
+    Vector,
+)
 from mimics_app.world.components.registry import Component, component, register_check, register_limit
 
 if TYPE_CHECKING:
@@ -24,7 +34,6 @@ SpriteShape = Literal["dot", "puff", "paper", "spark", "ring"]
 Trigger = Literal["always", "start", "goal", "contact", "contact_end", "impact"]
 """Events that start a burst of an emitter; "always": it emits continuously."""
 
-Share = Annotated[float, Meta(ge=0, le=1)]
 Rgba = tuple[Light, Light, Light, Share]
 Lifetime = Annotated[float, Meta(gt=0, le=86_400)]
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta
 
-from mimics_app.world.components.bounds import Quaternion
+from mimics_app.world.components.bounds import Factor, Point, Quaternion
 from mimics_app.world.components.registry import Component
 
 __all__ = [
@@ -25,10 +25,7 @@ _MAX_LENGTH = 1e3
 _MAX_STIFFNESS = 1e6
 
 Length = Annotated[float, Meta(gt=0, le=_MAX_LENGTH)]
-NotNegative = Annotated[float, Meta(ge=0, le=_MAX_STIFFNESS)]
 Share = Annotated[float, Meta(ge=0, le=100)]
-Coordinate = Annotated[float, Meta(ge=-_MAX_LENGTH, le=_MAX_LENGTH)]
-Point = tuple[Coordinate, Coordinate, Coordinate]
 Law = Literal["spring_damper", "hunt_crossley"]
 
 
@@ -40,7 +37,7 @@ class TouchSurface(Component, frozen=True):
         Meta(description="Stiffness [N/m], Hunt-Crossley [N/m^exponent]; default: 1000"),
     ] = None
     damping: Annotated[
-        NotNegative | None, Meta(description="Damping [N s/m], Hunt-Crossley: a of (1 + a d') [s/m]; default: 5, or 1")
+        Factor | None, Meta(description="Damping [N s/m], Hunt-Crossley: a of (1 + a d') [s/m]; default: 5, or 1")
     ] = None
     friction_static: Annotated[
         Share | None, Meta(description="Coefficient of static friction; default: as friction_dynamic")
@@ -49,7 +46,7 @@ class TouchSurface(Component, frozen=True):
         Share | None, Meta(description="Coefficient of sliding friction; default: 0, smooth")
     ] = None
     friction_stiffness: Annotated[
-        NotNegative | None, Meta(description="Tangential stiffness while it sticks [N/m]; default: as stiffness")
+        Factor | None, Meta(description="Tangential stiffness while it sticks [N/m]; default: as stiffness")
     ] = None
     law: Annotated[
         Law | None,

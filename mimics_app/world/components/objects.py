@@ -12,7 +12,7 @@ import msgspec
 from msgspec import Meta
 
 from mimics_app.contracts.haptic_objects import MAX_POINTS
-from mimics_app.world.components.bounds import Quaternion
+from mimics_app.world.components.bounds import Factor, Point, Positive, Quaternion, SignedFactor, Vector
 from mimics_app.world.components.haptic_effects import Effect
 from mimics_app.world.components.haptic_shapes import Solid, TouchSurface
 from mimics_app.world.components.registry import Component, component
@@ -39,14 +39,8 @@ MAX_WIRES = 1000
 _MAX = 1e6
 """Bound of numbers without a tighter one: beyond it a tick of a contact has no significant digits left."""
 
-NotNegative = Annotated[float, Meta(ge=0, le=_MAX)]
-Positive = Annotated[float, Meta(gt=0, le=_MAX)]
 BodyMass = Annotated[float, Meta(ge=1e-6, le=_MAX)]
 """Mass [kg]: no contact is stable on less than a milligram."""
-Coordinate = Annotated[float, Meta(ge=-1e3, le=1e3)]
-Point = tuple[Coordinate, Coordinate, Coordinate]
-Number = Annotated[float, Meta(ge=-_MAX, le=_MAX)]
-Vector = tuple[Number, Number, Number]
 Row = tuple[float, float, float]
 Rows = tuple[Row, Row, Row]
 """Unbounded: msgspec 0.22 cannot free a bounded number in a union with a tuple. `object_checks` bounds them."""
@@ -84,12 +78,10 @@ class HapticObject(TouchSurface, frozen=True):
     gravity: Annotated[Vector, Meta(description="[Gravity acceleration, m/s^2]")] = (0.0, 0.0, 0.0)
     initial_velocity: Annotated[Point, Meta(description="[Object initial velocity, m/s]")] = (0.0, 0.0, 0.0)
     initial_angular_velocity: Annotated[Point, Meta(description="[Initial omega of object, rad/s]")] = (0.0, 0.0, 0.0)
-    environment_translation_damping: Annotated[
-        NotNegative, Meta(description="[Environment translation damping, N s/m]")
-    ] = 0.0
-    environment_rotation_damping: Annotated[NotNegative, Meta(description="[Environment rotation damping, N m s]")] = (
+    environment_translation_damping: Annotated[Factor, Meta(description="[Environment translation damping, N s/m]")] = (
         0.0
     )
+    environment_rotation_damping: Annotated[Factor, Meta(description="[Environment rotation damping, N m s]")] = 0.0
     force_aux: Annotated[Vector, Meta(description="Steady part of F_aux [N]; wires add to it")] = (0.0, 0.0, 0.0)
     torque_aux: Annotated[Vector, Meta(description="Steady part of T_aux [N m]; wires add to it")] = (0.0, 0.0, 0.0)
     integrator: Annotated[
@@ -97,7 +89,7 @@ class HapticObject(TouchSurface, frozen=True):
     ] = "auto"
     sleeps: Annotated[bool, Meta(description="Skipped in the loop while it is at rest")] = True
     grip: Annotated[bool, Meta(description="Fingers can hold it")] = False
-    crush_force: Annotated[NotNegative, Meta(description="Grip force that damages it [N]; 0: none")] = 0.0
+    crush_force: Annotated[Factor, Meta(description="Grip force that damages it [N]; 0: none")] = 0.0
 
 
 class Wall(TouchSurface, frozen=True):
@@ -168,13 +160,11 @@ class ForceField(_Acting, frozen=True, kw_only=True):
         str, Meta(description="Name of the function: curl, saddle, well, cord, or a force field of a plug-in")
     ]
     parameters: Annotated[
-        Annotated[tuple[Number, ...], Meta(max_length=8)],
+        Annotated[tuple[SignedFactor, ...], Meta(max_length=8)],
         Meta(description="Parameters of the function, see its own guide"),
     ] = ()
-    within: Annotated[
-        NotNegative, Meta(description="Radius about its place within which it acts [m]; 0: everywhere")
-    ] = 0.0
-    largest_force: Annotated[NotNegative, Meta(description="Force limit [N]; 0: none")] = 0.0
+    within: Annotated[Factor, Meta(description="Radius about its place within which it acts [m]; 0: everywhere")] = 0.0
+    largest_force: Annotated[Factor, Meta(description="Force limit [N]; 0: none")] = 0.0
 
 
 @component("haptic_path")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
+from mimics_app.world.components.bounds import Share
 from mimics_app.world.components.registry import Component, component, register_check, register_limit
 from mimics_app.world.components.shapes import PlaneShape, RingShape
 from mimics_app.world.components.visible import CameraComponent, MeshComponent
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Inset", "Mirror", "Screen"]
 
-Share = Annotated[float, Meta(ge=0, le=1)]
 Every = Annotated[int, Meta(ge=1, le=60, description="Rendered in one frame of this many")]
 Side = Annotated[int, Meta(ge=16, le=4096)]
 

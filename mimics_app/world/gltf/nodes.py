@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.maths.decompose import decompose_trs
 from mimics_app.world.gltf.gltf_document import GltfSource
 from mimics_app.world.levels import MAX_LEVELS
@@ -29,7 +30,6 @@ _LIGHT_KINDS: tuple[LightKind, ...] = ("directional", "point", "spot")
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
-Triple = tuple[float, float, float]
 _Reach = tuple[float, float]
 """Upper bounds of a node's distance from the model's origin [m], and of the scale factor of its subtree."""
 
@@ -69,7 +69,7 @@ class GltfNode:
     visible: bool = True
     levels: list[int] = field(default_factory=list)
     coverages: list[float] = field(default_factory=list)
-    occluder: tuple[Triple, Triple] | None = None
+    occluder: tuple[Vec3, Vec3] | None = None
     components: dict[str, Any] = field(default_factory=dict)
     extras: dict[str, Any] = field(default_factory=dict)
 
@@ -208,7 +208,7 @@ class GltfNodes:
                     what = f"has {self._morphs[mesh]} morph targets, the node whose level it is has {own}"
                     self._source.fail(f"/nodes/{level}/mesh", what)
 
-    def _occluder(self, ours: dict[str, Any], place: str) -> tuple[Triple, Triple] | None:
+    def _occluder(self, ours: dict[str, Any], place: str) -> tuple[Vec3, Vec3] | None:
         if "occluder" not in ours:
             return None
         source = self._source

@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.regular_file import read_regular
 from mimics_app.world.scene.json_spans import Span, find_span, members
@@ -16,7 +17,6 @@ from mimics_app.world.scene.scene import Scene
 
 __all__ = ["edit_translation", "is_written_in_file", "write_translation"]
 
-Place = tuple[float, float, float]
 
 _DIGITS = 4
 """Decimals of a metre in the file."""
@@ -29,7 +29,7 @@ def is_written_in_file(scene: Scene, name: str) -> bool:
     return "/" not in name and any(entity.id == name and not entity.in_model for entity in scene.entities)
 
 
-def write_translation(scene: Scene, name: str, translation: Place) -> Path:
+def write_translation(scene: Scene, name: str, translation: Vec3) -> Path:
     """Write an entity's translation into its scene file, which may have been edited since it was read.
 
     The file is replaced atomically, so that no reader sees half of it.
@@ -60,7 +60,7 @@ def write_translation(scene: Scene, name: str, translation: Place) -> Path:
     return path
 
 
-def edit_translation(text: str, name: str, translation: Place, file: str = "") -> str:
+def edit_translation(text: str, name: str, translation: Vec3, file: str = "") -> str:
     """Return the text of a scene file with an entity's translation changed.
 
     Equal numbers keep their spelling. A missing transform is added behind the id.

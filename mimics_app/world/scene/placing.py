@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mimics_app.contracts.arrays import F8
+from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.errors import SceneError
 from mimics_app.maths.decompose import decompose_trs
 from mimics_app.world.components.visible import MeshComponent
@@ -15,7 +15,6 @@ from mimics_app.world.scene.spec import TransformSpec
 
 __all__ = ["local_matrix", "model_matrix", "node_matrix", "pose_of", "stands_somewhere", "world_matrix"]
 
-Triple = tuple[float, float, float]
 
 _SCALE_TOLERANCE = 1e-6
 
@@ -86,7 +85,7 @@ def _local_matrix(scene: Scene, entity: SceneEntity) -> F8:
     return local_matrix(entity.transform)
 
 
-def _compose(translation: Triple, rotation: tuple[float, ...], scale: Triple) -> F8:
+def _compose(translation: Vec3, rotation: tuple[float, ...], scale: Vec3) -> F8:
     from mimics_app.maths.mat import compose  # compiled: reading a scene without objects does not need it
 
     return compose(translation, rotation, scale)

@@ -7,15 +7,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from mimics_app.world.components.bounds import (
-    Angle,
-    Extent,
-    FarPoint,
-    Light,
-    Quaternion,
-    SignedFactor,
-    Vector,
-)
+from mimics_app.world.components.bounds import Angle, Extent, FarPoint, Light, Quaternion, Share, SignedFactor, Vector
 from mimics_app.world.components.registry import Component
 from mimics_app.world.materials.material import AlphaMode, Filter, Wrap
 from mimics_app.world.materials.technique import TechniqueSpec
@@ -41,7 +33,6 @@ MAX_ENTITIES = 100_000
 VERSION = 1
 """Newest version of the format; `source.MIGRATIONS` converts older ones."""
 
-Share = Annotated[float, Meta(ge=0, le=1)]
 Pair = tuple[SignedFactor, SignedFactor]
 Texts = Annotated[list[str], Meta(max_length=1000)]
 Components = dict[str, dict[str, Any] | None]

@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, field
 
+from mimics_app.world.components.bounds import Share
 from mimics_app.world.components.registry import Component
 
 __all__ = [
@@ -28,7 +29,6 @@ TapMode = Literal["synchronous", "delayed", "jittered", "shuffled", "other_place
 _Place = Literal["cord", "back", "stomach"]
 _Milliseconds = Annotated[float, Meta(ge=-2000.0, le=2000.0)]
 _Seconds = Annotated[float, Meta(ge=0.0, le=3600.0)]
-_Share = Annotated[float, Meta(ge=0.0, le=1.0)]
 _Label = Annotated[str, Meta(min_length=1, max_length=64)]
 
 
@@ -49,7 +49,7 @@ class TapsSpec(Component, frozen=True):
         Annotated[str, Meta(pattern=r"^[a-z_0-9]{1,32}$")],
         Meta(description="Where on the subject's body taps on the cord are felt: a vibrator's name"),
     ] = "stomach"
-    strength: Annotated[_Share, Meta(description="Of what is felt")] = 1.0
+    strength: Annotated[Share, Meta(description="Of what is felt")] = 1.0
     lasts_s: Annotated[float, Meta(ge=0.005, le=1.0, description="Of what is felt [s]")] = 0.06
 
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
-from mimics_app.tasks.bounds import Vec3
+from mimics_app.contracts.arrays import Vec3
 from mimics_app.tasks.kinds.carry.spec import BoxSpec, CarrySpec
 from mimics_app.tasks.observation import Observation
 

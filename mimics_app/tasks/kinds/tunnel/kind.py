@@ -10,11 +10,10 @@ from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue, nearest
 from mimics_app.contracts.scenario_port import TaskContext
-from mimics_app.tasks.bounds import Share
 from mimics_app.tasks.kinds.kind import KindPlay, TaskKind
 from mimics_app.tasks.kinds.tunnel.report import TunnelSection
 from mimics_app.tasks.observation import Observation
-from mimics_app.world.components.bounds import Seconds
+from mimics_app.world.components.bounds import Seconds, Share
 from mimics_app.world.components.registry import Component
 from mimics_app.world.components.robot import Robot, Tunnel
 
