@@ -25,7 +25,7 @@ _MAX_LENGTH = 1e3
 _MAX_STIFFNESS = 1e6
 
 Length = Annotated[float, Meta(gt=0, le=_MAX_LENGTH)]
-Share = Annotated[float, Meta(ge=0, le=100)]
+Coefficient = Annotated[float, Meta(ge=0, le=100)]
 Law = Literal["spring_damper", "hunt_crossley"]
 
 
@@ -40,10 +40,10 @@ class TouchSurface(Component, frozen=True):
         Factor | None, Meta(description="Damping [N s/m], Hunt-Crossley: a of (1 + a d') [s/m]; default: 5, or 1")
     ] = None
     friction_static: Annotated[
-        Share | None, Meta(description="Coefficient of static friction; default: as friction_dynamic")
+        Coefficient | None, Meta(description="Coefficient of static friction; default: as friction_dynamic")
     ] = None
     friction_dynamic: Annotated[
-        Share | None, Meta(description="Coefficient of sliding friction; default: 0, smooth")
+        Coefficient | None, Meta(description="Coefficient of sliding friction; default: 0, smooth")
     ] = None
     friction_stiffness: Annotated[
         Factor | None, Meta(description="Tangential stiffness while it sticks [N/m]; default: as stiffness")

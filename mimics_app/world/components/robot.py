@@ -21,6 +21,7 @@ from mimics_app.world.components.bounds import (
     Point,
     PositiveForce,
     Seconds,
+    Share,
     Speed,
     Stiffness,
 )
@@ -260,9 +261,9 @@ class Safety(Component, frozen=True):
     velocity_limit: Annotated[
         float, Meta(gt=0, le=10, description="Measured velocity beyond which SAFE_STOP follows [m/s]")
     ] = 1.2
-    workspace_margin: Annotated[
-        float, Meta(ge=0, le=1, description="Margin beyond the joint limits before SAFE_STOP [m, rad]")
-    ] = 0.01
+    workspace_margin: Annotated[Share, Meta(description="Margin beyond the joint limits before SAFE_STOP [m, rad]")] = (
+        0.01
+    )
     ramp_time_s: Annotated[float, Meta(ge=0, le=60, description="Soft start, 0 to full force [s]")] = 0.5
     ramp_force: Annotated[
         PositiveForce, Meta(description="The force must be below this to begin the soft start [N]")
@@ -321,5 +322,5 @@ class Safety(Component, frozen=True):
     ] = 5.0
     tank_refill: Annotated[float, Meta(ge=0, le=1e3, description="Constant power into that tank [W]")] = 1.0
     tank_return: Annotated[
-        float, Meta(ge=0, le=1, description="Share of the power dissipated by virtual damping that flows into it [-]")
+        Share, Meta(description="Share of the power dissipated by virtual damping that flows into it [-]")
     ] = 0.9

@@ -8,7 +8,7 @@ from msgspec import Meta
 
 from mimics_app.contracts.display_choice import DISPLAY_KINDS, display_names
 from mimics_app.contracts.errors import Issue, nearest
-from mimics_app.world.components.bounds import Extent, Factor, Length
+from mimics_app.world.components.bounds import Extent, Factor, Length, Share
 from mimics_app.world.components.registry import Component, register_system
 
 if TYPE_CHECKING:
@@ -62,9 +62,7 @@ class VisualSettings(Component, frozen=True):
         float, Meta(ge=0, le=4, description="Strength of the darkening of sky light by near surfaces; 0: none")
     ] = 0.0
     ambient_radius: Annotated[Length, Meta(description="Distance within which surfaces occlude [m]")] = 0.3
-    bloom: Annotated[
-        float, Meta(ge=0, le=1, description="Share of the light that spreads around bright areas; 0: none")
-    ] = 0.0
+    bloom: Annotated[Share, Meta(description="Share of the light that spreads around bright areas; 0: none")] = 0.0
     shadow_size: Annotated[
         Annotated[int, Meta(ge=0, le=8192)] | Literal["auto"],
         Meta(description="Side of the shadow map [pixels]; 0: no shadows; auto: the planner (mimics explain)"),

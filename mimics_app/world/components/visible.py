@@ -12,7 +12,7 @@ from msgspec import Meta
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.sound_scene import MAX_EMITTERS
-from mimics_app.world.components.bounds import Extent, Factor, FarPoint, Figure, Length, Light, PositiveForce
+from mimics_app.world.components.bounds import Extent, Factor, FarPoint, Figure, Length, Light, PositiveForce, Share
 from mimics_app.world.components.registry import Component, component, register_check, register_limit
 from mimics_app.world.components.shapes import RingShape, Shape
 
@@ -123,8 +123,8 @@ class Environment(Component, frozen=True):
     ground: Annotated[Colour, Meta(description="Colour below the horizon, linear RGB")] = (0.20, 0.19, 0.18)
     ambient: Annotated[Light, Meta(description="Factor on the ambient light of surfaces")] = 0.5
     scatter: Annotated[
-        float,
-        Meta(ge=0, le=1, description="Share of the sun's light that arrives from all directions, scattered"),
+        Share,
+        Meta(description="Share of the sun's light that arrives from all directions, scattered"),
     ] = 0.1
     fog: Annotated[FogSpec | None, Meta(description="Fog; absent: of systems.visual.fog_density")] = None
     backdrop: Annotated[BackdropSpec | None, Meta(description="Textures over the sky: sky box, dome or plane")] = None
@@ -194,7 +194,7 @@ class SoundEmitter(Component, frozen=True):
     cone_outer: Annotated[float, Meta(ge=0, le=6.2832, description="Full angle where `cone_gain` begins [rad]")] = (
         6.2832
     )
-    cone_gain: Annotated[float, Meta(ge=0, le=1, description="Linear gain outside the cone")] = 1.0
+    cone_gain: Annotated[Share, Meta(description="Linear gain outside the cone")] = 1.0
     doppler: Annotated[float, Meta(ge=0, le=10, description="Factor on the change of pitch by motion, 1: natural")] = (
         1.0
     )
@@ -218,7 +218,7 @@ class SoundBus(Component, frozen=True):
     ducks: Annotated[
         tuple[str, ...], Meta(max_length=16, description='Ids of buses (or "main") turned down while this one sounds')
     ] = ()
-    duck_gain: Annotated[float, Meta(ge=0, le=1, description="Linear factor on those; 0.25: by 12 dB")] = 0.25
+    duck_gain: Annotated[Share, Meta(description="Linear factor on those; 0.25: by 12 dB")] = 0.25
 
 
 @component("sound_room")

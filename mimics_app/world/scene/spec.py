@@ -118,8 +118,8 @@ class MaterialSpec(Component, frozen=True):
         Meta(description="pbr, lit, lit_matt, unlit, glass (translucent with a bright rim), or one of `techniques`"),
     ] = "lit"
     base_colour: Annotated[tuple[Share, Share, Share, Share], Meta(description="Linear RGBA")] = (0.8, 0.8, 0.8, 1.0)
-    metallic: Annotated[float, Meta(ge=0, le=1, description="0 dielectric, 1 metal")] = 0.0
-    roughness: Annotated[float, Meta(ge=0, le=1, description="0 mirror, 1 matt")] = 0.6
+    metallic: Annotated[Share, Meta(description="0 dielectric, 1 metal")] = 0.0
+    roughness: Annotated[Share, Meta(description="0 mirror, 1 matt")] = 0.6
     emission: Annotated[tuple[Light, Light, Light], Meta(description="Emitted radiance, linear RGB")] = (
         0.0,
         0.0,
@@ -133,15 +133,13 @@ class MaterialSpec(Component, frozen=True):
     occlusion_texture: Annotated[str | None, Meta(description="Texture of ambient occlusion (red)")] = None
     emission_texture: Annotated[str | None, Meta(description="Texture multiplied with `emission`")] = None
     normal_scale: Annotated[SignedFactor, Meta(description="Factor on the slopes of the normal map")] = 1.0
-    occlusion_strength: Annotated[float, Meta(ge=0, le=1, description="Strength of the occlusion texture")] = 1.0
+    occlusion_strength: Annotated[Share, Meta(description="Strength of the occlusion texture")] = 1.0
     uv_transform: Annotated[UvTransform, Meta(description="Transform of all its textures")] = UvTransform()
     alpha_mode: Annotated[AlphaMode, Meta(description="Use of alpha: opaque, mask or blend")] = "opaque"
-    alpha_cutoff: Annotated[float, Meta(ge=0, le=1, description="Threshold of mask")] = 0.5
+    alpha_cutoff: Annotated[Share, Meta(description="Threshold of mask")] = 0.5
     double_sided: Annotated[bool, Meta(description="Back faces are drawn too")] = False
     grid: Annotated[Extent, Meta(description="Spacing of lines drawn over it [m]; 0: none")] = 0.0
-    softness: Annotated[
-        float, Meta(ge=0, le=1, description="Wrap of diffuse light into the shade: 0 stone, 1 skin")
-    ] = 0.0
+    softness: Annotated[Share, Meta(description="Wrap of diffuse light into the shade: 0 stone, 1 skin")] = 0.0
 
 
 class SceneSpec(Component, frozen=True):

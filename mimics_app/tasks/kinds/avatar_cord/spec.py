@@ -128,7 +128,7 @@ class SubjectModel(Component, frozen=True):
 
     window_ms: Annotated[float, Meta(gt=0.0, le=2000.0, description="Offset at which ownership is down to 1/e")] = 300.0
     motor_window_ms: Annotated[float, Meta(gt=0.0, le=2000.0, description="The same of movements")] = 250.0
-    cord_gain: Annotated[float, Meta(ge=0.0, le=1.0, description="What the cord adds")] = 0.15
+    cord_gain: Annotated[Share, Meta(description="What the cord adds")] = 0.15
     spread: Annotated[float, Meta(ge=0.0, le=2.0, description="Of single answers, over the scale's half")] = 0.25
     reaction_s: Annotated[float, Meta(ge=0.1, le=30.0, description="Time for an answer [s]")] = 0.8
 
