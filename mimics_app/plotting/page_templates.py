@@ -29,7 +29,7 @@ def load_templates(folder: Path, **filters: Callable[[Any], str]) -> Environment
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        bytecode_cache=None if kept is None else FileSystemBytecodeCache(str(kept)),
+        bytecode_cache=None if kept is None else FileSystemBytecodeCache(str(kept), "page-%s.cache"),
     )
     environment.filters.update(filters)
     return environment
