@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 import soundfile
 
+from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.contracts.errors import SceneError
 from mimics_app.rendering.audio.bank import SoundBank
 from mimics_app.rendering.audio.settings import SoundSpec
@@ -47,6 +50,38 @@ def test_a_truncated_head_one_that_is_no_file_and_one_of_text_are_refused(tmp_pa
             (tmp_path / name).write_bytes(content)
         with pytest.raises(SceneError, match=name):
             read_sofa(tmp_path / name)
+
+
+def faults_of(folder, **audio) -> list[tuple[str, str]]:
+    """Pointer and fault of each fault that the check of a scene finds in its `systems.audio`."""
+    entities = [{"id": "hum", "components": {"sound": {"synth": "wind"}}}]
+    document = {"format": "mimics-scene", "version": 1, "name": "heard", "scenario": "none", "entities": entities}
+    document |= {"assets": {"head": {"uri": "head.sofa"}}, "systems": {"audio": audio}}
+    (folder / "scene.json").write_text(json.dumps(document))
+    try:
+        load_checked_scene(folder / "scene.json")
+    except SceneError as error:
+        return [(issue.pointer, issue.what) for issue in error.issues]
+    return []
+
+
+def test_a_scene_whose_sound_could_not_play_as_it_says_is_refused(tmp_path):
+    """Before a session starts; each was a traceback, or ignored."""
+    write_sofa(tmp_path / "head.sofa", some_head())
+    assert faults_of(tmp_path, sofa="head") == faults_of(tmp_path, hrtf=False, speakers="5.1") == []
+    assert faults_of(tmp_path, sofa="heat") == [("/systems/audio/sofa", 'no asset "heat"')]
+    assert faults_of(tmp_path, sofa="head", mixer="openal") == [
+        ("/systems/audio/mixer", '"openal" plays no head of a file')
+    ]
+    assert faults_of(tmp_path, hrtf=False, speakers="7.1", mixer="openal") == [
+        ("/systems/audio/mixer", '"openal" plays no 7.1')
+    ]
+    assert faults_of(tmp_path, speakers="5.1") == [
+        ("/systems/audio/speakers", "5.1 is not played with head-related filters")
+    ]
+    (tmp_path / "head.sofa").write_bytes((tmp_path / "head.sofa").read_bytes()[:2000])
+    ((pointer, what),) = faults_of(tmp_path, sofa="head")
+    assert pointer == "/systems/audio/sofa" and what.startswith("head.sofa cannot be read")
 
 
 def test_places_may_be_spherical_or_cartesian(tmp_path):

@@ -9,11 +9,12 @@ from typing import Any
 from mimics_app.contracts.errors import Issue, SceneError, nearest
 from mimics_app.rendering.audio.settings import AROUSAL, AudioSettings, SoundSpec
 from mimics_app.rendering.audio.wav_file import frames_of_wav
+from mimics_app.world.components.systems import AudioSettings as AudioSystem
 from mimics_app.world.components.visible import Sound, SoundEmitter
 from mimics_app.world.scene.assets import SceneAsset
 from mimics_app.world.scene.scene import Scene
 
-__all__ = ["check_sound", "settings_from_components"]
+__all__ = ["check_head", "check_sound", "settings_from_components"]
 
 _SINGLE = ("crowd", "goal", "grip", "kick", "score", "scrape", "slip", "start", "tick", "trial_end", "wind")
 _STRUCK = ("apple", "contact", "cup", "knock", "stub_box", "stub_kerb", "stub_wall", "table", "tap")
@@ -84,6 +85,21 @@ def check_sound(sound: Sound, pointer: str, scene: Scene) -> list[Issue]:
         except SceneError as error:
             issues += [scene.issue(f"{pointer}/asset", f"{path.name} {one.what}", one.fix) for one in error.issues]
     return issues
+
+
+def check_head(scene: Scene) -> list[Issue]:
+    """Return the faults of the scene's own head: a SOFA file that cannot be used."""
+    audio = scene.system(AudioSystem)
+    if audio is None or audio.sofa not in scene.assets:
+        return []
+    from mimics_app.rendering.audio.spectral.sofa import read_sofa
+
+    path = scene.assets[audio.sofa].path
+    try:
+        read_sofa(path)
+    except SceneError as error:
+        return [scene.issue("/systems/audio/sofa", f"{path.name} {one.what}", one.fix) for one in error.issues]
+    return []
 
 
 def _faults(sound: Sound, pointer: str, issue: Callable[..., Issue]) -> list[Issue]:

@@ -175,8 +175,21 @@ def _check_display(settings: DisplaySettings, scene: Scene) -> list[Issue]:
     return [scene.issue("/systems/display/kind", what, fix)]
 
 
+def _check_audio(settings: AudioSettings, scene: Scene) -> list[Issue]:
+    """Return the faults of a head that is no asset, and of loudspeakers or a mixer that would be ignored."""
+    issues = [] if settings.sofa is None else scene.check_asset("/systems/audio/sofa", settings.sofa, "head")
+    around = settings.speakers != "stereo"
+    if around and settings.hrtf is not False:
+        what = f"{settings.speakers} is not played with head-related filters"
+        issues.append(scene.issue("/systems/audio/speakers", what, 'add "hrtf": false'))
+    if settings.mixer == "openal" and (around or settings.sofa is not None):
+        what = f'"openal" plays no {settings.speakers if around else "head of a file"}'
+        issues.append(scene.issue("/systems/audio/mixer", what, 'take "spectral"'))
+    return issues
+
+
 register_system("tolerances", Tolerances)
 register_system("haptic", HapticSettings)
 register_system("visual", VisualSettings)
 register_system("display", DisplaySettings, _check_display)
-register_system("audio", AudioSettings)
+register_system("audio", AudioSettings, _check_audio)
