@@ -103,6 +103,21 @@ class Registry:
         group[method.name] = method
         return method
 
+    def take(self, group: str, register: Callable[[Registry], None]) -> None:
+        """Let a package register its methods of a group; after any exception, nothing of them is here.
+
+        Raises:
+            ValueError: The group has no description, or no method.
+            Exception: Whatever the package raises.
+        """
+        trial = Registry()
+        trial._groups = {name: dict(methods) for name, methods in self._groups.items()}
+        trial._described = dict(self._described)
+        register(trial)
+        if group not in trial._described or not trial._groups.get(group):
+            raise ValueError(f'group "{group}" has no description, or no method')
+        self._groups, self._described = trial._groups, trial._described
+
     def groups(self) -> list[str]:
         """Return the names of the groups."""
         return list(self._groups)

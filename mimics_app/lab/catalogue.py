@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from functools import cache
 from importlib import import_module
 
-from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.errors import UsageError, nearest, short_text
 from mimics_app.contracts.methods import Registry, registry
 from mimics_app.world.scene.method_plugins import method_plugins
 
@@ -81,7 +82,12 @@ def load_methods(groups: Iterable[str] | None = None) -> Registry:
 
 @cache
 def _register_plugins(group: str) -> None:
-    """Register the methods of installed packages in a group, once."""
+    """Register the methods of installed packages in a group, once; report on stderr what cannot be registered."""
     for plugin in method_plugins():
-        if plugin.group == group:
-            plugin.register(registry)
+        if plugin.group != group:
+            continue
+        try:
+            registry.take(group, plugin.register)
+        except Exception as error:  # noqa: BLE001 a third-party function may raise anything
+            why, where = short_text(f"{type(error).__name__}: {error}"), plugin.register.__module__
+            sys.stderr.write(f'mimics: the methods of {where} for "{group}" are left out: {why}\n')

@@ -10,7 +10,7 @@ from mimics_app.lab.physio.loop_study import PEOPLE, SEEDS, TRIALS, LoopScore, l
 from mimics_app.lab.physio_drawing import physio_figure, row_of
 from mimics_app.plotting.axis import Axis
 from mimics_app.plotting.drawing import legend
-from mimics_app.plotting.panel import Label, Panel
+from mimics_app.plotting.panel import Panel
 
 __all__ = ["loop_regret", "loop_scores"]
 
@@ -41,15 +41,14 @@ def loop_regret(groups: Mapping[tuple[str, str], Sequence[LoopScore]] | None = N
     scores = {what: pooled(each) for what, each in groups.items()}
     ends = [score.mean + side * score.half_width for score in scores.values() for side in (-1.0, 1.0)]
     y = Axis.around("regret of a trial", [max(value, 0.02) for value in ends], log=True)
-    panel = Panel(6.0, 70.0, 880.0, 380.0, Axis("policies", -0.6, 3.9, at=(0.0, 1.0, 2.0, 3.0)), y)
+    policies = Axis("policy", -0.6, 3.6, at=(0.0, 1.0, 2.0, 3.0), words=_POLICIES)
+    panel = Panel(6.0, 70.0, 880.0, 380.0, policies, y)
     rows: list[dict[str, Any]] = []
     for (who, name), score in scores.items():
         k, policy = list(_WHO).index(who), _POLICIES.index(name)
         x, low, high = policy + 0.2 * (k - 1), max(score.mean - score.half_width, 0.02), score.mean + score.half_width
         panel.line([(x, low), (x, high)], f"line s{k}")
         panel.dot(x, score.mean, f"dot s{k}", f"{name}, {who}: {score.mean:.3f}")
-        if k == 2:
-            panel.label(Label(x, score.mean, name, "name"))
         more = {"half_width": score.half_width, "by_seed": [group.mean for group in groups[who, name]]}
         rows.append(row_of(f"{name}, {who}", float(policy), score.mean) | more)
     parts = [legend(20.0, 52.0, [("line", f"line s{k}", who) for k, who in enumerate(_WHO)]), panel.svg()]

@@ -43,11 +43,15 @@ def failure_map() -> Figure:
             method = f"{name or 'clean'}, lead off {100 * lead_off:g} %"
             rows.append(row_of(method, 99.0 if np.isinf(decibel) else decibel, 1.0 - f1) | {"flagged": flagged})
         cells.append((name or "as it is", line))
-    grid = Grid(270.0, 100.0, 96.0, 40.0)
+    grid = Grid(300.0, 124.0, 96.0, 40.0)
     heads = ["no noise" if np.isinf(d) else f"{d:g} dB" for _, d in columns]
     parts = heat_map(grid, heads, [name for name, _ in cells], [line for _, line in cells])
+    for k, lead_off in enumerate(_LEAD_OFF):
+        left = grid.left + k * len(_DECIBELS) * grid.width
+        head = f"leads off {100 * lead_off:g} % of the time" if lead_off else "leads on"
+        parts.append(word(left, grid.top - 32.0, head, "name strong", "start"))
     size = (grid.left + len(columns) * grid.width + 20.0, grid.top + len(cells) * grid.height + 76.0)
-    what = f"{_SECONDS:d} s each; right half: leads off {100 * _LEAD_OFF[1]:g} % of the time; beats while they are on"
+    what = f"{_SECONDS:d} s each; beats while the leads are on"
     return physio_figure("physio failure map", "F1 of R peaks and time flagged", size, parts, rows, what)
 
 

@@ -34,6 +34,7 @@ class Axis:
         low, high: Ends, low < high; positive for a logarithmic axis.
         log: Logarithmic.
         at: Grid lines instead of those at round values.
+        words: Their texts instead of numbers, one for each of `at`.
     """
 
     label: str
@@ -41,6 +42,7 @@ class Axis:
     high: float
     log: bool = False
     at: tuple[float, ...] = ()
+    words: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, label: str, *data: F8, margin: float = 0.04, zero: bool = False) -> Axis:

@@ -133,7 +133,7 @@ class Panel:
         columns, rows = self.x.ticks(), self.y.ticks()
         places = [self.place(value, self.y.low)[0] for value in columns]
         yield from (path("grid", f"M{px:.1f} {top:g}V{bottom:g}") for px in places)
-        for px, number in _apart(places, format_ticks(columns)):
+        for px, number in _apart(places, self.x.words or format_ticks(columns)):
             yield word(px, bottom + 17, number, "small", "middle")
         for value, number in zip(rows, format_ticks(rows), strict=True):
             py = self.place(self.x.low, value)[1]

@@ -13,8 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mimics_app.app.play.launching import launcher_cards
 from mimics_app.contracts.errors import UsageError
 from mimics_app.contracts.window_input import GamepadState, InputEvent
+from mimics_app.rendering.visual.figures.hud import Hud
 from mimics_app.rendering.visual.launcher.launcher import Launcher, LauncherChoice, ScenarioCard
 from mimics_app.rendering.visual.launcher.setting import Choice, Setting
 from mimics_app.rendering.visual.surfaces.contexts import create_surface
@@ -151,6 +153,24 @@ def test_it_fits_small_and_odd_windows():
             assert surface.ctx.error == "GL_NO_ERROR"
             for spot in launcher._page.spots():
                 assert spot.box[2] > 0.0
+
+
+def test_what_a_shipped_scene_takes_is_read_whole(monkeypatch, tmp_path):
+    cards, cut = launcher_cards(tmp_path), []
+    whole = Hud.text
+
+    def text(hud: Hud, x: float, y: float, words: str, size: float, *rest: object, **more: object) -> float:
+        room = more.get("width", np.inf)
+        cut.extend([words] if hud.measure(words, size, bold=bool(more.get("bold"))) > room else [])
+        return whole(hud, x, y, words, size, *rest, **more)
+
+    monkeypatch.setattr(Hud, "text", text)
+    with create_surface("egl", (1280, 720)) as surface:
+        launcher = Launcher(surface, cards, OPTIONS)
+        for _ in range(len(cards)):
+            launcher.draw()
+            launcher.handle(keys("right"))
+    assert not set(cut) & {card.facts for card in cards}
 
 
 def test_nothing_to_choose_from_is_refused():

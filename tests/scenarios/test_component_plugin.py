@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ hail = lab_of_weather:no_such_thing
 mesh = lab_of_weather:Snow
 [mimics_app.scenarios]
 weather = lab_of_weather:Weather
+storm = lab_of_weather:Storm
 """
 
 PACKAGE = '''
@@ -44,6 +46,13 @@ class Weather(TouchScene):
         super().__init__(scene, world)
         (self.rain,) = [rain for _, rain, _ in scene.components(Rain)]
         assert self.rain.per_s == 3.0
+
+
+class Storm(Weather):
+    def apply(self, orders, snapshot):
+        if snapshot.t_ns > 50_000_000:
+            raise RuntimeError("lightning")
+        super().apply(orders, snapshot)
 '''
 
 
@@ -52,11 +61,11 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_package(tmp_path_factory.mktemp("site"), "lab_of_weather", PACKAGE, ENTRY_POINTS)
 
 
-def scene(folder: Path, **components: Any) -> Path:
+def scene(folder: Path, scenario: str = "weather", **components: Any) -> Path:
     document = json.loads((root() / "scenes" / "examples" / "free_objects.json").read_text())
-    document["scenario"] = "weather"
+    document["scenario"] = scenario
     document["entities"].append({"id": "sky", "components": components})
-    path = folder / "weather.json"
+    path = folder / f"{scenario}.json"
     path.write_text(json.dumps(document))
     return path
 
@@ -72,6 +81,7 @@ def answers(installed: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[s
         "check": ("check", scene(good, rain={"per_s": 3.0})),
         "check wrong": ("check", scene(wrong, rain={"per_s": -1.0}, hail={})),
         "run": ("run", snow, *options),
+        "storm": ("run", scene(unread, "storm", rain={"per_s": 3.0}), *options),
         "doctor": ("doctor", "--json"),
     }
     return dict(zip(commands, mimics_with(installed, *commands.values()), strict=True))
@@ -95,6 +105,14 @@ def test_its_scenario_reads_it_and_what_nobody_reads_is_reported(answers: dict[s
     done = answers["run"]
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["unread"] == ["snow"]
+
+
+def test_the_recording_up_to_a_fault_of_a_package_is_closed_and_named(answers: dict[str, Answer]) -> None:
+    done = answers["storm"]
+    assert done.returncode == 1 and "RuntimeError: lightning" in done.stderr, "its author needs the traceback"
+    assert [error["what"] for error in json.loads(done.stdout)["errors"]] == ["internal error: RuntimeError: lightning"]
+    (folder,) = re.findall("broken off; mimics report (.*) shows what was recorded", done.stderr)
+    assert json.loads((Path(folder) / "manifest.json").read_text())["rows"] >= 50
 
 
 def test_doctor_says_which_cannot_be_had(answers: dict[str, Answer]) -> None:

@@ -21,6 +21,8 @@ guessing = lab_of_guesses:GUESSES
 broken = lab_of_guesses:no_such_thing
 wrong = lab_of_guesses:Guesser
 odd = lab_of_guesses:ODD
+half = lab_of_guesses:HALF
+bare = lab_of_guesses:BARE
 [mimics_app.scenarios]
 guesses = lab_of_guesses:Guesser
 """
@@ -67,6 +69,13 @@ GUESSES = MethodPlugin(
     rows=(Row("1 steps", 0.0, 0.1, 0.0858, "m", {"steps": 1}), Row("6 steps", 0.0, 0.4, 2e-16, "m", {"steps": 6})),
     use=Use("square roots", lambda scene: scene.has(Robot)))
 
+
+def half(registry):
+    registry.register(Method(GROUP, "no step", "x", lambda: 1.0, lambda: 1.0, "m", "never", None))
+    raise RuntimeError("half way")
+
+
+HALF, BARE = MethodPlugin(GROUP, half), MethodPlugin("bare", lambda registry: None)
 ODD = MethodPlugin("odd", lambda registry: None, (Row("a", 0.0, 1.0, 0.0, "parsec", {}),), Use("x", lambda scene: True))
 
 
@@ -102,6 +111,7 @@ def answers(installed: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[o
     options = ("--headless", "--seconds", 0.1, "--pictures", 0, "--sound", "off", "--json", "--runs", folder)
     commands: dict[object, tuple[object, ...]] = {
         "chart": ("lab", "chart", "square root", "--json", "--out", charts),
+        "bare": ("lab", "measure", "bare"),
         "explain": ("explain", scene(folder, 0.1)),
         "doctor": ("doctor", "--json"),
     }
@@ -118,6 +128,14 @@ def test_it_is_measured_and_drawn_as_the_built_in_ones_are(answers: dict[object,
     assert "1 steps" in Path(figure["svg"]).read_text(encoding="utf-8")
     unknown = mimics("lab", "chart", "square root")
     assert unknown.returncode == 2 and 'no group of methods "square root"' in unknown.stderr
+
+
+def test_of_methods_that_cannot_be_registered_whole_nothing_stays(answers: dict[object, Answer]) -> None:
+    assert 'methods of lab_of_guesses for "square root" are left out: RuntimeError: half way' in answers["chart"].stderr
+    assert "no step" not in answers["chart"].stdout
+    done = answers["bare"]
+    assert done.returncode == 2 and "Traceback" not in done.stderr
+    assert 'group "bare" has no description, or no method' in done.stderr and "no method is left" in done.stderr
 
 
 def test_the_planner_takes_the_cheapest_within_and_that_one_runs(answers: dict[object, Answer]) -> None:

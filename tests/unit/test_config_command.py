@@ -5,6 +5,9 @@ from __future__ import annotations
 import json
 from dataclasses import fields
 
+import pytest
+
+from mimics_app.app import cli
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.resources import root
 from mimics_app.world.components.robot import Safety
@@ -44,6 +47,16 @@ def test_every_value_names_what_set_it(tmp_path):
     hidden = {"journey"}
     assert {name for section, name in shown if section == "run"} == {f.name for f in fields(RunSettings)} - hidden
     assert {name for section, name in shown if section == "safety"} >= set(Safety.__struct_fields__)
+
+
+@pytest.mark.parametrize(("display", "device"), [("", "simulated_hapticmaster"), (":99", "pointer")])
+def test_the_device_is_that_of_a_run_here(monkeypatch, capsys, display, device):
+    """Without a display the simulated patient plays; nothing is opened to say so."""
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.setenv("DISPLAY", display)
+    assert cli.main(["config", "wavy_tunnel", "--json"]) == 0
+    (row,) = [row for row in json.loads(capsys.readouterr().out)["settings"] if row["name"] == "late_latches"]
+    assert row["origin"] == f"device {device}"
 
 
 def test_a_scene_that_cannot_be_read_is_refused_as_by_run(tmp_path):

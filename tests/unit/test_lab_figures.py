@@ -25,6 +25,7 @@ from mimics_app.lab.gallery import _time, write_gallery
 from mimics_app.lab.measure import Growth, Measured, MeasuredGroup
 from mimics_app.lab.stability_chart import draw_outcome
 from mimics_app.plotting.axis import Axis, format_number, format_ticks
+from mimics_app.plotting.drawing import text_width
 from mimics_app.plotting.panel import Label, Panel
 
 CHARTS = Path(__file__).parents[2] / "docs" / "charts"
@@ -245,6 +246,28 @@ def test_numbers_along_an_axis_are_written_in_one_way():
     assert format_ticks([1e-6, 1e-3, 1.0, 10.0]) == ["10⁻⁶", "10⁻³", "1", "10"]
     assert format_ticks([0.01, 0.1, 1.0]) == ["0.01", "0.1", "1"]
     assert format_ticks([-2.0, 0.0, 2.0]) == ["−2", "0", "2"]
+
+
+@pytest.mark.parametrize(
+    ("text", "bold", "width"),
+    [
+        ("newton warm", True, 92.1),
+        ("semi-implicit, 1 kHz", False, 118.3),
+        ("mmmm", False, 46.8),
+        ("fill it", False, 26.1),
+    ],
+)
+def test_widths_of_texts_are_those_of_the_widest_font_of_the_style(text, bold, width):
+    """Of DejaVu Sans at 12 px. A label that is wider than it was placed for lies on the numbers of an axis."""
+    assert text_width(text, bold) == pytest.approx(width, rel=0.12)
+
+
+def test_an_axis_of_things_names_them():
+    panel = Panel(
+        0.0, 0.0, 400.0, 300.0, Axis("who", -1.0, 2.0, at=(0.0, 1.0), words=("Ann", "Bo")), Axis("y", 0.0, 1.0)
+    )
+    drawn = str(panel.svg())
+    assert ">Ann<" in drawn and ">Bo<" in drawn
 
 
 def test_scales_have_few_ticks_inside_and_numbers_read_well():

@@ -248,11 +248,11 @@ def _median_round(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _measure_methods(args: argparse.Namespace) -> dict[str, Any]:
     """Measure cost and error of every registered method."""
-    from mimics_app.lab.catalogue import all_groups, load_methods
+    from mimics_app.lab.catalogue import load_methods
     from mimics_app.lab.measure import as_dict, measure
 
     registry = load_methods()
-    return {"groups": applicable({group: as_dict(measure(group, registry)) for group in all_groups()})}
+    return {"groups": applicable({group: as_dict(measure(group, registry)) for group in registry.groups()})}
 
 
 def _measure_audio(args: argparse.Namespace) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.app.commands.run import add_arguments as add_arguments_of_run
 from mimics_app.app.settings import RunSettings
+from mimics_app.app.terminal.display import has_display
 from mimics_app.app.terminal.output import answer, applicable
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.session.effective_settings import effective_settings
     from mimics_app.app.session.preparation import prepare
 
-    parts = prepare(settings, live=not settings.headless)
+    parts = prepare(settings, live=has_display() and not settings.headless)
     try:
         shown = effective_settings(parts, args.meanings)
     finally:

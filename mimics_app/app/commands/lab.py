@@ -112,6 +112,7 @@ def _groups(words: list[str]) -> list[str]:
 def _measure(groups: list[str], rounds: int) -> list[MeasuredGroup]:
     from mimics_app.app.bench.whole_scenes import GROUPS, register_whole
     from mimics_app.app.terminal.progress import ProgressBar
+    from mimics_app.contracts.errors import UsageError
     from mimics_app.lab.catalogue import load_methods
     from mimics_app.lab.measure import count_probes, measure
 
@@ -119,6 +120,8 @@ def _measure(groups: list[str], rounds: int) -> list[MeasuredGroup]:
     for group in groups:
         if group in GROUPS:
             register_whole(registry, group)
+    if not (groups := [group for group in groups if group in registry.groups()]):
+        raise UsageError("no method is left to measure", "mimics doctor checks the installed packages")
     with ProgressBar(sys.stderr, count_probes(registry, groups, rounds)) as bar:
         return [measure(group, registry, bar.step, rounds) for group in groups]
 

@@ -24,7 +24,7 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.app.terminal import output
 from mimics_app.app.terminal.display import has_display
 from mimics_app.contracts.clock import MonotonicClock
-from mimics_app.contracts.errors import DeviceError, PartialDataError, SafetyStop
+from mimics_app.contracts.errors import DeviceError, MimicsError, PartialDataError, SafetyStop
 from mimics_app.contracts.haptic import SafetyState
 from mimics_app.recording.history import earlier_runs
 from mimics_app.recording.manifest import Manifest
@@ -113,10 +113,12 @@ def _why(manifest: Manifest) -> str:
 
 @contextmanager
 def _say_where_kept(session: Session) -> Iterator[None]:
-    """Report where the recording of an interrupted run is, since its report is not written."""
+    """Report where the recording of a run is that a signal or a fault of a plug-in ends: its report is not written."""
     try:
         yield
-    except (KeyboardInterrupt, SystemExit):
+    except MimicsError:  # says itself what happened
+        raise
+    except BaseException:
         sys.stderr.write(f"mimics: broken off; mimics report {session.folder} shows what was recorded\n")
         raise
 

@@ -233,13 +233,20 @@ class LauncherPage:
         hud.image((x + 10.0, y + height - 10.0 - picture, width - 20.0, picture), layer, radius=8.0)
         text_y, room = y + height - picture - 36.0, width - 28.0
         free = room - hud.text(x + width - 14.0, text_y, card.badge, 16.0, ACCENT, bold=True, align="right") - 8.0
-        size = min(17.5, max(14.5, 17.5 * free / max(hud.measure(card.title, 17.5, bold=True), 1.0)))
-        hud.text(x + 14.0, text_y, card.title, size, INK, bold=True, width=free)
+        self._fitted(x + 14.0, text_y, card.title, (14.5, 17.5), free, bold=True)
         for number, line in enumerate(hud.wrap(card.description, 13.0, room, 3)):
             hud.text(x + 14.0, text_y - 20.0 - 16.5 * number, line, 13.0, FAINT)
-        hud.text(x + 14.0, y + 13.0, card.facts, 12.5, INK, width=room)
+        self._fitted(x + 14.0, y + 13.0, card.facts, (10.5, 12.5), room)
         if chosen or focused:
             hud.box(*box, ACCENT if focused else FAINT, radius=14.0, border=3.0 if focused else 1.5)
+
+    def _fitted(
+        self, x: float, y: float, text: str, sizes: tuple[float, float], room: float, *, bold: bool = False
+    ) -> None:
+        """Write a line as large as fits between a least and a greatest size; what still does not fit is cut off."""
+        least, greatest = sizes
+        fits = greatest * room / max(self._hud.measure(text, greatest, bold=bold), 1.0)
+        self._hud.text(x, y, text, min(greatest, max(least, fits)), INK, bold=bold, width=room)
 
     def _draw_settings(self) -> None:
         hud, state = self._hud, self.state
