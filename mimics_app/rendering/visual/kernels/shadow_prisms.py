@@ -10,12 +10,15 @@ from mimics_app.contracts.arrays import F8, I4, U1
 from mimics_app.contracts.kernel import kernel
 from mimics_app.maths.mat import affine_inverse
 
-__all__ = ["FIGURES", "cut_prisms", "slice_casters"]
+__all__ = ["FIGURES", "LEAST", "cut_prisms", "slice_casters"]
 
 FIGURES = 5
 """Of a caster in the frame of the rays: least and greatest x, least and greatest y, greatest z [m]."""
 
 _LEFT, _RIGHT, _BOTTOM, _TOP, _NEAREST = range(FIGURES)
+
+LEAST = [_LEFT, _BOTTOM]
+"""Those of a caster's figures that are least; the others are greatest."""
 
 _PARALLEL = 1e-9
 """Change of a coordinate along a ray below which the ray is parallel to the sides [1/m]."""

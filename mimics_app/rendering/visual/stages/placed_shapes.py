@@ -68,7 +68,7 @@ def shapes_of(placed: PlacedItems, which: B1, rewritten: B1, shapes: ShapeBoxes)
     Args:
         placed: The items.
         which: The items, [n].
-        rewritten: Items whose meshes have changed since `shapes` was made, [n].
+        rewritten: Items whose meshes were rewritten, which have one box each, [n].
         shapes: Boxes of the shapes of the world.
     """
     items, numbers = placed.items, np.flatnonzero(which).astype(np.int32)

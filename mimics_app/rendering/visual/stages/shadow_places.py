@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from mimics_app.contracts.arrays import B1, F8, I4
-from mimics_app.rendering.visual.kernels.shadow_prisms import FIGURES, cut_prisms, slice_casters
+from mimics_app.rendering.visual.kernels.shadow_prisms import FIGURES, LEAST, cut_prisms, slice_casters
 from mimics_app.rendering.visual.stages.placed_shapes import PlacedItems, Shapes
 from mimics_app.rendering.visual.stages.seen_frame import SeenFrame
 from mimics_app.rendering.visual.stages.shape_boxes import ShapeBoxes
@@ -26,13 +28,13 @@ _MAX_SPRITES = 300
 
 
 def find_shadow_places(
-    seen: SeenFrame, cast: Shapes, placed: PlacedItems, receiving: B1, shapes: ShapeBoxes
+    seen: SeenFrame, cast: Sequence[Shapes], placed: PlacedItems, receiving: B1, shapes: ShapeBoxes
 ) -> F8 | None:
     """Return hulls of the places where the sun's shadows of shapes may fall.
 
     Args:
         seen: The frame.
-        cast: The shapes.
+        cast: The shapes, before and after they moved.
         placed: Its items.
         receiving: Items on which shadows may fall; lit sprites and what is overlaid always count, [n].
         shapes: Boxes of the shapes of the world.
@@ -41,16 +43,14 @@ def find_shadow_places(
         Points of each hull, world [m], [m, 8, 3]; None where there are too many.
     """
     prisms = np.empty((_MAX_PRISMS, 8, 3))
-    if seen.sun is None or not seen.maps or not cast.casting.any():
+    if seen.sun is None or not seen.maps or not any(each.casting.any() for each in cast):
         return prisms[:0]
     rays = _frame_of(seen.sun)
-    casters = np.empty((len(cast.casting), _SLICES, FIGURES))
-    slice_casters(cast.corners, cast.starts, rays, _SLICES, casters.reshape(-1, FIGURES))
-    given = (casters[cast.casting].reshape(-1, FIGURES), rays, _REACH_TEXELS * max(each.texel for each in seen.maps))
+    given = (_casters_of(cast, rays), rays, _REACH_TEXELS * max(each.texel for each in seen.maps))
 
     numbers = np.flatnonzero(receiving).astype(np.int32)
     fallen = np.zeros(len(numbers), np.uint8)
-    cut_prisms(*given, placed.boxes[numbers], numbers, placed.world, prisms, fallen)
+    cut_prisms(*given, placed.boxes[numbers], numbers, placed.world, prisms[:0], fallen)
     boxes, nodes = _divide(placed, numbers[fallen > 0], seen.listed.rewritten, shapes)
     fallen = np.zeros(len(boxes), np.uint8)
     count = cut_prisms(*given, boxes, nodes, placed.world, prisms, fallen)
@@ -59,6 +59,20 @@ def find_shadow_places(
     still, fallen = np.zeros(len(apart), np.int32), np.zeros(len(apart), np.uint8)
     count += cut_prisms(*given, apart, still, np.eye(4)[None], prisms[count:], fallen)
     return prisms[:count] if count <= _MAX_PRISMS else None
+
+
+def _casters_of(cast: Sequence[Shapes], rays: F8) -> F8:
+    """Return the figures of slices of shapes, each slice with the one where the shape was before, [n, `FIGURES`]."""
+    found = []
+    for each in cast:
+        slices = np.empty((len(each.casting), _SLICES, FIGURES))
+        slice_casters(each.corners, each.starts, rays, _SLICES, slices.reshape(-1, FIGURES))
+        found.append(slices[each.casting].reshape(-1, FIGURES))
+    if len({len(each) for each in found}) > 1:
+        return np.concatenate(found)
+    both = np.max(found, axis=0)
+    both[:, LEAST] = np.min(found, axis=0)[:, LEAST]
+    return np.asarray(both)
 
 
 def _divide(placed: PlacedItems, numbers: I4, rewritten: B1, shapes: ShapeBoxes) -> tuple[F8, I4]:

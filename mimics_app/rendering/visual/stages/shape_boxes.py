@@ -22,19 +22,22 @@ _DIVISIONS = 8
 class ShapeBoxes:
     """Boxes of the shapes of a world by their meshes, computed when they are first asked for.
 
+    Attributes:
+        world: The world.
+
     Args:
-        world: The world; its meshes must not change.
+        world: The world.
     """
 
     def __init__(self, world: World) -> None:
-        self._world = world
-        self._rigid: dict[tuple[str, ...], F8] = {}
+        self.world = world
+        self._rigid: dict[tuple[str, ...], tuple[list[tuple[int, MeshData]], F8]] = {}
         self._sets: dict[SkinnedBody, tuple[I4, F8]] = {}
         self._bent: dict[SkinnedBody, tuple[int, F8]] = {}
 
     def revisions(self) -> dict[SkinnedBody, int]:
         """Return the present revisions of all deformable bodies."""
-        return {body: body.revision for body in self._world.motion.bodies.values()}
+        return {body: body.revision for body in self.world.motion.bodies.values()}
 
     def of(self, meshes: Sequence[str], revisions: Mapping[SkinnedBody, int]) -> F8 | None:
         """Return boxes in the frame of the node that carries some meshes; None where they are not known.
@@ -46,14 +49,17 @@ class ShapeBoxes:
         Returns:
             Least and greatest corner of each [m], [n, 2, 3].
         """
-        bodies = {self._world.motion.body_of.get(name) for name in meshes}
+        bodies = {self.world.motion.body_of.get(name) for name in meshes}
         if bodies == {None}:
-            key = tuple(meshes)
-            if key not in self._rigid:
-                self._rigid[key] = _divide([self._world.meshes[name] for name in meshes])
-            return self._rigid[key]
+            return self._of_rigid(tuple(meshes))
         body = bodies.pop()
         return None if bodies or body is None else self._of_body(body, revisions.get(body))
+
+    def _of_rigid(self, names: tuple[str, ...]) -> F8:
+        meshes = [(self.world.mesh_revision(name), self.world.meshes[name]) for name in names]
+        if names not in self._rigid or self._rigid[names][0] != meshes:
+            self._rigid[names] = meshes, _divide([mesh for _, mesh in meshes])
+        return self._rigid[names][1]
 
     def _of_body(self, body: SkinnedBody, revision: int | None) -> F8 | None:
         """Return boxes of a body's sets of vertices with the same joints; dual quaternions may leave such boxes."""

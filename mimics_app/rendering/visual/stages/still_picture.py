@@ -72,7 +72,7 @@ class StillPicture:
         if changed is None and not self.keeps:
             self._before = _Before(seen)
             return None
-        if self._shapes is None or listed.remade:
+        if self._shapes is None or self._shapes.world is not seen.world:
             self._shapes = ShapeBoxes(seen.world)
         placed = place_items(listed, self._shapes)
         self._before = _Before(seen, placed)
@@ -94,14 +94,12 @@ class StillPicture:
     def _find(self, was: PlacedItems, now: PlacedItems, seen: SeenFrame, changed: B1) -> list[F8] | None:
         """Return hulls [n, 8, 3] of changed items, before and after, and of their shadows; None: too many to find."""
         assert self._shapes is not None
-        found = []
-        for placed in (was, now):
-            shapes = shapes_of(placed, changed & placed.shown, seen.listed.rewritten, self._shapes)
-            shadows = find_shadow_places(seen, shapes, now, seen.listed.drawn & now.shown & ~changed, self._shapes)
-            if shadows is None or (seen.cones and shapes.casting.any()):
-                return None
-            found += [shapes.corners, shadows]
-        return found
+        rewritten, placed = seen.listed.rewritten, (was, now)
+        shapes = [shapes_of(each, changed & each.shown, rewritten, self._shapes) for each in placed]
+        if seen.cones and any(each.casting.any() for each in shapes):
+            return None
+        shadows = find_shadow_places(seen, shapes, now, seen.listed.drawn & now.shown & ~changed, self._shapes)
+        return None if shadows is None else [*(each.corners for each in shapes), shadows]
 
     def _cover(
         self, seen: SeenFrame, hulls: list[F8], sprites: F8, overlaid: list[Overlaid]
