@@ -46,7 +46,7 @@ COMMANDS: dict[str, str] = {
     "sweep": "run an experiment over a grid or sample of parameters, scenes and simulated patients",
     "bench": "measure the product beside its peers on this machine",
     "lab": "chart speed against accuracy, and show where methods fail",
-    "assets": "build the shipped models and sounds, bit for bit",
+    "assets": "build the shipped models and sounds from a seed",
     "completion": "print the script by which a shell completes commands, options and names of scenes",
     "warmup": "compile the kernels now instead of at the first run",
 }

@@ -34,7 +34,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("name", nargs="?", default="", help="builder or scene; with levels: a .glb or .gltf file")
     parser.add_argument(
-        "--seed", type=_seed, default=1, help="seed of build: the same seed gives the same bytes on any machine"
+        "--seed",
+        type=_seed,
+        default=1,
+        help="seed of build: the same seed gives the same bytes; on another processor the last digit of a sine may "
+        "differ",
     )
     parser.add_argument("--out", type=Path, default=Path("."), metavar="DIR", help="folder to write into")
     parser.add_argument(
