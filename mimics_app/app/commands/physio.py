@@ -51,9 +51,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the source to its end, and print its signals, their quality and the events found."""
-    from mimics_app.app.physio.watch import Watch
+    from mimics_app.app.physio.watch import Watch, compile_channels
     from mimics_app.contracts.errors import PartialDataError
 
+    compile_channels()
     source, start_s, seconds, live = _open(args)
     watch = Watch()
     try:
